@@ -1,0 +1,1 @@
+//! From a panorama to a picture: projections, colour maps, legends, encoders.

@@ -1,0 +1,1 @@
+//! Resident packs on a wgpu device, passes, read-back.

@@ -1,0 +1,126 @@
+//! The model atmosphere: two exponential species above the sphere.
+
+use crate::{
+    bands::{BAND_COUNT, Band},
+    error::{PhysicsError, check_range},
+};
+
+/// Scale height of the molecules, metres.
+pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_000.0;
+/// Scale height of the aerosol, metres.
+pub const AEROSOL_SCALE_HEIGHT_M: f64 = 1_200.0;
+/// Molecular extinction at z = 0 and 550 nm, m⁻¹.
+pub const MOLECULE_EXTINCTION_550_PER_M: f64 = 13.558e-6;
+/// Single-scattering albedo of the aerosol (of the molecules it is 1).
+pub const AEROSOL_ALBEDO: f64 = 0.9;
+
+/// Turbidity at sea level (Preetham et al. 1999): vertical optical thickness of air plus haze over that of
+/// air alone, at 550 nm. 1 is clean air.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Turbidity(f64);
+
+impl Turbidity {
+    /// Smallest turbidity the model has.
+    pub const MINIMUM: f64 = 1.0;
+    /// Largest turbidity the model has.
+    pub const MAXIMUM: f64 = 20.0;
+
+    /// Checks `MINIMUM..=MAXIMUM`; resident packs narrow the range further.
+    ///
+    /// # Errors
+    /// [`PhysicsError::OutOfRange`] naming `turbidity`.
+    pub fn new(turbidity: f64) -> Result<Self, PhysicsError> {
+        check_range("turbidity", turbidity, Self::MINIMUM, Self::MAXIMUM, "").map(Self)
+    }
+
+    /// The number.
+    pub fn value(self) -> f64 {
+        self.0
+    }
+}
+
+impl Default for Turbidity {
+    /// 2.5, a clear night: zenith extinction 0.29 mag.
+    fn default() -> Self {
+        Self(2.5)
+    }
+}
+
+/// Extinction and scattering of the two species at one turbidity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Atmosphere {
+    turbidity: Turbidity,
+    molecule_extinction_per_m: [f64; BAND_COUNT],
+    aerosol_extinction_per_m: [f64; BAND_COUNT],
+}
+
+impl Atmosphere {
+    /// The atmosphere at a turbidity: β_m(λ) = β_m(550)·(550/λ)⁴,
+    /// β_a(λ) = (T − 1)·β_m(550)·(8.0/1.2)·(550/λ)^1.3.
+    pub fn new(turbidity: Turbidity) -> Self {
+        let relative = |band: Band, power: f64| (550.0 / band.wavelength_nm()).powf(power);
+        let aerosol_550 = (turbidity.value() - 1.0)
+            * MOLECULE_EXTINCTION_550_PER_M
+            * (MOLECULE_SCALE_HEIGHT_M / AEROSOL_SCALE_HEIGHT_M);
+        Self {
+            turbidity,
+            molecule_extinction_per_m: Band::ALL.map(|b| MOLECULE_EXTINCTION_550_PER_M * relative(b, 4.0)),
+            aerosol_extinction_per_m: Band::ALL.map(|b| aerosol_550 * relative(b, 1.3)),
+        }
+    }
+
+    /// The turbidity this was made for.
+    pub fn turbidity(&self) -> Turbidity {
+        self.turbidity
+    }
+
+    /// Extinction (all of it scattering) of molecules at z = 0, m⁻¹, per band.
+    pub fn molecule_extinction_per_m(&self) -> [f64; BAND_COUNT] {
+        self.molecule_extinction_per_m
+    }
+
+    /// Extinction of aerosol at z = 0, m⁻¹, per band; [`AEROSOL_ALBEDO`] of it is scattering.
+    pub fn aerosol_extinction_per_m(&self) -> [f64; BAND_COUNT] {
+        self.aerosol_extinction_per_m
+    }
+
+    /// Vertical optical depth above `altitude_m`, per band.
+    pub fn vertical_optical_depth(&self, altitude_m: f64) -> [f64; BAND_COUNT] {
+        std::array::from_fn(|b| {
+            self.molecule_extinction_per_m[b]
+                * MOLECULE_SCALE_HEIGHT_M
+                * (-altitude_m / MOLECULE_SCALE_HEIGHT_M).exp()
+                + self.aerosol_extinction_per_m[b]
+                    * AEROSOL_SCALE_HEIGHT_M
+                    * (-altitude_m / AEROSOL_SCALE_HEIGHT_M).exp()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turbidity_is_the_ratio_of_vertical_optical_depths_at_550_nm() {
+        for t in [1.0, 1.5, 2.5, 6.0] {
+            let depth = Atmosphere::new(Turbidity::new(t).unwrap()).vertical_optical_depth(0.0)[1];
+            let clean = Atmosphere::new(Turbidity::new(1.0).unwrap()).vertical_optical_depth(0.0)[1];
+            assert!((depth / clean - t).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_clear_night_costs_0_29_magnitudes_at_the_zenith() {
+        let depth = Atmosphere::new(Turbidity::default()).vertical_optical_depth(0.0)[1];
+        assert!((depth * 1.0857 - 0.29).abs() < 0.006, "{}", depth * 1.0857);
+    }
+
+    #[test]
+    fn turbidity_0_and_100_are_refused_with_the_range() {
+        for bad in [0.0, 100.0, f64::NAN] {
+            let message = Turbidity::new(bad).unwrap_err().to_string();
+            assert!(message.contains("turbidity is") && message.contains("1 to 20"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Emission lobes: how a source's upward flux is spread over zenith angle ψ.
+//!
+//! Each lobe integrates to 1 over the upper hemisphere and is zero at and below the horizon.
+
+use crate::error::PhysicsError;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
+
+/// Number of lobes; the length of every per-lobe array, in the order of [`Lobe::ALL`].
+pub const LOBE_COUNT: usize = 3;
+
+/// 1/∫₀^{π/2} ψ⁴ sin ψ dψ. The antiderivative is −ψ⁴cos ψ + 4ψ³sin ψ + 12ψ²cos ψ − 24ψ sin ψ − 24cos ψ.
+const HORIZON_NORM: f64 = {
+    let h = FRAC_PI_2;
+    1.0 / (4.0 * h * h * h - 24.0 * h + 24.0)
+};
+/// 16/(3√3).
+const OBLIQUE_NORM: f64 = 16.0 / (3.0 * 1.732_050_807_568_877_2);
+
+/// One emission lobe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Lobe {
+    /// cos ψ / π.
+    Lambert,
+    /// C ψ⁴ / 2π (Garstang's low-angle term).
+    Horizon,
+    /// C' sin 3ψ / 2π for ψ < 60°, else 0 (third function of Falchi et al. 2016).
+    Oblique,
+}
+
+impl Lobe {
+    /// All lobes in array order.
+    pub const ALL: [Lobe; LOBE_COUNT] = [Lobe::Lambert, Lobe::Horizon, Lobe::Oblique];
+
+    /// Position in every per-lobe array.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// The name used in requests, answers and files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Lobe::Lambert => "lambert",
+            Lobe::Horizon => "horizon",
+            Lobe::Oblique => "oblique",
+        }
+    }
+
+    /// f(ψ), sr⁻¹, from the cosine of the zenith angle at the source. Zero for cos ψ ≤ 0.
+    pub fn intensity_per_sr(self, cos_zenith: f64) -> f64 {
+        lobe_intensities_per_sr(cos_zenith)[self.index()]
+    }
+}
+
+/// f(ψ) of all three lobes, sr⁻¹, from the cosine of the zenith angle at the source; zero for cos ψ ≤ 0.
+pub fn lobe_intensities_per_sr(cos_zenith: f64) -> [f64; LOBE_COUNT] {
+    if cos_zenith <= 0.0 {
+        return [0.0; LOBE_COUNT];
+    }
+    let c = cos_zenith.min(1.0);
+    let psi = c.acos();
+    let psi2 = psi * psi;
+    let oblique = if psi < FRAC_PI_3 {
+        // sin 3ψ = sin ψ (4cos²ψ − 1)
+        OBLIQUE_NORM / TAU * (1.0 - c * c).max(0.0).sqrt() * (4.0 * c * c - 1.0)
+    } else {
+        0.0
+    };
+    [c / PI, HORIZON_NORM / TAU * psi2 * psi2, oblique.max(0.0)]
+}
+
+/// Weights of the three lobes, each ≥ 0, summing to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmissionMix {
+    weights: [f64; LOBE_COUNT],
+}
+
+impl EmissionMix {
+    /// From weights ≥ 0 that are normalised to sum to 1.
+    ///
+    /// # Errors
+    /// [`PhysicsError::Invalid`] naming `emission` for a negative, non-finite or all-zero set.
+    pub fn new(weights: [f64; LOBE_COUNT]) -> Result<Self, PhysicsError> {
+        let sum: f64 = weights.iter().sum();
+        if weights.iter().any(|w| !w.is_finite() || *w < 0.0) || sum <= 0.0 || !sum.is_finite() {
+            return Err(PhysicsError::Invalid {
+                parameter: "emission",
+                reason: format!(
+                    "weights {weights:?} (lambert, horizon, oblique) must be finite, not negative, and not all zero"
+                ),
+            });
+        }
+        Ok(Self { weights: weights.map(|w| w / sum) })
+    }
+
+    /// Garstang's F = 0.15, G = 0.15: the default.
+    pub fn garstang() -> Self {
+        let (f, g) = (0.15, 0.15);
+        let sum = g * (1.0 - f) + f;
+        Self { weights: [g * (1.0 - f) / sum, f / sum, 0.0] }
+    }
+
+    /// `lambert` alone (also the preset `shielded`).
+    pub fn lambert() -> Self {
+        Self { weights: [1.0, 0.0, 0.0] }
+    }
+
+    /// One lobe alone.
+    pub fn only(lobe: Lobe) -> Self {
+        let mut weights = [0.0; LOBE_COUNT];
+        weights[lobe.index()] = 1.0;
+        Self { weights }
+    }
+
+    /// The preset of that name: `garstang`, `shielded` or `lambert`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "garstang" => Some(Self::garstang()),
+            "shielded" | "lambert" => Some(Self::lambert()),
+            _ => None,
+        }
+    }
+
+    /// Weights in lobe order, summing to 1.
+    pub fn weights(self) -> [f64; LOBE_COUNT] {
+        self.weights
+    }
+}
+
+impl Default for EmissionMix {
+    fn default() -> Self {
+        Self::garstang()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ∫ f dΩ = 2π ∫ f(ψ) sin ψ dψ by a midpoint rule fine enough for 1e-8.
+    fn hemisphere_integral(lobe: Lobe) -> f64 {
+        let n = 200_000;
+        let step = FRAC_PI_2 / n as f64;
+        (0..n)
+            .map(|i| {
+                let psi: f64 = (i as f64 + 0.5) * step;
+                TAU * lobe.intensity_per_sr(psi.cos()) * psi.sin() * step
+            })
+            .sum()
+    }
+
+    #[test]
+    fn every_lobe_sends_out_exactly_its_flux() {
+        for lobe in Lobe::ALL {
+            let integral = hemisphere_integral(lobe);
+            assert!((integral - 1.0).abs() < 1e-8, "{lobe:?}: {integral}");
+        }
+    }
+
+    #[test]
+    fn no_lobe_shines_downwards_and_the_oblique_one_stops_at_60_degrees() {
+        for lobe in Lobe::ALL {
+            assert_eq!(lobe.intensity_per_sr(-1e-12), 0.0);
+        }
+        assert_eq!(Lobe::Oblique.intensity_per_sr(61f64.to_radians().cos()), 0.0);
+        assert!(Lobe::Oblique.intensity_per_sr(30f64.to_radians().cos()) > 0.0);
+    }
+
+    #[test]
+    fn garstang_weights_follow_from_f_and_g() {
+        let weights = EmissionMix::garstang().weights();
+        assert!((weights[0] - 0.1275 / 0.2775).abs() < 1e-15);
+        assert!((weights[1] - 0.15 / 0.2775).abs() < 1e-15);
+        assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn bad_weights_are_refused() {
+        for bad in [[-1.0, 2.0, 0.0], [0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0]] {
+            assert!(EmissionMix::new(bad).is_err(), "{bad:?}");
+        }
+        assert_eq!(EmissionMix::new([2.0, 2.0, 0.0]).unwrap().weights(), [0.5, 0.5, 0.0]);
+    }
+}

@@ -1,0 +1,34 @@
+//! The physical model of skyglow: pure functions in f64, no files, no GPU, no global state.
+//!
+//! Everything here follows Dobashi, Ishikawa, Iwasaki, *Efficient Visualization of Light Pollution for the
+//! Night Sky*, ACM TOG 42(6) 219 (2023), "the paper", and goes on where it stops: spherical Earth, three
+//! emission lobes, altitudes of source and observer.
+//!
+//! This crate is the judge: every fast path is measured against [`direct_sum`].
+
+pub mod atmosphere;
+pub mod bands;
+pub mod chapman;
+pub mod direct_sum;
+pub mod emission;
+pub mod error;
+pub mod error_metric;
+pub mod geometry;
+pub mod lamp;
+pub mod panorama;
+pub mod phase;
+pub mod photometry;
+pub mod quadrature;
+pub mod single_source;
+pub mod sky_quantities;
+pub mod source_pixel;
+
+pub use atmosphere::{Atmosphere, Turbidity};
+pub use bands::{BAND_COUNT, Band};
+pub use emission::{EmissionMix, LOBE_COUNT, Lobe};
+pub use error::PhysicsError;
+pub use geometry::{EARTH_RADIUS_M, GeoPoint};
+pub use lamp::{Lamp, LampPreset};
+pub use panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama};
+pub use sky_quantities::SkyQuantities;
+pub use source_pixel::{PointSource, SourcePixel};

@@ -1,0 +1,187 @@
+//! The numbers reported for a panorama: artificial light alone, and with the natural sky.
+
+use crate::{
+    panorama::{
+        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad, solid_angle_sr,
+    },
+    photometry::{
+        bortle_class, brightness_mag_arcsec2, luminance_cd_m2, naked_eye_limit_mag,
+        natural_sky_luminance_cd_m2,
+    },
+};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Radius of the cap that "the zenith" means, radians (5°).
+pub const ZENITH_CAP_RAD: f64 = 5.0 * PI / 180.0;
+/// Full width at half maximum of a Sky Quality Meter's response, radians (20°).
+pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
+
+/// What is reported of a sky. Luminances are artificial light alone unless the name says `total`; `total`
+/// is artificial plus a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are None for a sky without light.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SkyQuantities {
+    /// Mean over grid directions within 5° of the zenith, weighted by solid angle, cd m⁻².
+    pub zenith_luminance_cd_m2: f64,
+    /// The same as surface brightness, mag arcsec⁻².
+    pub zenith_brightness_mag_arcsec2: Option<f64>,
+    /// Zenith luminance with the natural sky, cd m⁻².
+    pub zenith_total_luminance_cd_m2: f64,
+    /// Zenith surface brightness with the natural sky, mag arcsec⁻².
+    pub zenith_total_brightness_mag_arcsec2: f64,
+    /// Artificial over natural luminance at the zenith.
+    pub ratio_to_natural: f64,
+    /// As a Sky Quality Meter at the zenith sees it (Gaussian, FWHM 20°), cd m⁻².
+    pub sqm_luminance_cd_m2: f64,
+    /// What such a meter would read with the natural sky, mag arcsec⁻².
+    pub sqm_total_brightness_mag_arcsec2: f64,
+    /// Mean over the upper hemisphere, cd m⁻².
+    pub mean_luminance_cd_m2: f64,
+    /// E = ∫ L sin φ dΩ, lux.
+    pub horizontal_illuminance_lx: f64,
+    /// The same with the natural sky (π times its luminance), lux.
+    pub horizontal_total_illuminance_lx: f64,
+    /// Largest luminance on the grid, cd m⁻².
+    pub brightest_luminance_cd_m2: f64,
+    /// Azimuth of that direction, degrees clockwise from north.
+    pub brightest_azimuth_deg: f64,
+    /// Elevation of that direction, degrees.
+    pub brightest_elevation_deg: f64,
+    /// Bortle class of the total brightness at the zenith, 1..=9.
+    pub bortle_class: u8,
+    /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2).
+    pub naked_eye_limit_mag: f64,
+    /// Radiance at the zenith (same mean), W m⁻² sr⁻¹ in R, G, B.
+    pub zenith_radiance_w_m2_sr: [f64; 3],
+}
+
+/// Weight of a grid direction, given its angle to the zenith.
+fn weighted_mean_radiance(panorama: &Panorama, weight: impl Fn(f64) -> f64) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    let mut total = 0.0;
+    for row in 0..ELEVATION_COUNT {
+        let w = weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row);
+        if w > 0.0 {
+            total += w * AZIMUTH_COUNT as f64;
+            for (band, sum) in sum.iter_mut().enumerate() {
+                let start = Panorama::index(band, row, 0);
+                let row_sum: f64 =
+                    panorama.samples()[start..start + AZIMUTH_COUNT].iter().map(|&l| f64::from(l)).sum();
+                *sum += w * row_sum;
+            }
+        }
+    }
+    sum.map(|s| s / total)
+}
+
+/// Illuminance [lx] on a vertical surface facing `facing_azimuth_rad`: ∫ L max(0, n·v) dΩ over the sky.
+pub fn vertical_illuminance_lx(panorama: &Panorama, facing_azimuth_rad: f64) -> f64 {
+    let facing = Direction { azimuth_rad: facing_azimuth_rad, elevation_rad: 0.0 }.enu();
+    let mut sum = 0.0;
+    for row in 0..ELEVATION_COUNT {
+        for column in 0..AZIMUTH_COUNT {
+            let v = Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) }.enu();
+            sum += panorama.luminance_cd_m2(row, column) * v.dot(facing).max(0.0) * solid_angle_sr(row);
+        }
+    }
+    sum
+}
+
+impl SkyQuantities {
+    /// All quantities of a panorama of artificial light.
+    pub fn of(panorama: &Panorama) -> Self {
+        let natural = natural_sky_luminance_cd_m2();
+        let zenith_radiance_w_m2_sr =
+            weighted_mean_radiance(panorama, |angle| if angle <= ZENITH_CAP_RAD { 1.0 } else { 0.0 });
+        let zenith = luminance_cd_m2(zenith_radiance_w_m2_sr);
+        let sigma = SQM_FWHM_RAD / (8.0 * std::f64::consts::LN_2).sqrt();
+        let sqm = luminance_cd_m2(weighted_mean_radiance(panorama, |angle| {
+            (-0.5 * (angle / sigma) * (angle / sigma)).exp()
+        }));
+        let mean = luminance_cd_m2(weighted_mean_radiance(panorama, |_| 1.0));
+        // sin φ averaged over the cell is exact for a uniform sky: E = πL.
+        let step = PI / 2.0 / ELEVATION_COUNT as f64;
+        let mut horizontal = 0.0;
+        let mut brightest = (0.0, 0, 0);
+        for row in 0..ELEVATION_COUNT {
+            let (low, high) = (row as f64 * step, (row + 1) as f64 * step);
+            let projected_sr = std::f64::consts::TAU / AZIMUTH_COUNT as f64
+                * 0.5
+                * (high.sin() * high.sin() - low.sin() * low.sin());
+            for column in 0..AZIMUTH_COUNT {
+                let luminance = panorama.luminance_cd_m2(row, column);
+                horizontal += luminance * projected_sr;
+                if luminance > brightest.0 {
+                    brightest = (luminance, row, column);
+                }
+            }
+        }
+        let total_brightness = |luminance: f64| {
+            brightness_mag_arcsec2(luminance.max(0.0) + natural)
+                .unwrap_or(crate::photometry::NATURAL_SKY_MAG_ARCSEC2)
+        };
+        let zenith_total_brightness_mag_arcsec2 = total_brightness(zenith);
+        Self {
+            zenith_luminance_cd_m2: zenith,
+            zenith_brightness_mag_arcsec2: brightness_mag_arcsec2(zenith),
+            zenith_total_luminance_cd_m2: zenith + natural,
+            zenith_total_brightness_mag_arcsec2,
+            ratio_to_natural: zenith / natural,
+            sqm_luminance_cd_m2: sqm,
+            sqm_total_brightness_mag_arcsec2: total_brightness(sqm),
+            mean_luminance_cd_m2: mean,
+            horizontal_illuminance_lx: horizontal,
+            horizontal_total_illuminance_lx: horizontal + PI * natural,
+            brightest_luminance_cd_m2: brightest.0,
+            brightest_azimuth_deg: azimuth_rad(brightest.2).to_degrees(),
+            brightest_elevation_deg: elevation_rad(brightest.1).to_degrees(),
+            bortle_class: bortle_class(zenith_total_brightness_mag_arcsec2),
+            naked_eye_limit_mag: naked_eye_limit_mag(zenith + natural),
+            zenith_radiance_w_m2_sr,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uniform(radiance: f32) -> Panorama {
+        Panorama::from_samples(vec![radiance; Panorama::LEN]).unwrap()
+    }
+
+    #[test]
+    fn a_uniform_sky_gives_pi_l_on_the_ground_and_half_of_it_on_a_wall() {
+        let panorama = uniform(1e-6);
+        let luminance = luminance_cd_m2([f64::from(1e-6f32); 3]);
+        let quantities = SkyQuantities::of(&panorama);
+        assert!((quantities.horizontal_illuminance_lx / (PI * luminance) - 1.0).abs() < 1e-9);
+        assert!((vertical_illuminance_lx(&panorama, 0.3) / (PI * luminance / 2.0) - 1.0).abs() < 1e-3);
+        for value in [
+            quantities.zenith_luminance_cd_m2,
+            quantities.sqm_luminance_cd_m2,
+            quantities.mean_luminance_cd_m2,
+            quantities.brightest_luminance_cd_m2,
+        ] {
+            assert!((value / luminance - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_dark_sky_is_natural_and_has_no_artificial_magnitude() {
+        let quantities = SkyQuantities::of(&Panorama::dark());
+        assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
+        assert!((quantities.zenith_total_brightness_mag_arcsec2 - 22.0).abs() < 1e-9);
+        assert_eq!(quantities.bortle_class, 1);
+        assert!((quantities.naked_eye_limit_mag - 6.27).abs() < 0.01);
+    }
+
+    #[test]
+    fn the_brightest_direction_is_found_where_it_is() {
+        let mut panorama = uniform(1e-9);
+        panorama.samples_mut()[Panorama::index(1, 3, 64)] = 1.0;
+        let quantities = SkyQuantities::of(&panorama);
+        assert!((quantities.brightest_azimuth_deg - 90.0).abs() < 1e-9);
+        assert!((quantities.brightest_elevation_deg - 3.5 * 90.0 / 64.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,1 @@
+//! Scenes: rasters in, light and terrain pyramids, polar grids.
