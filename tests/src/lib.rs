@@ -1,1 +1,10 @@
-//! Tests that cross crates.
+//! Rules that no single crate can keep: which crate may use which, and what must be absent where.
+//!
+//! Each rule is a pure function from facts (a dependency list, a text) to violations in plain words, so that
+//! `tests/architecture.rs` can hold it against the real tree and against a tree that breaks it.
+
+pub mod absences;
+pub mod arrows;
+pub mod documents;
+pub mod packs;
+pub mod tree;

@@ -1,0 +1,39 @@
+#!/bin/sh
+# Everything a change must pass, in order; stops at the first failure and says how long each part took.
+set -eu
+cd "$(dirname "$0")/.."
+
+export CARGO_TERM_COLOR="${CARGO_TERM_COLOR:-auto}"
+started_all="$(date +%s)"
+report=""
+
+part() { # part NAME COMMAND...
+    name="$1"
+    shift
+    echo "== $name: $*" >&2
+    started="$(date +%s)"
+    if ! "$@"; then
+        echo "== $name FAILED after $(($(date +%s) - started)) s: $*" >&2
+        exit 1
+    fi
+    report="$report
+$(printf '%5d s  %s' "$(($(date +%s) - started))" "$name")"
+}
+
+in_web() { (cd web && "$@"); }
+
+part "system packages" scripts/system_packages.sh test
+part "format" cargo fmt --all --check
+# One profile throughout: what is built once serves the lints' build scripts, the tests and the server.
+part "build" cargo build --release --workspace --all-targets
+part "lints" cargo clippy --release --workspace --all-targets -- -D warnings
+part "packs that are missing" scripts/make_packs.sh missing
+part "tests" cargo test --release --workspace
+part "viewer: packages" in_web npm ci --no-audit --no-fund
+part "viewer: types" in_web npm run typecheck
+part "viewer: unit tests" in_web npm run test:unit
+part "viewer: built form matches its sources" in_web npm run test:dist
+part "viewer: in the browser" scripts/browser_tests.sh
+
+echo "== all passed$report
+$(printf '%5d s  in all' "$(($(date +%s) - started_all))")" >&2

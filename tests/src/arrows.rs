@@ -1,0 +1,96 @@
+//! Which crate may use which: `cli → http → {engine, display}`, `engine → {tables, scene} → physics`,
+//! `display → physics`. A crate may use whatever lies below it, and nothing beside or above it.
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// The arrows, as drawn in ARCHITECTURE.md.
+const ARROWS: &[(&str, &[&str])] = &[
+    ("skyglow-physics", &[]),
+    ("skyglow-tables", &["skyglow-physics"]),
+    ("skyglow-scene", &["skyglow-physics"]),
+    ("skyglow-engine", &["skyglow-tables", "skyglow-scene"]),
+    ("skyglow-display", &["skyglow-physics"]),
+    ("skyglow-http", &["skyglow-engine", "skyglow-display"]),
+    ("skyglow", &["skyglow-http"]),
+];
+
+/// Crates from outside that belong to one of ours alone, tests included.
+const HOMES: &[(&str, &str)] = &[
+    ("wgpu", "skyglow-engine"),
+    ("naga", "skyglow-engine"),
+    ("axum", "skyglow-http"),
+    ("hyper", "skyglow-http"),
+    ("http", "skyglow-http"),
+    ("tower-http", "skyglow-http"),
+    ("utoipa-axum", "skyglow-http"),
+    ("gdal", "skyglow-scene"),
+    ("gdal-sys", "skyglow-scene"),
+    ("clap", "skyglow"),
+];
+
+/// What each member of the workspace asks for in its own Cargo.toml: normal, build and dev dependencies.
+pub type Dependencies = BTreeMap<String, Vec<String>>;
+
+/// Runs `cargo metadata` on the workspace.
+///
+/// # Panics
+/// Where cargo does not answer.
+pub fn workspace_dependencies() -> Dependencies {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let output = std::process::Command::new(cargo)
+        .args(["metadata", "--no-deps", "--format-version", "1", "--offline"])
+        .current_dir(crate::tree::root())
+        .output()
+        .unwrap_or_else(|e| panic!("cargo metadata: {e}"));
+    assert!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("metadata: {e}"));
+    let name_of = |value: &Value| value["name"].as_str().unwrap_or_default().to_owned();
+    let packages = metadata["packages"].as_array().cloned().unwrap_or_default();
+    packages
+        .iter()
+        .map(|package| {
+            let dependencies = package["dependencies"].as_array().cloned().unwrap_or_default();
+            (name_of(package), dependencies.iter().map(name_of).collect())
+        })
+        .collect()
+}
+
+/// Everything below `package` along the arrows.
+fn below(package: &str) -> Vec<&'static str> {
+    let direct = ARROWS.iter().find(|(from, _)| *from == package).map_or(&[][..], |(_, to)| to);
+    let mut all = direct.to_vec();
+    for next in direct {
+        all.extend(below(next));
+    }
+    all
+}
+
+/// What breaks the arrows or lives outside its home.
+pub fn violations(dependencies: &Dependencies) -> Vec<String> {
+    let mut found = Vec::new();
+    for (package, wanted) in dependencies {
+        let crosses_crates = package == "skyglow-tests";
+        if !crosses_crates && !ARROWS.iter().any(|(known, _)| known == package) {
+            found.push(format!("{package} has no place in the arrows"));
+        }
+        let allowed = below(package);
+        for dependency in wanted {
+            let ours = ARROWS.iter().any(|(known, _)| known == dependency);
+            if ours && !crosses_crates && dependency != package && !allowed.contains(&dependency.as_str()) {
+                found.push(format!("{package} must not use {dependency}"));
+            }
+            if let Some((_, home)) = HOMES.iter().find(|(outside, _)| outside == dependency)
+                && home != package
+            {
+                found.push(format!("{dependency} belongs to {home} alone, not to {package}"));
+            }
+        }
+    }
+    for (package, _) in ARROWS {
+        if !dependencies.contains_key(*package) {
+            found.push(format!("{package} is missing from the workspace"));
+        }
+    }
+    found
+}

@@ -1,0 +1,67 @@
+//! Nothing lies in precomputed/ without a manifest that rebuilds it.
+
+use skyglow_tests::{
+    packs::{Entry, LARGEST_TOTAL_BYTES, listed_turbidities, violations},
+    tree,
+};
+use std::collections::BTreeMap;
+
+fn entries() -> BTreeMap<String, Entry> {
+    let folder = tree::root().join("precomputed");
+    std::fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| {
+            let entry = entry.unwrap();
+            let name = entry.file_name().into_string().unwrap();
+            let text = name.ends_with(".json").then(|| std::fs::read_to_string(entry.path()).unwrap());
+            (name, Entry { bytes: entry.metadata().unwrap().len(), text })
+        })
+        .collect()
+}
+
+fn listed() -> Vec<f64> {
+    listed_turbidities(&tree::text("precomputed/turbidities.txt")).unwrap()
+}
+
+#[test]
+fn every_precomputed_file_has_a_manifest_and_all_stay_within_60_megabytes() {
+    assert_eq!(violations(&entries(), &listed()), Vec::<String>::new());
+}
+
+#[test]
+fn the_listed_turbidities_cover_one_and_a_half_to_six() {
+    let listed = listed();
+    assert!(listed.contains(&1.5) && listed.contains(&6.0), "{listed:?}");
+    assert!(listed.is_sorted(), "{listed:?}");
+    assert_eq!(listed_turbidities("2\nclear\n"), Err("clear".to_owned()));
+}
+
+#[test]
+fn strays_orphans_and_heavyweights_are_seen() {
+    let manifest = |text: &str| Entry { bytes: 100, text: Some(text.to_owned()) };
+    let file = |bytes| Entry { bytes, text: None };
+    let broken: BTreeMap<String, Entry> = [
+        ("README.md".to_owned(), file(1)),
+        ("stray.pack".to_owned(), file(LARGEST_TOTAL_BYTES)),
+        ("good.pack".to_owned(), file(1)),
+        ("good.json".to_owned(), manifest(r#"{"turbidity": 2.0, "checksum": "aa"}"#)),
+        ("odd.pack".to_owned(), file(1)),
+        ("odd.json".to_owned(), manifest(r#"{"turbidity": 2.2}"#)),
+        ("orphan.json".to_owned(), manifest("not JSON")),
+    ]
+    .into();
+    assert_eq!(
+        violations(&broken, &[2.0]),
+        [
+            format!(
+                "{} bytes in all; at most {LARGEST_TOTAL_BYTES} come with the project",
+                LARGEST_TOTAL_BYTES + 303
+            ),
+            "odd.json has no checksum".to_owned(),
+            "odd.json: turbidity 2.2 is not in turbidities.txt".to_owned(),
+            "orphan.json describes a pack that is not there".to_owned(),
+            "orphan.json is not JSON".to_owned(),
+            "stray.pack has no manifest that rebuilds it".to_owned(),
+        ]
+    );
+}
