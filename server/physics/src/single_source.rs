@@ -1,1 +1,382 @@
-//! (being written)
+//! Skyglow of one source: single scattering along a view ray (paper Eq. 1–2, on a spherical Earth).
+//!
+//!   b = ∫ f(ψ)/d² · [β_m(z)p_m(γ) + 0.9β_a(z)p_a(γ)] · exp(−τ(S,P) − τ(P,O)) du     [m⁻² sr⁻¹]
+//!
+//! The ray is cut where the integrand bends or jumps: at the Earth's shadow (the source's horizon plane,
+//! where the `horizon` lobe jumps to zero), at the ray's nearest points to the source and to the vertical
+//! above it, at the 60° cone where the `oblique` lobe ends, and at a few scale heights. Between cuts the
+//! variable is the angle α at the source, u = u_c + D·tan α, which absorbs 1/d².
+
+use crate::{
+    atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},
+    bands::BAND_COUNT,
+    chapman,
+    emission::{LOBE_COUNT, lobe_intensities_per_sr},
+    geometry::EARTH_RADIUS_M,
+    phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
+    quadrature::integrate_pieces,
+};
+use glam::DVec3;
+
+/// Rays end at this altitude: 30 scale heights of the molecules, beyond which less than 1e-12 is left.
+const TOP_ALTITUDE_M: f64 = 240_000.0;
+/// Outputs of one atmosphere: bands × lobes.
+pub const OUTPUT_COUNT: usize = BAND_COUNT * LOBE_COUNT;
+
+/// Sky radiance per watt of upward flux, m⁻² sr⁻¹, `[band][lobe]`.
+pub type RadiancePerWatt = [[f64; LOBE_COUNT]; BAND_COUNT];
+
+/// Where the source is, seen from the observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SourceGeometry {
+    /// Great-circle arc from observer to source, metres.
+    pub distance_m: f64,
+    /// Altitude of the source, metres.
+    pub source_altitude_m: f64,
+    /// Altitude of the observer, metres.
+    pub observer_altitude_m: f64,
+}
+
+/// A view ray and a source in one frame: observer at the origin, z up, the source's azimuth along x.
+#[derive(Clone, Copy, Debug)]
+pub struct SourceRay {
+    radius_m: f64,
+    observer_radius_m: f64,
+    source: DVec3,
+    source_up: DVec3,
+    view: DVec3,
+}
+
+/// A point on a view ray with everything scattering there needs.
+#[derive(Clone, Copy, Debug)]
+pub struct RayPoint {
+    /// Distance from the observer, metres.
+    pub path_m: f64,
+    /// Altitude, metres.
+    pub altitude_m: f64,
+    /// Distance from the source squared, m².
+    pub source_distance_m2: f64,
+    /// Cosine of the zenith angle of S→P at S.
+    pub cos_zenith_at_source: f64,
+    /// Cosine of the zenith angle of S→P at P.
+    pub cos_zenith_of_light: f64,
+    /// Cosine of the zenith angle of the view ray at P.
+    pub cos_zenith_of_view: f64,
+    /// Cosine of the angle by which light turns at P towards the observer.
+    pub cos_gamma: f64,
+}
+
+/// u = u_c + D·tan α between the ends of the lit part of a ray.
+#[derive(Clone, Debug)]
+struct Equiangular {
+    start_m: f64,
+    end_m: f64,
+    nearest_m: f64,
+    miss_m: f64,
+    /// Ascending values of α between which the integrand is smooth.
+    edges: Vec<f64>,
+}
+
+impl Equiangular {
+    /// Path length at α, and du/dα = D(1 + tan²α).
+    fn path_and_jacobian_m(&self, alpha: f64) -> (f64, f64) {
+        let tangent = alpha.tan();
+        let path_m = (self.nearest_m + self.miss_m * tangent).clamp(self.start_m, self.end_m);
+        (path_m, self.miss_m * (1.0 + tangent * tangent))
+    }
+}
+
+impl SourceRay {
+    /// The ray at `relative_azimuth_rad` from the source's azimuth and `elevation_rad` ≥ 0.
+    pub fn new(geometry: &SourceGeometry, relative_azimuth_rad: f64, elevation_rad: f64) -> Self {
+        Self::on_sphere(EARTH_RADIUS_M, geometry, relative_azimuth_rad, elevation_rad)
+    }
+
+    /// As [`Self::new`] on a sphere of any radius; a huge one is a flat Earth, for closed forms.
+    pub fn on_sphere(
+        radius_m: f64,
+        geometry: &SourceGeometry,
+        relative_azimuth_rad: f64,
+        elevation_rad: f64,
+    ) -> Self {
+        let (sin_arc, cos_arc) = (geometry.distance_m / radius_m).sin_cos();
+        let half_sine = (0.5 * geometry.distance_m / radius_m).sin();
+        let (sin_az, cos_az) = relative_azimuth_rad.sin_cos();
+        let (sin_el, cos_el) = elevation_rad.sin_cos();
+        let source_radius = radius_m + geometry.source_altitude_m;
+        // z of the source relative to the observer, without subtracting two radii:
+        // (R + h_c)cos α − (R + h_o) = h_c − h_o − (R + h_c)·2sin²(α/2).
+        let drop = source_radius * 2.0 * half_sine * half_sine;
+        Self {
+            radius_m,
+            observer_radius_m: radius_m + geometry.observer_altitude_m,
+            source: DVec3::new(
+                source_radius * sin_arc,
+                0.0,
+                geometry.source_altitude_m - geometry.observer_altitude_m - drop,
+            ),
+            source_up: DVec3::new(sin_arc, 0.0, cos_arc),
+            view: DVec3::new(cos_el * cos_az, cos_el * sin_az, sin_el),
+        }
+    }
+
+    /// The point at distance `path_m` along the ray.
+    pub fn point(&self, path_m: f64) -> RayPoint {
+        let observer_radius = self.observer_radius_m;
+        let along = observer_radius * self.view.z + path_m;
+        let radius =
+            (observer_radius * observer_radius + path_m * (2.0 * observer_radius * self.view.z + path_m)).sqrt();
+        // r − r_o = (2 r_o u sin φ + u²)/(r + r_o): no cancellation.
+        let climb =
+            path_m * (2.0 * observer_radius * self.view.z + path_m) / (radius + observer_radius);
+        let from_source = self.view * path_m - self.source;
+        let distance2 = from_source.length_squared();
+        let distance = distance2.sqrt();
+        let from_center = self.view * path_m + DVec3::new(0.0, 0.0, observer_radius);
+        RayPoint {
+            path_m,
+            altitude_m: observer_radius - self.radius_m + climb,
+            source_distance_m2: distance2,
+            cos_zenith_at_source: self.source_up.dot(from_source) / distance,
+            cos_zenith_of_light: from_center.dot(from_source) / (distance * radius),
+            cos_zenith_of_view: along / radius,
+            cos_gamma: (-from_source.dot(self.view) / distance).clamp(-1.0, 1.0),
+        }
+    }
+
+    /// Path at which the ray reaches an altitude above its start, metres; 0 if it starts above it.
+    fn path_to_altitude_m(&self, altitude_m: f64) -> f64 {
+        let climb = altitude_m - (self.observer_radius_m - self.radius_m);
+        if climb <= 0.0 {
+            return 0.0;
+        }
+        // u² + 2 r_o sin φ u − climb(2r_o + climb) = 0, the positive root without cancellation.
+        let b = self.observer_radius_m * self.view.z;
+        let c = climb * (2.0 * self.observer_radius_m + climb);
+        c / (b + (b * b + c).sqrt())
+    }
+
+    /// The lit part of the ray, metres: above the source's horizon plane (the upper-hemisphere rule is the
+    /// Earth's shadow) and below [`TOP_ALTITUDE_M`]. None where no part is lit.
+    pub fn lit_range_m(&self) -> Option<(f64, f64)> {
+        let end = self.path_to_altitude_m(TOP_ALTITUDE_M);
+        // Height of the observer below the source's horizon plane, and how fast the ray climbs through it.
+        let below = self.source_up.dot(self.source);
+        let rate = self.source_up.dot(self.view);
+        let (low, high) = if rate > 0.0 {
+            ((below / rate).max(0.0), end)
+        } else if below < 0.0 {
+            (0.0, if rate < 0.0 { (below / rate).min(end) } else { end })
+        } else {
+            return None;
+        };
+        (high > low).then_some((low, high))
+    }
+
+    /// N integrals over the lit part of the ray by path length [m], each to a relative `tolerance` (or to
+    /// `tolerance · floor` where it is smaller than `floor`).
+    pub fn integrate<const N: usize>(
+        &self,
+        tolerance: f64,
+        floor: f64,
+        mut integrand: impl FnMut(&RayPoint) -> [f64; N],
+    ) -> [f64; N] {
+        let Some(variable) = self.equiangular(&[1_500.0, 6_000.0, 20_000.0, 60_000.0]) else {
+            return [0.0; N];
+        };
+        integrate_pieces(&variable.edges, tolerance, floor, &mut |alpha| {
+            let (path_m, jacobian) = variable.path_and_jacobian_m(alpha);
+            integrand(&self.point(path_m)).map(|value| value * jacobian)
+        })
+    }
+
+    /// As [`Self::integrate`] with a fixed Gauss–Legendre rule a piece (`nodes` of
+    /// [`crate::quadrature::gauss_legendre`]) and fewer pieces: for tables, where speed counts.
+    pub fn integrate_fixed<const N: usize>(
+        &self,
+        nodes: &[(f64, f64)],
+        mut integrand: impl FnMut(&RayPoint) -> [f64; N],
+    ) -> [f64; N] {
+        let mut sum = [0.0; N];
+        let Some(variable) = self.equiangular(&[4_000.0, 25_000.0]) else { return sum };
+        for pair in variable.edges.windows(2) {
+            let width = pair[1] - pair[0];
+            for &(x, weight) in nodes {
+                let (path_m, jacobian) = variable.path_and_jacobian_m(pair[0] + width * x);
+                let factor = jacobian * width * weight;
+                let values = integrand(&self.point(path_m));
+                for (sum, value) in sum.iter_mut().zip(values) {
+                    *sum += factor * value;
+                }
+            }
+        }
+        sum
+    }
+
+    /// The lit part of the ray in the equiangular variable, cut where the integrand bends and at the given
+    /// climbs [m] above the observer. None where nothing is lit.
+    fn equiangular(&self, climbs_m: &[f64]) -> Option<Equiangular> {
+        let (start_m, end_m) = self.lit_range_m()?;
+        let nearest_m = self.source.dot(self.view);
+        let miss_m = (self.source - self.view * nearest_m).length().max(1e-3);
+        let mut cuts = vec![start_m, end_m, nearest_m];
+        let observer_altitude = (self.observer_radius_m - self.radius_m).max(0.0);
+        cuts.extend(climbs_m.iter().map(|climb_m| self.path_to_altitude_m(observer_altitude + climb_m)));
+        self.push_axis_and_cone_cuts(&mut cuts);
+        cuts.retain(|&u| u.is_finite() && u >= start_m && u <= end_m);
+        cuts.sort_by(f64::total_cmp);
+        let mut edges: Vec<f64> = cuts.iter().map(|&u| ((u - nearest_m) / miss_m).atan()).collect();
+        edges.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
+        Some(Equiangular { start_m, end_m, nearest_m, miss_m, edges })
+    }
+
+    /// Nearest point to the vertical above the source, where sin ψ has a (near-)kink, and the 60° cone.
+    fn push_axis_and_cone_cuts(&self, cuts: &mut Vec<f64>) {
+        let (rate, below) = (self.source_up.dot(self.view), self.source_up.dot(self.source));
+        let view_across = self.view - self.source_up * rate;
+        let source_across = self.source - self.source_up * below;
+        let across2 = view_across.length_squared();
+        if across2 > 1e-18 {
+            cuts.push(source_across.dot(view_across) / across2);
+        }
+        // (ŝ·w)² = ¼|w|² for w = uv − S.
+        let a = rate * rate - 0.25;
+        let b = -rate * below + 0.25 * self.view.dot(self.source);
+        let c = below * below - 0.25 * self.source.length_squared();
+        let discriminant = b * b - a * c;
+        if discriminant > 0.0 && a.abs() > 1e-12 {
+            let root = discriminant.sqrt();
+            cuts.extend([(-b - root) / a, (-b + root) / a]);
+        }
+    }
+}
+
+/// The integrand of b for several atmospheres at once: the geometry and the columns are shared.
+struct Scattering<'a> {
+    atmospheres: &'a [Atmosphere],
+    source_altitude_m: f64,
+    /// Densities of molecules and aerosol at the source, relative to z = 0.
+    source_density: [f64; 2],
+    /// Columns of molecules and aerosol from the observer along the whole view ray, metres.
+    observer_column_m: [f64; 2],
+}
+
+/// Densities of molecules and aerosol relative to z = 0.
+fn relative_densities(altitude_m: f64) -> [f64; 2] {
+    [(-altitude_m / MOLECULE_SCALE_HEIGHT_M).exp(), (-altitude_m / AEROSOL_SCALE_HEIGHT_M).exp()]
+}
+
+impl<'a> Scattering<'a> {
+    fn new(atmospheres: &'a [Atmosphere], geometry: &SourceGeometry, elevation_rad: f64) -> Self {
+        let observer_density = relative_densities(geometry.observer_altitude_m);
+        let sin_elevation = elevation_rad.sin();
+        let tables = [chapman::molecules(), chapman::aerosol()];
+        Self {
+            atmospheres,
+            source_altitude_m: geometry.source_altitude_m,
+            source_density: relative_densities(geometry.source_altitude_m),
+            observer_column_m: std::array::from_fn(|species| {
+                tables[species].column_m(
+                    geometry.observer_altitude_m,
+                    sin_elevation,
+                    observer_density[species],
+                )
+            }),
+        }
+    }
+
+    /// b's integrand [m⁻³ sr⁻¹], `[atmosphere][band][lobe]`.
+    fn at<const N: usize>(&self, p: &RayPoint) -> [f64; N] {
+        let mut out = [0.0; N];
+        if p.cos_zenith_at_source <= 0.0 {
+            return out;
+        }
+        let lobes = lobe_intensities_per_sr(p.cos_zenith_at_source);
+        let density = relative_densities(p.altitude_m);
+        let column = |species: usize, table: &chapman::ChapmanTable| {
+            let here = density[species];
+            let from_source =
+                table.column_m(self.source_altitude_m, p.cos_zenith_at_source, self.source_density[species])
+                    - table.column_m(p.altitude_m, p.cos_zenith_of_light, here);
+            let to_observer = self.observer_column_m[species]
+                - table.column_m(p.altitude_m, p.cos_zenith_of_view, here);
+            (from_source + to_observer).max(0.0)
+        };
+        let path_molecules_m = column(0, chapman::molecules());
+        let path_aerosol_m = column(1, chapman::aerosol());
+        let phase_molecules = density[0] * rayleigh_per_sr(p.cos_gamma) / p.source_distance_m2;
+        let phase_aerosol =
+            density[1] * AEROSOL_ALBEDO * henyey_greenstein_per_sr(p.cos_gamma, AEROSOL_ASYMMETRY)
+                / p.source_distance_m2;
+        let mut slot = 0;
+        for atmosphere in self.atmospheres {
+            let beta_m = atmosphere.molecule_extinction_per_m();
+            let beta_a = atmosphere.aerosol_extinction_per_m();
+            for band in 0..BAND_COUNT {
+                let scattered = (-(beta_m[band] * path_molecules_m + beta_a[band] * path_aerosol_m)).exp()
+                    * (beta_m[band] * phase_molecules + beta_a[band] * phase_aerosol);
+                for lobe in lobes {
+                    out[slot] = scattered * lobe;
+                    slot += 1;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Sky radiance per watt of every band and lobe at one direction, `[atmosphere][band][lobe]`, for several
+/// turbidities at once, each to a relative `tolerance`.
+///
+/// `floor_per_m2_sr`: values below it need only be right to `tolerance` times it (0: always relative).
+/// Exactly zero where the whole ray lies in the Earth's shadow. `N` must be the number of atmospheres times
+/// [`OUTPUT_COUNT`].
+pub fn radiance_per_watt<const N: usize>(
+    atmospheres: &[Atmosphere],
+    geometry: &SourceGeometry,
+    relative_azimuth_rad: f64,
+    elevation_rad: f64,
+    tolerance: f64,
+    floor_per_m2_sr: f64,
+) -> [f64; N] {
+    assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
+    let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
+    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
+        .integrate(tolerance, floor_per_m2_sr, |p| scattering.at(p))
+}
+
+/// As [`radiance_per_watt`] with a fixed rule (see [`SourceRay::integrate_fixed`]): about 1e-4 with 10 nodes.
+pub fn radiance_per_watt_fixed<const N: usize>(
+    atmospheres: &[Atmosphere],
+    geometry: &SourceGeometry,
+    relative_azimuth_rad: f64,
+    elevation_rad: f64,
+    nodes: &[(f64, f64)],
+) -> [f64; N] {
+    assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
+    let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
+    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad).integrate_fixed(nodes, |p| scattering.at(p))
+}
+
+/// [`radiance_per_watt`] for one atmosphere, as `[band][lobe]`.
+pub fn radiance_per_watt_of(
+    atmosphere: &Atmosphere,
+    geometry: &SourceGeometry,
+    relative_azimuth_rad: f64,
+    elevation_rad: f64,
+    tolerance: f64,
+) -> RadiancePerWatt {
+    let flat: [f64; OUTPUT_COUNT] = radiance_per_watt(
+        std::slice::from_ref(atmosphere),
+        geometry,
+        relative_azimuth_rad,
+        elevation_rad,
+        tolerance,
+        0.0,
+    );
+    std::array::from_fn(|band| std::array::from_fn(|lobe| flat[band * LOBE_COUNT + lobe]))
+}
+
+#[cfg(test)]
+#[path = "single_source_tests.rs"]
+mod tests;

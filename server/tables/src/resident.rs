@@ -1,5 +1,6 @@
 //! A pack laid out for evaluation: distances resampled to the rings of the polar grid.
 
+use crate::axes::OffsetAxis;
 use half::f16;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 
@@ -7,7 +8,7 @@ use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 pub const FREQUENCY_COUNT: usize = 129;
 
 /// One turbidity's tables on the rings of a polar grid. Everything an executor needs, nothing it must look up
-/// elsewhere. Model (paper Eq. 4–9, with scale and shape apart):
+/// elsewhere. Interpolation over observer altitude goes at constant offset Δ. Model (paper Eq. 4–9, with scale and shape apart):
 /// `b(θ, φ) ≈ exp(log_scale) · Σ_k shape_k · B_k(θ, φ)`  [m⁻² sr⁻¹].
 #[derive(Clone, Debug)]
 pub struct ResidentTables {
@@ -17,15 +18,17 @@ pub struct ResidentTables {
     pub checksum: String,
     /// Observer altitudes of the table, metres, ascending.
     pub observer_altitude_m: Vec<f64>,
-    /// Source altitudes of the table, metres, ascending.
-    pub source_altitude_m: Vec<f64>,
+    /// Number of nodes of the offset axis Δ = source altitude − observer altitude (see [`crate::axes`]).
+    pub offset_count: usize,
+    /// The offset axis on every ring: fractional node = `offset_axis[ring].position(Δ)`, linear between nodes.
+    pub offset_axis: Vec<OffsetAxis>,
     /// Ring distances, metres, ascending: the rings of the polar grid.
     pub ring_distance_m: Vec<f64>,
     /// M, number of basis functions; a multiple of 4.
     pub basis_count: usize,
-    /// ln of the scale [m⁻² sr⁻¹], `[observer_altitude][lobe][band][ring][source_altitude]`.
+    /// ln of the scale [m⁻² sr⁻¹], `[observer_altitude][lobe][band][ring][offset]`.
     pub log_scale: Vec<f32>,
-    /// Shape coefficients, `[observer_altitude][lobe][band][ring][source_altitude][basis]`.
+    /// Shape coefficients, `[observer_altitude][lobe][band][ring][offset][basis]`.
     pub shape: Vec<f16>,
     /// F[B_k] along azimuth, real because B is even: `[basis][elevation][frequency]`,
     /// `F[f] = Σ_i B(θ_i)·cos(2π f i / 256)`, unnormalised.
@@ -40,11 +43,11 @@ impl ResidentTables {
         lobe: usize,
         band: usize,
         ring: usize,
-        source_altitude: usize,
+        offset: usize,
     ) -> usize {
         (((observer_altitude * LOBE_COUNT + lobe) * BAND_COUNT + band) * self.ring_distance_m.len() + ring)
-            * self.source_altitude_m.len()
-            + source_altitude
+            * self.offset_count
+            + offset
     }
 
     /// Position in [`Self::basis_spectrum`].
