@@ -1,1 +1,87 @@
-fn main() {}
+//! The `skyglow` command: parses the command line, wires the crates, prints. It holds no logic of its own.
+//!
+//! Results go to standard output, logs and progress to standard error. Exit status: 0 done, 1 the work failed
+//! (one line says why), 2 wrong usage.
+
+mod commands;
+mod failure;
+mod flags;
+mod folders;
+mod logging;
+mod progress;
+mod settings;
+mod table;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+/// The light pollution of the night sky from satellite pictures: what a place's sky looks like, and why.
+///
+/// Every flag has an environment variable: SKYGLOW_ and its name in capitals (--no-demo is SKYGLOW_NO_DEMO).
+/// `serve` and `config` also read a TOML file of the same names; the environment wins over the file, and a
+/// flag over both.
+#[derive(Debug, Parser)]
+#[command(name = "skyglow", version, after_help = "Example:\n  skyglow serve\n  then open http://127.0.0.1:8080")]
+struct CommandLine {
+    #[command(subcommand)]
+    command: commands::Command,
+}
+
+fn main() -> ExitCode {
+    let command_line = CommandLine::parse();
+    logging::start(command_line.command.default_log_level());
+    match command_line.command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("skyglow: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        CommandLine::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_shows_an_example() {
+        fn check(command: &clap::Command) {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            assert!(help.contains("Example"), "{} --help has no example", command.get_name());
+            command.get_subcommands().for_each(check);
+        }
+        check(&CommandLine::command());
+    }
+
+    #[test]
+    fn every_flag_has_its_environment_variable() {
+        fn check(command: &clap::Command) {
+            for flag in command.get_arguments().filter(|flag| !flag.is_positional()) {
+                let Some(long) = flag.get_long().filter(|long| !["help", "version"].contains(long)) else {
+                    continue;
+                };
+                let wanted = format!("SKYGLOW_{}", long.to_uppercase().replace('-', "_"));
+                let env = flag.get_env().map(|name| name.to_string_lossy().into_owned());
+                assert_eq!(env.as_deref(), Some(wanted.as_str()), "{} --{long}", command.get_name());
+            }
+            command.get_subcommands().for_each(check);
+        }
+        check(&CommandLine::command());
+    }
+
+    #[test]
+    fn commands_of_later_steps_are_not_listed() {
+        let command_line = CommandLine::command();
+        let names: Vec<&str> = command_line.get_subcommands().map(clap::Command::get_name).collect();
+        assert_eq!(
+            names,
+            ["serve", "ingest", "scenes", "precompute", "packs", "panorama", "sky", "reference", "config"]
+        );
+    }
+}
