@@ -1,0 +1,99 @@
+// A stand-in for the Skyglow server, to work on the viewer without one: `npm run mock`, then http://127.0.0.1:8090.
+// It speaks the API's form with made-up physics, under the same strict content security policy.
+import { createReadStream, existsSync, statSync } from "node:fs";
+import { createServer } from "node:http";
+import { dirname, extname, join, normalize } from "node:path";
+import { fileURLToPath } from "node:url";
+import { COLUMNS, LAMPS, quantities, radiance, ROWS, TOWNS } from "./sky.mjs";
+import { tile } from "./tiles.mjs";
+
+const dist = join(dirname(fileURLToPath(import.meta.url)), "../../../web/dist");
+const port = Number(process.env.PORT ?? 8090);
+const bounds = [33.5, -5, 42, 5];
+const scene = {
+  id: "demo",
+  title: "Kenya, made up",
+  bounds,
+  date: "2023",
+  attribution: "Skyglow mock",
+  illustrative: true,
+  terrain: true,
+  version: "0",
+  calibration: 1,
+};
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json", ".svg": "image/svg+xml" };
+
+function problem(response, status, title, detail, errors = []) {
+  response.writeHead(status, { "content-type": "application/problem+json" });
+  response.end(JSON.stringify({ type: "about:blank", title, status, detail, errors }));
+}
+
+function answer(query) {
+  const place = { latitude_deg: Number(query.get("lat")), longitude_deg: Number(query.get("lon")) };
+  const turbidity = Number(query.get("turbidity") ?? 2.5);
+  const lamp = LAMPS[query.get("lamp") ?? "mixed"];
+  if (lamp === undefined) return { errors: [{ parameter: "lamp", value: query.get("lamp"), allowed: Object.keys(LAMPS).join(", ") }] };
+  if (!(turbidity >= 1.5 && turbidity <= 6)) return { errors: [{ parameter: "turbidity", value: String(turbidity), allowed: "1.5 to 6" }] };
+  const sky = radiance(place, turbidity, lamp);
+  return {
+    sky,
+    common: {
+      observer: { ...place, altitude_m: 1702, terrain_altitude_m: 1700 },
+      sky: quantities(sky),
+      coverage: 0.87,
+      calibration: 1,
+      turbidity,
+      local_optical_depth: [0.08, 0.15, 0.31],
+    },
+  };
+}
+
+function api(path, query, response) {
+  const json = (body) => {
+    response.writeHead(200, { "content-type": "application/json" });
+    response.end(JSON.stringify(body));
+  };
+  const within = () => {
+    const [lat, lon] = [Number(query.get("lat")), Number(query.get("lon"))];
+    if (lon >= bounds[0] && lon <= bounds[2] && lat >= bounds[1] && lat <= bounds[3]) return true;
+    problem(response, 404, "The place lies outside the scene", `The scene reaches from ${bounds[0]}° to ${bounds[2]}° east and ${bounds[1]}° to ${bounds[3]}° north.`);
+    return false;
+  };
+  if (path === "scenes") return json([scene]);
+  if (path === "atmospheres") return json([{ turbidity: 1.5 }, { turbidity: 6 }]);
+  if (path === "scenes/demo/places") return json(TOWNS);
+  if (path === "scenes/demo/site") {
+    if (within()) json({ terrain_altitude_m: 1700, radiance_nw_cm2_sr: 12.3 });
+    return undefined;
+  }
+  if (path === "scenes/demo/sky" || path === "scenes/demo/panorama.json") {
+    if (!within()) return undefined;
+    const { errors, sky, common } = answer(query);
+    if (errors !== undefined) return problem(response, 422, "A parameter is out of range", "See errors.", errors);
+    if (path.endsWith("sky")) return json(common);
+    const grid = { azimuth_count: COLUMNS, elevation_count: ROWS, azimuth_first_deg: 0, azimuth_step_deg: 360 / COLUMNS, elevation_first_deg: 45 / ROWS, elevation_step_deg: 90 / ROWS };
+    return json({ ...common, grid, bands_nm: [680, 550, 440], unit: "W m-2 sr-1", radiance: sky, horizon_deg: new Array(COLUMNS).fill(0) });
+  }
+  const tiles = /^scenes\/demo\/tiles\/(radiance|elevation)\/(?:(\d+)\/(\d+)\/(\d+)\.png|tilejson\.json)$/.exec(path);
+  if (tiles?.[2] === undefined && tiles !== null) {
+    return json({ tilejson: "3.0.0", tiles: [`http://127.0.0.1:${port}/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`], minzoom: 0, maxzoom: 9, bounds });
+  }
+  if (tiles !== null) {
+    response.writeHead(200, { "content-type": "image/png" });
+    return response.end(tile(tiles[1], Number(tiles[2]), Number(tiles[3]), Number(tiles[4])));
+  }
+  return problem(response, 404, "Nothing is here", path);
+}
+
+createServer((request, response) => {
+  const url = new URL(request.url ?? "/", "http://127.0.0.1");
+  response.setHeader(
+    "content-security-policy",
+    "default-src 'self'; worker-src 'self' blob:; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
+  );
+  if (url.pathname.startsWith("/api/v1/")) return api(url.pathname.slice(8), url.searchParams, response);
+  const path = join(dist, normalize(url.pathname === "/" ? "/index.html" : url.pathname));
+  if (!path.startsWith(dist) || !existsSync(path) || !statSync(path).isFile()) return problem(response, 404, "No such page", url.pathname);
+  response.setHeader("content-type", TYPES[extname(path)] ?? "application/octet-stream");
+  return createReadStream(path).pipe(response);
+}).listen(port, "127.0.0.1", () => console.log(`http://127.0.0.1:${port}`));

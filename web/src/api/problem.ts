@@ -1,0 +1,48 @@
+// Errors of the server in words that a person can act on.
+
+import type { Problem } from "./types.ts";
+
+/** An answer other than success. Status 0: no answer at all. */
+export class ApiError extends Error {
+  readonly status: number;
+  readonly problem: Problem;
+
+  constructor(status: number, problem: Problem) {
+    super(problem.title ?? `The server answered ${status}`);
+    this.name = "ApiError";
+    this.status = status;
+    this.problem = problem;
+  }
+}
+
+/** The problem document of an answer, or one made from its status where it carries none. */
+export async function problem_from_response(response: Response): Promise<Problem> {
+  const otherwise: Problem = { title: `The server answered ${response.status} ${response.statusText}`.trim(), status: response.status };
+  if (!(response.headers.get("content-type") ?? "").includes("json")) return otherwise;
+  try {
+    return { ...otherwise, ...((await response.json()) as Problem) };
+  } catch {
+    return otherwise;
+  }
+}
+
+/** A headline and the sentences below it. */
+export interface PlainWords {
+  headline: string;
+  sentences: string[];
+}
+
+export function plain_words(reason: unknown): PlainWords {
+  if (!(reason instanceof ApiError)) {
+    return { headline: "The viewer could not show this", sentences: [reason instanceof Error ? reason.message : String(reason)] };
+  }
+  const { problem } = reason;
+  const sentences = problem.detail === undefined ? [] : [problem.detail];
+  for (const error of problem.errors ?? []) {
+    const subject = [error.parameter, error.value === undefined ? undefined : `= ${String(error.value)}`].filter(Boolean).join(" ");
+    const rest = [error.message, error.allowed === undefined ? undefined : `allowed: ${error.allowed}`].filter(Boolean).join("; ");
+    const sentence = [subject, rest].filter(Boolean).join(": ");
+    if (sentence !== "" && sentence !== problem.detail) sentences.push(sentence);
+  }
+  return { headline: reason.message, sentences };
+}

@@ -1,0 +1,239 @@
+// Puts the viewer together: state in the URL, controls, map, and the sky of the picked place.
+
+import { api, type SkyParameters } from "./api/client.ts";
+import type { NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
+import type { SkyMap } from "./map/sky_map.ts";
+import { SkySession } from "./session.ts";
+import { brightness_mag_arcsec2 } from "./photometry.ts";
+import { Legend } from "./sky/legend.ts";
+import { SkyView } from "./sky/sky_view.ts";
+import { fragment_from_state, state_from_fragment, type Place, type ViewState } from "./state.ts";
+import { Controls } from "./ui/controls.ts";
+import { by_id } from "./ui/dom.ts";
+import { show_downloads } from "./ui/downloads.ts";
+import { coordinates } from "./ui/format.ts";
+import { place_name } from "./ui/nearby.ts";
+import { Notice } from "./ui/notice.ts";
+import { show_numbers, show_site } from "./ui/numbers.ts";
+import { show_readout } from "./ui/readout.ts";
+import { Search } from "./ui/search.ts";
+import { wire_switches } from "./ui/switches.ts";
+
+class Viewer {
+  private state: ViewState = state_from_fragment(location.hash);
+  private scenes: readonly Scene[] = [];
+  private places: readonly NamedPlace[] = [];
+  private answer: SkyAnswer | null = null;
+  private map: SkyMap | null = null;
+  private scene_requests = new AbortController();
+
+  private readonly notice = new Notice(by_id("notice", HTMLElement));
+  private readonly site = by_id("site", HTMLElement);
+  private readonly numbers = by_id("numbers", HTMLElement);
+  private readonly numbers_card = by_id("numbers-card", HTMLElement);
+  private readonly title = by_id("place-title", HTMLElement);
+  private readonly legend = new Legend(by_id("legend", HTMLElement));
+  private readonly sky_view = new SkyView(by_id("sky-view", HTMLElement), this.state, (sample) => {
+    show_readout(by_id("sky-readout", HTMLElement), sample, this.state.sky);
+    const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
+    this.legend.point(shown === undefined ? null : brightness_mag_arcsec2(shown));
+  });
+  private readonly search = new Search(by_id("search", HTMLInputElement), by_id("search-list", HTMLElement), (place) => {
+    this.pick(place);
+    this.map?.go_to(place);
+  });
+  private readonly controls = new Controls({
+    scene: (scene) => this.change({ scene, place: null, view: null }, { push: true }),
+    turbidity: (turbidity) => this.change({ turbidity }),
+    lamp: (lamp) => this.change({ lamp }),
+    emission: (emission) => this.change({ emission }),
+    projection: (projection) => this.change({ projection }),
+    sky: (sky) => this.change({ sky }),
+    colours: (colours) => this.change({ colours }),
+    layer: (layer, opacity) => {
+      this.map?.set_opacity(layer, opacity);
+      this.change({ layers: { ...this.state.layers, [layer]: opacity } });
+    },
+  });
+  private readonly session = new SkySession({
+    started: () => this.set_busy(true),
+    site: (site) => this.site_known(site),
+    numbers: (answer) => {
+      this.answer = answer;
+      document.body.dataset["sky"] = "numbers";
+      this.show_numbers();
+    },
+    picture: (grid) => {
+      document.body.dataset["sky"] = "picture";
+      this.sky_view.show(grid);
+    },
+    failed: (reason) => {
+      this.forget_sky();
+      this.notice.show(reason);
+    },
+    ended: () => this.set_busy(false),
+  });
+
+  async start(): Promise<void> {
+    wire_switches(() => this.map?.resize());
+    show_readout(by_id("sky-readout", HTMLElement), null, this.state.sky);
+    this.show_look();
+    const { signal } = this.scene_requests;
+    const map_code = import("./map/sky_map.ts");
+    try {
+      const [scenes, atmospheres] = await Promise.all([api.scenes(signal), api.atmospheres(signal)]);
+      this.scenes = scenes;
+      this.controls.set_scenes(scenes);
+      this.controls.set_atmospheres(atmospheres);
+    } catch (reason) {
+      this.notice.show(reason);
+    }
+    this.controls.show(this.state, null);
+    const { SkyMap } = await map_code;
+    this.map = new SkyMap(by_id("map", HTMLElement), this.state.view, {
+      picked: (place) => this.pick(place),
+      moved: (view) => {
+        this.state = { ...this.state, view };
+        this.write_url(false);
+      },
+      failed: (reason) => this.notice.show(reason),
+    });
+    addEventListener("popstate", () => this.restore());
+    if (this.scenes.length > 0) this.enter_scene();
+  }
+
+  private scene(): Scene | null {
+    return this.scenes.find(({ id }) => id === this.state.scene) ?? null;
+  }
+
+  /** Shows the state's scene, or the first where the state names none that exists. */
+  private enter_scene(): void {
+    if (this.state.scene !== null && this.scene() === null) {
+      this.notice.show(new Error(`There is no scene “${this.state.scene}” on this server; showing “${this.scenes[0]?.title ?? ""}” instead.`));
+      this.state = { ...this.state, scene: null, place: null, view: null };
+    }
+    const scene = this.scene() ?? this.scenes[0];
+    if (scene === undefined) return;
+    this.state = { ...this.state, scene: scene.id };
+    this.scene_requests.abort();
+    this.scene_requests = new AbortController();
+    this.places = [];
+    this.search.set_places([]);
+    void this.map?.show_scene(scene, this.state.layers, this.state.view === null);
+    void this.map?.show_places([]);
+    const { signal } = this.scene_requests;
+    api
+      .places(scene.id, signal)
+      .then((places) => {
+        this.places = places;
+        this.search.set_places(places);
+        this.show_title();
+        return this.map?.show_places(places);
+      })
+      .catch((reason: unknown) => {
+        if (!signal.aborted) this.notice.show(reason);
+      });
+    this.show_state();
+    this.write_url(false);
+  }
+
+  private pick(place: Place): void {
+    this.notice.clear();
+    this.change({ place }, { push: true });
+  }
+
+  private change(part: Partial<ViewState>, { push = false } = {}): void {
+    const scene_before = this.state.scene;
+    this.state = { ...this.state, ...part };
+    this.write_url(push);
+    if (this.state.scene !== scene_before) this.enter_scene();
+    else this.show_state();
+  }
+
+  /** Back and forward, and fragments typed by hand. */
+  private restore(): void {
+    const scene_before = this.state.scene;
+    this.state = state_from_fragment(location.hash);
+    if (this.state.view !== null) this.map?.jump_to(this.state.view);
+    if (this.state.scene !== scene_before) this.enter_scene();
+    else this.show_state();
+  }
+
+  private show_state(): void {
+    this.controls.show(this.state, this.scene());
+    this.show_look();
+    for (const layer of ["radiance", "elevation"] as const) this.map?.set_opacity(layer, this.state.layers[layer]);
+    this.map?.mark(this.state.place);
+    this.show_title();
+    const { scene, place } = this.state;
+    if (scene === null || place === null) {
+      this.session.cancel();
+      this.set_busy(false);
+      this.forget_sky();
+      return;
+    }
+    this.show_numbers();
+    const parameters = this.parameters(place);
+    show_downloads(by_id("download-links", HTMLElement), scene, parameters, this.state);
+    void this.session.show(scene, parameters);
+  }
+
+  private parameters(place: Place): SkyParameters {
+    const { turbidity, lamp, emission } = this.state;
+    // Five decimals are a metre; a link restores the very same request.
+    const rounded = (degrees: number) => +degrees.toFixed(5);
+    return { latitude_deg: rounded(place.latitude_deg), longitude_deg: rounded(place.longitude_deg), turbidity, lamp, emission };
+  }
+
+  private show_look(): void {
+    document.body.dataset["projection"] = this.state.projection;
+    this.legend.show(this.state.colours);
+    this.sky_view.set_look(this.state);
+  }
+
+  private show_title(): void {
+    const { place } = this.state;
+    if (place === null) this.title.textContent = "";
+    else {
+      const name = place_name(place, this.places);
+      const at = coordinates(place.latitude_deg, place.longitude_deg);
+      this.title.replaceChildren(name, ...(name === at ? [] : [Object.assign(document.createElement("small"), { textContent: at })]));
+    }
+  }
+
+  private site_known(site: Site): void {
+    this.answer = null;
+    this.numbers.replaceChildren();
+    this.sky_view.show(null);
+    document.body.dataset["sky"] = "site";
+    show_site(this.site, site);
+  }
+
+  private show_numbers(): void {
+    const scene = this.scene();
+    if (this.answer !== null && scene !== null) show_numbers(this.numbers, this.answer, this.state.sky, this.state.lamp, scene);
+  }
+
+  private forget_sky(): void {
+    this.answer = null;
+    document.body.dataset["sky"] = "none";
+    this.site.replaceChildren();
+    this.numbers.replaceChildren();
+    this.sky_view.show(null);
+  }
+
+  private set_busy(busy: boolean): void {
+    document.body.classList.toggle("busy", busy);
+    this.numbers_card.setAttribute("aria-busy", String(busy));
+  }
+
+  private write_url(push: boolean): void {
+    const fragment = fragment_from_state(this.state);
+    if (fragment === location.hash) return;
+    const url = `${location.pathname}${location.search}${fragment}`;
+    if (push) history.pushState(null, "", url);
+    else history.replaceState(null, "", url);
+  }
+}
+
+void new Viewer().start();

@@ -1,0 +1,77 @@
+// Natural Earth outlines (public domain, by world-atlas), served with the viewer: no outside host is asked.
+
+import type { Feature, FeatureCollection, MultiLineString, Point, Polygon, Position } from "geojson";
+import { feature, mesh } from "topojson-client";
+import type { GeometryCollection, Topology } from "topojson-specification";
+import atlas_url from "world-atlas/countries-50m.json?url";
+
+type Atlas = Topology<{ countries: GeometryCollection<{ name: string }> }>;
+
+export interface Basemap {
+  land: FeatureCollection;
+  coasts: MultiLineString;
+  borders: MultiLineString;
+  /** One label point for each country, with `name` and `rank` (0 for the largest). */
+  names: FeatureCollection<Point>;
+  /** Every tenth meridian and parallel. */
+  graticule: Feature<MultiLineString>;
+}
+
+/** Twice the signed area and the centroid of a ring, in degrees: good enough to place a label. */
+function ring_centroid(ring: Position[]): { area: number; centre: [number, number] } {
+  let area = 0;
+  let x = 0;
+  let y = 0;
+  for (let i = 0; i + 1 < ring.length; i++) {
+    const [x0 = 0, y0 = 0] = ring[i] ?? [];
+    const [x1 = 0, y1 = 0] = ring[i + 1] ?? [];
+    const cross = x0 * y1 - x1 * y0;
+    area += cross;
+    x += (x0 + x1) * cross;
+    y += (y0 + y1) * cross;
+  }
+  return area === 0 ? { area, centre: [0, 0] } : { area: Math.abs(area), centre: [x / (3 * area), y / (3 * area)] };
+}
+
+function label_points(land: FeatureCollection): FeatureCollection<Point> {
+  const labels: { name: string; area: number; centre: [number, number] }[] = [];
+  for (const { geometry, properties } of land.features) {
+    const polygons: Polygon["coordinates"][] =
+      geometry.type === "Polygon" ? [geometry.coordinates] : geometry.type === "MultiPolygon" ? geometry.coordinates : [];
+    const largest = polygons.map((rings) => ring_centroid(rings[0] ?? [])).sort((a, b) => b.area - a.area)[0];
+    if (largest !== undefined && largest.area > 0) labels.push({ name: String(properties?.["name"] ?? ""), ...largest });
+  }
+  labels.sort((a, b) => b.area - a.area);
+  return {
+    type: "FeatureCollection",
+    features: labels.map(({ name, centre }, rank) => ({
+      type: "Feature",
+      properties: { name, rank },
+      geometry: { type: "Point", coordinates: centre },
+    })),
+  };
+}
+
+function graticule(): Feature<MultiLineString> {
+  const lines: Position[][] = [];
+  for (let longitude = -180; longitude < 180; longitude += 10) lines.push([[longitude, -80], [longitude, 80]]);
+  for (let latitude = -80; latitude <= 80; latitude += 10) {
+    lines.push(Array.from({ length: 37 }, (_, i) => [-180 + 10 * i, latitude]));
+  }
+  return { type: "Feature", properties: {}, geometry: { type: "MultiLineString", coordinates: lines } };
+}
+
+export async function load_basemap(): Promise<Basemap> {
+  const response = await fetch(atlas_url);
+  if (!response.ok) throw new Error(`the map's outlines did not load (${response.status})`);
+  const atlas = (await response.json()) as Atlas;
+  const { countries } = atlas.objects;
+  const land = feature(atlas, countries);
+  return {
+    land,
+    coasts: mesh(atlas, countries, (a, b) => a === b),
+    borders: mesh(atlas, countries, (a, b) => a !== b),
+    names: label_points(land),
+    graticule: graticule(),
+  };
+}

@@ -1,0 +1,168 @@
+// The map: outlines, the scene's tiles, its places, and the picked place.
+
+import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, ScaleControl, setWorkerUrl } from "maplibre-gl";
+import type { GeoJSONSource } from "maplibre-gl";
+import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
+import "maplibre-gl/dist/maplibre-gl.css";
+import { api } from "../api/client.ts";
+import type { Bounds, NamedPlace, Scene } from "../api/types.ts";
+import { LAYERS, type LayerName, type MapView, type Place } from "../state.ts";
+import { load_basemap } from "./basemap.ts";
+import { FIRST_LAYER_ABOVE_TILES, night_style } from "./style.ts";
+
+// Without this the map stays blank without a word.
+setWorkerUrl(worker_url);
+
+export interface SkyMapEvents {
+  picked: (place: Place) => void;
+  moved: (view: MapView) => void;
+  failed: (reason: unknown) => void;
+}
+
+const MOVE_MS = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 700;
+
+/** Continuous across the antimeridian: east is never less than west. */
+function unwrapped([west, south, east, north]: Bounds): Bounds {
+  return [west, south, east < west ? east + 360 : east, north];
+}
+
+export class SkyMap {
+  private readonly map: MapLibreMap;
+  private readonly marker: Marker;
+  private readonly styled: Promise<unknown>;
+  private marked = false;
+
+  constructor(container: HTMLElement, view: MapView | null, events: SkyMapEvents) {
+    this.map = new MapLibreMap({
+      container,
+      style: night_style(),
+      center: view === null ? [20, 15] : [view.longitude_deg, view.latitude_deg],
+      zoom: view?.zoom ?? 1.5,
+      minZoom: 1,
+      maxZoom: 14,
+      dragRotate: false,
+      pitchWithRotate: false,
+      touchPitch: false,
+      attributionControl: false,
+      locale: { "Map.Title": "Map. Arrow keys move it, plus and minus zoom, Enter picks the place in the middle." },
+    });
+    this.map.touchZoomRotate.disableRotation();
+    this.map.keyboard.disableRotation();
+    this.map.addControl(new NavigationControl({ showCompass: false }), "bottom-right");
+    this.map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
+    this.map.addControl(new AttributionControl({ compact: true, customAttribution: "Outlines: Natural Earth" }), "bottom-left");
+    this.styled = new Promise((resolve) => this.map.once("load", resolve));
+
+    const pin = document.createElement("div");
+    pin.className = "pin";
+    pin.setAttribute("role", "img");
+    pin.setAttribute("aria-label", "The picked place");
+    this.marker = new Marker({ element: pin, anchor: "center" });
+
+    this.map.on("click", ({ lngLat }) => {
+      const { lng, lat } = lngLat.wrap();
+      events.picked({ latitude_deg: lat, longitude_deg: lng });
+    });
+    this.map.getCanvas().addEventListener("keydown", (event) => {
+      if (event.key !== "Enter") return;
+      event.preventDefault();
+      const { lng, lat } = this.map.getCenter().wrap();
+      events.picked({ latitude_deg: lat, longitude_deg: lng });
+    });
+    this.map.on("moveend", () => events.moved(this.view()));
+    this.map.on("error", ({ error }) => events.failed(error));
+    load_basemap()
+      .then(async (basemap) => {
+        await this.styled;
+        for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) {
+          this.source(name)?.setData(basemap[name]);
+        }
+        container.dataset["basemap"] = "shown";
+      })
+      .catch(events.failed);
+  }
+
+  view(): MapView {
+    const { lng, lat } = this.map.getCenter();
+    return { zoom: this.map.getZoom(), latitude_deg: lat, longitude_deg: lng };
+  }
+
+  private source(name: string): GeoJSONSource | undefined {
+    return this.map.getSource<GeoJSONSource>(name);
+  }
+
+  /** Shows a scene's outline and tiles, and moves to it where asked. */
+  async show_scene(scene: Scene, opacities: Record<LayerName, number>, move: boolean): Promise<void> {
+    const [west, south, east, north] = unwrapped(scene.bounds);
+    if (move) this.map.fitBounds([west, south, east, north], { padding: 24, duration: 0 });
+    await this.styled;
+    const corners = [[west, south], [east, south], [east, north], [west, north], [west, south]];
+    this.source("scene")?.setData({ type: "LineString", coordinates: corners });
+    for (const name of LAYERS) {
+      if (this.map.getLayer(name) !== undefined) this.map.removeLayer(name);
+      if (this.map.getSource(name) !== undefined) this.map.removeSource(name);
+      if (name === "elevation" && !scene.terrain) continue;
+      this.map.addSource(name, { type: "raster", url: api.tilejson_url(scene.id, name), tileSize: 256 });
+    }
+    // Elevation lies under the lights.
+    for (const name of ["elevation", "radiance"] as const) {
+      if (this.map.getSource(name) === undefined) continue;
+      this.map.addLayer(
+        { id: name, type: "raster", source: name, layout: { visibility: "none" }, paint: { "raster-fade-duration": 150 } },
+        FIRST_LAYER_ABOVE_TILES,
+      );
+      this.set_opacity(name, opacities[name]);
+    }
+  }
+
+  async show_places(places: readonly NamedPlace[]): Promise<void> {
+    await this.styled;
+    this.source("places")?.setData({
+      type: "FeatureCollection",
+      features: places.map(({ name, population, longitude_deg, latitude_deg }) => ({
+        type: "Feature",
+        properties: { name, population: population ?? 0 },
+        geometry: { type: "Point", coordinates: [longitude_deg, latitude_deg] },
+      })),
+    });
+  }
+
+  set_opacity(layer: LayerName, opacity: number): void {
+    if (this.map.getLayer(layer) === undefined) return;
+    this.map.setLayoutProperty(layer, "visibility", opacity > 0 ? "visible" : "none");
+    this.map.setPaintProperty(layer, "raster-opacity", opacity);
+  }
+
+  mark(place: Place | null): void {
+    if (place === null) {
+      this.marker.remove();
+      this.marked = false;
+      return;
+    }
+    this.marker.setLngLat([place.longitude_deg, place.latitude_deg]);
+    if (!this.marked) this.marker.addTo(this.map);
+    this.marked = true;
+  }
+
+  /** Moves so that a place is in view, zooming in where the map is far away. */
+  go_to(place: Place): void {
+    this.map.easeTo({
+      center: [place.longitude_deg, place.latitude_deg],
+      zoom: Math.max(this.map.getZoom(), 7),
+      duration: MOVE_MS,
+    });
+  }
+
+  jump_to(view: MapView): void {
+    this.map.jumpTo({ center: [view.longitude_deg, view.latitude_deg], zoom: view.zoom });
+  }
+
+  /** Where a place lies inside the map's element, CSS pixels. */
+  point_of(place: Place): { x: number; y: number } {
+    return this.map.project([place.longitude_deg, place.latitude_deg]);
+  }
+
+  resize(): void {
+    this.map.resize();
+  }
+}

@@ -1,0 +1,26 @@
+// From radiance to what people see. The server's `physics` crate is the authority; these are its formulas.
+
+/** K_b: lumens per watt of the bands R, G, B (680, 550, 440 nm). */
+export const LUMINOUS_EFFICACY_LM_W = [150, 567, 45] as const;
+/** Luminance of 0 mag arcsec⁻², cd m⁻². */
+export const ZERO_POINT_CD_M2 = 1.08e5;
+/** Surface brightness of the natural sky, mag arcsec⁻². */
+export const NATURAL_SKY_MAG_ARCSEC2 = 22.0;
+/** Luminance of the natural sky, cd m⁻² (uniform). */
+export const NATURAL_SKY_CD_M2 = luminance_from_brightness_cd_m2(NATURAL_SKY_MAG_ARCSEC2);
+
+/** Σ_b K_b L_b: luminance [cd m⁻²] of a radiance [W m⁻² sr⁻¹] in R, G, B. */
+export function luminance_cd_m2(red_w_m2_sr: number, green_w_m2_sr: number, blue_w_m2_sr: number): number {
+  const [red, green, blue] = LUMINOUS_EFFICACY_LM_W;
+  return red * red_w_m2_sr + green * green_w_m2_sr + blue * blue_w_m2_sr;
+}
+
+/** −2.5·log10(luminance / 1.08e5), mag arcsec⁻²; null for a sky without light. */
+export function brightness_mag_arcsec2(luminance_cd_m2: number): number | null {
+  return luminance_cd_m2 > 0 ? -2.5 * Math.log10(luminance_cd_m2 / ZERO_POINT_CD_M2) : null;
+}
+
+/** The inverse of `brightness_mag_arcsec2`: luminance, cd m⁻². */
+export function luminance_from_brightness_cd_m2(brightness_mag_arcsec2: number): number {
+  return ZERO_POINT_CD_M2 * 10 ** (-0.4 * brightness_mag_arcsec2);
+}

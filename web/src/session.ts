@@ -1,0 +1,61 @@
+// From a picked place to its sky: site, then numbers, then picture. A newer pick cancels an older one.
+
+import { api, type SkyParameters } from "./api/client.ts";
+import type { Site, SkyAnswer } from "./api/types.ts";
+import { SkyGrid } from "./sky/grid.ts";
+
+export interface SessionEvents {
+  started: () => void;
+  site: (site: Site) => void;
+  numbers: (answer: SkyAnswer) => void;
+  picture: (grid: SkyGrid) => void;
+  failed: (reason: unknown) => void;
+  ended: () => void;
+}
+
+export class SkySession {
+  private controller = new AbortController();
+  private asked = "";
+  private site_asked = "";
+
+  constructor(private readonly events: SessionEvents) {}
+
+  /** Asks for a sky unless it is the one already asked for. */
+  async show(scene: string, parameters: SkyParameters): Promise<void> {
+    const asked = JSON.stringify([scene, parameters]);
+    if (asked === this.asked) return;
+    this.cancel();
+    const { signal } = this.controller;
+    this.asked = asked;
+    const site_asked = JSON.stringify([scene, parameters.latitude_deg, parameters.longitude_deg]);
+    performance.clearMarks("sky:asked");
+    performance.mark("sky:asked");
+    this.events.started();
+    try {
+      if (site_asked !== this.site_asked) {
+        this.events.site(await api.site(scene, parameters, signal));
+        this.site_asked = site_asked;
+        performance.measure("sky:site", "sky:asked");
+      }
+      this.events.numbers(await api.sky(scene, parameters, signal));
+      performance.measure("sky:numbers", "sky:asked");
+      this.events.picture(new SkyGrid(await api.panorama(scene, parameters, signal)));
+      performance.measure("sky:picture", "sky:asked");
+      this.events.ended();
+    } catch (reason) {
+      if (signal.aborted) return;
+      // Asking for the same again is then a new try.
+      this.asked = "";
+      this.site_asked = "";
+      this.events.failed(reason);
+      this.events.ended();
+    }
+  }
+
+  /** Forgets what was asked; answers still on their way are dropped. */
+  cancel(): void {
+    this.controller.abort();
+    this.controller = new AbortController();
+    this.asked = "";
+  }
+}

@@ -1,0 +1,41 @@
+// Colour maps of even lightness that stay readable with colour-blind eyes (matplotlib's, CC0),
+// as 33 evenly spaced sRGB anchors in hex.
+
+export type ColourMapName = "inferno" | "viridis" | "cividis";
+
+const ANCHORS: Record<ColourMapName, string> = {
+  inferno:
+    "0000040403120b0724150b37210c4a2f0a5b3d09654a0c6b57106e64156e71196e7d1e6d8a226a972766a32c61b0315bbc3754" +
+    "c73e4cd24644db503be45a31eb6628f1731df68013f98e09fb9d07fcac11fbbc21f9cb35f5db4cf2ea69f3f68afcffa4",
+  viridis:
+    "440154470d6048186a482374472d7b4537814240863e49893b528b375b8d33638d2f6b8e2c728e297a8e26828e23898e21918c" +
+    "1f988b1fa08822a78528ae8032b67a3fbc734ec36b5ec96270cf5784d44b98d83eaddc30c2df23d8e219ece51bfde725",
+  cividis:
+    "00224e00285b002e6a0533711a386f273e6e32436d3b496c434e6c4b546c535a6d5a5f6e61656f686a716f70737676767d7c78" +
+    "8482798c8878938e789b9476a39a74aba072b4a76fbcae6cc4b468cdbb63d5c25edec958e7d150f0d846f9e03afee838",
+};
+
+export const COLOUR_MAPS = Object.keys(ANCHORS) as ColourMapName[];
+
+/** `count` RGB triples, evenly spaced over the map. */
+export function colour_table(name: ColourMapName, count: number): Uint8ClampedArray {
+  const hex = ANCHORS[name];
+  const last = hex.length / 6 - 1;
+  const channel = (anchor: number, offset: number) => parseInt(hex.slice(anchor * 6 + offset, anchor * 6 + offset + 2), 16);
+  const table = new Uint8ClampedArray(count * 3);
+  for (let i = 0; i < count; i++) {
+    const position = (i / (count - 1)) * last;
+    const anchor = Math.min(Math.floor(position), last - 1);
+    const part = position - anchor;
+    for (let c = 0; c < 3; c++) {
+      table[i * 3 + c] = channel(anchor, c * 2) * (1 - part) + channel(anchor + 1, c * 2) * part;
+    }
+  }
+  return table;
+}
+
+/** The map as a CSS gradient from left (darkest) to right. */
+export function colour_gradient(name: ColourMapName): string {
+  const stops = ANCHORS[name].match(/.{6}/g) ?? [];
+  return `linear-gradient(to right, ${stops.map((stop) => `#${stop}`).join(", ")})`;
+}

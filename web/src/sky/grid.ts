@@ -1,0 +1,77 @@
+// The raw panorama of the API as luminance on its grid, and lookups in it.
+
+import type { PanoramaAnswer } from "../api/types.ts";
+import { luminance_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+
+/** Artificial light alone, or with the natural sky. */
+export type SkyKind = "artificial" | "total";
+
+/** One grid direction and what the sky shows there. */
+export interface SkySample {
+  azimuth_deg: number;
+  elevation_deg: number;
+  /** Artificial light, cd m⁻². */
+  artificial_cd_m2: number;
+  /** With the natural sky, cd m⁻². */
+  total_cd_m2: number;
+}
+
+/** Luminance of the whole sky. Row 0 is lowest, column 0 looks north. */
+export class SkyGrid {
+  readonly azimuth_count: number;
+  readonly elevation_count: number;
+  readonly azimuth_first_deg: number;
+  readonly azimuth_step_deg: number;
+  readonly elevation_first_deg: number;
+  readonly elevation_step_deg: number;
+  /** Artificial luminance [row][column], cd m⁻². */
+  readonly artificial_cd_m2: Float64Array;
+  /** Elevation of the terrain horizon in each column, degrees. Empty when the answer has none. */
+  readonly horizon_deg: readonly number[];
+
+  constructor(answer: PanoramaAnswer) {
+    const { grid, radiance } = answer;
+    this.azimuth_count = grid.azimuth_count;
+    this.elevation_count = grid.elevation_count;
+    this.azimuth_first_deg = grid.azimuth_first_deg;
+    this.azimuth_step_deg = grid.azimuth_step_deg;
+    this.elevation_first_deg = grid.elevation_first_deg;
+    this.elevation_step_deg = grid.elevation_step_deg;
+    this.horizon_deg = answer.horizon_deg ?? [];
+    const [red, green, blue] = radiance;
+    if (red?.length !== this.elevation_count || green?.length !== this.elevation_count || blue?.length !== this.elevation_count) {
+      throw new Error(`the panorama has ${red?.length ?? 0} rows where its grid says ${this.elevation_count}`);
+    }
+    this.artificial_cd_m2 = new Float64Array(this.azimuth_count * this.elevation_count);
+    for (let row = 0; row < this.elevation_count; row++) {
+      for (let column = 0; column < this.azimuth_count; column++) {
+        this.artificial_cd_m2[row * this.azimuth_count + column] = luminance_cd_m2(
+          red[row]?.[column] ?? 0,
+          green[row]?.[column] ?? 0,
+          blue[row]?.[column] ?? 0,
+        );
+      }
+    }
+  }
+
+  /** The sample nearest to a direction: exactly the API's value, nothing interpolated. */
+  nearest(azimuth_deg: number, elevation_deg: number): SkySample {
+    const turn = Math.round((azimuth_deg - this.azimuth_first_deg) / this.azimuth_step_deg);
+    const column = ((turn % this.azimuth_count) + this.azimuth_count) % this.azimuth_count;
+    const step = Math.round((elevation_deg - this.elevation_first_deg) / this.elevation_step_deg);
+    const row = Math.min(Math.max(step, 0), this.elevation_count - 1);
+    const artificial_cd_m2 = this.artificial_cd_m2[row * this.azimuth_count + column] ?? 0;
+    return {
+      azimuth_deg: this.azimuth_first_deg + column * this.azimuth_step_deg,
+      elevation_deg: this.elevation_first_deg + row * this.elevation_step_deg,
+      artificial_cd_m2,
+      total_cd_m2: artificial_cd_m2 + NATURAL_SKY_CD_M2,
+    };
+  }
+
+  /** log10 luminance for drawing, [row][column]; darkness counts as `floor_cd_m2`. */
+  log_luminance(kind: SkyKind, floor_cd_m2: number): Float32Array {
+    const added = kind === "total" ? NATURAL_SKY_CD_M2 : 0;
+    return Float32Array.from(this.artificial_cd_m2, (value) => Math.log10(Math.max(value + added, floor_cd_m2)));
+  }
+}

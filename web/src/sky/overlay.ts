@@ -1,0 +1,118 @@
+// Compass directions, elevation marks, the terrain horizon and the cross of the readout.
+
+import type { SkyGrid } from "./grid.ts";
+import type { Plot, Projection, SkyDirection } from "./projection.ts";
+
+const CARDINAL = [
+  ["N", 0], ["NE", 45], ["E", 90], ["SE", 135], ["S", 180], ["SW", 225], ["W", 270], ["NW", 315],
+] as const;
+const ELEVATIONS_DEG = [0, 30, 60] as const;
+
+const LINE = "rgba(226, 234, 255, 0.16)";
+const TEXT = "#aab6d3";
+const STRONG_TEXT = "#eaf0ff";
+
+function font(size_px: number, weight = 500): string {
+  return `${weight} ${size_px}px system-ui, sans-serif`;
+}
+
+/** Draws the lines and names that do not change with the pointer. */
+export function draw_frame(context: CanvasRenderingContext2D, projection: Projection, plot: Plot): void {
+  context.lineWidth = 1;
+  context.strokeStyle = LINE;
+  if (projection.name === "fisheye") draw_fisheye_frame(context, projection, plot);
+  else draw_strip_frame(context, projection, plot);
+}
+
+function draw_strip_frame(context: CanvasRenderingContext2D, projection: Projection, plot: Plot): void {
+  const right_px = plot.left_px + plot.width_px;
+  const bottom_px = plot.top_px + plot.height_px;
+  context.textBaseline = "middle";
+  context.textAlign = "right";
+  context.font = font(11);
+  context.fillStyle = TEXT;
+  for (const elevation_deg of [...ELEVATIONS_DEG, 90]) {
+    const { y_px } = projection.point_from_direction({ azimuth_deg: 0, elevation_deg });
+    context.fillText(`${elevation_deg}°`, plot.left_px - 6, Math.min(Math.max(y_px, plot.top_px + 6), bottom_px - 5));
+    if (elevation_deg === 0 || elevation_deg === 90) continue;
+    stroke(context, [[plot.left_px, y_px], [right_px, y_px]]);
+  }
+  context.textBaseline = "top";
+  for (const [name, azimuth_deg] of [...CARDINAL, ["N", 360] as const]) {
+    const { x_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: 0 });
+    const strong = name.length === 1;
+    context.font = font(strong ? 13 : 11, strong ? 650 : 500);
+    context.fillStyle = strong ? STRONG_TEXT : TEXT;
+    context.textAlign = azimuth_deg === 0 ? "left" : azimuth_deg === 360 ? "right" : "center";
+    context.fillText(name, x_px, bottom_px + 7);
+    if (azimuth_deg > 0 && azimuth_deg < 360) stroke(context, [[x_px, plot.top_px], [x_px, bottom_px + (strong ? 4 : 2)]]);
+  }
+}
+
+function draw_fisheye_frame(context: CanvasRenderingContext2D, projection: Projection, plot: Plot): void {
+  const radius_px = Math.min(plot.width_px, plot.height_px) / 2;
+  const x0_px = plot.left_px + plot.width_px / 2;
+  const y0_px = plot.top_px + plot.height_px / 2;
+  for (const elevation_deg of ELEVATIONS_DEG) {
+    context.beginPath();
+    context.arc(x0_px, y0_px, radius_px * (1 - elevation_deg / 90), 0, 2 * Math.PI);
+    context.stroke();
+  }
+  for (const azimuth_deg of [0, 45, 90, 135]) {
+    const from = projection.point_from_direction({ azimuth_deg, elevation_deg: 0 });
+    const to = projection.point_from_direction({ azimuth_deg: azimuth_deg + 180, elevation_deg: 0 });
+    stroke(context, [[from.x_px, from.y_px], [to.x_px, to.y_px]]);
+  }
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  for (const [name, azimuth_deg] of CARDINAL) {
+    const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: (-13 / radius_px) * 90 });
+    const strong = name.length === 1;
+    context.font = font(strong ? 13 : 11, strong ? 650 : 500);
+    context.fillStyle = strong ? STRONG_TEXT : TEXT;
+    context.fillText(name, x_px, y_px);
+  }
+  context.font = font(10);
+  context.textAlign = "left";
+  context.fillStyle = "rgba(234, 240, 255, 0.75)";
+  for (const elevation_deg of [30, 60]) {
+    const { x_px, y_px } = projection.point_from_direction({ azimuth_deg: 180, elevation_deg });
+    context.fillText(`${elevation_deg}°`, x_px + 4, y_px - 7);
+  }
+}
+
+/** The terrain's skyline, where the answer has one. */
+export function draw_horizon(context: CanvasRenderingContext2D, projection: Projection, grid: SkyGrid): void {
+  if (!grid.horizon_deg.some((elevation_deg) => elevation_deg > 0)) return;
+  context.beginPath();
+  grid.horizon_deg.forEach((elevation_deg, column) => {
+    const azimuth_deg = grid.azimuth_first_deg + column * grid.azimuth_step_deg;
+    const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: Math.max(elevation_deg, 0) });
+    if (column === 0) context.moveTo(x_px, y_px);
+    else context.lineTo(x_px, y_px);
+  });
+  context.lineWidth = 1.5;
+  context.strokeStyle = "rgba(143, 214, 255, 0.75)";
+  context.stroke();
+}
+
+/** The cross that shows which direction the readout speaks of. */
+export function draw_cross(context: CanvasRenderingContext2D, projection: Projection, direction: SkyDirection): void {
+  const { x_px, y_px } = projection.point_from_direction(direction);
+  for (const [colour, width] of [["rgba(0, 0, 0, 0.7)", 4], ["#ffffff", 1.6]] as const) {
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.beginPath();
+    context.arc(x_px, y_px, 6, 0, 2 * Math.PI);
+    context.stroke();
+    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]] as const) {
+      stroke(context, [[x_px + 6 * dx, y_px + 6 * dy], [x_px + 11 * dx, y_px + 11 * dy]]);
+    }
+  }
+}
+
+function stroke(context: CanvasRenderingContext2D, points: readonly (readonly [number, number])[]): void {
+  context.beginPath();
+  points.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+  context.stroke();
+}

@@ -1,0 +1,116 @@
+// What the viewer shows, and its form in the URL's fragment, so that a link or a reload restores it.
+
+import { COLOUR_MAPS, type ColourMapName } from "./sky/colour_maps.ts";
+import type { SkyKind } from "./sky/grid.ts";
+import type { ProjectionName } from "./sky/projection.ts";
+
+export interface Place {
+  latitude_deg: number;
+  longitude_deg: number;
+}
+
+export interface MapView {
+  zoom: number;
+  latitude_deg: number;
+  longitude_deg: number;
+}
+
+export const LAYERS = ["radiance", "elevation"] as const;
+export type LayerName = (typeof LAYERS)[number];
+
+export interface ViewState {
+  /** null until the list of scenes is known. */
+  scene: string | null;
+  place: Place | null;
+  /** null: fit the scene. */
+  view: MapView | null;
+  /** null: the server's default. */
+  turbidity: number | null;
+  lamp: string;
+  emission: string;
+  projection: ProjectionName;
+  sky: SkyKind;
+  colours: ColourMapName;
+  /** Opacity 0..1; 0 is off. */
+  layers: Record<LayerName, number>;
+}
+
+export const DEFAULT_STATE: Readonly<ViewState> = {
+  scene: null,
+  place: null,
+  view: null,
+  turbidity: null,
+  lamp: "mixed",
+  emission: "garstang",
+  projection: "equirectangular",
+  sky: "artificial",
+  colours: "inferno",
+  layers: { radiance: 0.85, elevation: 0 },
+};
+
+function number_in(text: string | null, least: number, most: number): number | null {
+  if (text === null || text.trim() === "") return null;
+  const value = Number(text);
+  return Number.isFinite(value) && value >= least && value <= most ? value : null;
+}
+
+function one_of<T extends string>(text: string | null, allowed: readonly T[], otherwise: T): T {
+  return allowed.find((name) => name === text) ?? otherwise;
+}
+
+function matching(text: string | null, pattern: RegExp): string | null {
+  return text !== null && pattern.test(text) ? text : null;
+}
+
+/** Reads a fragment such as `#scene=demo&lat=…`. What is missing or makes no sense takes its default. */
+export function state_from_fragment(fragment: string): ViewState {
+  const query = new URLSearchParams(fragment.replace(/^#/, ""));
+  const latitude_deg = number_in(query.get("lat"), -90, 90);
+  const longitude_deg = number_in(query.get("lon"), -180, 180);
+  const [zoom, view_latitude, view_longitude] = (query.get("map") ?? "").split("/");
+  const view = {
+    zoom: number_in(zoom ?? null, 0, 22),
+    latitude_deg: number_in(view_latitude ?? null, -90, 90),
+    longitude_deg: number_in(view_longitude ?? null, -540, 540),
+  };
+  const layers = { ...DEFAULT_STATE.layers };
+  for (const name of LAYERS) layers[name] = number_in(query.get(name), 0, 1) ?? layers[name];
+  return {
+    scene: matching(query.get("scene"), /^[a-z0-9-]{1,64}$/),
+    place: latitude_deg !== null && longitude_deg !== null ? { latitude_deg, longitude_deg } : null,
+    view:
+      view.zoom !== null && view.latitude_deg !== null && view.longitude_deg !== null
+        ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }
+        : null,
+    turbidity: number_in(query.get("turbidity"), 1, 100),
+    lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
+    emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,
+    projection: one_of(query.get("projection"), ["equirectangular", "fisheye"], DEFAULT_STATE.projection),
+    sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
+    colours: one_of(query.get("colours"), COLOUR_MAPS, DEFAULT_STATE.colours),
+    layers,
+  };
+}
+
+/** The fragment that `state_from_fragment` reads; defaults are left out to keep links short. */
+export function fragment_from_state(state: ViewState): string {
+  const parts: string[] = [];
+  const add = (name: string, value: string | number | null, otherwise: string | number | null) => {
+    if (value !== null && value !== otherwise) parts.push(`${name}=${value}`);
+  };
+  add("scene", state.scene, null);
+  add("lat", state.place === null ? null : +state.place.latitude_deg.toFixed(5), null);
+  add("lon", state.place === null ? null : +state.place.longitude_deg.toFixed(5), null);
+  if (state.view !== null) {
+    const { zoom, latitude_deg, longitude_deg } = state.view;
+    parts.push(`map=${+zoom.toFixed(2)}/${+latitude_deg.toFixed(4)}/${+longitude_deg.toFixed(4)}`);
+  }
+  add("turbidity", state.turbidity, null);
+  add("lamp", state.lamp, DEFAULT_STATE.lamp);
+  add("emission", state.emission, DEFAULT_STATE.emission);
+  add("projection", state.projection, DEFAULT_STATE.projection);
+  add("sky", state.sky, DEFAULT_STATE.sky);
+  add("colours", state.colours, DEFAULT_STATE.colours);
+  for (const name of LAYERS) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
+  return parts.length === 0 ? "" : `#${parts.join("&")}`;
+}

@@ -1,0 +1,150 @@
+// The controls beside the map: what the sky depends on, and how it is shown.
+
+import type { Atmosphere, Scene } from "../api/types.ts";
+import type { ColourMapName } from "../sky/colour_maps.ts";
+import type { SkyKind } from "../sky/grid.ts";
+import type { ProjectionName } from "../sky/projection.ts";
+import { LAYERS, type LayerName, type ViewState } from "../state.ts";
+import { by_id, debounced, make } from "./dom.ts";
+import { EMISSIONS, LAMPS } from "./lamps.ts";
+
+export interface ControlEvents {
+  scene: (id: string) => void;
+  turbidity: (turbidity: number) => void;
+  lamp: (lamp: string) => void;
+  emission: (emission: string) => void;
+  projection: (projection: ProjectionName) => void;
+  sky: (sky: SkyKind) => void;
+  colours: (colours: ColourMapName) => void;
+  layer: (layer: LayerName, opacity: number) => void;
+}
+
+/** What the server assumes where the request names none. */
+export const DEFAULT_TURBIDITY = 2.5;
+const WAIT_MS = 180;
+
+function air_words(turbidity: number): string {
+  if (turbidity < 1.75) return "very clear, mountain air";
+  if (turbidity < 2.75) return "clear night";
+  if (turbidity < 4) return "light haze";
+  return "haze";
+}
+
+function fill(select: HTMLSelectElement, options: readonly (readonly [string, string])[], value: string): void {
+  const known = options.some(([name]) => name === value);
+  const all = known || value === "" ? options : [...options, [value, `own: ${value}`] as const];
+  select.replaceChildren(...all.map(([name, title]) => new Option(title, name, false, name === value)));
+}
+
+/** A button group of which exactly one is pressed; arrow keys move as in radio groups. */
+function wire_group<T extends string>(id: string, chosen: (value: T) => void): (value: T) => void {
+  const group = by_id(id, HTMLElement);
+  const buttons = [...group.querySelectorAll("button")];
+  const press = (value: string) => {
+    for (const button of buttons) {
+      const on = button.value === value;
+      button.setAttribute("aria-checked", String(on));
+      button.tabIndex = on ? 0 : -1;
+    }
+  };
+  buttons.forEach((button, i) => {
+    button.addEventListener("click", () => {
+      press(button.value);
+      chosen(button.value as T);
+    });
+    button.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+      const next = step === undefined ? undefined : buttons[(i + step + buttons.length) % buttons.length];
+      if (next === undefined) return;
+      event.preventDefault();
+      next.focus();
+      next.click();
+    });
+  });
+  return press;
+}
+
+export class Controls {
+  private readonly scene = by_id("scene", HTMLSelectElement);
+  private readonly scene_note = by_id("scene-note", HTMLElement);
+  private readonly turbidity = by_id("turbidity", HTMLInputElement);
+  private readonly turbidity_value = by_id("turbidity-value", HTMLOutputElement);
+  private readonly lamp = by_id("lamp", HTMLSelectElement);
+  private readonly emission = by_id("emission", HTMLSelectElement);
+  private readonly colours = by_id("colours", HTMLSelectElement);
+  private readonly press_projection: (value: ProjectionName) => void;
+  private readonly press_sky: (value: SkyKind) => void;
+
+  constructor(events: ControlEvents) {
+    this.scene.addEventListener("change", () => events.scene(this.scene.value));
+    const changed = debounced(WAIT_MS, events.turbidity);
+    this.turbidity.addEventListener("input", () => {
+      this.show_turbidity();
+      changed(Number(this.turbidity.value));
+    });
+    this.lamp.addEventListener("change", () => events.lamp(this.lamp.value));
+    this.emission.addEventListener("change", () => events.emission(this.emission.value));
+    this.colours.addEventListener("change", () => events.colours(this.colours.value as ColourMapName));
+    this.press_projection = wire_group<ProjectionName>("projection", events.projection);
+    this.press_sky = wire_group<SkyKind>("sky-kind", events.sky);
+    for (const layer of LAYERS) {
+      const box = by_id(`layer-${layer}`, HTMLInputElement);
+      const slider = by_id(`opacity-${layer}`, HTMLInputElement);
+      const tell = () => {
+        slider.disabled = !box.checked;
+        events.layer(layer, box.checked ? Number(slider.value) : 0);
+      };
+      box.addEventListener("change", tell);
+      slider.addEventListener("input", tell);
+    }
+  }
+
+  set_scenes(scenes: readonly Scene[]): void {
+    this.scene.replaceChildren(
+      ...scenes.map((scene) => new Option(scene.illustrative ? `${scene.title} (illustrative)` : scene.title, scene.id)),
+    );
+    this.scene.disabled = scenes.length === 0;
+  }
+
+  set_atmospheres(atmospheres: readonly Atmosphere[]): void {
+    const values = atmospheres.map(({ turbidity }) => turbidity);
+    if (values.length === 0) return;
+    const [least, most] = [Math.min(...values), Math.max(...values)];
+    this.turbidity.min = String(least);
+    this.turbidity.max = String(most);
+    this.turbidity.disabled = least === most;
+    by_id("turbidity-ends", HTMLElement).replaceChildren(make("span", "", `${least} clear`), make("span", "", `${most} hazy`));
+    this.show_turbidity();
+  }
+
+  /** Puts every control where the state says. */
+  show(state: ViewState, scene: Scene | null): void {
+    if (scene !== null) {
+      this.scene.value = scene.id;
+      const parts = [scene.illustrative ? "Illustrative: made up for demonstration, not measured." : "", scene.date ?? "", scene.attribution ?? ""];
+      this.scene_note.textContent = parts.filter((part) => part !== "").join(" · ");
+      this.scene_note.classList.toggle("illustrative", scene.illustrative);
+      by_id("layer-elevation", HTMLInputElement).disabled = !scene.terrain;
+    }
+    this.turbidity.value = String(state.turbidity ?? DEFAULT_TURBIDITY);
+    this.show_turbidity();
+    fill(this.lamp, LAMPS, state.lamp);
+    fill(this.emission, EMISSIONS, state.emission);
+    this.colours.value = state.colours;
+    this.press_projection(state.projection);
+    this.press_sky(state.sky);
+    for (const layer of LAYERS) {
+      const box = by_id(`layer-${layer}`, HTMLInputElement);
+      const slider = by_id(`opacity-${layer}`, HTMLInputElement);
+      box.checked = state.layers[layer] > 0 && !box.disabled;
+      slider.disabled = !box.checked;
+      if (state.layers[layer] > 0) slider.value = String(state.layers[layer]);
+    }
+  }
+
+  private show_turbidity(): void {
+    const turbidity = Number(this.turbidity.value);
+    this.turbidity_value.value = `${turbidity.toFixed(1)} · ${air_words(turbidity)}`;
+    this.turbidity.setAttribute("aria-valuetext", this.turbidity_value.value);
+  }
+}

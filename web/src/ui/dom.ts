@@ -1,0 +1,25 @@
+// Small helpers for the page's own elements.
+
+/** The element of that id, which the page's HTML must have. */
+export function by_id<T extends HTMLElement>(id: string, type: new () => T): T {
+  const element = document.getElementById(id);
+  if (!(element instanceof type)) throw new Error(`the page has no ${type.name} "${id}"`);
+  return element;
+}
+
+/** A new element with a class and text or children. */
+export function make(tag: string, class_name: string, ...content: (string | Node)[]): HTMLElement {
+  const element = document.createElement(tag);
+  if (class_name !== "") element.className = class_name;
+  element.append(...content);
+  return element;
+}
+
+/** Calls once things have been quiet for a while. */
+export function debounced<A extends unknown[]>(wait_ms: number, call: (...args: A) => void): (...args: A) => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  return (...args) => {
+    clearTimeout(timer);
+    timer = setTimeout(() => call(...args), wait_ms);
+  };
+}

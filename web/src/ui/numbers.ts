@@ -1,0 +1,90 @@
+// The card of numbers for the picked place.
+
+import type { Scene, Site, SkyAnswer } from "../api/types.ts";
+import type { SkyKind } from "../sky/grid.ts";
+import { compass_name } from "../sky/projection.ts";
+import { lamp_title } from "./lamps.ts";
+import { make } from "./dom.ts";
+import { magnitude, ratio, short_number, with_prefix } from "./format.ts";
+
+const BORTLE = [
+  "",
+  "excellent dark site",
+  "typical dark site",
+  "rural sky",
+  "rural to suburban",
+  "suburban sky",
+  "bright suburban sky",
+  "suburban to urban",
+  "city sky",
+  "inner-city sky",
+];
+
+function row(name: string, value: string, unit: string, key: string, note = ""): HTMLElement {
+  const shown = make("dd", "", make("b", "", value), unit === "" ? "" : ` ${unit}`);
+  shown.dataset["value"] = key;
+  if (note !== "") shown.append(make("small", "", note));
+  return make("div", "number-row", make("dt", "", name), shown);
+}
+
+/** What is known right after a click, before the sky is computed. */
+export function show_site(container: HTMLElement, site: Site): void {
+  const rows = [
+    row("Ground", site.terrain_altitude_m === null ? "unknown" : `${Math.round(site.terrain_altitude_m)}`, site.terrain_altitude_m === null ? "" : "m above sea level", "terrain"),
+    row("Light upward here", site.radiance_nw_cm2_sr === null ? "no data" : short_number(site.radiance_nw_cm2_sr), site.radiance_nw_cm2_sr === null ? "" : "nW cm⁻² sr⁻¹", "radiance"),
+  ];
+  container.replaceChildren(...rows);
+}
+
+/** The numbers of a sky; the zenith figures follow the switch between artificial and total. */
+export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: SkyKind, lamp: string, scene: Scene): void {
+  const { sky } = answer;
+  const total = kind === "total";
+  const zenith_mag = total ? sky.zenith_total_brightness_mag_arcsec2 : sky.zenith_brightness_mag_arcsec2;
+  const zenith_cd_m2 = total ? sky.zenith_total_luminance_cd_m2 : sky.zenith_luminance_cd_m2;
+  const illuminance_lx = total ? sky.horizontal_total_illuminance_lx : sky.horizontal_illuminance_lx;
+
+  const big = make("b", "", magnitude(zenith_mag));
+  big.dataset["value"] = "zenith_mag";
+  const zenith = make(
+    "div",
+    "zenith",
+    make("span", "zenith-name", total ? "Zenith, with the natural sky" : "Zenith, artificial light alone"),
+    make("div", "zenith-value", big, make("small", "", "mag/arcsec²")),
+    make("span", "zenith-luminance", with_prefix(zenith_cd_m2, "cd/m²")),
+  );
+
+  const bortle_number = make("b", "", String(sky.bortle_class));
+  bortle_number.dataset["value"] = "bortle_class";
+  const steps = make("div", "bortle-steps");
+  for (let step = 1; step <= 9; step++) {
+    const mark = make("i", step === sky.bortle_class ? "here" : "");
+    mark.dataset["step"] = String(step);
+    steps.append(mark);
+  }
+  steps.setAttribute("aria-hidden", "true");
+  const bortle = make("div", "bortle", make("span", "zenith-name", "Bortle class"), make("div", "zenith-value", bortle_number, make("small", "", "of 9")), steps, make("span", "bortle-name", BORTLE[sky.bortle_class] ?? ""));
+
+  const brightest = `towards ${compass_name(sky.brightest_azimuth_deg)}, ${sky.brightest_elevation_deg.toFixed(0)}° up`;
+  const list = make(
+    "dl",
+    "number-list",
+    row("Artificial at the zenith", `${ratio(sky.ratio_to_natural)} ×`, "natural", "ratio"),
+    row("Light on the ground", with_prefix(illuminance_lx, "lx"), "", "illuminance"),
+    row("Faintest stars", sky.naked_eye_limit_mag.toFixed(2), "mag, naked eye", "naked_eye_limit"),
+    row("Sky Quality Meter", sky.sqm_total_brightness_mag_arcsec2.toFixed(2), "mag/arcsec²", "sqm"),
+    row("Brightest", with_prefix(sky.brightest_luminance_cd_m2, "cd/m²"), "", "brightest", brightest),
+    row("Observer", `${Math.round(answer.observer.altitude_m)}`, "m above sea level", "altitude"),
+    row("Light known within 300 km", `${(100 * answer.coverage).toFixed(answer.coverage > 0.995 ? 0 : 1)}`, "%", "coverage"),
+    row("Air overhead", (answer.local_optical_depth[1] ?? NaN).toFixed(3), "optical depth", "optical_depth"),
+  );
+
+  const notes = [
+    `Lamps assumed: ${lamp_title(lamp)}. A satellite sees no blue light, so the lamp is a guess, not a measurement.`,
+  ];
+  if (answer.calibration !== 1) notes.push(`Radiances times ${short_number(answer.calibration)} (the scene's calibration).`);
+  if (answer.coverage < 0.9) notes.push("Light beyond the scene's edge is unknown, so this sky may be brighter than shown.");
+  if (scene.illustrative) notes.push("Illustrative scene: made up for demonstration, not measured.");
+  const note = make("div", "notes", ...notes.map((text) => make("p", "", text)));
+  container.replaceChildren(make("div", "headline-numbers", zenith, bortle), list, note);
+}

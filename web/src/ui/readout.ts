@@ -1,0 +1,32 @@
+// What the pointed direction of the sky shows, in words.
+
+import { brightness_mag_arcsec2 } from "../photometry.ts";
+import type { SkyKind, SkySample } from "../sky/grid.ts";
+import { compass_name } from "../sky/projection.ts";
+import { make } from "./dom.ts";
+import { magnitude, with_prefix } from "./format.ts";
+
+const HINT = "Point at the sky, or move with the arrow keys, to read its brightness.";
+
+export function show_readout(container: HTMLElement, sample: SkySample | null, kind: SkyKind): void {
+  if (sample === null) {
+    container.replaceChildren(make("span", "hint", HINT));
+    container.removeAttribute("data-azimuth-deg");
+    return;
+  }
+  const luminance_cd_m2 = kind === "total" ? sample.total_cd_m2 : sample.artificial_cd_m2;
+  const other_cd_m2 = kind === "total" ? sample.artificial_cd_m2 : sample.total_cd_m2;
+  // The exact numbers, for scripts and tests; the text rounds them.
+  container.dataset["azimuthDeg"] = String(sample.azimuth_deg);
+  container.dataset["elevationDeg"] = String(sample.elevation_deg);
+  container.dataset["luminanceCdM2"] = String(luminance_cd_m2);
+  const item = (name: string, value: string, unit: string) =>
+    make("span", "readout-item", make("small", "", name), " ", make("b", "", value), unit === "" ? "" : ` ${unit}`);
+  container.replaceChildren(
+    item("azimuth", `${sample.azimuth_deg.toFixed(1)}°`, compass_name(sample.azimuth_deg)),
+    item("elevation", `${sample.elevation_deg.toFixed(1)}°`, ""),
+    item("brightness", magnitude(brightness_mag_arcsec2(luminance_cd_m2)), "mag/arcsec²"),
+    item("luminance", with_prefix(luminance_cd_m2, "cd/m²"), ""),
+    item(kind === "total" ? "artificial alone" : "with natural sky", magnitude(brightness_mag_arcsec2(other_cd_m2)), "mag/arcsec²"),
+  );
+}

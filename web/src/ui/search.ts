@@ -1,0 +1,115 @@
+// The search box: the scene's places by name, or coordinates. A combobox with a list, by the ARIA pattern.
+
+import type { NamedPlace } from "../api/types.ts";
+import type { Place } from "../state.ts";
+import { make } from "./dom.ts";
+import { coordinates } from "./format.ts";
+
+const LONGEST_LIST = 8;
+
+function folded(text: string): string {
+  return text.normalize("NFD").replace(/\p{Diacritic}/gu, "").toLowerCase();
+}
+
+/** `-1.29, 36.82` (latitude first) as a place, or null. */
+export function place_from_text(text: string): Place | null {
+  const match = /^\s*(-?\d{1,2}(?:\.\d+)?)\s*°?\s*([NSns]?)\s*[,;\s]\s*(-?\d{1,3}(?:\.\d+)?)\s*°?\s*([EWew]?)\s*$/.exec(text);
+  if (match === null) return null;
+  const latitude_deg = Number(match[1]) * (/s/i.test(match[2] ?? "") ? -1 : 1);
+  const longitude_deg = Number(match[3]) * (/w/i.test(match[4] ?? "") ? -1 : 1);
+  return Math.abs(latitude_deg) <= 90 && Math.abs(longitude_deg) <= 180 ? { latitude_deg, longitude_deg } : null;
+}
+
+/** Places whose name has the text in it; names that begin with it first, then the larger ones. */
+export function matching_places(places: readonly NamedPlace[], text: string): NamedPlace[] {
+  const wanted = folded(text.trim());
+  if (wanted === "") return [];
+  return places
+    .map((place) => ({ place, at: folded(place.name).indexOf(wanted) }))
+    .filter(({ at }) => at >= 0)
+    .sort((a, b) => Number(a.at > 0) - Number(b.at > 0) || (b.place.population ?? 0) - (a.place.population ?? 0))
+    .slice(0, LONGEST_LIST)
+    .map(({ place }) => place);
+}
+
+export class Search {
+  private places: readonly NamedPlace[] = [];
+  private found: { title: string; detail: string; place: Place }[] = [];
+  private active = -1;
+
+  constructor(
+    private readonly input: HTMLInputElement,
+    private readonly list: HTMLElement,
+    private readonly chosen: (place: Place) => void,
+  ) {
+    input.addEventListener("input", () => this.look_up());
+    input.addEventListener("focus", () => this.look_up());
+    input.addEventListener("blur", () => this.close());
+    input.addEventListener("keydown", (event) => this.key_pressed(event));
+  }
+
+  set_places(places: readonly NamedPlace[]): void {
+    this.places = places;
+  }
+
+  private look_up(): void {
+    const at = place_from_text(this.input.value);
+    this.found =
+      at !== null
+        ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: "coordinates", place: at }]
+        : matching_places(this.places, this.input.value).map((place) => ({
+            title: place.name,
+            detail: place.population ? place.population.toLocaleString("en") : "",
+            place,
+          }));
+    this.active = this.found.length > 0 ? 0 : -1;
+    this.render();
+  }
+
+  private render(): void {
+    const nothing = this.found.length === 0 && this.input.value.trim() !== "";
+    this.list.replaceChildren(
+      ...this.found.map(({ title, detail }, i) => {
+        const option = make("li", i === this.active ? "active" : "", make("span", "", title), make("small", "", detail));
+        option.id = `search-option-${i}`;
+        option.setAttribute("role", "option");
+        option.setAttribute("aria-selected", String(i === this.active));
+        // The press would take the focus from the input, and its blur closes the list before the click.
+        option.addEventListener("pointerdown", (event) => event.preventDefault());
+        option.addEventListener("click", () => this.choose(i));
+        return option;
+      }),
+      ...(nothing ? [make("li", "nothing", "No place of that name here. Coordinates work too: -1.29, 36.82")] : []),
+    );
+    this.list.hidden = this.found.length === 0 && !nothing;
+    this.input.setAttribute("aria-expanded", String(!this.list.hidden));
+    if (this.active >= 0) this.input.setAttribute("aria-activedescendant", `search-option-${this.active}`);
+    else this.input.removeAttribute("aria-activedescendant");
+  }
+
+  private close(): void {
+    this.found = [];
+    this.list.hidden = true;
+    this.input.setAttribute("aria-expanded", "false");
+  }
+
+  private choose(i: number): void {
+    const found = this.found[i];
+    if (found === undefined) return;
+    this.input.value = found.title;
+    this.close();
+    this.input.blur();
+    this.chosen({ latitude_deg: found.place.latitude_deg, longitude_deg: found.place.longitude_deg });
+  }
+
+  private key_pressed(event: KeyboardEvent): void {
+    if (event.key === "Escape") this.close();
+    else if (event.key === "Enter") this.choose(this.active);
+    else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
+      const step = event.key === "ArrowDown" ? 1 : -1;
+      if (this.found.length > 0) this.active = (this.active + step + this.found.length) % this.found.length;
+      this.render();
+    } else return;
+    event.preventDefault();
+  }
+}

@@ -1,0 +1,18 @@
+import { defineConfig } from "vite";
+
+// `npm run dev` shows sources live and asks a running server (`skyglow serve`) for data.
+const server = process.env["SKYGLOW_URL"] ?? "http://127.0.0.1:8080";
+
+export default defineConfig({
+  base: "./",
+  build: {
+    target: "es2022",
+    // A strict content security policy allows no data: scripts, fonts or styles, and the preload helper
+    // would only repeat what the page already names.
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 1400,
+  },
+  worker: { format: "es" },
+  server: { proxy: { "/api": server, "/healthz": server, "/readyz": server } },
+});
