@@ -1,1 +1,34 @@
 //! From a panorama to a picture: projections, colour maps, legends, encoders.
+//!
+//! ```text
+//! Panorama -> Sampler -> picture() -> RgbImage    -> encode_png, encode_webp     (for eyes)
+//!                     -> raster()  -> FloatRaster -> encode_exr, encode_tiff     (for programs)
+//! ```
+//! Pictures and rasters have the zenith at the top and north in column 0; [`Panorama`] counts rows from the
+//! horizon up. Exposure and colour range are fixed by the caller or by constants here, never taken from the
+//! picture, so two places can be compared by eye.
+//!
+//! [`Panorama`]: skyglow_physics::Panorama
+
+pub mod colormap;
+pub mod encode;
+pub mod error;
+pub mod false_colour;
+pub mod legend;
+pub mod options;
+pub mod picture;
+pub mod projection;
+pub mod raster;
+pub mod realistic;
+pub mod sampler;
+mod text;
+pub mod tile;
+
+pub use colormap::Colormap;
+pub use encode::{encode_exr, encode_png, encode_tiff, encode_webp};
+pub use error::DisplayError;
+pub use false_colour::{ColourRange, Scale};
+pub use options::{PictureOptions, Projection, Sky, Style};
+pub use picture::picture;
+pub use raster::{FloatRaster, raster};
+pub use sampler::Sampler;

@@ -1,0 +1,93 @@
+//! OpenEXR: linear radiance, 32-bit floats.
+
+use crate::{error::DisplayError, raster::FloatRaster};
+use exr::prelude::{
+    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Text, Vec2,
+    WritableImage,
+};
+use std::io::Cursor;
+
+/// Scan lines with ZIP: lossless and read by every program.
+const ENCODING: Encoding = Encoding {
+    compression: Compression::ZIP16,
+    blocks: Blocks::ScanLines,
+    line_order: LineOrder::Increasing,
+};
+
+/// Channels R, G, B in W m⁻² sr⁻¹; where the projection leaves pixels without sky also A, 1 on sky and 0
+/// elsewhere. Lossless, the same bytes each time.
+///
+/// # Errors
+/// [`DisplayError::Encoding`], only by a defect.
+pub fn encode_exr(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
+    let mut attributes = LayerAttributes::named("sky");
+    attributes.software_name = Some(Text::from("Skyglow"));
+    attributes.comments = Some(Text::from(
+        "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top",
+    ));
+    let size = (raster.width_px as usize, raster.height_px as usize);
+    let at = |position: Vec2<usize>| position.y() * size.0 + position.x();
+    let mut out = Cursor::new(Vec::new());
+    let written = if raster.has_sky.iter().all(|&sky| sky) {
+        let channels = SpecificChannels::rgb(|position: Vec2<usize>| {
+            let [r, g, b] = raster.radiance_w_m2_sr[at(position)];
+            (r, g, b)
+        });
+        let image = Image::from_layer(Layer::new(size, attributes, ENCODING, channels));
+        image.write().non_parallel().to_buffered(&mut out)
+    } else {
+        let channels = SpecificChannels::rgba(|position: Vec2<usize>| {
+            let [r, g, b] = raster.radiance_w_m2_sr[at(position)];
+            (r, g, b, if raster.has_sky[at(position)] { 1.0f32 } else { 0.0 })
+        });
+        let image = Image::from_layer(Layer::new(size, attributes, ENCODING, channels));
+        image.write().non_parallel().to_buffered(&mut out)
+    };
+    written.map_err(|error| DisplayError::encoding("OpenEXR", error))?;
+    Ok(out.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Projection, Sky, raster::raster};
+    use exr::prelude::{ReadChannels, ReadLayers, read};
+    use skyglow_physics::Panorama;
+
+    /// Channel names with their samples, in the file's order (alphabetical).
+    fn channels(bytes: &[u8]) -> Vec<(String, Vec<f32>)> {
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))
+            .unwrap();
+        let list = image.layer_data.channel_data.list;
+        list.iter().map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect())).collect()
+    }
+
+    #[test]
+    fn an_exr_decodes_to_the_same_floats_in_channels_named_r_g_b() {
+        let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
+        let panorama = Panorama::from_samples(samples).unwrap();
+        let raster = raster(&panorama, Projection::Equirectangular, (256, 64), Sky::Artificial).unwrap();
+        let channels = channels(&encode_exr(&raster).unwrap());
+        assert_eq!(channels.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["B", "G", "R"]);
+        for (pixel, radiance) in raster.radiance_w_m2_sr.iter().enumerate() {
+            assert_eq!([channels[2].1[pixel], channels[1].1[pixel], channels[0].1[pixel]], *radiance);
+        }
+    }
+
+    #[test]
+    fn an_exr_of_a_fisheye_has_an_alpha_that_says_where_sky_is() {
+        let raster = raster(&Panorama::dark(), Projection::Fisheye, (40, 40), Sky::Total).unwrap();
+        let channels = channels(&encode_exr(&raster).unwrap());
+        assert_eq!(channels[0].0, "A");
+        for (alpha, &sky) in channels[0].1.iter().zip(&raster.has_sky) {
+            assert_eq!(*alpha == 1.0, sky);
+        }
+        assert!(raster.has_sky.contains(&false));
+    }
+}

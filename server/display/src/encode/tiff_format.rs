@@ -1,0 +1,67 @@
+//! TIFF: linear radiance, three 32-bit float samples a pixel.
+
+use crate::{error::DisplayError, raster::FloatRaster};
+use std::io::Cursor;
+use tiff::{
+    encoder::{Compression, DeflateLevel, TiffEncoder, colortype::RGB32Float},
+    tags::Tag,
+};
+
+/// Three float32 bands R, G, B in W m⁻² sr⁻¹, deflated; pixels without sky are NaN, which the GDAL no-data
+/// tag says too. There is no georeference: columns are azimuths or projected directions, not places.
+///
+/// # Errors
+/// [`DisplayError::Encoding`], only by a defect.
+pub fn encode_tiff(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
+    let samples: Vec<f32> = raster
+        .radiance_w_m2_sr
+        .iter()
+        .zip(&raster.has_sky)
+        .flat_map(|(radiance, &sky)| if sky { *radiance } else { [f32::NAN; 3] })
+        .collect();
+    let mut out = Cursor::new(Vec::new());
+    let write = |out: &mut Cursor<Vec<u8>>| -> tiff::TiffResult<()> {
+        let mut encoder = TiffEncoder::new(out)?.with_compression(Compression::Deflate(DeflateLevel::Fast));
+        let mut image = encoder.new_image::<RGB32Float>(raster.width_px, raster.height_px)?;
+        image.encoder().write_tag(Tag::Software, "Skyglow")?;
+        image.encoder().write_tag(
+            Tag::ImageDescription,
+            "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top",
+        )?;
+        image.encoder().write_tag(Tag::GdalNodata, "nan")?;
+        image.write_data(&samples)
+    };
+    write(&mut out).map_err(|error| DisplayError::encoding("TIFF", error))?;
+    Ok(out.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Projection, Sky, raster::raster};
+    use skyglow_physics::Panorama;
+    use tiff::decoder::{Decoder, DecodingResult};
+
+    #[test]
+    fn a_tiff_decodes_to_the_same_floats_and_nan_outside_the_sky() {
+        let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
+        let panorama = Panorama::from_samples(samples).unwrap();
+        for (projection, size) in [(Projection::Equirectangular, (256, 64)), (Projection::Fisheye, (50, 50))]
+        {
+            let raster = raster(&panorama, projection, size, Sky::Artificial).unwrap();
+            let bytes = encode_tiff(&raster).unwrap();
+            let mut decoder = Decoder::new(Cursor::new(bytes)).unwrap();
+            assert_eq!(decoder.dimensions().unwrap(), size);
+            let DecodingResult::F32(values) = decoder.read_image().unwrap() else {
+                panic!("not float32");
+            };
+            for (pixel, value) in values.chunks(3).enumerate() {
+                if raster.has_sky[pixel] {
+                    assert_eq!(value, raster.radiance_w_m2_sr[pixel]);
+                } else {
+                    assert!(value.iter().all(|v| v.is_nan()));
+                }
+            }
+        }
+    }
+}

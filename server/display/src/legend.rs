@@ -1,0 +1,256 @@
+//! Compass letters on the sky, and the strip below it that says what the colours mean.
+
+use crate::{
+    error::DisplayError,
+    false_colour::ColourRange,
+    options::{PictureOptions, Projection, Sky, Style},
+    projection::{COMPASS, View},
+    realistic::MIDDLE_GREY_LUMINANCE_CD_M2,
+    text::{Align, Pen},
+};
+use image::{Rgb, RgbImage};
+use skyglow_physics::Direction;
+
+/// A picture with a legend is at least this wide, pixels.
+pub const SMALLEST_WIDTH_PX: u32 = 320;
+
+const LABEL_RGB: [u8; 3] = [225, 228, 233];
+
+/// Size of everything in the legend, relative to a picture 1024 pixels wide.
+fn scale(width_px: u32) -> f32 {
+    (width_px as f32 / 1024.0).clamp(1.0, 3.0)
+}
+
+/// Height of the strip below the sky, pixels.
+pub fn strip_height_px(width_px: u32) -> u32 {
+    (58.0 * scale(width_px)).round() as u32
+}
+
+/// Draws the compass letters where the directions are seen on the horizon (a little inside on the fisheye).
+pub(crate) fn draw_compass(
+    canvas: &mut RgbImage,
+    options: &PictureOptions,
+    view: &View,
+    offset_px: u32,
+) -> Result<(), DisplayError> {
+    let scale = scale(options.width_px);
+    for (index, (letters, azimuth_rad)) in COMPASS.into_iter().enumerate() {
+        let main = index < 4;
+        if !main && options.width_px < 300 {
+            continue;
+        }
+        let pen = Pen::new(if main { 17.0 } else { 12.0 } * scale)?;
+        let elevation_rad = match options.projection {
+            Projection::Fisheye => 4f64.to_radians(),
+            _ => 0.0,
+        };
+        let Some((x, y)) = view.position_px(Direction { azimuth_rad, elevation_rad }) else { continue };
+        let (x, y) = (x as f32 + offset_px as f32, y as f32);
+        let line_px = if main { 17.0 } else { 12.0 } * scale;
+        if options.projection == Projection::Fisheye {
+            pen.draw_with_rim(canvas, letters, (x, y - 0.5 * line_px));
+            continue;
+        }
+        // A mark on the horizon, the letters above it.
+        for step in 0..(4.0 * scale) as u32 {
+            let (mark_x, mark_y) = (x as u32, (y as u32).saturating_sub(1 + step));
+            if mark_x < canvas.width() && mark_y < options.height_px {
+                canvas.put_pixel(mark_x, mark_y, Rgb([255; 3]));
+            }
+        }
+        pen.draw_with_rim(canvas, letters, (x, y - line_px - 6.0 * scale));
+        if options.projection == Projection::Equirectangular && letters == "N" {
+            // North again where the picture closes.
+            let right = (offset_px + options.width_px) as f32;
+            pen.draw_with_rim(canvas, letters, (right, y - line_px - 6.0 * scale));
+        }
+    }
+    Ok(())
+}
+
+/// Draws the strip below the sky: colour bar with both units, or the exposure.
+pub(crate) fn draw_strip(canvas: &mut RgbImage, options: &PictureOptions) -> Result<(), DisplayError> {
+    match options.style {
+        Style::FalseColour { colormap, range } => draw_bar(canvas, options, range, |t| colormap.rgb(t)),
+        Style::Realistic { exposure_ev } => {
+            let scale = scale(options.width_px);
+            let pen = Pen::new(13.0 * scale)?;
+            let grey = MIDDLE_GREY_LUMINANCE_CD_M2 / exposure_ev.exp2();
+            let left = 10.0 * scale;
+            let top = options.height_px as f32;
+            let exposure = format!("exposure {exposure_ev:+.1} EV: middle grey is {grey:.2e} cd/m²");
+            pen.draw(canvas, &exposure, (left, top + 10.0 * scale), Align::Left, LABEL_RGB);
+            pen.draw(canvas, light(options.sky), (left, top + 32.0 * scale), Align::Left, LABEL_RGB);
+            Ok(())
+        }
+    }
+}
+
+/// What light a picture shows, in words.
+fn light(sky: Sky) -> &'static str {
+    match sky {
+        Sky::Artificial => "artificial light alone",
+        Sky::Total => "with the natural sky",
+    }
+}
+
+/// The colour bar: mag/arcsec² above, cd/m² below.
+fn draw_bar(
+    canvas: &mut RgbImage,
+    options: &PictureOptions,
+    range: ColourRange,
+    colour: impl Fn(f64) -> [u8; 3],
+) -> Result<(), DisplayError> {
+    let scale = scale(options.width_px);
+    let pen = Pen::new(13.0 * scale)?;
+    let top = options.height_px as f32;
+    let (upper_unit, lower_unit) = ("mag/arcsec²", "cd/m²");
+    let left = 16.0 * scale;
+    let right = canvas.width() as f32 - pen.width_px(upper_unit) - 40.0 * scale;
+    let (bar_top, bar_bottom) = (top + 22.0 * scale, top + 36.0 * scale);
+    let length = right - left;
+    for x in left as u32..right as u32 {
+        let rgb = colour(f64::from((x as f32 + 0.5 - left) / length));
+        for y in bar_top as u32..bar_bottom as u32 {
+            canvas.put_pixel(x, y, Rgb(rgb));
+        }
+    }
+    let unit_x = right + 30.0 * scale;
+    pen.draw(canvas, upper_unit, (unit_x, top + 3.0 * scale), Align::Left, LABEL_RGB);
+    pen.draw(canvas, lower_unit, (unit_x, bar_bottom + 4.0 * scale), Align::Left, LABEL_RGB);
+    if options.width_px >= 640 {
+        let note = Pen::new(10.0 * scale)?;
+        let words = if options.sky == Sky::Total { "total" } else { "artificial" };
+        note.draw(canvas, words, (unit_x, bar_top + 1.0 * scale), Align::Left, LABEL_RGB);
+    }
+
+    let mut mark = |position: f64, label: &str, above: bool| {
+        let x = left + length * position as f32;
+        let pixel_x = (x as u32).clamp(left as u32, right as u32 - 1);
+        let mark_px = (3.0 * scale) as u32;
+        for step in 0..mark_px {
+            let y = if above { bar_top as u32 - 1 - step } else { bar_bottom as u32 + step };
+            canvas.put_pixel(pixel_x, y, Rgb(LABEL_RGB));
+        }
+        let text_top = if above { top + 3.0 * scale } else { bar_bottom + 4.0 * scale };
+        pen.draw(canvas, label, (x, text_top), Align::Centre, LABEL_RGB);
+    };
+    let (faint, bright) = range.brightness_ends_mag_arcsec2();
+    for magnitude in round_steps(bright, faint, f64::from(length) / f64::from(52.0 * scale)) {
+        mark((faint - magnitude) / (faint - bright), &trimmed(magnitude), true);
+    }
+    let (low, high) = range.luminance_ends_cd_m2();
+    for luminance in luminance_marks_cd_m2(low, high, f64::from(length) / f64::from(64.0 * scale)) {
+        mark(range.position(luminance), &power_label(luminance), false);
+    }
+    Ok(())
+}
+
+/// Round numbers from `low` to `high`, at most about `count` of them.
+fn round_steps(low: f64, high: f64, count: f64) -> Vec<f64> {
+    let wanted = (high - low) / count.max(1.0);
+    let decade = 10f64.powf(wanted.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * decade).into_iter().find(|&s| s >= wanted).unwrap_or(wanted);
+    let first = (low / step - 1e-9).ceil() as i64;
+    let last = (high / step + 1e-9).floor() as i64;
+    (first..=last).map(|i| i as f64 * step).collect()
+}
+
+/// Luminances for marks: powers of ten, with 2 and 5 between them where there is room.
+fn luminance_marks_cd_m2(low: f64, high: f64, count: f64) -> Vec<f64> {
+    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let decades = (high / low).log10();
+    let mantissas: &[f64] = if 3.0 * decades <= count { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let every = (decades / count).ceil().max(1.0) as i32;
+    let inside = |value: &f64| *value >= low * (1.0 - 1e-9) && *value <= high * (1.0 + 1e-9);
+    (first..=last)
+        .filter(|exponent| exponent.rem_euclid(every) == 0)
+        .flat_map(|exponent| mantissas.iter().map(move |m| m * 10f64.powi(exponent)))
+        .filter(inside)
+        .collect()
+}
+
+/// A number without needless digits.
+fn trimmed(value: f64) -> String {
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// `10⁻⁴`, `2·10⁻³`; plain digits from 0.01 to 1000.
+fn power_label(value: f64) -> String {
+    if (0.0099..1001.0).contains(&value) {
+        return trimmed(value);
+    }
+    let exponent = (value.log10() + 1e-9).floor() as i32;
+    let mantissa = (value / 10f64.powi(exponent)).round() as i32;
+    let digits: String = exponent
+        .to_string()
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            other => other.to_digit(10).and_then(|d| char::from_u32(0x2070 + d)).unwrap_or(other),
+        })
+        .collect();
+    if mantissa == 1 { format!("10{digits}") } else { format!("{mantissa}·10{digits}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Colormap, picture};
+    use skyglow_physics::Panorama;
+
+    #[test]
+    fn labels_are_short_and_right() {
+        assert_eq!(power_label(1e-4), "10⁻⁴");
+        assert_eq!(power_label(2e-3), "2·10⁻³");
+        assert_eq!(power_label(0.1), "0.1");
+        assert_eq!(power_label(1e-10), "10⁻¹⁰");
+        assert_eq!(trimmed(22.0), "22");
+        assert_eq!(trimmed(21.5), "21.5");
+        assert_eq!(round_steps(15.0, 25.0, 12.0), (15..=25).map(f64::from).collect::<Vec<_>>());
+        assert_eq!(round_steps(15.0, 25.0, 5.0), vec![16.0, 18.0, 20.0, 22.0, 24.0]);
+    }
+
+    #[test]
+    fn the_legend_is_below_the_sky_runs_through_the_colour_map_and_leaves_the_sky_its_size() {
+        let panorama = Panorama::dark();
+        let with = PictureOptions::new(Projection::Equirectangular);
+        let without = PictureOptions { legend: false, ..with };
+        let (a, b) = (picture(&panorama, &with).unwrap(), picture(&panorama, &without).unwrap());
+        assert_eq!((b.width(), b.height()), (1024, 256));
+        assert_eq!((a.width(), a.height()), (1024, 256 + strip_height_px(1024)));
+        // Along the bar's middle, the first and last colours are the ends of the map.
+        let y = 256 + 29;
+        let row: Vec<[u8; 3]> = (0..1024).map(|x| a.get_pixel(x, y).0).collect();
+        let near = |end: f64| {
+            let wanted = Colormap::Inferno.rgb(end);
+            row.iter().any(|rgb| (0..3).all(|i| rgb[i].abs_diff(wanted[i]) <= 3))
+        };
+        for position in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            assert!(near(position), "{position}");
+        }
+        // Labels above and below the bar leave ink.
+        let ink = |from: u32, to: u32| {
+            (from..to)
+                .flat_map(|y| (0..1024).map(move |x| (x, y)))
+                .filter(|&(x, y)| a.get_pixel(x, y).0[0] > 140)
+                .count()
+        };
+        assert!(ink(256 + 3, 256 + 19) > 100);
+        assert!(ink(256 + 40, 256 + 56) > 100);
+        // Compass letters: white ink on a dark sky.
+        assert!(ink(220, 256) > 100);
+    }
+
+    #[test]
+    fn a_tiny_picture_still_has_room_for_its_legend() {
+        let options =
+            PictureOptions { width_px: 64, height_px: 64, ..PictureOptions::new(Projection::Fisheye) };
+        let image = picture(&Panorama::dark(), &options).unwrap();
+        assert_eq!(image.width(), SMALLEST_WIDTH_PX);
+    }
+}

@@ -1,0 +1,175 @@
+//! What a picture is asked to be, and the ranges that are checked in one place.
+
+use crate::{
+    colormap::Colormap,
+    error::{DisplayError, check},
+    false_colour::ColourRange,
+    realistic::EXPOSURE_RANGE_EV,
+};
+use serde::{Deserialize, Serialize};
+
+/// Smallest width or height of the sky in a picture, pixels.
+pub const SMALLEST_SIDE_PX: u32 = 16;
+/// Largest width or height of the sky in a picture, pixels.
+pub const LARGEST_SIDE_PX: u32 = 4096;
+/// Allowed field of view of [`Projection::Perspective`], degrees.
+pub const FOV_RANGE_DEG: (f64, f64) = (1.0, 150.0);
+/// Field of view when none is given, degrees.
+pub const DEFAULT_FOV_DEG: f64 = 90.0;
+/// Elevation of the picture's centre in a perspective when none is given, degrees.
+pub const DEFAULT_ELEVATION_DEG: f64 = 20.0;
+
+/// How directions become pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Projection {
+    /// Azimuth along the width, column `c` of `w` at `c·360/w` degrees (column 0 north); elevation along the
+    /// height, zenith at the top, pixel centres at `90 − (y + ½)·90/h` degrees. 256 × 64 is the raw grid.
+    #[default]
+    Equirectangular,
+    /// Zenithal equidistant: zenith in the centre, distance from it proportional to the zenith angle, the
+    /// horizon touching the nearer edge; north up, east left as on sky charts.
+    Fisheye,
+    /// What a camera sees (rectilinear); east is right of north when looking north.
+    Perspective {
+        /// Azimuth of the picture's centre, degrees clockwise from north.
+        azimuth_deg: f64,
+        /// Elevation of the picture's centre, degrees, −90..=90.
+        elevation_deg: f64,
+        /// Horizontal field of view, degrees, [`FOV_RANGE_DEG`].
+        fov_deg: f64,
+    },
+}
+
+impl Projection {
+    /// The name used in requests.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Projection::Equirectangular => "equirectangular",
+            Projection::Fisheye => "fisheye",
+            Projection::Perspective { .. } => "perspective",
+        }
+    }
+
+    /// Width and height of a picture for eyes when none are given, pixels.
+    pub const fn default_picture_size_px(self) -> (u32, u32) {
+        match self {
+            Projection::Equirectangular => (1024, 256),
+            Projection::Fisheye => (768, 768),
+            Projection::Perspective { .. } => (1024, 576),
+        }
+    }
+
+    /// Width and height of a raster for programs when none are given, pixels; the raw grid where it fits.
+    pub const fn default_raster_size_px(self) -> (u32, u32) {
+        match self {
+            Projection::Equirectangular => (256, 64),
+            Projection::Fisheye => (256, 256),
+            Projection::Perspective { .. } => (256, 144),
+        }
+    }
+
+    /// Checks the angles.
+    ///
+    /// # Errors
+    /// [`DisplayError::OutOfRange`] naming `azimuth`, `elevation` or `fov`.
+    pub fn check(self) -> Result<(), DisplayError> {
+        if let Projection::Perspective { azimuth_deg, elevation_deg, fov_deg } = self {
+            check("azimuth", azimuth_deg, -360.0, 360.0, " degrees")?;
+            check("elevation", elevation_deg, -90.0, 90.0, " degrees")?;
+            check("fov", fov_deg, FOV_RANGE_DEG.0, FOV_RANGE_DEG.1, " degrees")?;
+        }
+        Ok(())
+    }
+}
+
+/// Which light is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sky {
+    /// Artificial light alone.
+    #[default]
+    Artificial,
+    /// With the natural sky: uniform 22.0 mag arcsec⁻², equal radiance in the three bands.
+    Total,
+}
+
+impl Sky {
+    /// Radiance of the natural sky that this choice adds in every band, W m⁻² sr⁻¹.
+    pub fn added_radiance_w_m2_sr(self) -> f64 {
+        use skyglow_physics::photometry::{luminance_cd_m2, natural_sky_luminance_cd_m2};
+        match self {
+            Sky::Artificial => 0.0,
+            Sky::Total => natural_sky_luminance_cd_m2() / luminance_cd_m2([1.0; 3]),
+        }
+    }
+}
+
+/// How radiance becomes colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Style {
+    /// Luminance through a colour map.
+    FalseColour {
+        /// The colour map.
+        colormap: Colormap,
+        /// What the map's ends mean.
+        range: ColourRange,
+    },
+    /// As a camera with a fixed exposure would show it.
+    Realistic {
+        /// Stops above the reference exposure, [`EXPOSURE_RANGE_EV`].
+        exposure_ev: f64,
+    },
+}
+
+impl Default for Style {
+    fn default() -> Self {
+        Style::FalseColour { colormap: Colormap::default(), range: ColourRange::default() }
+    }
+}
+
+/// Everything that decides a picture's pixels, given the panorama.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureOptions {
+    /// How directions become pixels.
+    pub projection: Projection,
+    /// How radiance becomes colour.
+    pub style: Style,
+    /// Width of the sky, pixels.
+    pub width_px: u32,
+    /// Height of the sky, pixels; the legend comes below it.
+    pub height_px: u32,
+    /// Compass letters on the sky and a labelled strip below it.
+    pub legend: bool,
+    /// Which light is shown.
+    pub sky: Sky,
+}
+
+impl PictureOptions {
+    /// A projection at its own size, false colour, with its legend.
+    pub fn new(projection: Projection) -> Self {
+        let (width_px, height_px) = projection.default_picture_size_px();
+        Self { projection, style: Style::default(), width_px, height_px, legend: true, sky: Sky::default() }
+    }
+
+    /// Checks sizes, angles, range and exposure.
+    ///
+    /// # Errors
+    /// The first [`DisplayError`] found, naming the option.
+    pub fn check(&self) -> Result<(), DisplayError> {
+        check_size(self.width_px, self.height_px)?;
+        self.projection.check()?;
+        match self.style {
+            Style::FalseColour { range, .. } => range.check(),
+            Style::Realistic { exposure_ev } => {
+                check("exposure", exposure_ev, EXPOSURE_RANGE_EV.0, EXPOSURE_RANGE_EV.1, " EV")
+            }
+        }
+    }
+}
+
+/// Checks a width and height in pixels.
+pub(crate) fn check_size(width_px: u32, height_px: u32) -> Result<(), DisplayError> {
+    let (low, high) = (f64::from(SMALLEST_SIDE_PX), f64::from(LARGEST_SIDE_PX));
+    check("width", f64::from(width_px), low, high, " px")?;
+    check("height_px", f64::from(height_px), low, high, " px")
+}

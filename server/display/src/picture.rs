@@ -1,0 +1,222 @@
+//! Pictures for eyes.
+
+use crate::{
+    colormap::TABLE_LEN,
+    error::DisplayError,
+    legend,
+    options::{PictureOptions, Style},
+    projection::View,
+    realistic::ToneMap,
+    sampler::{Sampler, taps},
+};
+use image::{Rgb, RgbImage};
+use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama};
+
+/// What is not sky: the ground, the corners of a fisheye, the legend's strip.
+pub const GROUND_RGB: [u8; 3] = [22, 24, 29];
+
+/// Colours a sky.
+enum Painter<'a> {
+    FalseColour {
+        luminance_cd_m2: Vec<f64>,
+        table: [[u8; 3]; TABLE_LEN],
+        /// Entry `i + 1` of the table starts at `starts_cd_m2[i]`: no logarithm per pixel.
+        starts_cd_m2: [f64; TABLE_LEN - 1],
+    },
+    Realistic {
+        sampler: Sampler<'a>,
+        tone_map: ToneMap,
+    },
+}
+
+impl<'a> Painter<'a> {
+    fn new(panorama: &'a Panorama, options: &PictureOptions) -> Self {
+        let added = options.sky.added_radiance_w_m2_sr();
+        match options.style {
+            Style::FalseColour { colormap, range } => {
+                let added_cd_m2 = skyglow_physics::photometry::luminance_cd_m2([added; 3]);
+                let (dark, bright) = range.luminance_ends_cd_m2();
+                Painter::FalseColour {
+                    luminance_cd_m2: (0..ELEVATION_COUNT * AZIMUTH_COUNT)
+                        .map(|i| panorama.luminance_cd_m2(i / AZIMUTH_COUNT, i % AZIMUTH_COUNT) + added_cd_m2)
+                        .collect(),
+                    table: colormap.table(),
+                    starts_cd_m2: std::array::from_fn(|i| {
+                        dark * ((i as f64 + 0.5) / (TABLE_LEN - 1) as f64 * (bright / dark).ln()).exp()
+                    }),
+                }
+            }
+            Style::Realistic { exposure_ev } => Painter::Realistic {
+                sampler: Sampler::new(panorama, added),
+                tone_map: ToneMap::new(exposure_ev),
+            },
+        }
+    }
+
+    fn rgb(&self, direction: Direction) -> Option<[u8; 3]> {
+        match self {
+            Painter::FalseColour { luminance_cd_m2, table, starts_cd_m2 } => {
+                let taps = taps(direction)?;
+                let luminance: f64 =
+                    (0..4).map(|tap| taps.weight[tap] * luminance_cd_m2[taps.offset[tap]]).sum();
+                Some(table[starts_cd_m2.partition_point(|&start| start <= luminance)])
+            }
+            Painter::Realistic { sampler, tone_map } => {
+                sampler.radiance_w_m2_sr(direction).map(|radiance| tone_map.rgb(radiance))
+            }
+        }
+    }
+}
+
+/// The picture of a panorama: `options.width_px` × `options.height_px` of sky, with the legend's strip below
+/// it where one is asked for (the canvas is then at least [`legend::SMALLEST_WIDTH_PX`] wide).
+///
+/// # Errors
+/// [`DisplayError`] naming the first option out of its range.
+pub fn picture(panorama: &Panorama, options: &PictureOptions) -> Result<RgbImage, DisplayError> {
+    options.check()?;
+    let painter = Painter::new(panorama, options);
+    let view = View::new(options.projection, options.width_px, options.height_px);
+    let (canvas_width_px, canvas_height_px) = canvas_size_px(options);
+    let offset_px = (canvas_width_px - options.width_px) / 2;
+    let mut canvas = RgbImage::from_pixel(canvas_width_px, canvas_height_px, Rgb(GROUND_RGB));
+    for y in 0..options.height_px {
+        for x in 0..options.width_px {
+            let direction = view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction)) {
+                canvas.put_pixel(x + offset_px, y, Rgb(rgb));
+            }
+        }
+    }
+    if options.legend {
+        legend::draw_compass(&mut canvas, options, &view, offset_px)?;
+        legend::draw_strip(&mut canvas, options)?;
+    }
+    Ok(canvas)
+}
+
+/// Width and height of the whole picture, legend included, pixels.
+pub fn canvas_size_px(options: &PictureOptions) -> (u32, u32) {
+    if options.legend {
+        (
+            options.width_px.max(legend::SMALLEST_WIDTH_PX),
+            options.height_px + legend::strip_height_px(options.width_px),
+        )
+    } else {
+        (options.width_px, options.height_px)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Colormap, ColourRange, Projection, Scale, Sky};
+
+    /// Dark but for one bright sample.
+    fn beacon(row: usize, column: usize) -> Panorama {
+        let mut panorama = Panorama::dark();
+        for band in 0..3 {
+            panorama.samples_mut()[Panorama::index(band, row, column)] = 1.0;
+        }
+        panorama
+    }
+
+    fn plain(projection: Projection, width_px: u32, height_px: u32) -> PictureOptions {
+        PictureOptions {
+            width_px,
+            height_px,
+            legend: false,
+            style: Style::FalseColour { colormap: Colormap::Grey, range: ColourRange::default() },
+            ..PictureOptions::new(projection)
+        }
+    }
+
+    /// Mean position of the white pixels.
+    fn centre_of_light(picture: &RgbImage) -> (f64, f64) {
+        let lit: Vec<(f64, f64)> = picture
+            .enumerate_pixels()
+            .filter(|(_, _, p)| p.0 == [255; 3])
+            .map(|(x, y, _)| (f64::from(x) + 0.5, f64::from(y) + 0.5))
+            .collect();
+        assert!(!lit.is_empty());
+        let n = lit.len() as f64;
+        (lit.iter().map(|p| p.0).sum::<f64>() / n, lit.iter().map(|p| p.1).sum::<f64>() / n)
+    }
+
+    #[test]
+    fn a_light_low_in_the_east_is_a_quarter_along_the_bottom_of_the_equirectangular_picture() {
+        let image = picture(&beacon(0, 64), &plain(Projection::Equirectangular, 256, 64)).unwrap();
+        assert_eq!(image.get_pixel(64, 63).0, [255; 3]);
+        assert_eq!(image.pixels().filter(|p| p.0 != [0; 3]).count(), 1);
+    }
+
+    #[test]
+    fn a_light_in_the_north_is_in_column_0() {
+        let image = picture(&beacon(30, 0), &plain(Projection::Equirectangular, 256, 64)).unwrap();
+        assert_eq!(image.get_pixel(0, 63 - 30).0, [255; 3]);
+    }
+
+    #[test]
+    fn on_the_fisheye_east_is_left_north_is_up_and_the_zenith_in_the_middle() {
+        let options = plain(Projection::Fisheye, 256, 256);
+        let (x, y) = centre_of_light(&picture(&beacon(20, 64), &options).unwrap());
+        assert!(x < 60.0 && (y - 128.0).abs() < 1.0, "{x} {y}");
+        let (x, y) = centre_of_light(&picture(&beacon(20, 0), &options).unwrap());
+        assert!(y < 60.0 && (x - 128.0).abs() < 1.0, "{x} {y}");
+        let mut zenith = Panorama::dark();
+        for column in 0..AZIMUTH_COUNT {
+            zenith.samples_mut()[Panorama::index(1, 63, column)] = 1.0;
+        }
+        let (x, y) = centre_of_light(&picture(&zenith, &options).unwrap());
+        assert!((x - 128.0).abs() < 1.0 && (y - 128.0).abs() < 1.0, "{x} {y}");
+        let image = picture(&zenith, &options).unwrap();
+        assert_eq!(image.get_pixel(2, 2).0, GROUND_RGB);
+    }
+
+    #[test]
+    fn a_camera_looking_south_east_has_the_east_on_its_left() {
+        let projection = Projection::Perspective { azimuth_deg: 135.0, elevation_deg: 10.0, fov_deg: 120.0 };
+        let (x, _) = centre_of_light(&picture(&beacon(6, 64), &plain(projection, 400, 200)).unwrap());
+        assert!(x < 150.0, "{x}");
+        let image = picture(&beacon(6, 64), &plain(projection, 400, 200)).unwrap();
+        assert_eq!(image.get_pixel(200, 199).0, GROUND_RGB);
+    }
+
+    #[test]
+    fn the_colour_of_a_known_luminance_is_the_one_of_its_place_on_the_map() {
+        let luminance = skyglow_physics::photometry::luminance_cd_m2([1e-6; 3]);
+        let panorama = Panorama::from_samples(vec![1e-6; Panorama::LEN]).unwrap();
+        for scale in [Scale::Luminance, Scale::Magnitude] {
+            let range = ColourRange::of(scale);
+            let mut options = plain(Projection::Equirectangular, 64, 16);
+            options.style = Style::FalseColour { colormap: Colormap::Viridis, range };
+            let image = picture(&panorama, &options).unwrap();
+            let expected = Colormap::Viridis.rgb(range.position(luminance));
+            let got = image.get_pixel(11, 7).0;
+            assert!((0..3).all(|i| got[i].abs_diff(expected[i]) <= 2), "{got:?} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_dark_artificial_sky_is_the_dark_end_and_the_total_sky_is_22_magnitudes() {
+        let mut options = plain(Projection::Equirectangular, 64, 16);
+        let range = ColourRange { scale: Scale::Magnitude, min: 20.0, max: 24.0 };
+        options.style = Style::FalseColour { colormap: Colormap::Grey, range };
+        assert_eq!(picture(&Panorama::dark(), &options).unwrap().get_pixel(3, 3).0, [0; 3]);
+        options.sky = Sky::Total;
+        let grey = picture(&Panorama::dark(), &options).unwrap().get_pixel(3, 3).0[0];
+        assert!((127..=128).contains(&grey), "{grey}");
+    }
+
+    #[test]
+    fn options_out_of_range_are_refused_by_name() {
+        let refused = |options: PictureOptions| picture(&Panorama::dark(), &options).unwrap_err().to_string();
+        assert!(refused(plain(Projection::Fisheye, 0, 100)).contains("width is 0"));
+        assert!(refused(plain(Projection::Fisheye, 100, 50_000)).contains("height_px is 50000"));
+        let narrow = Projection::Perspective { azimuth_deg: 0.0, elevation_deg: 0.0, fov_deg: 180.0 };
+        assert!(refused(plain(narrow, 100, 100)).contains("fov is 180"));
+        let mut bright = plain(Projection::Fisheye, 100, 100);
+        bright.style = Style::Realistic { exposure_ev: f64::NAN };
+        assert!(refused(bright).contains("exposure"));
+    }
+}

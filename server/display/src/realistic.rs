@@ -1,0 +1,150 @@
+//! The sky as a camera would show it: three bands to sRGB at a fixed exposure.
+
+use skyglow_physics::BAND_COUNT;
+
+/// Allowed exposures, stops.
+pub const EXPOSURE_RANGE_EV: (f64, f64) = (-12.0, 12.0);
+/// Luminance that an exposure of 0 EV shows as middle grey (18 % of display white), cd m⁻²: a suburban
+/// zenith of about 20.1 mag arcsec⁻². The natural sky is then a dark grey, a city's horizon white.
+pub const MIDDLE_GREY_LUMINANCE_CD_M2: f64 = 1e-3;
+
+/// XYZ from linear sRGB primaries, D65 (IEC 61966-2-1), inverted.
+const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
+    [3.240_454_2, -1.537_138_5, -0.498_531_4],
+    [-0.969_266_0, 1.876_010_8, 0.041_556_0],
+    [0.055_643_4, -0.204_025_9, 1.057_225_2],
+];
+
+/// CIE 1931 colour matching functions at a wavelength (Wyman, Sloan, Shirley 2013, multi-lobe fit).
+fn colour_matching_xyz(wavelength_nm: f64) -> [f64; 3] {
+    let lobe = |centre: f64, low: f64, high: f64| {
+        let t = (wavelength_nm - centre) * if wavelength_nm < centre { low } else { high };
+        (-0.5 * t * t).exp()
+    };
+    [
+        0.362 * lobe(442.0, 0.0624, 0.0374) + 1.056 * lobe(599.8, 0.0264, 0.0323)
+            - 0.065 * lobe(501.1, 0.0490, 0.0382),
+        0.821 * lobe(568.8, 0.0213, 0.0247) + 0.286 * lobe(530.9, 0.0613, 0.0322),
+        1.217 * lobe(437.0, 0.0845, 0.0278) + 0.681 * lobe(459.0, 0.0385, 0.0725),
+    ]
+}
+
+/// Tone mapping at one exposure.
+#[derive(Clone, Debug)]
+pub struct ToneMap {
+    /// Linear sRGB [cd m⁻²] of 1 W m⁻² sr⁻¹ in each band: `[channel][band]`.
+    srgb_from_bands_cd_w: [[f64; BAND_COUNT]; 3],
+    /// Scene luminance that counts as 1 before the film curve, cd m⁻².
+    reference_luminance_cd_m2: f64,
+    /// The film and sRGB curves together, inverted: byte `i + 1` starts at `byte_starts[i]`.
+    byte_starts: [f64; 255],
+}
+
+impl ToneMap {
+    /// A tone map `exposure_ev` stops above the reference.
+    ///
+    /// Each band (600–700, 500–600, 400–500 nm) has the chromaticity of its mean colour matching functions,
+    /// scaled so that its luminance is the model's K_b. The mean is weighted as lamps shine: sodium and
+    /// phosphors send most of their light near 600 nm, so the weight falls linearly from there through the
+    /// red band and through the green one; the blue one is flat. Flat bands would make sodium yellow-green;
+    /// so weighted, high-pressure sodium has the chromaticity (0.474, 0.467) where its spectrum has
+    /// (0.519, 0.418), and the 4000 K LED (0.425, 0.410) where it has (0.380, 0.377).
+    pub fn new(exposure_ev: f64) -> Self {
+        const BAND_START_NM: [f64; BAND_COUNT] = [600.0, 500.0, 400.0];
+        const STEPS: usize = 100;
+        let mut srgb_from_bands_cd_w = [[0.0; BAND_COUNT]; 3];
+        for (band, start_nm) in BAND_START_NM.into_iter().enumerate() {
+            let mut xyz = [0.0; 3];
+            for step in 0..STEPS {
+                let wavelength_nm = start_nm + step as f64 + 0.5;
+                let weight = if start_nm < 500.0 { 1.0 } else { 1.0 - (wavelength_nm - 600.0).abs() / 100.0 };
+                let at = colour_matching_xyz(wavelength_nm);
+                (0..3).for_each(|i| xyz[i] += weight * at[i]);
+            }
+            let scale = skyglow_physics::Band::ALL[band].luminous_efficacy_lm_w() / xyz[1];
+            for (channel, row) in SRGB_FROM_XYZ.iter().enumerate() {
+                srgb_from_bands_cd_w[channel][band] =
+                    scale * row.iter().zip(xyz).map(|(m, v)| m * v).sum::<f64>();
+            }
+        }
+        // 1 − exp(−x) is 0.18 at x = 0.198.
+        let reference_luminance_cd_m2 =
+            MIDDLE_GREY_LUMINANCE_CD_M2 / -(1.0f64 - 0.18).ln() / exposure_ev.exp2();
+        let byte_starts = std::array::from_fn(|i| -(1.0 - decode_srgb((i as f64 + 0.5) / 255.0)).ln());
+        Self { srgb_from_bands_cd_w, reference_luminance_cd_m2, byte_starts }
+    }
+
+    /// sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹].
+    ///
+    /// Colours outside sRGB move towards grey of their own luminance until they fit; the film curve
+    /// 1 − exp(−x), each channel apart, then turns bright light white as it does on film.
+    pub fn rgb(&self, radiance_w_m2_sr: [f64; BAND_COUNT]) -> [u8; 3] {
+        let linear: [f64; 3] = std::array::from_fn(|channel| {
+            let row = &self.srgb_from_bands_cd_w[channel];
+            row.iter().zip(radiance_w_m2_sr).map(|(m, l)| m * l).sum::<f64>() / self.reference_luminance_cd_m2
+        });
+        let grey = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+        let lowest = linear.iter().copied().fold(f64::INFINITY, f64::min);
+        let saturation = if lowest < 0.0 && grey > lowest { grey / (grey - lowest) } else { 1.0 };
+        linear.map(|channel| {
+            let inside = (grey + saturation * (channel - grey)).max(0.0);
+            // At most 255 starts lie below.
+            self.byte_starts.partition_point(|&start| start <= inside) as u8
+        })
+    }
+}
+
+/// The sRGB transfer curve inverted: encoded 0..=1 to linear.
+fn decode_srgb(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_physics::{Lamp, LampPreset, photometry::luminance_cd_m2};
+
+    /// A radiance with the lamp's colours and a given luminance.
+    fn light_of(lamp: Lamp, luminance: f64) -> [f64; 3] {
+        let scale = luminance / luminance_cd_m2(lamp.flux_per_dnb_flux);
+        lamp.flux_per_dnb_flux.map(|s| s * scale)
+    }
+
+    #[test]
+    fn middle_grey_is_18_percent_and_every_stop_doubles_the_light() {
+        let grey = ToneMap::new(0.0).rgb(light_of(LampPreset::Neutral.lamp(), MIDDLE_GREY_LUMINANCE_CD_M2));
+        // 18 % of white is the byte 118.
+        let luminance = [0.2126, 0.7152, 0.0722]
+            .iter()
+            .zip(grey)
+            .map(|(weight, byte)| weight * decode_srgb(f64::from(byte) / 255.0))
+            .sum::<f64>();
+        assert!((luminance - 0.18).abs() < 0.02, "{grey:?} {luminance}");
+        let dimmer_longer =
+            ToneMap::new(1.0).rgb(light_of(LampPreset::Neutral.lamp(), 0.5 * MIDDLE_GREY_LUMINANCE_CD_M2));
+        assert_eq!(grey, dimmer_longer);
+    }
+
+    #[test]
+    fn sodium_is_orange_and_a_4000_kelvin_led_is_whiter() {
+        let map = ToneMap::new(0.0);
+        let sodium = map.rgb(light_of(LampPreset::Hps.lamp(), 1e-3));
+        assert!(sodium[0] > sodium[1] + 30 && sodium[1] > sodium[2] + 60, "{sodium:?}");
+        let led = map.rgb(light_of(LampPreset::Led4000k.lamp(), 1e-3));
+        assert!(led[2] > sodium[2] && led[0] < sodium[0], "{led:?} {sodium:?}");
+    }
+
+    #[test]
+    fn more_light_is_never_darker_and_ends_white() {
+        let map = ToneMap::new(0.0);
+        let mut last = 0;
+        for exponent in -60..=30 {
+            let rgb = map.rgb(light_of(LampPreset::Mixed.lamp(), 10f64.powf(f64::from(exponent) / 10.0)));
+            let sum = rgb.iter().map(|&c| u32::from(c)).sum::<u32>();
+            assert!(sum >= last);
+            last = sum;
+        }
+        assert_eq!(last, 3 * 255);
+        assert_eq!(map.rgb([0.0; 3]), [0, 0, 0]);
+    }
+}

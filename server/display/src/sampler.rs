@@ -1,0 +1,144 @@
+//! Bilinear sampling of a panorama at any direction.
+
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Panorama};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// The four grid samples around a direction, with weights that sum to 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Taps {
+    /// `row · AZIMUTH_COUNT + column` of each sample.
+    pub offset: [usize; 4],
+    /// Weight of each sample.
+    pub weight: [f64; 4],
+}
+
+/// The samples around a direction; None below the horizon.
+///
+/// Columns wrap. Above the highest row, half a step below the zenith, the row beyond is the same row seen
+/// across the zenith (azimuth + 180°), so the sky is continuous there. Below the lowest row, half a step
+/// above the horizon, the lowest row holds.
+pub fn taps(direction: Direction) -> Option<Taps> {
+    let Direction { azimuth_rad, elevation_rad } = direction;
+    if !(elevation_rad >= 0.0 && elevation_rad <= FRAC_PI_2 + 1e-9 && azimuth_rad.is_finite()) {
+        return None;
+    }
+    let turns = azimuth_rad * (1.0 / TAU);
+    let column = (turns - turns.floor()) * AZIMUTH_COUNT as f64;
+    let left = column.floor();
+    let right_weight = column - left;
+    let left = left as usize % AZIMUTH_COUNT;
+    let right = (left + 1) % AZIMUTH_COUNT;
+
+    let row =
+        (elevation_rad * (ELEVATION_COUNT as f64 / FRAC_PI_2) - 0.5).clamp(0.0, ELEVATION_COUNT as f64 - 0.5);
+    let low = (row.floor() as usize).min(ELEVATION_COUNT - 1);
+    let high_weight = row - low as f64;
+    // The row above: itself, or across the zenith.
+    let (high, turn) = if low + 1 < ELEVATION_COUNT { (low + 1, 0) } else { (low, AZIMUTH_COUNT / 2) };
+    let at = |row: usize, column: usize| row * AZIMUTH_COUNT + column % AZIMUTH_COUNT;
+    Some(Taps {
+        offset: [at(low, left), at(low, right), at(high, left + turn), at(high, right + turn)],
+        weight: [
+            (1.0 - high_weight) * (1.0 - right_weight),
+            (1.0 - high_weight) * right_weight,
+            high_weight * (1.0 - right_weight),
+            high_weight * right_weight,
+        ],
+    })
+}
+
+/// A panorama ready to be looked at in any direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampler<'a> {
+    panorama: &'a Panorama,
+    added_radiance_w_m2_sr: f64,
+}
+
+impl<'a> Sampler<'a> {
+    /// Looks at `panorama` with `added_radiance_w_m2_sr` (≥ 0) added in every band and direction.
+    pub fn new(panorama: &'a Panorama, added_radiance_w_m2_sr: f64) -> Self {
+        Self { panorama, added_radiance_w_m2_sr }
+    }
+
+    /// Radiance in R, G, B, W m⁻² sr⁻¹; None below the horizon.
+    pub fn radiance_w_m2_sr(&self, direction: Direction) -> Option<[f64; BAND_COUNT]> {
+        let taps = taps(direction)?;
+        let samples = self.panorama.samples();
+        Some(std::array::from_fn(|band| {
+            let start = band * ELEVATION_COUNT * AZIMUTH_COUNT;
+            let sum: f64 =
+                (0..4).map(|tap| taps.weight[tap] * f64::from(samples[start + taps.offset[tap]])).sum();
+            sum + self.added_radiance_w_m2_sr
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_physics::panorama::{azimuth_rad, elevation_rad};
+
+    fn numbered() -> Panorama {
+        Panorama::from_samples((0..Panorama::LEN).map(|i| i as f32).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_grid_direction_gives_exactly_its_sample() {
+        let panorama = numbered();
+        let sampler = Sampler::new(&panorama, 0.0);
+        for (row, column) in [(0, 0), (63, 255), (17, 128), (63, 0)] {
+            let direction = Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) };
+            let radiance = sampler.radiance_w_m2_sr(direction).unwrap();
+            for (band, value) in radiance.iter().enumerate() {
+                let expected = panorama.radiance_w_m2_sr(band, row, column);
+                assert!((value - expected).abs() < 1e-6 * expected.max(1.0), "{row} {column} {band}");
+            }
+        }
+    }
+
+    #[test]
+    fn between_the_last_and_the_first_column_the_sky_wraps() {
+        let mut panorama = Panorama::dark();
+        panorama.samples_mut()[Panorama::index(0, 5, 255)] = 2.0;
+        panorama.samples_mut()[Panorama::index(0, 5, 0)] = 4.0;
+        let direction =
+            Direction { azimuth_rad: azimuth_rad(255) + TAU / 512.0, elevation_rad: elevation_rad(5) };
+        let radiance = Sampler::new(&panorama, 0.0).radiance_w_m2_sr(direction).unwrap();
+        assert!((radiance[0] - 3.0).abs() < 1e-9, "{radiance:?}");
+    }
+
+    #[test]
+    fn the_sky_is_continuous_across_the_zenith() {
+        // A gradient from south to north: L = 10 + x with x the northward component of the direction.
+        let mut panorama = Panorama::dark();
+        for row in 0..ELEVATION_COUNT {
+            for column in 0..AZIMUTH_COUNT {
+                let v =
+                    Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) }.enu();
+                panorama.samples_mut()[Panorama::index(1, row, column)] = (10.0 + v.y) as f32;
+            }
+        }
+        let sampler = Sampler::new(&panorama, 0.0);
+        for azimuth in [0.0, 0.7, 2.0, 4.5] {
+            for offset_deg in [0.0, 0.1, 0.35, 0.69, 0.71] {
+                let direction = Direction {
+                    azimuth_rad: azimuth,
+                    elevation_rad: FRAC_PI_2 - f64::to_radians(offset_deg),
+                };
+                let value = sampler.radiance_w_m2_sr(direction).unwrap()[1];
+                let exact = 10.0 + direction.enu().y;
+                assert!((value - exact).abs() < 2e-5, "{azimuth} {offset_deg}: {value} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_seen_below_the_horizon_and_the_lowest_row_reaches_down_to_it() {
+        let panorama = numbered();
+        let sampler = Sampler::new(&panorama, 0.0);
+        let at = |elevation_rad| sampler.radiance_w_m2_sr(Direction { azimuth_rad: 0.0, elevation_rad });
+        assert_eq!(at(-1e-6), None);
+        assert_eq!(at(f64::NAN), None);
+        assert_eq!(at(0.0), at(elevation_rad(0)));
+    }
+}

@@ -1,0 +1,157 @@
+//! Colours of map tiles.
+
+use crate::{encode::encode_png_rgba, error::DisplayError};
+use image::{Rgba, RgbaImage};
+
+/// Radiances that the colours of a radiance tile run between, nW cm⁻² sr⁻¹ (logarithmic).
+pub const RADIANCE_RANGE_NW_CM2_SR: (f64, f64) = (0.2, 200.0);
+
+/// Hypsometric tints: altitude [m] and colour, linear between.
+const TINTS: [(f32, [f32; 3]); 8] = [
+    (0.0, [58.0, 94.0, 74.0]),
+    (200.0, [84.0, 122.0, 84.0]),
+    (600.0, [138.0, 152.0, 100.0]),
+    (1200.0, [178.0, 164.0, 116.0]),
+    (2000.0, [168.0, 136.0, 104.0]),
+    (3000.0, [150.0, 118.0, 106.0]),
+    (4500.0, [200.0, 192.0, 190.0]),
+    (6000.0, [250.0, 250.0, 250.0]),
+];
+
+/// A square tile of upward radiance [nW cm⁻² sr⁻¹], `[y][x]`: dark is transparent, light runs through the
+/// `inferno` map's brighter part on a logarithmic scale.
+///
+/// # Errors
+/// [`DisplayError::Encoding`] when the lengths are not `size_px²`.
+pub fn radiance_tile_png(
+    radiance_nw_cm2_sr: &[f32],
+    has_data: &[bool],
+    size_px: u32,
+) -> Result<Vec<u8>, DisplayError> {
+    let (dark, bright) = RADIANCE_RANGE_NW_CM2_SR;
+    let table: Vec<[u8; 4]> = crate::Colormap::Inferno
+        .table()
+        .into_iter()
+        .enumerate()
+        .map(|(i, [r, g, b])| {
+            let t = i as f64 / 255.0;
+            [r, g, b, (255.0 * (0.25 + 0.75 * t.sqrt())).round() as u8]
+        })
+        .collect();
+    paint(radiance_nw_cm2_sr, has_data, size_px, |index| {
+        let radiance = f64::from(radiance_nw_cm2_sr[index]);
+        if radiance.is_nan() || radiance <= dark {
+            return [0; 4];
+        }
+        let t = 0.15 + 0.85 * ((radiance / dark).ln() / (bright / dark).ln()).min(1.0);
+        table[(t * 255.0) as usize]
+    })
+}
+
+/// A square tile of terrain altitude [m], `[y][x]`: hypsometric tints, shaded with a light from the north-west.
+/// `pixel_m` is the size of a pixel on the ground. No data is transparent.
+///
+/// # Errors
+/// [`DisplayError::Encoding`] when the lengths are not `size_px²`.
+pub fn elevation_tile_png(
+    altitude_m: &[f32],
+    has_data: &[bool],
+    size_px: u32,
+    pixel_m: f64,
+) -> Result<Vec<u8>, DisplayError> {
+    let size = size_px as usize;
+    // Relief is drawn steeper on small scales, where true slopes would vanish.
+    let exaggeration = (pixel_m / 60.0).clamp(1.0, 12.0) as f32;
+    let slope = |index: usize, step: usize, position: usize| -> f32 {
+        let before = if position > 0 && has_data[index - step] { index - step } else { index };
+        let after = if position + 1 < size && has_data[index + step] { index + step } else { index };
+        if before == after {
+            return 0.0;
+        }
+        let distance_m = pixel_m as f32 * ((after - before) / step) as f32;
+        exaggeration * (altitude_m[after] - altitude_m[before]) / distance_m
+    };
+    paint(altitude_m, has_data, size_px, |index| {
+        let (x, y) = (index % size, index / size);
+        let (east, south) = (slope(index, 1, x), slope(index, size, y));
+        // Lambertian shading; the light stands 45 degrees high in the north-west.
+        let shade = (0.5 * east + 0.5 * south + std::f32::consts::FRAC_1_SQRT_2)
+            / (1.0 + east * east + south * south).sqrt();
+        let light = (0.45 + 0.78 * shade).clamp(0.3, 1.25);
+        let [r, g, b] = tint(altitude_m[index]).map(|c| (c * light).clamp(0.0, 255.0) as u8);
+        [r, g, b, 255]
+    })
+}
+
+fn tint(altitude_m: f32) -> [f32; 3] {
+    let mut colour = TINTS[0].1;
+    for pair in TINTS.windows(2) {
+        let ((low_m, low), (high_m, high)) = (pair[0], pair[1]);
+        if altitude_m >= low_m {
+            let t = ((altitude_m - low_m) / (high_m - low_m)).min(1.0);
+            colour = std::array::from_fn(|i| low[i] + t * (high[i] - low[i]));
+        }
+    }
+    colour
+}
+
+/// Paints the pixels with data; the others are transparent.
+fn paint(
+    values: &[f32],
+    has_data: &[bool],
+    size_px: u32,
+    colour: impl Fn(usize) -> [u8; 4],
+) -> Result<Vec<u8>, DisplayError> {
+    let length = size_px as usize * size_px as usize;
+    if values.len() != length || has_data.len() != length {
+        return Err(DisplayError::encoding("PNG", "a tile must have as many values as pixels"));
+    }
+    let tile = RgbaImage::from_fn(size_px, size_px, |x, y| {
+        let index = (y * size_px + x) as usize;
+        Rgba(if has_data[index] { colour(index) } else { [0; 4] })
+    });
+    encode_png_rgba(&tile)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decode(bytes: &[u8]) -> RgbaImage {
+        image::load_from_memory_with_format(bytes, image::ImageFormat::Png).unwrap().into_rgba8()
+    }
+
+    #[test]
+    fn brighter_radiance_is_brighter_and_dark_or_missing_is_transparent() {
+        let values = [0.0, 1.0, 10.0, 500.0];
+        let tile = decode(&radiance_tile_png(&values, &[true, true, true, true], 2).unwrap());
+        let sum = |x, y| tile.get_pixel(x, y).0[..3].iter().map(|&c| u32::from(c)).sum::<u32>();
+        assert_eq!(tile.get_pixel(0, 0).0[3], 0);
+        assert!(sum(1, 0) < sum(0, 1) && sum(0, 1) < sum(1, 1));
+        let missing = decode(&radiance_tile_png(&values, &[false; 4], 2).unwrap());
+        assert!(missing.pixels().all(|p| p.0[3] == 0));
+        assert!(radiance_tile_png(&values, &[true; 4], 3).is_err());
+    }
+
+    #[test]
+    fn a_slope_that_faces_north_west_is_lighter_than_one_that_faces_away() {
+        // A ridge that rises to the south-east, then falls.
+        let altitudes: Vec<f32> = (0..64)
+            .map(|i| {
+                let (x, y) = (i % 8, i / 8);
+                300.0 - ((x + y) as f32 - 7.0).abs() * 20.0
+            })
+            .collect();
+        let tile = decode(&elevation_tile_png(&altitudes, &[true; 64], 8, 30.0).unwrap());
+        let sum = |x, y| tile.get_pixel(x, y).0[..3].iter().map(|&c| u32::from(c)).sum::<u32>();
+        assert!(sum(2, 2) > sum(5, 5), "{} {}", sum(2, 2), sum(5, 5));
+        assert_eq!(tile.get_pixel(0, 0).0[3], 255);
+    }
+
+    #[test]
+    fn higher_ground_has_another_tint_than_lower_ground() {
+        assert_eq!(tint(-50.0), TINTS[0].1);
+        assert_eq!(tint(9000.0), TINTS[7].1);
+        assert_ne!(tint(100.0), tint(1500.0));
+    }
+}
