@@ -1,0 +1,106 @@
+//! Exit status, streams and help of the built program.
+
+mod common;
+
+use common::{command, skyglow, text};
+use std::process::Stdio;
+
+#[test]
+fn help_and_version_succeed_on_standard_output() {
+    let help = skyglow(&["--help"]).expect_status(0);
+    for name in ["serve", "ingest", "scenes", "precompute", "packs", "panorama", "sky", "reference", "config"] {
+        assert!(help.stdout.lines().any(|line| line.trim_start().starts_with(name)), "{name}: {}", help.stdout);
+        let own = skyglow(&[name, "--help"]).expect_status(0);
+        assert!(own.stdout.contains("Example"), "{name}");
+        assert_eq!(own.stderr, "");
+    }
+    for later in ["influence", "plan", "atlas", "bench"] {
+        skyglow(&[later, "--help"]).expect_status(2);
+    }
+    assert!(skyglow(&["--version"]).expect_status(0).stdout.starts_with("skyglow "));
+}
+
+#[test]
+fn wrong_usage_is_status_2_and_says_so_on_standard_error() {
+    let wrong: &[&[&str]] = &[
+        &[],
+        &["fly"],
+        &["serve", "--lisen", "127.0.0.1:1"],
+        &["serve", "--listen", "here"],
+        &["serve", "--device", "tpu"],
+        &["ingest"],
+        &["precompute"],
+        &["precompute", "--turbidity", "clear"],
+        &["sky", "--scene", "demo", "--lat", "46"],
+        &["sky", "--scene", "demo", "--lat", "146", "--lon", "8"],
+        &["sky", "--scene", "Demo!", "--lat", "46", "--lon", "8"],
+        &["sky", "--scene", "demo", "--lat", "46", "--lon", "8", "--turbidity", "0"],
+        &["sky", "--scene", "demo", "--lat", "46", "--lon", "8", "--lamp", "candle"],
+        &["sky", "--scene", "demo", "--lat", "46", "--lon", "8", "--emission", "upwards"],
+        &["sky", "--scene", "demo", "--lat", "46", "--lon", "8", "--height", "2", "--altitude", "900"],
+        &["panorama", "--scene", "demo", "--lat", "46", "--lon", "8"],
+        &["panorama", "--scene", "demo", "--lat", "46", "--lon", "8", "-o", "sky.gif"],
+    ];
+    for arguments in wrong {
+        let finished = skyglow(arguments).expect_status(2);
+        assert_eq!(finished.stdout, "", "{arguments:?}");
+        assert!(!finished.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn failed_work_is_status_1_with_one_line_that_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = text(folder.path());
+    let nowhere = text(&folder.path().join("nowhere")).to_owned();
+    let failing: &[(&[&str], &str)] = &[
+        (&["ingest", &nowhere, "--data", data], "nowhere"),
+        (&["sky", "--scene", "atlantis", "--lat", "46", "--lon", "8", "--data", data], "atlantis"),
+        (&["packs", "--packs", &nowhere], "nowhere"),
+        (&["config", "check", "--config", &nowhere], "nowhere"),
+    ];
+    for (arguments, reason) in failing {
+        let finished = skyglow(arguments).expect_status(1);
+        assert_eq!(finished.stdout, "", "{arguments:?}");
+        let said: Vec<&str> = finished.stderr.lines().filter(|line| line.starts_with("skyglow: ")).collect();
+        assert_eq!(said.len(), 1, "{arguments:?}: {}", finished.stderr);
+        assert!(said[0].contains(reason), "{arguments:?}: {}", said[0]);
+    }
+}
+
+#[test]
+fn an_empty_data_folder_has_no_scenes() {
+    let folder = tempfile::tempdir().unwrap();
+    let finished = skyglow(&["scenes", "--json", "--data", text(folder.path())]).expect_status(0);
+    assert_eq!(finished.json(), serde_json::json!([]));
+}
+
+#[test]
+fn the_file_the_environment_and_the_flags_are_layered_in_that_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("skyglow.toml");
+    std::fs::write(&file, "listen = \"127.0.0.1:9001\"\ndevice = \"gpu\"\ndata = \"/from/file\"\n").unwrap();
+    let output = command()
+        .args(["config", "print", "--json", "--config", text(&file), "--data", "/from/flag"])
+        .env("SKYGLOW_DEVICE", "cpu")
+        .env("SKYGLOW_DATA", "/from/environment")
+        .stderr(Stdio::inherit())
+        .output()
+        .unwrap();
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(printed["listen"], "127.0.0.1:9001");
+    assert_eq!(printed["device"], "cpu");
+    assert_eq!(printed["data"], "/from/flag");
+}
+
+#[test]
+fn config_check_names_the_line_and_schema_is_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("skyglow.toml");
+    std::fs::write(&file, "device = \"cpu\"\nlisen = \"127.0.0.1:1\"\n").unwrap();
+    let refused = skyglow(&["config", "check", "--config", text(&file)]).expect_status(1);
+    assert!(refused.stderr.contains("skyglow.toml:2: unknown field `lisen`"), "{}", refused.stderr);
+    std::fs::write(&file, "device = \"cpu\"\n").unwrap();
+    skyglow(&["config", "check", "--config", text(&file)]).expect_status(0);
+    assert_eq!(skyglow(&["config", "schema"]).expect_status(0).json()["type"], "object");
+}
