@@ -1,1 +1,33 @@
-//! Resident packs on a wgpu device, passes, read-back.
+//! From a polar grid of light to a panorama: table packs resident on a device, the passes of the fast evaluation
+//! (model, section 5), batches, read-back. The only crate that names wgpu.
+//!
+//! A request is prepared on the caller's thread ([`prepare`]: what must be computed, as lists), waits in a bounded
+//! queue, and is rendered together with compatible ones by the one thread that owns the device. Two executors
+//! run the same passes: WGSL on Vulkan, and plain Rust ([`twin`] holds the functions they share).
+
+mod cpu;
+mod device;
+pub mod engine;
+pub mod error;
+mod executor;
+pub mod plan;
+pub mod polar;
+pub mod prepare;
+pub mod reference;
+pub mod request;
+pub mod stats;
+pub mod synthetic;
+pub mod table_set;
+pub mod taps;
+pub mod twin;
+mod worker;
+
+pub use engine::{Engine, EngineConfig, EngineInfo};
+pub use error::{DeviceFault, EngineError};
+pub use polar::{PolarCell, PolarGrid};
+pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};
+pub use stats::EngineStats;
+pub use table_set::TableSet;
+
+/// Most requests in one batch.
+pub const MAX_BATCH: usize = 8;

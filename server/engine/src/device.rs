@@ -1,0 +1,57 @@
+//! Choice of the executor.
+
+use crate::{
+    cpu::CpuExecutor, error::EngineError, executor::Executor, prepare::Prepared, request::DeviceChoice,
+    request::ExecutorKind, request::RenderRequest, synthetic, table_set::TableSet,
+};
+use skyglow_physics::{EmissionMix, Turbidity};
+use std::sync::Arc;
+
+/// What was opened.
+#[derive(Clone, Debug)]
+pub(crate) struct Opened {
+    pub(crate) kind: ExecutorKind,
+    pub(crate) adapter: String,
+    pub(crate) driver: String,
+    pub(crate) resident_bytes: u64,
+}
+
+/// An executor of the wanted kind with the packs resident.
+pub(crate) fn open(
+    _choice: DeviceChoice,
+    _budget_bytes: u64,
+    set: &TableSet,
+) -> Result<(Box<dyn Executor>, Opened), EngineError> {
+    let executor = CpuExecutor::new(set.clone());
+    let opened = Opened {
+        kind: ExecutorKind::Cpu,
+        adapter: "processor".into(),
+        driver: format!("{} threads", rayon::current_num_threads()),
+        resident_bytes: executor.resident_bytes(),
+    };
+    Ok((Box::new(executor), opened))
+}
+
+/// Requests that between them run every pipeline.
+pub(crate) fn warm_up_requests(set: &TableSet) -> Vec<Prepared> {
+    let turbidities = set.turbidities();
+    let mut wanted = vec![turbidities[0]];
+    if let [first, second, ..] = turbidities[..] {
+        wanted.push(0.5 * (first + second));
+    }
+    let polar = Arc::new(synthetic::polar_grid_of(&[(0, 0, 1.0, 10.0)]));
+    wanted
+        .into_iter()
+        .filter_map(|turbidity| {
+            let request = RenderRequest {
+                polar: Arc::clone(&polar),
+                observer_altitude_m: 10.0,
+                turbidity: Turbidity::new(turbidity).ok()?,
+                emission: EmissionMix::garstang(),
+                flux_per_dnb_flux: [1.0; 3],
+                basis: None,
+            };
+            Prepared::new(&request, set).ok()
+        })
+        .collect()
+}

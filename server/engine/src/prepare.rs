@@ -1,0 +1,307 @@
+//! A request made ready for any executor: what must be computed, and nothing that need not be.
+
+use crate::{
+    error::EngineError,
+    polar::PolarGrid,
+    request::{RenderRequest, WorkCount},
+    table_set::TableSet,
+    taps::{Taps, lagrange_taps},
+};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT};
+
+/// Two turbidities nearer than this are the same.
+pub const SAME_TURBIDITY: f64 = 1e-9;
+/// Two altitudes nearer than this are the same, metres.
+const SAME_ALTITUDE_M: f64 = 1e-9;
+
+/// A (ring, offset) pair that some cell needs; the offset is source altitude − observer altitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MixNode {
+    /// Ring.
+    pub ring: u32,
+    /// Index on the ring's offset axis.
+    pub offset: u32,
+}
+
+/// A lit cell with its place between two nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PreparedCell {
+    /// Upward flux, DNB watts.
+    pub flux_dnb_w: f32,
+    /// Node below the cell's offset.
+    pub lower_node: u32,
+    /// Node above it; the same as `lower_node` where that has all the weight.
+    pub upper_node: u32,
+    /// Weight of `upper_node`, 0..1.
+    pub upper_weight: f32,
+}
+
+/// An azimuth column with light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LitColumn {
+    /// Azimuth column, 0..256.
+    pub azimuth: u32,
+    /// First of its cells.
+    pub first_cell: u32,
+    /// One past its last cell.
+    pub end_cell: u32,
+}
+
+/// A request in the form the passes take.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// Nodes to mix, by ring, then offset.
+    pub nodes: Vec<MixNode>,
+    /// Lit cells, by column, then ring.
+    pub cells: Vec<PreparedCell>,
+    /// Columns with light, by azimuth.
+    pub columns: Vec<LitColumn>,
+    /// Interpolation over observer altitude.
+    pub altitude_taps: Taps,
+    /// Interpolation over the set's packs.
+    pub turbidity_taps: Taps,
+    /// Lobe weights, summing to 1.
+    pub emission: [f32; LOBE_COUNT],
+    /// s_b per band.
+    pub flux_per_dnb_flux: [f32; BAND_COUNT],
+    /// Basis functions wanted; a pack with fewer uses what it has.
+    pub basis_count: usize,
+}
+
+impl Prepared {
+    /// Checks a request against the resident tables and lists its work.
+    ///
+    /// # Errors
+    /// Altitude, turbidity or basis out of range, or a malformed polar grid.
+    pub fn new(request: &RenderRequest, set: &TableSet) -> Result<Self, EngineError> {
+        let observer_altitude_m = checked_altitude_m(request.observer_altitude_m, set)?;
+        let altitude_taps = lagrange_taps(set.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M);
+        let turbidity_taps = turbidity_taps(request.turbidity.value(), set)?;
+        let resident = set.basis_count();
+        let basis_count = request.basis.unwrap_or(resident);
+        if basis_count == 0 || basis_count > resident {
+            return Err(EngineError::BasisOutOfRange { basis: basis_count, maximum: resident });
+        }
+        check_grid(&request.polar, set.ring_count())?;
+        let flux_per_dnb_flux = request.flux_per_dnb_flux.map(|flux| flux as f32);
+        let mut prepared = Self {
+            nodes: Vec::new(),
+            cells: Vec::new(),
+            columns: Vec::new(),
+            altitude_taps,
+            turbidity_taps,
+            emission: request.emission.weights().map(|weight| weight as f32),
+            flux_per_dnb_flux,
+            basis_count,
+        };
+        if flux_per_dnb_flux.iter().any(|flux| *flux > 0.0) {
+            prepared.list_work(&request.polar, observer_altitude_m, set);
+        }
+        Ok(prepared)
+    }
+
+    /// True where there is no light at all: the sky is black and nothing is rendered.
+    pub fn is_dark(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// True where one submission can serve both requests.
+    pub fn is_compatible(&self, other: &Self) -> bool {
+        self.basis_count == other.basis_count
+            && self.turbidity_taps.indices() == other.turbidity_taps.indices()
+    }
+
+    /// How much work this is.
+    pub fn work(&self) -> WorkCount {
+        WorkCount {
+            mixed_nodes: self.nodes.len(),
+            lit_cells: self.cells.len(),
+            lit_columns: self.columns.len(),
+            packs: if self.is_dark() { 0 } else { self.turbidity_taps.indices().len() },
+        }
+    }
+
+    fn list_work(&mut self, polar: &PolarGrid, observer_altitude_m: f64, set: &TableSet) {
+        let (rings, offsets) = (set.ring_count(), set.offset_count());
+        let mut node_of = vec![u32::MAX; rings * offsets];
+        let mut position = Vec::with_capacity(polar.cells.len());
+        for cell in &polar.cells {
+            let axis = &set.offset_axis()[cell.ring as usize];
+            let (node, weight) = node_below(axis.position(f64::from(cell.altitude_m) - observer_altitude_m));
+            position.push((cell.ring as usize * offsets + node, weight));
+            if cell.flux_dnb_w > 0.0 {
+                let slot = cell.ring as usize * offsets + node;
+                node_of[slot] = 0;
+                node_of[slot + usize::from(weight > 0.0)] = 0;
+            }
+        }
+        for (slot, node) in node_of.iter_mut().enumerate().filter(|(_, node)| **node == 0) {
+            *node = self.nodes.len() as u32;
+            self.nodes.push(MixNode { ring: (slot / offsets) as u32, offset: (slot % offsets) as u32 });
+        }
+        for azimuth in 0..AZIMUTH_COUNT {
+            let column = polar.azimuth_start[azimuth] as usize..polar.azimuth_start[azimuth + 1] as usize;
+            let first_cell = self.cells.len() as u32;
+            for (cell, &(slot, weight)) in polar.cells[column.clone()].iter().zip(&position[column]) {
+                if cell.flux_dnb_w > 0.0 {
+                    self.cells.push(PreparedCell {
+                        flux_dnb_w: cell.flux_dnb_w,
+                        lower_node: node_of[slot],
+                        upper_node: node_of[slot + usize::from(weight > 0.0)],
+                        upper_weight: weight,
+                    });
+                }
+            }
+            let end_cell = self.cells.len() as u32;
+            if end_cell > first_cell {
+                self.columns.push(LitColumn { azimuth: azimuth as u32, first_cell, end_cell });
+            }
+        }
+    }
+}
+
+/// Node at or below a fractional position, and the weight of the one above it; none within 1e-6 of a node.
+fn node_below(position: f64) -> (usize, f32) {
+    let nearest = position.round();
+    if (position - nearest).abs() < 1e-6 {
+        return (nearest as usize, 0.0);
+    }
+    (position.floor() as usize, (position - position.floor()) as f32)
+}
+
+fn checked_altitude_m(altitude_m: f64, set: &TableSet) -> Result<f64, EngineError> {
+    let maximum_m = set.observer_altitude_m().last().copied().unwrap_or(0.0);
+    if !altitude_m.is_finite() || altitude_m > maximum_m {
+        return Err(EngineError::AltitudeOutOfRange { altitude_m, minimum_m: 0.0, maximum_m });
+    }
+    Ok(altitude_m.max(0.0))
+}
+
+fn turbidity_taps(turbidity: f64, set: &TableSet) -> Result<Taps, EngineError> {
+    let nodes = set.turbidities();
+    let (minimum, maximum) = (nodes[0], nodes[nodes.len() - 1]);
+    if !(minimum - SAME_TURBIDITY..=maximum + SAME_TURBIDITY).contains(&turbidity) {
+        return Err(EngineError::TurbidityOutOfRange { turbidity, minimum, maximum });
+    }
+    Ok(lagrange_taps(&nodes, turbidity, SAME_TURBIDITY))
+}
+
+fn check_grid(polar: &PolarGrid, ring_count: usize) -> Result<(), EngineError> {
+    let refuse = |reason: String| Err(EngineError::BadPolarGrid { reason });
+    let starts = &polar.azimuth_start;
+    if starts.len() != AZIMUTH_COUNT + 1
+        || starts[0] != 0
+        || starts[AZIMUTH_COUNT] as usize != polar.cells.len()
+        || starts.windows(2).any(|pair| pair[0] > pair[1])
+    {
+        return refuse(format!("its {} column offsets do not divide its cells", starts.len()));
+    }
+    if polar.cells.len() > AZIMUTH_COUNT * ring_count {
+        return refuse(format!("{} cells are more than the grid has", polar.cells.len()));
+    }
+    for cell in &polar.cells {
+        if cell.ring as usize >= ring_count {
+            return refuse(format!("ring {} is beyond the {ring_count} of the tables", cell.ring));
+        }
+        if !cell.flux_dnb_w.is_finite() || cell.flux_dnb_w < 0.0 || !cell.altitude_m.is_finite() {
+            return refuse(format!("a cell has flux {} W at {} m", cell.flux_dnb_w, cell.altitude_m));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic;
+    use skyglow_physics::{EmissionMix, Turbidity};
+    use std::sync::Arc;
+
+    fn set() -> TableSet {
+        TableSet::new(synthetic::table_set(&[2.0, 3.0], 8)).unwrap()
+    }
+
+    fn request(polar: PolarGrid) -> RenderRequest {
+        RenderRequest {
+            polar: Arc::new(polar),
+            observer_altitude_m: 100.0,
+            turbidity: Turbidity::new(2.0).unwrap(),
+            emission: EmissionMix::garstang(),
+            flux_per_dnb_flux: [1.0; 3],
+            basis: None,
+        }
+    }
+
+    #[test]
+    fn only_nodes_that_cells_need_are_listed() {
+        let set = set();
+        let axes = set.offset_axis();
+        let between = 100.0 + axes[3].scale_m * (axes[3].asinh_first + 4.75 * axes[3].asinh_step).sinh();
+        let on_a_node = 100.0 + axes[9].offset_m(2);
+        let polar = synthetic::polar_grid_of(&[(7, 3, 5.0, between as f32), (7, 9, 2.0, on_a_node as f32)]);
+        let prepared = Prepared::new(&request(polar), &set).unwrap();
+        let listed: Vec<_> = prepared.nodes.iter().map(|node| (node.ring, node.offset)).collect();
+        assert_eq!(listed, [(3, 4), (3, 5), (9, 2)]);
+        assert_eq!(prepared.columns, [LitColumn { azimuth: 7, first_cell: 0, end_cell: 2 }]);
+        assert_eq!((prepared.cells[0].lower_node, prepared.cells[0].upper_node), (0, 1));
+        assert!((prepared.cells[0].upper_weight - 0.75).abs() < 1e-4);
+        assert_eq!((prepared.cells[1].lower_node, prepared.cells[1].upper_node), (2, 2));
+    }
+
+    #[test]
+    fn dark_cells_and_dark_lamps_leave_no_work() {
+        let polar = synthetic::polar_grid_of(&[(1, 1, 0.0, 0.0)]);
+        assert_eq!(Prepared::new(&request(polar), &set()).unwrap().work(), WorkCount::default());
+        let mut no_lamp = request(synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]));
+        no_lamp.flux_per_dnb_flux = [0.0; 3];
+        assert!(Prepared::new(&no_lamp, &set()).unwrap().is_dark());
+    }
+
+    #[test]
+    fn a_resident_turbidity_takes_one_pack_and_others_take_neighbours() {
+        let set = TableSet::new(synthetic::table_set(&[1.5, 2.0, 3.0, 4.0, 6.0], 8)).unwrap();
+        let mut request = request(synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]));
+        request.turbidity = Turbidity::new(3.0 + 1e-10).unwrap();
+        assert_eq!(Prepared::new(&request, &set).unwrap().turbidity_taps.indices(), [2]);
+        request.turbidity = Turbidity::new(3.1).unwrap();
+        assert_eq!(Prepared::new(&request, &set).unwrap().turbidity_taps.indices(), [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn values_out_of_range_are_named_with_the_range() {
+        let set = set();
+        let mut bad = request(synthetic::polar_grid_of(&[]));
+        bad.observer_altitude_m = 9000.0;
+        let message = Prepared::new(&bad, &set).unwrap_err().to_string();
+        assert_eq!(message, "altitude is 9000 m; allowed is 0 to 6000 m");
+        bad.observer_altitude_m = -30.0;
+        assert_eq!(Prepared::new(&bad, &set).unwrap().altitude_taps, Taps::single(0));
+        bad.turbidity = Turbidity::new(5.0).unwrap();
+        let message = Prepared::new(&bad, &set).unwrap_err().to_string();
+        assert_eq!(message, "turbidity is 5; resident is 2 to 3");
+        bad.turbidity = Turbidity::new(2.5).unwrap();
+        bad.basis = Some(9);
+        assert!(matches!(
+            Prepared::new(&bad, &set),
+            Err(EngineError::BasisOutOfRange { basis: 9, maximum: 8 })
+        ));
+    }
+
+    #[test]
+    fn malformed_grids_are_refused() {
+        let cases: [fn(&mut PolarGrid); 4] = [
+            |grid| grid.cells[0].ring = 192,
+            |grid| grid.cells[0].flux_dnb_w = f32::NAN,
+            |grid| grid.azimuth_start[5] = 9,
+            |grid| drop(grid.azimuth_start.pop()),
+        ];
+        for change in cases {
+            let mut grid = synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]);
+            change(&mut grid);
+            assert!(matches!(
+                Prepared::new(&request(grid), &set()),
+                Err(EngineError::BadPolarGrid { .. })
+            ));
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! The same tables evaluated in f64 by plain sums, without transforms: what both executors are measured against.
+
+use crate::{
+    prepare::Prepared,
+    table_set::TableSet,
+    twin::blending::RADIANCE_FLOOR_W_M2_SR,
+};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
+use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
+
+/// Radiance `[band][row][column]`, W m⁻² sr⁻¹, of a prepared request; seconds, not milliseconds.
+pub fn render_f64(request: &Prepared, set: &TableSet) -> Vec<f64> {
+    let taps = &request.turbidity_taps;
+    let mut rendered: Vec<Vec<f64>> =
+        taps.indices().iter().map(|&pack| render_pack(request, &set.tables()[pack])).collect();
+    if rendered.len() == 1 {
+        return rendered.swap_remove(0);
+    }
+    let floor = f64::from(RADIANCE_FLOOR_W_M2_SR);
+    (0..Panorama::LEN)
+        .map(|sample| {
+            let log_ratio: f64 = rendered
+                .iter()
+                .zip(taps.weights())
+                .map(|(sky, weight)| weight * (sky[sample].max(floor) / floor).ln())
+                .sum();
+            if log_ratio <= 0.0 { 0.0 } else { floor * log_ratio.exp() }
+        })
+        .collect()
+}
+
+fn render_pack(request: &Prepared, tables: &ResidentTables) -> Vec<f64> {
+    let basis_count = request.basis_count.min(tables.basis_count);
+    let columns = columns(request, tables, basis_count);
+    let basis = basis_images(tables, basis_count);
+    let mut radiance_w_m2_sr = vec![0.0; Panorama::LEN];
+    for band in 0..BAND_COUNT {
+        for (slot, lit) in request.columns.iter().enumerate() {
+            for row in 0..ELEVATION_COUNT {
+                let target = &mut radiance_w_m2_sr[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
+                for k in 0..basis_count {
+                    let value = columns[(slot * BAND_COUNT + band) * basis_count + k];
+                    let image = &basis[(k * ELEVATION_COUNT + row) * AZIMUTH_COUNT..][..AZIMUTH_COUNT];
+                    // Azimuth difference 0 lies at the lit column; the image repeats after 256.
+                    let (first, second) = target.split_at_mut(lit.azimuth as usize);
+                    for (sum, sample) in second.iter_mut().chain(first).zip(image) {
+                        *sum += value * sample;
+                    }
+                }
+            }
+        }
+    }
+    radiance_w_m2_sr.iter().map(|value| value.max(0.0)).collect()
+}
+
+/// H, `[column slot][band][function]`.
+fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> Vec<f64> {
+    let nodes: Vec<(f64, Vec<f64>)> = (0..BAND_COUNT)
+        .flat_map(|band| request.nodes.iter().map(move |node| (band, node)))
+        .map(|(band, node)| mixed_node(request, tables, band, node.ring, node.offset, basis_count))
+        .collect();
+    let mut columns = vec![0.0; request.columns.len() * BAND_COUNT * basis_count];
+    for (slot, lit) in request.columns.iter().enumerate() {
+        for band in 0..BAND_COUNT {
+            let sums = &mut columns[(slot * BAND_COUNT + band) * basis_count..][..basis_count];
+            for cell in &request.cells[lit.first_cell as usize..lit.end_cell as usize] {
+                let at = |node: u32| &nodes[band * request.nodes.len() + node as usize];
+                let (lower, upper) = (at(cell.lower_node), at(cell.upper_node));
+                let weight = f64::from(cell.upper_weight);
+                let flux_w = f64::from(cell.flux_dnb_w) * f64::from(request.flux_per_dnb_flux[band]);
+                let scale = flux_w * (lower.0 + weight * (upper.0 - lower.0)).exp();
+                for ((sum, low), high) in sums.iter_mut().zip(&lower.1).zip(&upper.1) {
+                    *sum += scale * (low + weight * (high - low));
+                }
+            }
+        }
+    }
+    columns
+}
+
+/// Logarithm of the mixed scale and the mixed shape of one node.
+fn mixed_node(
+    request: &Prepared,
+    tables: &ResidentTables,
+    band: usize,
+    ring: u32,
+    offset: u32,
+    basis_count: usize,
+) -> (f64, Vec<f64>) {
+    let taps = &request.altitude_taps;
+    let node = |tap: usize, lobe: usize| {
+        tables.node_index(tap, lobe, band, ring as usize, offset as usize)
+    };
+    let blend = |value: &dyn Fn(usize) -> f64| -> f64 {
+        taps.indices().iter().zip(taps.weights()).map(|(&tap, weight)| weight * value(tap)).sum()
+    };
+    let mut log_scale = [f64::NEG_INFINITY; LOBE_COUNT];
+    for (lobe, log_scale) in log_scale.iter_mut().enumerate().filter(|(lobe, _)| request.emission[*lobe] > 0.0) {
+        *log_scale = f64::from(request.emission[lobe]).ln()
+            + blend(&|tap| f64::from(tables.log_scale[node(tap, lobe)]));
+    }
+    let largest = log_scale.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let amounts = log_scale.map(|log| (log - largest).exp());
+    let sum: f64 = amounts.iter().sum();
+    let shape = (0..basis_count)
+        .map(|k| {
+            (0..LOBE_COUNT)
+                .filter(|&lobe| amounts[lobe] > 0.0)
+                .map(|lobe| {
+                    let shape = |tap| tables.shape[node(tap, lobe) * tables.basis_count + k].to_f64();
+                    amounts[lobe] / sum * blend(&shape)
+                })
+                .sum()
+        })
+        .collect();
+    (largest + sum.ln(), shape)
+}
+
+/// The basis itself, `[function][row][column]`, from its spectrum.
+fn basis_images(tables: &ResidentTables, basis_count: usize) -> Vec<f64> {
+    let cosine: Vec<f64> = (0..AZIMUTH_COUNT)
+        .map(|step| (std::f64::consts::TAU * step as f64 / AZIMUTH_COUNT as f64).cos())
+        .collect();
+    let mut images = Vec::with_capacity(basis_count * ELEVATION_COUNT * AZIMUTH_COUNT);
+    for k in 0..basis_count {
+        for row in 0..ELEVATION_COUNT {
+            let spectrum = &tables.basis_spectrum[tables.spectrum_index(k, row, 0)..][..FREQUENCY_COUNT];
+            for column in 0..AZIMUTH_COUNT {
+                let sum: f64 = spectrum
+                    .iter()
+                    .enumerate()
+                    .map(|(f, value)| {
+                        let twice = if f == 0 || f == FREQUENCY_COUNT - 1 { 1.0 } else { 2.0 };
+                        twice * f64::from(*value) * cosine[f * column % AZIMUTH_COUNT]
+                    })
+                    .sum();
+                images.push(sum / AZIMUTH_COUNT as f64);
+            }
+        }
+    }
+    images
+}

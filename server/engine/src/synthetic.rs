@@ -1,0 +1,159 @@
+//! Made-up tables and grids: smooth, positive, fast to make. For tests and benches, never for a sky that anyone
+//! is shown.
+
+use crate::polar::{PolarCell, PolarGrid, RING_COUNT};
+use half::f16;
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, GeoPoint, LOBE_COUNT};
+use skyglow_tables::{
+    OffsetAxis,
+    resident::{FREQUENCY_COUNT, ResidentTables},
+};
+use std::sync::Arc;
+
+/// Nodes of the made-up packs' offset axis.
+const OFFSET_COUNT: usize = 15;
+
+/// A small generator of repeatable numbers (splitmix64).
+#[derive(Clone, Debug)]
+pub struct Noise(u64);
+
+impl Noise {
+    /// Numbers that depend on `seed` alone.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next number, uniform in 0..1.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Ring distances, metres: 250 m to 300 km, evenly in the logarithm.
+pub fn ring_distance_m(ring: usize) -> f64 {
+    250.0 * 1200f64.powf(ring as f64 / (RING_COUNT - 1) as f64)
+}
+
+/// One made-up pack per turbidity, on common axes.
+pub fn table_set(turbidities: &[f64], basis_count: usize) -> Vec<Arc<ResidentTables>> {
+    turbidities.iter().map(|&turbidity| Arc::new(tables(turbidity, basis_count))).collect()
+}
+
+/// A made-up pack: brightness falls with distance and altitude, the first function is a glow towards the source,
+/// the others are ripples on it that shrink with their order.
+pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
+    let observer_altitude_m = vec![0.0, 500.0, 1200.0, 2500.0, 4000.0, 6000.0];
+    let ring_distances_m: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
+    let mut log_scale = Vec::new();
+    let mut shape = Vec::new();
+    for observer_m in &observer_altitude_m {
+        for lobe in 0..LOBE_COUNT {
+            for band in 0..BAND_COUNT {
+                for distance_m in &ring_distances_m {
+                    let axis = OffsetAxis::at_distance(*distance_m, OFFSET_COUNT);
+                    for offset_m in (0..OFFSET_COUNT).map(|node| axis.offset_m(node)) {
+                        let reach_m = 30_000.0 * (1.0 + 0.3 * lobe as f64) / turbidity.sqrt();
+                        log_scale.push(
+                            (-18.0
+                                - 1.3 * distance_m.ln()
+                                - distance_m / reach_m * (1.0 + 0.2 * band as f64)
+                                - (observer_m - offset_m) / 7000.0) as f32,
+                        );
+                        for k in 0..basis_count {
+                            let wave = (0.7 * k as f64 + distance_m.ln() * (0.5 + 0.11 * k as f64)
+                                - offset_m / 4000.0
+                                + observer_m / 9000.0
+                                + lobe as f64
+                                + 0.3 * band as f64)
+                                .sin();
+                            let value = if k == 0 { 1.0 + 0.2 * wave } else { 0.25 * wave / (1 + k) as f64 };
+                            shape.push(f16::from_f64(value));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    ResidentTables {
+        turbidity,
+        checksum: format!("{:016x}", turbidity.to_bits() ^ basis_count as u64),
+        observer_altitude_m,
+        offset_count: OFFSET_COUNT,
+        offset_axis: ring_distances_m
+            .iter()
+            .map(|distance_m| OffsetAxis::at_distance(*distance_m, OFFSET_COUNT))
+            .collect(),
+        ring_distance_m: ring_distances_m,
+        basis_count,
+        log_scale,
+        shape,
+        basis_spectrum: basis_spectrum(turbidity, basis_count),
+    }
+}
+
+fn basis_spectrum(turbidity: f64, basis_count: usize) -> Vec<f32> {
+    let mut spectrum = Vec::with_capacity(basis_count * ELEVATION_COUNT * FREQUENCY_COUNT);
+    for k in 0..basis_count {
+        for row in 0..ELEVATION_COUNT {
+            let height = (row as f64 + 0.5) / ELEVATION_COUNT as f64;
+            for f in 0..FREQUENCY_COUNT {
+                // Poisson kernel: Σ ρ^f cos fθ is positive and even.
+                let (narrowness, ripple) = if k == 0 {
+                    (0.8 - 0.5 * height, 1.0)
+                } else {
+                    (0.7 - 0.3 * height, (k as f64 * (1.3 * height + 0.2) + 0.1 * f as f64 + turbidity).cos())
+                };
+                let brightness = 20.0 * (-2.5 * height).exp();
+                spectrum.push((brightness * ripple * f64::powi(narrowness, f as i32)) as f32);
+            }
+        }
+    }
+    spectrum
+}
+
+/// A grid of the given (column, ring, flux in DNB watts, altitude in metres) cells.
+pub fn polar_grid_of(cells: &[(usize, u32, f32, f32)]) -> PolarGrid {
+    let mut sorted = cells.to_vec();
+    sorted.sort_by_key(|cell| (cell.0, cell.1));
+    let mut grid = PolarGrid::dark(GeoPoint::from_rad_unchecked(0.0, 0.0));
+    for azimuth in 0..AZIMUTH_COUNT {
+        for &(_, ring, flux_dnb_w, altitude_m) in sorted.iter().filter(|cell| cell.0 == azimuth) {
+            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m });
+            grid.flux_dnb_w += f64::from(flux_dnb_w);
+        }
+        grid.azimuth_start[azimuth + 1] = grid.cells.len() as u32;
+    }
+    grid
+}
+
+/// A made-up region: about `lit_cells` lit cells in towns of very different brightness, on hills.
+pub fn polar_grid(seed: u64, lit_cells: usize) -> PolarGrid {
+    let mut noise = Noise::new(seed);
+    let share = lit_cells as f64 / (AZIMUTH_COUNT * RING_COUNT) as f64;
+    let mut cells = Vec::new();
+    for azimuth in 0..AZIMUTH_COUNT {
+        for ring in 0..RING_COUNT {
+            if noise.unit() < share {
+                let flux_w = 10f64.powf(1.0 + 5.0 * noise.unit());
+                let hill_m = 900.0 + 700.0 * (azimuth as f64 * 0.1 + ring as f64 * 0.05).sin();
+                cells.push((azimuth, ring as u32, flux_w as f32, (hill_m + 50.0 * noise.unit()) as f32));
+            }
+        }
+    }
+    let mut grid = PolarGrid::dark(GeoPoint::from_rad_unchecked(0.0, 0.0));
+    let mut next = 0;
+    for azimuth in 0..AZIMUTH_COUNT {
+        while next < cells.len() && cells[next].0 == azimuth {
+            let (_, ring, flux_dnb_w, altitude_m) = cells[next];
+            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m });
+            grid.flux_dnb_w += f64::from(flux_dnb_w);
+            next += 1;
+        }
+        grid.azimuth_start[azimuth + 1] = grid.cells.len() as u32;
+    }
+    grid
+}

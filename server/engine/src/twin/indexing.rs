@@ -1,0 +1,30 @@
+//! Where things lie in the textures.
+
+/// Cells in one row of the cell-weight texture.
+pub const CELLS_PER_ROW: u32 = 1024;
+
+/// Texel (x, y) of a cell's weights in one band.
+#[inline(always)]
+pub fn cell_texel(cell: u32, band: u32) -> [u32; 2] {
+    [(cell % CELLS_PER_ROW) * 3 + band, cell / CELLS_PER_ROW]
+}
+
+/// Texel (x, y) of four consecutive mixed shape coefficients, the `quad`th of `quad_count` in one band of a node.
+#[inline(always)]
+pub fn mixed_texel(node: u32, band: u32, quad: u32, quad_count: u32) -> [u32; 2] {
+    [band * quad_count + quad, node]
+}
+
+/// Texel (x, y) of four consecutive shape coefficients in the layer of one observer altitude.
+#[inline(always)]
+pub fn shape_texel(
+    lobe: u32,
+    band: u32,
+    ring: u32,
+    ring_count: u32,
+    offset: u32,
+    quad: u32,
+    quad_count: u32,
+) -> [u32; 2] {
+    [offset * quad_count + quad, (lobe * 3 + band) * ring_count + ring]
+}

@@ -1,0 +1,246 @@
+//! The render thread: it alone speaks to the device.
+
+use crate::{
+    device::{self, Opened},
+    engine::EngineConfig,
+    error::{DeviceFault, EngineError},
+    executor::{BatchOutput, Executor},
+    plan::Pass,
+    prepare::Prepared,
+    request::{ExecutorKind, Rendered, WorkCount},
+    stats::StatsCell,
+    table_set::TableSet,
+};
+use skyglow_physics::Panorama;
+use std::{
+    collections::VecDeque,
+    sync::{
+        Arc,
+        atomic::Ordering,
+        mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
+    },
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+use tokio::sync::oneshot;
+
+/// A request and where its answer goes.
+#[derive(Debug)]
+pub(crate) struct Ticket {
+    pub(crate) prepared: Prepared,
+    pub(crate) answer: oneshot::Sender<Result<Rendered, EngineError>>,
+}
+
+/// What the thread is told.
+#[derive(Debug)]
+pub(crate) enum Command {
+    Render(Box<Ticket>),
+    LoseDevice,
+}
+
+type Spawned = (SyncSender<Command>, JoinHandle<()>, Opened);
+
+/// Starts the thread and waits until its device is open.
+pub(crate) fn spawn(
+    config: &EngineConfig,
+    capacity: usize,
+    set: Arc<TableSet>,
+    stats: Arc<StatsCell>,
+) -> Result<Spawned, EngineError> {
+    let (queue, commands) = sync_channel(capacity);
+    let (opened_sender, opened) = sync_channel(1);
+    let config = config.clone();
+    let thread = std::thread::Builder::new()
+        .name("skyglow-render".into())
+        .spawn(move || match device::open(config.device, config.budget_bytes, &set) {
+            Ok((executor, opened)) => {
+                let _ = opened_sender.send(Ok(opened));
+                Worker::new(config, set, stats, executor, commands).run();
+            }
+            Err(error) => {
+                let _ = opened_sender.send(Err(error));
+            }
+        })
+        .map_err(|error| EngineError::Thread { reason: error.to_string() })?;
+    let opened = opened.recv().map_err(|_| EngineError::Stopped)??;
+    Ok((queue, thread, opened))
+}
+
+/// The answer to a request without light.
+pub(crate) fn dark_sky(executor: ExecutorKind) -> Rendered {
+    Rendered {
+        panorama: Panorama::dark(),
+        passes: Vec::new(),
+        batch_size: 0,
+        executor,
+        work: WorkCount::default(),
+        basis_count: 0,
+    }
+}
+
+struct Worker {
+    config: EngineConfig,
+    set: Arc<TableSet>,
+    stats: Arc<StatsCell>,
+    /// None after a loss that could not be repaired yet.
+    executor: Option<Box<dyn Executor>>,
+    commands: Receiver<Command>,
+    /// Requests taken from the queue that did not fit the batch in hand.
+    waiting: VecDeque<Box<Ticket>>,
+    /// Requests came together the last time: waiting for company pays.
+    crowded: bool,
+}
+
+impl Worker {
+    fn new(
+        config: EngineConfig,
+        set: Arc<TableSet>,
+        stats: Arc<StatsCell>,
+        executor: Box<dyn Executor>,
+        commands: Receiver<Command>,
+    ) -> Self {
+        let waiting = VecDeque::new();
+        Self { config, set, stats, executor: Some(executor), commands, waiting, crowded: false }
+    }
+
+    fn run(mut self) {
+        self.warm_up();
+        while let Some(batch) = self.next_batch() {
+            self.answer(batch);
+        }
+    }
+
+    /// Runs every pipeline once, so that no caller waits for a compiler.
+    fn warm_up(&mut self) {
+        let requests = device::warm_up_requests(&self.set);
+        for request in &requests {
+            match self.render(&[request]) {
+                Ok(output) => debug_assert!(output.passes.len() <= Pass::ALL.len()),
+                Err(fault) => {
+                    tracing::error!(%fault, "the device failed while it warmed up");
+                    return;
+                }
+            }
+        }
+        self.stats.ready.store(true, Ordering::Release);
+    }
+
+    /// The next requests to render together; None when the engine is dropped and nothing waits.
+    fn next_batch(&mut self) -> Option<Vec<Box<Ticket>>> {
+        let first = loop {
+            if let Some(ticket) = self.waiting.pop_front() {
+                break ticket;
+            }
+            match self.commands.recv().ok()? {
+                Command::Render(ticket) => break ticket,
+                Command::LoseDevice => self.lose(),
+            }
+        };
+        let mut batch = vec![first];
+        let limit = self.config.batch_limit.clamp(1, crate::MAX_BATCH);
+        let mut held = VecDeque::new();
+        while let Some(ticket) = self.waiting.pop_front() {
+            if batch.len() < limit && ticket.prepared.is_compatible(&batch[0].prepared) {
+                batch.push(ticket);
+            } else {
+                held.push_back(ticket);
+            }
+        }
+        self.waiting = held;
+        self.collect(&mut batch, limit);
+        self.crowded = batch.len() > 1;
+        Some(batch)
+    }
+
+    /// Adds compatible requests from the queue: those there, and while crowded those of the next moments.
+    fn collect(&mut self, batch: &mut Vec<Box<Ticket>>, limit: usize) {
+        let window = if self.crowded { self.config.batch_window } else { Duration::ZERO };
+        let deadline = Instant::now() + window;
+        while batch.len() < limit && self.waiting.len() < limit {
+            let left = deadline.saturating_duration_since(Instant::now());
+            match self.commands.recv_timeout(left) {
+                Ok(Command::Render(ticket)) if ticket.prepared.is_compatible(&batch[0].prepared) => {
+                    batch.push(ticket);
+                }
+                Ok(Command::Render(ticket)) => self.waiting.push_back(ticket),
+                Ok(Command::LoseDevice) => self.lose(),
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return,
+            }
+        }
+    }
+
+    fn lose(&mut self) {
+        if let Some(executor) = &mut self.executor {
+            executor.lose();
+        }
+    }
+
+    fn answer(&mut self, mut batch: Vec<Box<Ticket>>) {
+        self.stats.queued.fetch_sub(batch.len() as u64, Ordering::Relaxed);
+        // Nobody waits for an answer whose receiver is gone.
+        batch.retain(|ticket| !ticket.answer.is_closed());
+        if batch.is_empty() {
+            return;
+        }
+        let requests: Vec<&Prepared> = batch.iter().map(|ticket| &ticket.prepared).collect();
+        match self.render(&requests) {
+            Ok(output) => self.answer_rendered(batch, output),
+            Err(fault) => {
+                self.stats.failed.fetch_add(batch.len() as u64, Ordering::Relaxed);
+                for ticket in batch {
+                    let _ = ticket.answer.send(Err(EngineError::Device(fault.clone())));
+                }
+            }
+        }
+    }
+
+    fn answer_rendered(&self, batch: Vec<Box<Ticket>>, output: BatchOutput) {
+        let batch_size = batch.len();
+        let executor = self.executor.as_ref().map_or(ExecutorKind::Cpu, |executor| executor.kind());
+        self.stats.count_batch(batch_size, &output.passes);
+        for (ticket, radiance_w_m2_sr) in batch.into_iter().zip(output.radiance_w_m2_sr) {
+            let work = ticket.prepared.work();
+            self.stats.count_work(work);
+            let basis_count = ticket.prepared.basis_count;
+            let answer = Panorama::from_samples(radiance_w_m2_sr)
+                .ok_or_else(|| DeviceFault::Other("a panorama of the wrong size came back".into()).into())
+                .map(|panorama| Rendered {
+                    panorama,
+                    passes: output.passes.clone(),
+                    batch_size,
+                    executor,
+                    work,
+                    basis_count,
+                });
+            let _ = ticket.answer.send(answer);
+        }
+    }
+
+    /// Renders; a device that fails is made anew and asked once more.
+    fn render(&mut self, requests: &[&Prepared]) -> Result<BatchOutput, DeviceFault> {
+        let mut fault = DeviceFault::Lost("it could not be made anew".into());
+        for attempt in 0..2 {
+            if self.executor.is_none() {
+                self.reopen();
+            }
+            let Some(executor) = &mut self.executor else { return Err(fault) };
+            match executor.render(requests) {
+                Ok(output) => return Ok(output),
+                Err(error) => {
+                    tracing::warn!(%error, attempt, "the device failed; it is made anew");
+                    self.stats.device_losses.fetch_add(1, Ordering::Relaxed);
+                    self.executor = None;
+                    fault = error;
+                }
+            }
+        }
+        Err(fault)
+    }
+
+    fn reopen(&mut self) {
+        match device::open(self.config.device, self.config.budget_bytes, &self.set) {
+            Ok((executor, _)) => self.executor = Some(executor),
+            Err(error) => tracing::error!(%error, "no device could be opened"),
+        }
+    }
+}
