@@ -1,1 +1,42 @@
 //! Scenes: rasters in, light and terrain pyramids, polar grids.
+//!
+//! [`ingest`] reads a radiance raster (and terrain, and places) with GDAL, checks it and stores a scene;
+//! [`SceneStore::open`] opens one; a [`Scene`] answers without GDAL or files: the light around a place by
+//! azimuth and distance ([`Scene::polar_grid`]), the raster's own pixels for the reference
+//! ([`Scene::source_pixels_within`]), terrain, radiance, coverage, map tiles.
+//!
+//! Nothing is resampled at ingest: a scene keeps the raster's own grid, lit pixels alone, and a mask of what
+//! was measured.
+
+mod coverage;
+mod error;
+mod gather;
+mod grid;
+mod grid_sections;
+mod ingest;
+mod lattice;
+mod light_pyramid;
+mod lit_pixels;
+mod map_tile;
+mod mask;
+mod metadata;
+mod morton;
+mod polar_grid;
+mod scene;
+mod scene_id;
+mod sections;
+mod store;
+mod stored;
+mod terrain;
+
+pub use error::SceneError;
+pub use gather::FAR_BLOCK_RATIO;
+pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
+pub use map_tile::{RasterTile, TileLayer};
+pub use metadata::{
+    ExamplePlace, GridMetadata, IngestReport, PixelCount, Place, SceneMetadata, TerrainReport,
+};
+pub use polar_grid::{AZIMUTH_COLUMN_COUNT, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
+pub use scene::Scene;
+pub use scene_id::SceneId;
+pub use store::SceneStore;

@@ -1,0 +1,90 @@
+//! What can go wrong with a scene. Every message is one sentence that a user can act on.
+
+use std::path::PathBuf;
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// A scene id that is not `[a-z0-9-]{1,64}`.
+    #[error("\"{id}\" is no scene id: 1 to 64 of the characters a-z, 0-9 and - are allowed")]
+    InvalidId {
+        /// The text given.
+        id: String,
+    },
+    /// No scene of that id is stored.
+    #[error("there is no scene \"{id}\"")]
+    UnknownScene {
+        /// The id asked for.
+        id: String,
+    },
+    /// Ingest into an id that is taken.
+    #[error("scene \"{id}\" exists already; give another --id, or --replace to overwrite it")]
+    SceneExists {
+        /// The id wanted.
+        id: String,
+    },
+    /// A file that is no raster, or ends too early.
+    #[error("{} cannot be read as a raster: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the reader met.
+        reason: String,
+    },
+    /// A raster that can be read and cannot be meant.
+    #[error("{}: {reason}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// Why, and what would help.
+        reason: String,
+    },
+    /// A wrong option of an ingest.
+    #[error("{option}: {reason}")]
+    InvalidOption {
+        /// The option as the command line spells it.
+        option: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A stored scene that is truncated, altered or of another format.
+    #[error("scene \"{scene}\": {file} {reason}; ingest the scene again")]
+    Damaged {
+        /// The scene's id.
+        scene: String,
+        /// The file inside the scene's folder.
+        file: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A map tile that does not exist at its zoom level, or of an absurd size.
+    #[error("tile {z}/{x}/{y} of {size_px} pixels does not exist: {reason}")]
+    InvalidTile {
+        /// Zoom level.
+        z: u8,
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+        /// Pixels a side.
+        size_px: u32,
+        /// Which limit it breaks.
+        reason: &'static str,
+    },
+    /// The file system failed.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl SceneError {
+    /// Wraps an I/O error with the path that it happened on.
+    pub(crate) fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { path, source }
+    }
+}

@@ -1,0 +1,94 @@
+//! From files to a scene: reads, checks, reports, stores.
+
+mod black_marble;
+mod georeference;
+mod open;
+mod options;
+mod places;
+mod radiance;
+mod tally;
+mod terrain_files;
+
+pub use options::{IngestOptions, IngestProgress, IngestStage, RadianceUnit};
+
+use crate::error::SceneError;
+use crate::light_pyramid::LightPyramid;
+use crate::metadata::{GridMetadata, SceneMetadata};
+use crate::scene::Scene;
+use crate::scene_id::SceneId;
+use crate::store::SceneStore;
+use crate::stored;
+
+/// Reads a radiance raster with its terrain and places, and stores the scene.
+///
+/// # Errors
+/// Every refusal is one sentence: see [`SceneError`]. Nothing is left behind then.
+pub fn ingest(
+    store: &SceneStore,
+    options: &IngestOptions,
+    progress: &mut dyn FnMut(IngestProgress),
+) -> Result<SceneMetadata, SceneError> {
+    ingest_as(store, options, false, progress)
+}
+
+/// [`ingest`], for light that may be made up.
+pub(crate) fn ingest_as(
+    store: &SceneStore,
+    options: &IngestOptions,
+    illustrative: bool,
+    progress: &mut dyn FnMut(IngestProgress),
+) -> Result<SceneMetadata, SceneError> {
+    let id = match &options.id {
+        Some(id) => id.clone(),
+        None => SceneId::from_file_name(&options.radiance)?,
+    };
+    if store.exists(&id) && !options.replace {
+        return Err(SceneError::SceneExists { id: id.to_string() });
+    }
+    options.check()?;
+    let places = options.places.as_deref().map(places::read).transpose()?.unwrap_or_default();
+    let source = open::radiance(options)?;
+    let mut light = radiance::read(&source, progress)?;
+    let terrain = terrain_files::read(&options.terrain, progress)?;
+    terrain_files::raise(&terrain, &mut light, progress);
+    let pyramid = LightPyramid::build(&light.grid, &light.pixels, options.calibration);
+    let mut report = light.report;
+    if pyramid.top() > 0 {
+        report.flux_dnb_w = pyramid.level(pyramid.top()).blocks.iter().map(|b| b.flux_dnb_w).sum();
+    }
+    let metadata = SceneMetadata {
+        title: options.title.clone().unwrap_or_else(|| id.to_string()),
+        id,
+        bounds: light.grid.bounds_deg(),
+        grid: GridMetadata {
+            width: light.grid.width,
+            height: light.grid.height,
+            geotransform: source.geotransform,
+            crs_wkt: source.crs_wkt.clone(),
+        },
+        crs: source.crs_name.clone(),
+        calibration: options.calibration,
+        report,
+        pixel_size_m: light.grid.pixel_size_m(),
+        lit_pixels: light.pixels.len() as u64,
+        date: options.date.clone(),
+        attribution: options.attribution.clone(),
+        illustrative,
+        terrain: !terrain.terrain.is_empty(),
+        places_count: places.len() as u64,
+        version: String::new(),
+    };
+    let mut scene = Scene {
+        metadata,
+        grid: light.grid,
+        mask: light.mask,
+        pixels: light.pixels,
+        pyramid,
+        terrain: terrain.terrain,
+        places,
+    };
+    progress(IngestProgress { stage: IngestStage::Store, done: 0, total: 1 });
+    stored::write(store, &mut scene, options.replace)?;
+    progress(IngestProgress { stage: IngestStage::Store, done: 1, total: 1 });
+    Ok(scene.metadata)
+}

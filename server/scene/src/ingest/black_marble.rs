@@ -1,0 +1,183 @@
+//! NASA Black Marble granules (HDF5): which subdataset, its scale, and the tile's place on Earth.
+
+use super::open::{RadianceSource, finish, gdal_reason, open_name};
+use super::options::IngestOptions;
+use crate::error::SceneError;
+use gdal::spatial_ref::SpatialRef;
+use gdal::{Dataset, Metadata};
+
+/// Subdatasets taken when none is named, in this order: daily gap-filled, monthly and yearly composites.
+const RADIANCE_NAMES: [&str; 2] = ["Gap_Filled_DNB_BRDF-Corrected_NTL", "NearNadir_Composite_Snow_Free"];
+/// Scale and fill value of those in the products' documents, for granules without the attributes.
+const DEFAULT_SCALE: f64 = 0.1;
+const DEFAULT_FILL: f64 = 65_535.0;
+/// A tile spans this many degrees.
+const TILE_DEG: f64 = 10.0;
+
+/// Opens the radiance subdataset of a granule.
+pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<RadianceSource, SceneError> {
+    let path = &options.radiance;
+    let refuse = |reason: String| SceneError::Refused { path: path.clone(), reason };
+    let listed = subdatasets(&container);
+    let name = choose(&listed, options.band.as_deref()).map_err(refuse)?;
+    let (dataset, short_name) = match name {
+        Some(full) => {
+            let short = short_name(&full).to_owned();
+            let opened = open_name(&full, &["HDF5Image"]).map_err(|reason| SceneError::Unreadable {
+                path: path.clone(),
+                reason: format!("its dataset {short} does not open: {reason}"),
+            })?;
+            (opened, short)
+        }
+        // A file with one raster opens as that raster.
+        None => {
+            let band_name = container
+                .rasterband(1)
+                .ok()
+                .and_then(|band| attribute_owner(&band.metadata_domain("").unwrap_or_default()))
+                .unwrap_or_else(|| "band 1".to_owned());
+            (container, band_name)
+        }
+    };
+    let band = dataset.rasterband(1).map_err(|e| refuse(gdal_reason(e)))?;
+    let known = RADIANCE_NAMES.contains(&short_name.as_str());
+    let attributes = band.metadata_domain("").unwrap_or_default();
+    let attribute = |suffix: &str| number(&attributes, &short_name, suffix);
+    let is_integer = !band.band_type().is_floating();
+    let scale = attribute("_scale_factor")
+        .or(band.scale().filter(|s| *s != 1.0))
+        .unwrap_or(if known && is_integer { DEFAULT_SCALE } else { 1.0 });
+    let offset = attribute("_add_offset").or(attribute("_offset")).or(band.offset()).unwrap_or(0.0);
+    let no_data =
+        attribute("__FillValue").or(band.no_data_value()).or((known && is_integer).then_some(DEFAULT_FILL));
+    let (width, height) = dataset.raster_size();
+    let place = tile(&dataset, options)
+        .map(|(h, v)| {
+            let step = (TILE_DEG / width as f64, TILE_DEG / height as f64);
+            [TILE_DEG * h - 180.0, step.0, 0.0, 90.0 - TILE_DEG * v, 0.0, -step.1]
+        })
+        .map(|transform| SpatialRef::from_epsg(4326).map(|crs| (transform, crs)))
+        .or_else(|| {
+            let transform = dataset.geo_transform().ok()?;
+            dataset.spatial_ref().ok().map(|crs| Ok((transform, crs)))
+        });
+    let Some(place) = place else {
+        return Err(refuse(
+            "its place on Earth is unknown: neither the file's name nor its attributes have a tile hXXvYY"
+                .to_owned(),
+        ));
+    };
+    let (geotransform, crs) = place.map_err(|e| refuse(gdal_reason(e)))?;
+    drop(band);
+    finish(dataset, options, 1, short_name, (scale, offset, no_data), geotransform, crs)
+}
+
+/// The names that GDAL opens the subdatasets by.
+fn subdatasets(container: &Dataset) -> Vec<String> {
+    let items = container.metadata_domain("SUBDATASETS").unwrap_or_default();
+    let names = items.iter().filter_map(|item| item.split_once('='));
+    names.filter(|(key, _)| key.ends_with("_NAME")).map(|(_, name)| name.to_owned()).collect()
+}
+
+fn short_name(full: &str) -> &str {
+    full.rsplit(['/', ':']).next().unwrap_or(full)
+}
+
+fn choose(listed: &[String], wanted: Option<&str>) -> Result<Option<String>, String> {
+    let find = |name: &str| listed.iter().find(|full| short_name(full) == name).cloned();
+    if listed.is_empty() {
+        return match wanted {
+            None | Some("1") => Ok(None),
+            Some(name) if RADIANCE_NAMES.contains(&name) => Ok(None),
+            Some(name) => Err(format!("there is no dataset \"{name}\" in it")),
+        };
+    }
+    let all = || listed.iter().map(|full| short_name(full)).collect::<Vec<_>>().join(", ");
+    match wanted {
+        Some(name) => find(name)
+            .map(Some)
+            .ok_or_else(|| format!("there is no dataset \"{name}\" in it; it has {}", all())),
+        None => RADIANCE_NAMES.iter().find_map(|name| find(name)).map(Some).ok_or_else(|| {
+            format!(
+                "it holds neither {} nor {}; choose with --band: {}",
+                RADIANCE_NAMES[0],
+                RADIANCE_NAMES[1],
+                all()
+            )
+        }),
+    }
+}
+
+/// The dataset that attributes such as `…_Data_Fields_NAME_scale_factor` speak of, among the known names.
+fn attribute_owner(attributes: &[String]) -> Option<String> {
+    let known = |name: &&&str| attributes.iter().any(|item| item.contains(**name));
+    RADIANCE_NAMES.iter().find(known).map(|name| (*name).to_owned())
+}
+
+/// The number of attribute `<groups>_<dataset><suffix>`; GDAL joins the path with underscores.
+fn number(attributes: &[String], dataset: &str, suffix: &str) -> Option<f64> {
+    let ending = format!("{dataset}{suffix}");
+    attributes
+        .iter()
+        .filter_map(|item| item.split_once('='))
+        .find_map(|(key, value)| key.ends_with(&ending).then(|| value.trim().parse().ok()).flatten())
+}
+
+/// Column and row of the tile: from the file's name, else from the granule's attributes.
+fn tile(dataset: &Dataset, options: &IngestOptions) -> Option<(f64, f64)> {
+    let file_name = options.radiance.file_name().map(|name| name.to_string_lossy().into_owned());
+    let item = |key: &str| {
+        dataset.metadata_item(key, "").or_else(|| {
+            // Groups come before the key, joined by underscores.
+            let items = dataset.metadata_domain("").unwrap_or_default();
+            let ending = format!("_{key}");
+            items
+                .iter()
+                .filter_map(|item| item.split_once('='))
+                .find(|(name, _)| name.ends_with(&ending))
+                .map(|(_, value)| value.to_owned())
+        })
+    };
+    let from_numbers = || {
+        let parse = |key: &str| item(key)?.trim().parse::<u32>().ok();
+        Some((parse("HorizontalTileNumber")?, parse("VerticalTileNumber")?))
+    };
+    let (h, v) = file_name
+        .and_then(|name| tile_in(&name))
+        .or_else(from_numbers)
+        .or_else(|| tile_in(&item("LocalGranuleID")?))?;
+    (h < 36 && v < 18).then_some((f64::from(h), f64::from(v)))
+}
+
+/// `hXXvYY` anywhere in a text.
+fn tile_in(text: &str) -> Option<(u32, u32)> {
+    text.as_bytes().windows(6).find_map(|w| {
+        let digit = |byte: u8| byte.is_ascii_digit().then(|| u32::from(byte - b'0'));
+        if w[0] != b'h' || w[3] != b'v' {
+            return None;
+        }
+        Some((digit(w[1])? * 10 + digit(w[2])?, digit(w[4])? * 10 + digit(w[5])?))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_is_found_in_a_granule_name() {
+        assert_eq!(tile_in("VNP46A2.A2023001.h21v09.001.2023010.h5"), Some((21, 9)));
+        assert_eq!(tile_in("h2v09 hello"), None);
+    }
+
+    #[test]
+    fn the_radiance_subdataset_is_chosen_by_name() {
+        let listed: Vec<String> = ["Mandatory_Quality_Flag", "NearNadir_Composite_Snow_Free"]
+            .map(|n| format!("HDF5:\"/x/a.h5\"://HDFEOS/GRIDS/G/Data_Fields/{n}"))
+            .into();
+        assert!(choose(&listed, None).unwrap().unwrap().ends_with("/NearNadir_Composite_Snow_Free"));
+        assert!(choose(&listed, Some("Mandatory_Quality_Flag")).unwrap().unwrap().ends_with("Flag"));
+        let message = choose(&listed[..1], None).unwrap_err();
+        assert!(message.contains("--band: Mandatory_Quality_Flag"), "{message}");
+    }
+}

@@ -1,0 +1,127 @@
+//! What an ingest is told.
+
+use crate::error::SceneError;
+use crate::scene_id::SceneId;
+use std::path::PathBuf;
+
+/// The unit of the raster's radiances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RadianceUnit {
+    /// nW cm⁻² sr⁻¹, as the VIIRS products have it.
+    NanowattPerSquareCentimetreSteradian,
+    /// W m⁻² sr⁻¹.
+    WattPerSquareMetreSteradian,
+}
+
+impl RadianceUnit {
+    /// From the command line's spelling, `nw-cm2-sr` or `w-m2-sr`.
+    ///
+    /// # Errors
+    /// [`SceneError::InvalidOption`].
+    pub fn parse(text: &str) -> Result<Self, SceneError> {
+        match text {
+            "nw-cm2-sr" => Ok(Self::NanowattPerSquareCentimetreSteradian),
+            "w-m2-sr" => Ok(Self::WattPerSquareMetreSteradian),
+            _ => Err(SceneError::InvalidOption {
+                option: "--units",
+                reason: format!("\"{text}\" is no unit; nw-cm2-sr and w-m2-sr are known"),
+            }),
+        }
+    }
+
+    /// nW cm⁻² sr⁻¹ in one of the unit.
+    pub fn nw_cm2_sr(self) -> f64 {
+        match self {
+            Self::NanowattPerSquareCentimetreSteradian => 1.0,
+            Self::WattPerSquareMetreSteradian => 1e5,
+        }
+    }
+}
+
+/// The options of `skyglow ingest`.
+#[derive(Clone, Debug)]
+pub struct IngestOptions {
+    /// The radiance raster: GeoTIFF, COG or HDF5.
+    pub radiance: PathBuf,
+    /// Terrain rasters: GeoTIFF or SRTM `.hgt`; the first that has a value counts.
+    pub terrain: Vec<PathBuf>,
+    /// The scene's id; by default the file's name made one.
+    pub id: Option<SceneId>,
+    /// Title for people; by default the id.
+    pub title: Option<String>,
+    /// When the radiances were taken.
+    pub date: Option<String>,
+    /// Whom to credit.
+    pub attribution: Option<String>,
+    /// GeoJSON or CSV of named places.
+    pub places: Option<PathBuf>,
+    /// Subdataset or band: its name, or the band's number from 1.
+    pub band: Option<String>,
+    /// Factor on the stored numbers, instead of the file's own scale (its offset is then not used).
+    pub scale: Option<f64>,
+    /// Unit after scaling; by default nW cm⁻² sr⁻¹.
+    pub units: Option<RadianceUnit>,
+    /// Factor on the radiances wherever flux is made of them; 1 by default.
+    pub calibration: f64,
+    /// Overwrite a scene of the same id.
+    pub replace: bool,
+}
+
+impl IngestOptions {
+    /// The defaults for a raster.
+    pub fn new(radiance: impl Into<PathBuf>) -> Self {
+        Self {
+            radiance: radiance.into(),
+            terrain: Vec::new(),
+            id: None,
+            title: None,
+            date: None,
+            attribution: None,
+            places: None,
+            band: None,
+            scale: None,
+            units: None,
+            calibration: 1.0,
+            replace: false,
+        }
+    }
+
+    /// Checks the numbers.
+    pub(super) fn check(&self) -> Result<(), SceneError> {
+        let positive = |option, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                return Ok(());
+            }
+            let reason = format!("{value} is not allowed; it must be a number above 0");
+            Err(SceneError::InvalidOption { option, reason })
+        };
+        positive("--calibration", self.calibration)?;
+        positive("--scale", self.scale.unwrap_or(1.0))
+    }
+}
+
+/// What an ingest is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IngestStage {
+    /// Making the demo's rasters.
+    Generate,
+    /// Reading the radiance raster, in rows.
+    Radiance,
+    /// Reading terrain, in rows of all files.
+    Terrain,
+    /// Finding the altitude of each lit pixel.
+    Altitude,
+    /// Writing the scene.
+    Store,
+}
+
+/// How far a stage is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IngestProgress {
+    /// The stage.
+    pub stage: IngestStage,
+    /// Steps done.
+    pub done: u64,
+    /// Steps in all.
+    pub total: u64,
+}

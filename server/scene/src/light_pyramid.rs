@@ -1,0 +1,149 @@
+//! Blocks of 2^k × 2^k lit pixels, level on level, each with the flux of its pixels, where that flux is
+//! centred and how high it lies. Made from the lit pixels when a scene is opened.
+
+use crate::grid::Grid;
+use crate::lit_pixels::LitPixels;
+use crate::morton;
+use glam::DVec3;
+use skyglow_physics::EARTH_RADIUS_M;
+
+/// A block that holds at least one lit pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block {
+    /// Flux-weighted mean of the pixel centres, as a unit vector.
+    pub(crate) direction: DVec3,
+    /// Flux of all pixels, DNB watts, calibration included.
+    pub(crate) flux_dnb_w: f64,
+    /// Flux-weighted mean altitude, metres.
+    pub(crate) altitude_m: f64,
+    /// No pixel centre of the block lies farther than this from `direction`, metres along the chord.
+    pub(crate) radius_m: f64,
+    /// Sum of the pixels' radiances, nW cm⁻² sr⁻¹.
+    pub(crate) radiance_sum_nw_cm2_sr: f64,
+    /// Index of the first child in the level below (pixels below level 1); the next block's is the end.
+    pub(crate) first_child: u32,
+}
+
+/// The blocks of one level, ascending by Morton code.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Level {
+    /// Pixels' code shifted right by 2·level.
+    pub(crate) codes: Vec<u64>,
+    /// The blocks, in parallel with the codes.
+    pub(crate) blocks: Vec<Block>,
+    /// Number of blocks (pixels) in the level below.
+    child_count: u32,
+}
+
+impl Level {
+    /// The children of block `index`, as a range in the level below.
+    pub(crate) fn children(&self, index: usize) -> std::ops::Range<usize> {
+        let end = self.blocks.get(index + 1).map_or(self.child_count, |next| next.first_child);
+        self.blocks[index].first_child as usize..end as usize
+    }
+
+    /// The block at block coordinates, if it is lit.
+    pub(crate) fn block_at(&self, column: u32, row: u32) -> Option<&Block> {
+        let index = self.codes.binary_search(&morton::encode(column, row)).ok()?;
+        Some(&self.blocks[index])
+    }
+}
+
+/// Levels 1, 2 … up to the one with a single block.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LightPyramid {
+    levels: Vec<Level>,
+}
+
+/// A child while its block is summed.
+struct Child {
+    direction: DVec3,
+    flux_dnb_w: f64,
+    altitude_m: f64,
+    radius_m: f64,
+    radiance_sum_nw_cm2_sr: f64,
+}
+
+impl LightPyramid {
+    /// Sums up `pixels`.
+    pub(crate) fn build(grid: &Grid, pixels: &LitPixels, calibration: f64) -> Self {
+        let pixel = |index: usize| {
+            let (column, row) = morton::decode(pixels.codes[index]);
+            Child {
+                direction: grid.center(column, row),
+                flux_dnb_w: pixels.flux_dnb_w(grid, calibration, index),
+                altitude_m: f64::from(pixels.altitude_m[index]),
+                radius_m: 0.0,
+                radiance_sum_nw_cm2_sr: f64::from(pixels.radiance_nw_cm2_sr[index]),
+            }
+        };
+        let mut levels: Vec<Level> = Vec::new();
+        if pixels.len() > 0 {
+            levels.push(group(&pixels.codes, pixel));
+        }
+        while let Some(below) = levels.last().filter(|level| level.blocks.len() > 1) {
+            let block = |index: usize| {
+                let b = &below.blocks[index];
+                Child {
+                    direction: b.direction,
+                    flux_dnb_w: b.flux_dnb_w,
+                    altitude_m: b.altitude_m,
+                    radius_m: b.radius_m,
+                    radiance_sum_nw_cm2_sr: b.radiance_sum_nw_cm2_sr,
+                }
+            };
+            let above = group(&below.codes, block);
+            levels.push(above);
+        }
+        Self { levels }
+    }
+
+    /// The number of the highest level; 0 without light.
+    pub(crate) fn top(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Level `number`, 1..=top.
+    pub(crate) fn level(&self, number: usize) -> &Level {
+        &self.levels[number - 1]
+    }
+}
+
+/// Groups the children by code >> 2.
+fn group(child_codes: &[u64], child: impl Fn(usize) -> Child) -> Level {
+    let mut level = Level { child_count: child_codes.len() as u32, ..Level::default() };
+    let mut start = 0;
+    while start < child_codes.len() {
+        let code = child_codes[start] >> 2;
+        let mut end = start + 1;
+        while end < child_codes.len() && child_codes[end] >> 2 == code {
+            end += 1;
+        }
+        level.codes.push(code);
+        level.blocks.push(sum_up(start, (start..end).map(&child)));
+        start = end;
+    }
+    level
+}
+
+fn sum_up(first_child: usize, children: impl Iterator<Item = Child> + Clone) -> Block {
+    let (mut weighted, mut flux_dnb_w, mut flux_altitude, mut radiance) = (DVec3::ZERO, 0.0, 0.0, 0.0);
+    for child in children.clone() {
+        weighted += child.direction * child.flux_dnb_w;
+        flux_dnb_w += child.flux_dnb_w;
+        flux_altitude += child.altitude_m * child.flux_dnb_w;
+        radiance += child.radiance_sum_nw_cm2_sr;
+    }
+    let direction = weighted.normalize();
+    let radius_m = children
+        .map(|child| EARTH_RADIUS_M * child.direction.distance(direction) + child.radius_m)
+        .fold(0.0, f64::max);
+    Block {
+        direction,
+        flux_dnb_w,
+        altitude_m: flux_altitude / flux_dnb_w,
+        radius_m,
+        radiance_sum_nw_cm2_sr: radiance,
+        first_child: first_child as u32,
+    }
+}

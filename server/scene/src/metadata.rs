@@ -1,0 +1,143 @@
+//! What is said about a scene: `metadata.json`, and the answer of the scenes resource.
+
+use crate::scene_id::SceneId;
+use serde::{Deserialize, Serialize};
+
+/// A stored scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneMetadata {
+    /// Its name in URLs and on the command line.
+    pub id: SceneId,
+    /// Its name for people.
+    pub title: String,
+    /// West, south, east, north, degrees; west > east across the antimeridian.
+    pub bounds: [f64; 4],
+    /// The raster's own grid; exports come back on it.
+    pub grid: GridMetadata,
+    /// Short name of the CRS, such as `WGS 84`.
+    pub crs: String,
+    /// Factor on the raster's radiances, applied to every flux.
+    pub calibration: f64,
+    /// What the ingest saw.
+    pub report: IngestReport,
+    /// Side of a square with the area of the middle pixel, metres.
+    pub pixel_size_m: f64,
+    /// Pixels with light.
+    pub lit_pixels: u64,
+    /// When the radiances were taken, as given.
+    pub date: Option<String>,
+    /// Whom to credit, as given.
+    pub attribution: Option<String>,
+    /// True for made-up light that only shows what the program does.
+    pub illustrative: bool,
+    /// Whether the scene has terrain.
+    pub terrain: bool,
+    /// Number of places with names.
+    pub places_count: u64,
+    /// Hash over all that the scene holds; changes when anything does.
+    pub version: String,
+}
+
+/// The raster's own grid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GridMetadata {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// GDAL's six coefficients: x = g0 + column·g1 + row·g2, y = g3 + column·g4 + row·g5.
+    pub geotransform: [f64; 6],
+    /// The CRS as WKT.
+    pub crs_wkt: String,
+}
+
+/// What an ingest saw in the radiance raster.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IngestReport {
+    /// Pixels in the raster.
+    pub pixels: u64,
+    /// Pixels with light.
+    pub lit: PixelCount,
+    /// Pixels that are exactly zero.
+    pub zero: PixelCount,
+    /// Pixels below zero: no light.
+    pub negative: PixelCount,
+    /// Pixels that are NaN or infinite though the raster's no-data value is another: no light, no data.
+    pub nan: PixelCount,
+    /// Pixels at the raster's no-data value or masked.
+    pub no_data: PixelCount,
+    /// Pixels at exactly the largest value, where those are suspiciously many.
+    pub capped: PixelCount,
+    /// Lit pixels that have no place on Earth in the raster's CRS: left out.
+    pub outside_world: PixelCount,
+    /// Smallest measured value, nW cm⁻² sr⁻¹.
+    pub minimum_nw_cm2_sr: f64,
+    /// Largest measured value, nW cm⁻² sr⁻¹.
+    pub maximum_nw_cm2_sr: f64,
+    /// Mean over the lit pixels, nW cm⁻² sr⁻¹.
+    pub lit_mean_nw_cm2_sr: f64,
+    /// Upward flux of all lit pixels, DNB watts, calibration included.
+    pub flux_dnb_w: f64,
+    /// The part of the file that was read: subdataset or band.
+    pub band: String,
+    /// Factor from stored numbers to nW cm⁻² sr⁻¹.
+    pub scale: f64,
+    /// Added after the factor, nW cm⁻² sr⁻¹.
+    pub offset_nw_cm2_sr: f64,
+    /// Terrain under the lit pixels; none without terrain files.
+    pub terrain: Option<TerrainReport>,
+    /// What looks wrong without being a reason to refuse, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// A number of pixels, and where the first few of them are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PixelCount {
+    /// How many.
+    pub count: u64,
+    /// Centres of a few of them, spread over the raster.
+    pub examples: Vec<ExamplePlace>,
+}
+
+/// Centre of a pixel named as an example.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExamplePlace {
+    /// Degrees north.
+    pub latitude_deg: f64,
+    /// Degrees east.
+    pub longitude_deg: f64,
+}
+
+/// Terrain at the lit pixels.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TerrainReport {
+    /// Terrain files read.
+    pub files: u64,
+    /// Lit pixels with terrain at their centre.
+    pub covered: u64,
+    /// Lit pixels that took the nearest valid elevation within 5 km.
+    pub nearest: PixelCount,
+    /// Lit pixels without terrain within 5 km: taken at sea level.
+    pub missing: PixelCount,
+    /// Lit pixels below sea level: taken at sea level.
+    pub below_sea_level: u64,
+    /// Void samples in the terrain files.
+    pub void_samples: u64,
+    /// Lowest elevation in the terrain files, metres.
+    pub minimum_m: f64,
+    /// Highest elevation in the terrain files, metres.
+    pub maximum_m: f64,
+}
+
+/// A named place, for labels and search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Its name.
+    pub name: String,
+    /// Degrees north.
+    pub latitude_deg: f64,
+    /// Degrees east, −180..180.
+    pub longitude_deg: f64,
+    /// Inhabitants, where given.
+    pub population: Option<u64>,
+}

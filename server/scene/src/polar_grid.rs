@@ -1,0 +1,149 @@
+//! The light around an observer by azimuth and distance: what the engine turns into a sky.
+
+use skyglow_physics::GeoPoint;
+use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
+
+/// Azimuth columns; column i is centred on i·360/256 degrees.
+pub const AZIMUTH_COLUMN_COUNT: usize = 256;
+/// Distance rings, evenly spaced in the logarithm from 250 m to 300 km.
+pub const RING_COUNT: usize = 192;
+
+/// Distance of a ring, metres: 250·1200^(ring/191).
+pub fn ring_distance_m(ring: usize) -> f64 {
+    let fraction = ring as f64 / (RING_COUNT - 1) as f64;
+    NEAREST_SOURCE_M * (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).powf(fraction)
+}
+
+/// Light by azimuth and distance around an observer; only lit cells are kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolarGrid {
+    /// The place that it was made for.
+    pub observer: GeoPoint,
+    /// Cells of column i are `cells[azimuth_start[i]..azimuth_start[i + 1]]`; 257 offsets.
+    pub azimuth_start: Vec<u32>,
+    /// Lit cells, by column, then by ring.
+    pub cells: Vec<PolarCell>,
+    /// Flux of all cells, DNB watts, calibration included.
+    pub flux_dnb_w: f64,
+    /// Part of the 300 km disc around the observer for which there is data, 0..=1.
+    pub coverage: f64,
+}
+
+/// One lit cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct PolarCell {
+    /// Ring index, 0..192; its distance is [`ring_distance_m`].
+    pub ring: u32,
+    /// Upward flux, DNB watts.
+    pub flux_dnb_w: f32,
+    /// Flux-weighted mean altitude of the sources, metres above the sphere.
+    pub altitude_m: f32,
+}
+
+/// A dense polar grid being filled.
+pub(crate) struct PolarAccumulator {
+    /// (flux, flux × altitude) at [column × RING_COUNT + ring].
+    cells: Vec<(f64, f64)>,
+    flux_dnb_w: f64,
+    columns_per_rad: f64,
+    rings_per_log: f64,
+}
+
+impl PolarAccumulator {
+    pub(crate) fn new() -> Self {
+        Self {
+            cells: vec![(0.0, 0.0); AZIMUTH_COLUMN_COUNT * RING_COUNT],
+            flux_dnb_w: 0.0,
+            columns_per_rad: AZIMUTH_COLUMN_COUNT as f64 / std::f64::consts::TAU,
+            rings_per_log: (RING_COUNT - 1) as f64 / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln(),
+        }
+    }
+
+    /// Spreads a point of light over the two nearest columns and the two nearest rings, linearly in azimuth
+    /// and in ln(distance), so that flux and mean position stay.
+    ///
+    /// * `azimuth_rad` 0..=2π, `distance_m` within 250 m and 300 km (clamped).
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positions are in range")]
+    pub(crate) fn add(&mut self, azimuth_rad: f64, distance_m: f64, altitude_m: f64, flux_dnb_w: f64) {
+        let column = azimuth_rad * self.columns_per_rad;
+        let ring =
+            ((distance_m / NEAREST_SOURCE_M).ln() * self.rings_per_log).clamp(0.0, (RING_COUNT - 1) as f64);
+        let (first, inner) = (column.floor(), (ring as usize).min(RING_COUNT - 2));
+        let (along, out) = (column - first, ring - inner as f64);
+        let first = first as usize % AZIMUTH_COLUMN_COUNT;
+        let second = (first + 1) % AZIMUTH_COLUMN_COUNT;
+        for (column, weight) in [(first, 1.0 - along), (second, along)] {
+            let (near, far) = (flux_dnb_w * weight * (1.0 - out), flux_dnb_w * weight * out);
+            let at = column * RING_COUNT + inner;
+            self.cells[at].0 += near;
+            self.cells[at].1 += near * altitude_m;
+            self.cells[at + 1].0 += far;
+            self.cells[at + 1].1 += far * altitude_m;
+        }
+        self.flux_dnb_w += flux_dnb_w;
+    }
+
+    /// Keeps what is lit.
+    pub(crate) fn finish(self, observer: GeoPoint, coverage: f64) -> PolarGrid {
+        let mut azimuth_start = Vec::with_capacity(AZIMUTH_COLUMN_COUNT + 1);
+        let mut cells = Vec::new();
+        for column in self.cells.chunks_exact(RING_COUNT) {
+            azimuth_start.push(cells.len() as u32);
+            for (ring, &(flux_dnb_w, flux_altitude)) in column.iter().enumerate() {
+                if flux_dnb_w > 0.0 {
+                    cells.push(PolarCell {
+                        ring: ring as u32,
+                        flux_dnb_w: flux_dnb_w as f32,
+                        altitude_m: (flux_altitude / flux_dnb_w) as f32,
+                    });
+                }
+            }
+        }
+        azimuth_start.push(cells.len() as u32);
+        PolarGrid { observer, azimuth_start, cells, flux_dnb_w: self.flux_dnb_w, coverage }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn rings_run_from_250_m_to_300_km_by_3_8_percent() {
+        assert!((ring_distance_m(0) - 250.0).abs() < 1e-9);
+        assert!((ring_distance_m(RING_COUNT - 1) - 300_000.0).abs() < 1e-6);
+        let step = ring_distance_m(100) / ring_distance_m(99);
+        assert!((step - 1.0378).abs() < 1e-4, "{step}");
+    }
+
+    proptest! {
+        #[test]
+        fn a_point_keeps_its_flux_azimuth_distance_and_altitude(
+            azimuth in 0.0f64..std::f64::consts::TAU, log in 0.0f64..1.0, altitude in 0.0f64..5_000.0,
+        ) {
+            let distance_m = 250.0 * 1200f64.powf(log);
+            let mut accumulator = PolarAccumulator::new();
+            accumulator.add(azimuth, distance_m, altitude, 3.0);
+            let grid = accumulator.finish(GeoPoint::from_rad_unchecked(0.0, 0.0), 1.0);
+            let (mut flux, mut east, mut north, mut ring) = (0.0, 0.0, 0.0, 0.0);
+            for column in 0..AZIMUTH_COLUMN_COUNT {
+                let (start, end) = (grid.azimuth_start[column], grid.azimuth_start[column + 1]);
+                for cell in &grid.cells[start as usize..end as usize] {
+                    let w = f64::from(cell.flux_dnb_w);
+                    let angle = column as f64 * std::f64::consts::TAU / AZIMUTH_COLUMN_COUNT as f64;
+                    flux += w;
+                    east += w * angle.sin();
+                    north += w * angle.cos();
+                    ring += w * f64::from(cell.ring);
+                    prop_assert!((f64::from(cell.altitude_m) - altitude).abs() < 1e-3 * (1.0 + altitude));
+                }
+            }
+            prop_assert!((flux - 3.0).abs() < 1e-6);
+            prop_assert!((ring / flux - 191.0 * log).abs() < 1e-4);
+            let turn = (east.atan2(north) - azimuth).sin();
+            prop_assert!(turn.abs() < 1e-5, "{turn}");
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! An opened scene: everything that is asked of the light and the terrain of a region.
+
+use crate::coverage;
+use crate::error::SceneError;
+use crate::gather::{FAR_BLOCK_RATIO, Light};
+use crate::grid::Grid;
+use crate::light_pyramid::LightPyramid;
+use crate::lit_pixels::LitPixels;
+use crate::map_tile::{self, RasterTile, TileLayer};
+use crate::mask::ValidMask;
+use crate::metadata::{Place, SceneMetadata};
+use crate::polar_grid::{PolarAccumulator, PolarGrid};
+use crate::terrain::Terrain;
+use skyglow_physics::geometry::LocalFrame;
+use skyglow_physics::{GeoPoint, SourcePixel};
+
+/// A scene in memory. It needs neither its files nor GDAL to answer; share it in an `Arc`.
+#[derive(Debug)]
+pub struct Scene {
+    pub(crate) metadata: SceneMetadata,
+    pub(crate) grid: Grid,
+    pub(crate) mask: ValidMask,
+    pub(crate) pixels: LitPixels,
+    pub(crate) pyramid: LightPyramid,
+    pub(crate) terrain: Terrain,
+    pub(crate) places: Vec<Place>,
+}
+
+impl Scene {
+    /// What is said about the scene.
+    pub fn metadata(&self) -> &SceneMetadata {
+        &self.metadata
+    }
+
+    /// Places with names, the most populous first.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// Whether a place lies on the raster (with data or without).
+    pub fn contains(&self, place: GeoPoint) -> bool {
+        self.grid.pixel_at(place).is_some()
+    }
+
+    /// Terrain elevation, metres, bilinear, at least 0; `None` where the scene has no terrain.
+    pub fn terrain_altitude_m(&self, place: GeoPoint) -> Option<f64> {
+        self.terrain.elevation_m(place).map(|elevation_m| elevation_m.max(0.0))
+    }
+
+    /// The raster's radiance at a place, nW cm⁻² sr⁻¹, without the calibration: 0 where it measured no
+    /// light (or less than none), `None` outside and without data.
+    pub fn radiance_nw_cm2_sr(&self, place: GeoPoint) -> Option<f64> {
+        let (column, row) = self.grid.pixel_at(place)?;
+        let radiance = self.pixels.radiance_at(column, row);
+        radiance.map(f64::from).or_else(|| self.mask.is_valid(column, row).then_some(0.0))
+    }
+
+    /// The light around a place by azimuth and distance: all lit pixels whose centre is within 300 km, far
+    /// ones by blocks (see [`FAR_BLOCK_RATIO`]). Works for places off the raster too.
+    pub fn polar_grid(&self, place: GeoPoint) -> PolarGrid {
+        self.polar_grid_with_ratio(place, FAR_BLOCK_RATIO)
+    }
+
+    /// [`Self::polar_grid`] with another limit for blocks; 0 takes every pixel by itself.
+    pub fn polar_grid_with_ratio(&self, place: GeoPoint, far_block_ratio: f64) -> PolarGrid {
+        let mut accumulator = PolarAccumulator::new();
+        self.light().gather(&LocalFrame::at(place), far_block_ratio, &mut accumulator);
+        accumulator.finish(place, self.coverage(place))
+    }
+
+    /// The part of the 300 km disc around a place for which the raster has data, 0..=1, to about 0.005.
+    /// Dark ground counts as covered; no-data and what is beyond the raster do not.
+    pub fn coverage(&self, place: GeoPoint) -> f64 {
+        coverage::covered_fraction(&self.grid, &self.mask, place)
+    }
+
+    /// Every lit pixel whose centre is within `radius_m` of a place, exactly as the raster has it.
+    pub fn source_pixels_within(&self, place: GeoPoint, radius_m: f64) -> Vec<SourcePixel> {
+        self.light().pixels_within(&LocalFrame::at(place), radius_m)
+    }
+
+    /// A Web-Mercator tile of numbers, `size_px` × `size_px` (1..=1024), row 0 in the north.
+    ///
+    /// # Errors
+    /// [`SceneError::InvalidTile`] beyond zoom 24, off the world or of another size.
+    pub fn tile(
+        &self,
+        layer: TileLayer,
+        z: u8,
+        x: u32,
+        y: u32,
+        size_px: u32,
+    ) -> Result<RasterTile, SceneError> {
+        map_tile::sample(self, layer, z, x, y, size_px)
+    }
+
+    fn light(&self) -> Light<'_> {
+        Light {
+            grid: &self.grid,
+            pixels: &self.pixels,
+            pyramid: &self.pyramid,
+            calibration: self.metadata.calibration,
+        }
+    }
+}

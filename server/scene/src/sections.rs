@@ -1,0 +1,172 @@
+//! The binary files of a scene: named arrays behind one header. Numbers are little endian.
+//!
+//! `SKYGLOW\x01`, u32 number of sections, then for each: name (16 bytes, zero padded), u64 bytes when
+//! unpacked, u64 bytes stored; then the sections one after the other, packed with zstd where that is
+//! shorter. Whether the bytes are the ones written is the business of the checksums in `metadata.json`.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+const MAGIC: &[u8; 8] = b"SKYGLOW\x01";
+const NAME_LENGTH: usize = 16;
+const ENTRY_LENGTH: usize = NAME_LENGTH + 16;
+/// Fast, and deterministic for one version of zstd.
+const LEVEL: i32 = 3;
+/// No section unpacks to more than this.
+const LARGEST: u64 = 1 << 36;
+
+/// What is wrong with the bytes of a file.
+pub(crate) type Flaw = String;
+
+/// Packs sections into the bytes of a file.
+pub(crate) fn pack(sections: &[(String, Cow<'_, [u8]>)]) -> Result<Vec<u8>, std::io::Error> {
+    let mut header = Vec::from(MAGIC);
+    header.extend((sections.len() as u32).to_le_bytes());
+    let mut body = Vec::new();
+    for (name, raw) in sections {
+        let mut padded = [0u8; NAME_LENGTH];
+        padded[..name.len()].copy_from_slice(name.as_bytes());
+        header.extend(padded);
+        header.extend((raw.len() as u64).to_le_bytes());
+        let packed = zstd::bulk::compress(raw, LEVEL)?;
+        let stored = if packed.len() < raw.len() { &packed[..] } else { raw };
+        header.extend((stored.len() as u64).to_le_bytes());
+        body.extend_from_slice(stored);
+    }
+    header.extend(body);
+    Ok(header)
+}
+
+/// The sections of a file, still packed.
+#[derive(Debug)]
+pub(crate) struct Sections<'a> {
+    entries: BTreeMap<String, (usize, &'a [u8])>,
+}
+
+fn number<const N: usize>(bytes: &[u8], at: usize) -> Result<[u8; N], Flaw> {
+    let end = "ends within its header";
+    bytes.get(at..at + N).and_then(|part| part.try_into().ok()).ok_or_else(|| end.to_owned())
+}
+
+impl<'a> Sections<'a> {
+    /// Reads the header.
+    pub(crate) fn parse(bytes: &'a [u8]) -> Result<Self, Flaw> {
+        if number::<8>(bytes, 0)? != *MAGIC {
+            return Err("is not of this program's format".to_owned());
+        }
+        let count = u32::from_le_bytes(number(bytes, 8)?) as usize;
+        let mut start = count
+            .checked_mul(ENTRY_LENGTH)
+            .and_then(|n| n.checked_add(12))
+            .filter(|n| *n <= bytes.len())
+            .ok_or("ends within its header")?;
+        let mut entries = BTreeMap::new();
+        for index in 0..count {
+            let at = 12 + index * ENTRY_LENGTH;
+            let name =
+                String::from_utf8_lossy(&number::<NAME_LENGTH>(bytes, at)?).trim_end_matches('\0').to_owned();
+            let raw = u64::from_le_bytes(number(bytes, at + NAME_LENGTH)?);
+            let stored = u64::from_le_bytes(number(bytes, at + NAME_LENGTH + 8)?) as usize;
+            let part = start.checked_add(stored).and_then(|end| bytes.get(start..end));
+            let part =
+                part.filter(|_| raw <= LARGEST).ok_or_else(|| format!("ends within its part \"{name}\""))?;
+            entries.insert(name, (raw as usize, part));
+            start += stored;
+        }
+        Ok(Self { entries })
+    }
+
+    /// The bytes of a section.
+    pub(crate) fn bytes(&self, name: &str) -> Result<Cow<'a, [u8]>, Flaw> {
+        let &(raw, stored) = self.entries.get(name).ok_or_else(|| format!("has no part \"{name}\""))?;
+        if raw == stored.len() {
+            return Ok(Cow::Borrowed(stored));
+        }
+        match zstd::bulk::decompress(stored, raw) {
+            Ok(bytes) if bytes.len() == raw => Ok(Cow::Owned(bytes)),
+            _ => Err(format!("does not unpack in its part \"{name}\"")),
+        }
+    }
+
+    /// A section as numbers.
+    pub(crate) fn numbers<T: bytemuck::AnyBitPattern + bytemuck::NoUninit>(
+        &self,
+        name: &str,
+    ) -> Result<Vec<T>, Flaw> {
+        let bytes = self.bytes(name)?;
+        if bytes.len() % size_of::<T>() != 0 {
+            return Err(format!("holds a broken number in its part \"{name}\""));
+        }
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+}
+
+/// Ascending codes as differences in 7-bit groups, low first; the high bit says that more follow.
+pub(crate) fn pack_ascending(codes: &[u64]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(codes.len() * 2);
+    let mut previous = 0u64;
+    for &code in codes {
+        let mut difference = code - previous;
+        previous = code;
+        while difference >= 0x80 {
+            bytes.push((difference & 0x7f) as u8 | 0x80);
+            difference >>= 7;
+        }
+        bytes.push(difference as u8);
+    }
+    bytes
+}
+
+/// Undoes [`pack_ascending`].
+pub(crate) fn unpack_ascending(bytes: &[u8]) -> Result<Vec<u64>, Flaw> {
+    let mut codes = Vec::with_capacity(bytes.len());
+    let (mut code, mut difference, mut shift) = (0u64, 0u64, 0u32);
+    for &byte in bytes {
+        if shift > 63 {
+            return Err("holds a broken code".to_owned());
+        }
+        difference |= u64::from(byte & 0x7f) << shift;
+        shift += 7;
+        if byte < 0x80 {
+            code = code.checked_add(difference).ok_or("holds a broken code")?;
+            codes.push(code);
+            (difference, shift) = (0, 0);
+        }
+    }
+    if shift != 0 {
+        return Err("ends within a code".to_owned());
+    }
+    Ok(codes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn packed_codes_come_back(mut codes in proptest::collection::vec(0u64..1 << 40, 0..200)) {
+            codes.sort_unstable();
+            prop_assert_eq!(unpack_ascending(&pack_ascending(&codes)).unwrap(), codes);
+        }
+
+        #[test]
+        fn cut_or_changed_files_are_refused_or_read_without_panic(
+            data in proptest::collection::vec(any::<u8>(), 0..300), cut in 0usize..400, flip in 0usize..400,
+        ) {
+            let file = pack(&[("a".into(), Cow::Borrowed(&data[..])), ("b".into(), Cow::Borrowed(&[0u8; 200]))]).unwrap();
+            let whole = Sections::parse(&file).unwrap();
+            prop_assert_eq!(&*whole.bytes("a").unwrap(), &data[..]);
+            prop_assert_eq!(whole.numbers::<u32>("b").unwrap(), vec![0u32; 50]);
+            let short = &file[..cut.min(file.len() - 1)];
+            prop_assert!(Sections::parse(short).is_err());
+            let mut changed = file.clone();
+            let at = flip % changed.len();
+            changed[at] ^= 0x55;
+            if let Ok(sections) = Sections::parse(&changed) {
+                let _either = (sections.bytes("a"), sections.bytes("b"));
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Scenes on disk: `<data>/scenes/<id>/` with `metadata.json`, `light.bin`, and `terrain.bin` and
+//! `places.json` where there are any.
+//!
+//! `metadata.json` names each file with its length and BLAKE3 hash, and itself by `version`; all are checked
+//! when a scene is opened. A scene appears by one rename, so it is whole or not there.
+
+use crate::error::SceneError;
+use crate::grid_sections;
+use crate::light_pyramid::LightPyramid;
+use crate::lit_pixels::LitPixels;
+use crate::mask::ValidMask;
+use crate::metadata::{Place, SceneMetadata};
+use crate::scene::Scene;
+use crate::scene_id::SceneId;
+use crate::sections::{Flaw, Sections, unpack_ascending};
+use crate::stored::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, StoredScene, TERRAIN_FILE};
+use crate::terrain::Terrain;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// The folder of scenes.
+#[derive(Clone, Debug)]
+pub struct SceneStore {
+    scenes_dir: PathBuf,
+}
+
+impl SceneStore {
+    /// The scenes of a data folder; the folder need not exist.
+    pub fn new(data_dir: impl AsRef<Path>) -> Self {
+        Self { scenes_dir: data_dir.as_ref().join("scenes") }
+    }
+
+    /// The folder that holds one folder for each scene.
+    pub fn scenes_dir(&self) -> &Path {
+        &self.scenes_dir
+    }
+
+    pub(crate) fn scene_dir(&self, id: &SceneId) -> PathBuf {
+        self.scenes_dir.join(id.as_str())
+    }
+
+    /// Whether there is a scene of that id.
+    pub fn exists(&self, id: &SceneId) -> bool {
+        self.scene_dir(id).join(METADATA_FILE).is_file()
+    }
+
+    /// What is said about each scene, by id. Reads `metadata.json` alone.
+    ///
+    /// # Errors
+    /// [`SceneError::Io`], or [`SceneError::Damaged`] naming the scene.
+    pub fn list(&self) -> Result<Vec<SceneMetadata>, SceneError> {
+        let entries = match std::fs::read_dir(&self.scenes_dir) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) => return Err(SceneError::io(&self.scenes_dir)(error)),
+        };
+        let mut scenes = Vec::new();
+        for entry in entries {
+            let name = entry.map_err(SceneError::io(&self.scenes_dir))?.file_name();
+            // Folders of unfinished ingests start with a dot and are no ids.
+            let Some(id) = name.to_str().and_then(|name| SceneId::parse(name).ok()) else { continue };
+            if self.exists(&id) {
+                scenes.push(self.read_metadata(&id)?.metadata);
+            }
+        }
+        scenes.sort_by(|a, b| a.id.cmp(&b.id));
+        Ok(scenes)
+    }
+
+    fn read_metadata(&self, id: &SceneId) -> Result<StoredScene, SceneError> {
+        let path = self.scene_dir(id).join(METADATA_FILE);
+        let text = match std::fs::read(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                return Err(SceneError::UnknownScene { id: id.to_string() });
+            }
+            Err(error) => return Err(SceneError::io(path)(error)),
+        };
+        StoredScene::parse(&text, id).map_err(damaged(id, METADATA_FILE))
+    }
+
+    /// Opens a scene, every file of it checked against its hash.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownScene`]; [`SceneError::Damaged`] naming the file; [`SceneError::Io`].
+    pub fn open(&self, id: &SceneId) -> Result<Scene, SceneError> {
+        let stored = self.read_metadata(id)?;
+        let dir = self.scene_dir(id);
+        let read = |name: &str| -> Result<Option<Vec<u8>>, SceneError> {
+            let Some(file) = stored.files.iter().find(|file| file.name == name) else { return Ok(None) };
+            let bytes = match std::fs::read(dir.join(name)) {
+                Ok(bytes) => bytes,
+                Err(error) if error.kind() == ErrorKind::NotFound => {
+                    return Err(damaged(id, name)("is missing".to_owned()));
+                }
+                Err(error) => return Err(SceneError::io(dir.join(name))(error)),
+            };
+            file.check(&bytes).map_err(damaged(id, name))?;
+            Ok(Some(bytes))
+        };
+        let light = read(LIGHT_FILE)?.ok_or_else(|| damaged(id, LIGHT_FILE)("is not listed".to_owned()))?;
+        let mut scene = read_light(&light, stored.metadata.clone()).map_err(damaged(id, LIGHT_FILE))?;
+        if let Some(bytes) = read(TERRAIN_FILE)? {
+            let parsed = Sections::parse(&bytes).and_then(|sections| Terrain::from_sections(&sections));
+            scene.terrain = parsed.map_err(damaged(id, TERRAIN_FILE))?;
+        }
+        if let Some(bytes) = read(PLACES_FILE)? {
+            let parsed: Result<Vec<Place>, _> = serde_json::from_slice(&bytes);
+            scene.places =
+                parsed.map_err(|error| damaged(id, PLACES_FILE)(format!("is broken ({error})")))?;
+        }
+        Ok(scene)
+    }
+}
+
+fn damaged(id: &SceneId, file: &str) -> impl FnOnce(Flaw) -> SceneError {
+    let (scene, file) = (id.to_string(), file.to_owned());
+    move |reason| SceneError::Damaged { scene, file, reason }
+}
+
+fn read_light(bytes: &[u8], metadata: SceneMetadata) -> Result<Scene, Flaw> {
+    let sections = Sections::parse(bytes)?;
+    let grid = grid_sections::from_sections(&sections, "")?;
+    let pixels = LitPixels {
+        codes: unpack_ascending(&sections.bytes("codes")?)?,
+        radiance_nw_cm2_sr: sections.numbers("radiance")?,
+        altitude_m: sections.numbers("altitude")?,
+    };
+    if !pixels.is_consistent(&grid) {
+        return Err("holds pixels that contradict each other".to_owned());
+    }
+    let (row_start, runs) = (sections.numbers("row_start")?, sections.numbers("runs")?);
+    let mask = ValidMask::from_parts(grid.width, grid.height, row_start, runs)
+        .ok_or("holds a mask that contradicts itself")?;
+    let pyramid = LightPyramid::build(&grid, &pixels, metadata.calibration);
+    Ok(Scene { metadata, grid, mask, pixels, pyramid, terrain: Terrain::default(), places: Vec::new() })
+}

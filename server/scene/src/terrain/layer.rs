@@ -1,0 +1,242 @@
+//! One terrain raster: its grid, a pyramid of packed tiles, and a cache of unpacked ones.
+
+use super::tile::{self, SAMPLES, SIDE, TileEntry};
+use crate::grid::Grid;
+use crate::grid_sections;
+use crate::sections::{Flaw, Sections};
+use skyglow_physics::GeoPoint;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Unpacked tiles kept, 64 kB each.
+const CACHED_TILES: usize = 512;
+
+/// One raster of elevations.
+#[derive(Debug)]
+pub(crate) struct TerrainLayer {
+    grid: Grid,
+    sample_size_m: f64,
+    levels: Vec<LevelIndex>,
+    blob: Vec<u8>,
+    cache: Mutex<HashMap<(usize, usize), Arc<Vec<f32>>>>,
+}
+
+#[derive(Debug, Clone)]
+struct LevelIndex {
+    width: usize,
+    height: usize,
+    tiles: Vec<TileEntry>,
+}
+
+impl LevelIndex {
+    fn tile_columns(&self) -> usize {
+        self.width.div_ceil(SIDE)
+    }
+}
+
+impl TerrainLayer {
+    /// The raster's grid.
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Side of a sample in the middle of the raster, metres.
+    pub(crate) fn sample_size_m(&self) -> f64 {
+        self.sample_size_m
+    }
+
+    /// A sample of a level, metres; `None` for voids and outside.
+    pub(crate) fn sample_m(&self, level: usize, column: i64, row: i64) -> Option<f64> {
+        let index = &self.levels[level];
+        let (column, row) = (usize::try_from(column).ok()?, usize::try_from(row).ok()?);
+        if column >= index.width || row >= index.height {
+            return None;
+        }
+        let number = row / SIDE * index.tile_columns() + column / SIDE;
+        if index.tiles[number].length == 0 {
+            return None;
+        }
+        let value = self.tile(level, number)[row % SIDE * SIDE + column % SIDE];
+        value.is_finite().then_some(f64::from(value))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<(usize, usize), Arc<Vec<f32>>>> {
+        // The map is valid whatever a panicking holder was doing.
+        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn tile(&self, level: usize, number: usize) -> Arc<Vec<f32>> {
+        if let Some(samples) = self.lock().get(&(level, number)) {
+            return Arc::clone(samples);
+        }
+        // The file's checksum was verified, so a tile that does not unpack cannot be met.
+        let unpacked = tile::unpack(&self.levels[level].tiles[number], &self.blob);
+        let samples = Arc::new(unpacked.unwrap_or_else(|_| vec![f32::NAN; SAMPLES]));
+        let mut cache = self.lock();
+        if cache.len() >= CACHED_TILES {
+            cache.clear();
+        }
+        cache.insert((level, number), Arc::clone(&samples));
+        samples
+    }
+
+    /// Elevation at a place, metres, bilinear between the samples of a level (clamped to those there are).
+    /// Voids are left out of the mean while they have less than half of the weight.
+    pub(crate) fn bilinear_m(&self, level: usize, place: GeoPoint) -> Option<f64> {
+        let level = level.min(self.levels.len() - 1);
+        let (column, row) = self.grid.position_of(place)?;
+        let size = f64::from(1u32 << level);
+        let (x, y) = (column / size - 0.5, row / size - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (s, t) = (x - x0, y - y0);
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (dc, dr, weight) in
+            [(0, 0, (1.0 - s) * (1.0 - t)), (1, 0, s * (1.0 - t)), (0, 1, (1.0 - s) * t), (1, 1, s * t)]
+        {
+            if let Some(elevation_m) = self.sample_m(level, x0 as i64 + dc, y0 as i64 + dr) {
+                sum += weight * elevation_m;
+                total += weight;
+            } else if weight > 0.0 && self.is_outside(level, x0 as i64 + dc, y0 as i64 + dr) {
+                // Half a sample at the raster's edge belongs to the edge sample.
+                let (c, r) = self.clamped(level, x0 as i64 + dc, y0 as i64 + dr);
+                if let Some(elevation_m) = self.sample_m(level, c, r) {
+                    sum += weight * elevation_m;
+                    total += weight;
+                }
+            }
+        }
+        (total >= 0.5).then(|| sum / total)
+    }
+
+    fn clamped(&self, level: usize, column: i64, row: i64) -> (i64, i64) {
+        let index = &self.levels[level];
+        (column.clamp(0, index.width as i64 - 1), row.clamp(0, index.height as i64 - 1))
+    }
+
+    fn is_outside(&self, level: usize, column: i64, row: i64) -> bool {
+        self.clamped(level, column, row) != (column, row)
+    }
+
+    /// The sections to store for layer `number`.
+    pub(super) fn to_sections(&self, number: usize) -> Vec<(String, Cow<'_, [u8]>)> {
+        let mut sections = grid_sections::to_sections(&self.grid, &format!("{number}"));
+        for (level, index) in self.levels.iter().enumerate() {
+            sections
+                .push((format!("tiles{number}.{level}"), Cow::Borrowed(bytemuck::cast_slice(&index.tiles))));
+        }
+        sections
+            .push((format!("levels{number}"), Cow::Owned((self.levels.len() as u32).to_le_bytes().to_vec())));
+        sections.push((format!("blob{number}"), Cow::Borrowed(&self.blob)));
+        sections
+    }
+
+    /// Undoes [`Self::to_sections`].
+    pub(super) fn from_sections(sections: &Sections<'_>, number: usize) -> Result<Self, Flaw> {
+        let grid = grid_sections::from_sections(sections, &format!("{number}"))?;
+        let count = *sections.numbers::<u32>(&format!("levels{number}"))?.first().ok_or("has no levels")?;
+        let mut levels = Vec::new();
+        let (mut width, mut height) = (grid.width as usize, grid.height as usize);
+        for level in 0..count as usize {
+            let tiles = sections.numbers::<TileEntry>(&format!("tiles{number}.{level}"))?;
+            if tiles.len() != width.div_ceil(SIDE) * height.div_ceil(SIDE) {
+                return Err(format!("has a wrong number of tiles in level {level}"));
+            }
+            levels.push(LevelIndex { width, height, tiles });
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
+        }
+        if levels.is_empty() {
+            return Err("has no levels".to_owned());
+        }
+        let blob = sections.bytes(&format!("blob{number}"))?.into_owned();
+        let sample_size_m = grid.pixel_size_m();
+        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default() })
+    }
+}
+
+/// Takes the rows of a raster from the top and packs them.
+pub(crate) struct LayerBuilder {
+    layer: TerrainLayer,
+    rows: Vec<f32>,
+}
+
+impl LayerBuilder {
+    pub(crate) fn new(grid: Grid) -> Self {
+        let level = LevelIndex { width: grid.width as usize, height: 0, tiles: Vec::new() };
+        let sample_size_m = grid.pixel_size_m();
+        let layer = TerrainLayer {
+            grid,
+            sample_size_m,
+            levels: vec![level],
+            blob: Vec::new(),
+            cache: Mutex::default(),
+        };
+        Self { layer, rows: Vec::new() }
+    }
+
+    /// Adds one row, metres; NaN is void.
+    pub(crate) fn push_row(&mut self, row: &[f32]) -> Result<(), std::io::Error> {
+        self.rows.extend_from_slice(row);
+        self.layer.levels[0].height += 1;
+        if self.layer.levels[0].height % SIDE == 0 { self.pack_rows() } else { Ok(()) }
+    }
+
+    fn pack_rows(&mut self) -> Result<(), std::io::Error> {
+        let width = self.layer.levels[0].width;
+        for column in (0..width).step_by(SIDE) {
+            let mut samples = [f32::NAN; SAMPLES];
+            for (to, from) in samples.chunks_exact_mut(SIDE).zip(self.rows.chunks_exact(width)) {
+                let count = SIDE.min(width - column);
+                to[..count].copy_from_slice(&from[column..column + count]);
+            }
+            let entry = tile::pack(&samples, &mut self.layer.blob)?;
+            self.layer.levels[0].tiles.push(entry);
+        }
+        self.rows.clear();
+        Ok(())
+    }
+
+    /// Packs the rest and the overviews: each level's samples are the means of the valid ones of 2 × 2.
+    pub(crate) fn finish(mut self) -> Result<TerrainLayer, std::io::Error> {
+        if !self.rows.is_empty() {
+            self.pack_rows()?;
+        }
+        let mut layer = self.layer;
+        loop {
+            let level = layer.levels.len() - 1;
+            let below = &layer.levels[level];
+            if below.width <= SIDE && below.height <= SIDE {
+                return Ok(layer);
+            }
+            let (width, height) = (below.width.div_ceil(2), below.height.div_ceil(2));
+            let mut tiles = Vec::new();
+            let mut fresh = Vec::new();
+            let base = layer.blob.len() as u64;
+            for row in (0..height).step_by(SIDE) {
+                for column in (0..width).step_by(SIDE) {
+                    let mut entry = tile::pack(&layer.halved(level, column, row), &mut fresh)?;
+                    entry.start += base;
+                    tiles.push(entry);
+                }
+            }
+            layer.blob.append(&mut fresh);
+            layer.levels.push(LevelIndex { width, height, tiles });
+        }
+    }
+}
+
+impl TerrainLayer {
+    /// The tile of the next level up that starts at (column, row) there.
+    fn halved(&self, level: usize, column: usize, row: usize) -> Vec<f32> {
+        let mean = |i: usize| {
+            let (c, r) = (2 * (column + i % SIDE) as i64, 2 * (row + i / SIDE) as i64);
+            let four = [(c, r), (c + 1, r), (c, r + 1), (c + 1, r + 1)];
+            let (sum, count) = four
+                .iter()
+                .filter_map(|&(c, r)| self.sample_m(level, c, r))
+                .fold((0.0, 0.0), |(sum, count), h| (sum + h, count + 1.0));
+            if count > 0.0 { (sum / count) as f32 } else { f32::NAN }
+        };
+        (0..SAMPLES).map(mean).collect()
+    }
+}
