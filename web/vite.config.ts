@@ -10,6 +10,8 @@ export default defineConfig({
     // A strict content security policy allows no data: scripts, fonts or styles, and the preload helper
     // would only repeat what the page already names.
     assetsInlineLimit: 0,
+    // The built form carries other people's work; their terms go with it.
+    license: { fileName: "LICENCES.md" },
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 1400,
   },

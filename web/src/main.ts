@@ -89,8 +89,25 @@ class Viewer {
       this.notice.show(reason);
     }
     this.controls.show(this.state, null);
-    const { SkyMap } = await map_code;
-    this.map = new SkyMap(by_id("map", HTMLElement), this.state.view, {
+    await this.start_map(map_code);
+    addEventListener("popstate", () => this.restore());
+    if (this.scenes.length > 0) this.enter_scene();
+  }
+
+  /** Without WebGL there is no map, but the search box still picks places. */
+  private async start_map(map_code: Promise<typeof import("./map/sky_map.ts")>): Promise<void> {
+    try {
+      const { SkyMap } = await map_code;
+      this.map = this.new_map(SkyMap);
+    } catch (reason) {
+      this.notice.show(
+        new Error(`The map cannot be drawn here (${reason instanceof Error ? reason.message : String(reason)}). Search for a place or coordinates instead.`),
+      );
+    }
+  }
+
+  private new_map(SkyMapClass: typeof SkyMap): SkyMap {
+    return new SkyMapClass(by_id("map", HTMLElement), this.state.view, {
       picked: (place) => this.pick(place),
       moved: (view) => {
         this.state = { ...this.state, view };
@@ -98,8 +115,6 @@ class Viewer {
       },
       failed: (reason) => this.notice.show(reason),
     });
-    addEventListener("popstate", () => this.restore());
-    if (this.scenes.length > 0) this.enter_scene();
   }
 
   private scene(): Scene | null {

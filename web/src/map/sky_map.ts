@@ -1,12 +1,13 @@
 // The map: outlines, the scene's tiles, its places, and the picked place.
 
 import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, ScaleControl, setWorkerUrl } from "maplibre-gl";
-import type { GeoJSONSource } from "maplibre-gl";
+import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
 import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
 import "maplibre-gl/dist/maplibre-gl.css";
 import { api } from "../api/client.ts";
 import type { Bounds, NamedPlace, Scene } from "../api/types.ts";
 import { LAYERS, type LayerName, type MapView, type Place } from "../state.ts";
+import { make } from "../ui/dom.ts";
 import { load_basemap } from "./basemap.ts";
 import { FIRST_LAYER_ABOVE_TILES, night_style } from "./style.ts";
 
@@ -21,6 +22,9 @@ export interface SkyMapEvents {
 
 const MOVE_MS = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 700;
 
+/** A picked place nearer to the map's edge than this counts as out of view. */
+const EDGE_PX = 40;
+
 /** Continuous across the antimeridian: east is never less than west. */
 function unwrapped([west, south, east, north]: Bounds): Bounds {
   return [west, south, east < west ? east + 360 : east, north];
@@ -30,7 +34,8 @@ export class SkyMap {
   private readonly map: MapLibreMap;
   private readonly marker: Marker;
   private readonly styled: Promise<unknown>;
-  private marked = false;
+  private readonly failed_sources = new Set<string>();
+  private marked: Place | null = null;
 
   constructor(container: HTMLElement, view: MapView | null, events: SkyMapEvents) {
     this.map = new MapLibreMap({
@@ -53,6 +58,7 @@ export class SkyMap {
     this.map.addControl(new AttributionControl({ compact: true, customAttribution: "Outlines: Natural Earth" }), "bottom-left");
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
 
+    container.append(make("div", "crosshair"));
     const pin = document.createElement("div");
     pin.className = "pin";
     pin.setAttribute("role", "img");
@@ -70,7 +76,8 @@ export class SkyMap {
       events.picked({ latitude_deg: lat, longitude_deg: lng });
     });
     this.map.on("moveend", () => events.moved(this.view()));
-    this.map.on("error", ({ error }) => events.failed(error));
+    this.map.on("resize", () => this.keep_in_view());
+    this.map.on("error", (event) => this.report(event, events.failed));
     load_basemap()
       .then(async (basemap) => {
         await this.styled;
@@ -87,6 +94,27 @@ export class SkyMap {
     return { zoom: this.map.getZoom(), latitude_deg: lat, longitude_deg: lng };
   }
 
+  /** A tile that is not there is no news; a source that fails is told once, not for each tile. */
+  private report(event: ErrorEvent & { sourceId?: string; tile?: unknown }, failed: (reason: unknown) => void): void {
+    const status = (event.error as { status?: number }).status;
+    if (event.tile !== undefined && (status === 404 || status === 204)) return;
+    if (event.sourceId !== undefined) {
+      if (this.failed_sources.has(event.sourceId)) return;
+      this.failed_sources.add(event.sourceId);
+    }
+    failed(event.error);
+  }
+
+  /** When the sky takes its part of the page, the picked place must not end up behind it. */
+  private keep_in_view(): void {
+    const place = this.marked;
+    if (place === null) return;
+    const { x, y } = this.map.project([place.longitude_deg, place.latitude_deg]);
+    const { clientWidth, clientHeight } = this.map.getContainer();
+    const inside = x > EDGE_PX && y > EDGE_PX && x < clientWidth - EDGE_PX && y < clientHeight - EDGE_PX;
+    if (!inside && clientHeight > 2 * EDGE_PX) this.map.easeTo({ center: [place.longitude_deg, place.latitude_deg], duration: MOVE_MS });
+  }
+
   private source(name: string): GeoJSONSource | undefined {
     return this.map.getSource<GeoJSONSource>(name);
   }
@@ -96,6 +124,7 @@ export class SkyMap {
     const [west, south, east, north] = unwrapped(scene.bounds);
     if (move) this.map.fitBounds([west, south, east, north], { padding: 24, duration: 0 });
     await this.styled;
+    this.failed_sources.clear();
     const corners = [[west, south], [east, south], [east, north], [west, north], [west, south]];
     this.source("scene")?.setData({ type: "LineString", coordinates: corners });
     for (const name of LAYERS) {
@@ -136,12 +165,12 @@ export class SkyMap {
   mark(place: Place | null): void {
     if (place === null) {
       this.marker.remove();
-      this.marked = false;
+      this.marked = null;
       return;
     }
     this.marker.setLngLat([place.longitude_deg, place.latitude_deg]);
-    if (!this.marked) this.marker.addTo(this.map);
-    this.marked = true;
+    if (this.marked === null) this.marker.addTo(this.map);
+    this.marked = place;
   }
 
   /** Moves so that a place is in view, zooming in where the map is far away. */

@@ -1,0 +1,248 @@
+// What a person relies on around the main job: links, errors, keyboard, phones, closed networks.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { assert_no_faults, canvas_colours, get_json, launch, open_page, PHONE, screen_colours, SERVER, shot, sky_shown } from "./support/browser.mjs";
+import { demo, sky_path } from "./support/sky.mjs";
+
+let browser;
+let here;
+
+before(async () => {
+  browser = await launch();
+  here = await demo();
+});
+after(() => browser?.close());
+
+const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
+const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
+const zenith_of = async (place, more = "") =>
+  (await get_json(sky_path(here.scene, "sky", place, more))).sky.zenith_brightness_mag_arcsec2.toFixed(2);
+
+test("a link restores place, map, air, lamp, projection, light and layers, and so does a reload", async () => {
+  const { beside } = here;
+  const link = fragment(beside, `&map=7.5/${beside.latitude_deg}/${beside.longitude_deg}&turbidity=3.4&lamp=hps&projection=fisheye&sky=total&colours=cividis&radiance=0.4&elevation=0.5`);
+  const opened = await open_page(browser, link);
+  const { page, context } = opened;
+  const look = async () => {
+    await sky_shown(page);
+    return {
+      hash: new URL(page.url()).hash,
+      zenith: await text(page, "zenith_mag"),
+      turbidity: await page.locator("#turbidity").inputValue(),
+      lamp: await page.locator("#lamp").inputValue(),
+      fisheye: await page.getByRole("radio", { name: "Fisheye" }).getAttribute("aria-checked"),
+      total: await page.getByRole("radio", { name: "With natural sky" }).getAttribute("aria-checked"),
+      colours: await page.locator("#colours").inputValue(),
+      opacity: await page.locator("#opacity-radiance").inputValue(),
+      pins: await page.locator(".pin").count(),
+    };
+  };
+  const seen = await look();
+  const { sky } = await get_json(sky_path(here.scene, "sky", beside, "&turbidity=3.4&lamp=hps"));
+  assert.deepEqual(seen, {
+    hash: link,
+    zenith: sky.zenith_total_brightness_mag_arcsec2.toFixed(2),
+    turbidity: "3.4",
+    lamp: "hps",
+    fisheye: "true",
+    total: "true",
+    colours: "cividis",
+    opacity: "0.4",
+    pins: 1,
+  });
+  await page.reload();
+  assert.deepEqual(await look(), seen);
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("the browser's back button returns to the place before", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  const first = await text(page, "zenith_mag");
+  await page.locator("#search").fill(here.town.name);
+  await page.keyboard.press("Enter");
+  const there = await zenith_of(here.town);
+  await page.waitForFunction((value) => document.querySelector("[data-value=zenith_mag]")?.textContent === value, there);
+  await page.waitForTimeout(1000);
+  await page.goBack();
+  await page.waitForFunction((value) => document.querySelector("[data-value=zenith_mag]")?.textContent === value, first);
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("the search box finds a town by the beginning of its name and shows its sky", async () => {
+  const opened = await open_page(browser);
+  const { page, context } = opened;
+  const search = page.getByRole("combobox", { name: /search/i });
+  await search.fill(here.town.name.slice(0, 4).toLowerCase());
+  await page.getByRole("option").filter({ hasText: here.town.name }).first().click();
+  await sky_shown(page);
+  assert.equal(await page.locator("#place-title").evaluate((title) => title.firstChild.textContent), here.town.name);
+  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.town));
+  await search.fill("no such town");
+  await page.getByText("No place of that name here").waitFor();
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a place outside the scene is told in the server's words, and the viewer goes on", async () => {
+  const opened = await open_page(browser, fragment(here.outside));
+  const { page, context, faults } = opened;
+  const notice = page.getByRole("alert");
+  await notice.waitFor();
+  const answer = await fetch(`${SERVER}/api/v1/${sky_path(here.scene, "site", here.outside)}`);
+  assert.equal(answer.status, 404);
+  assert.match(answer.headers.get("content-type"), /problem\+json/);
+  const problem = await answer.json();
+  const words = await notice.textContent();
+  assert.ok(words.includes(problem.title), `${words} should say ${problem.title}`);
+  assert.ok(words.includes(problem.detail), `${words} should say ${problem.detail}`);
+  assert.equal(await page.locator("body").getAttribute("data-sky"), "none");
+  await shot(page, "outside");
+
+  const box = await page.locator("#map").boundingBox();
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
+  await sky_shown(page);
+  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.town));
+  assert.ok(box.height > 0);
+  // Chromium itself notes the 404; nothing else may be amiss.
+  const own = faults.filter((fault) => !/status of 404/.test(fault));
+  assert.deepEqual(own, []);
+  await context.close();
+});
+
+test("a newer pick overtakes an older one whose answer is late", async () => {
+  const opened = await open_page(browser);
+  const { page, context } = opened;
+  let cancelled = 0;
+  page.on("requestfailed", (request) => {
+    if (/sky\?/.test(request.url())) cancelled++;
+  });
+  let held = true;
+  await page.route("**/sky?**", async (route) => {
+    if (held) {
+      held = false;
+      await new Promise((resolve) => setTimeout(resolve, 3000));
+    }
+    await route.continue().catch(() => undefined);
+  });
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.beside));
+  await page.waitForRequest("**/sky?**");
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
+  await sky_shown(page);
+  const expected = await zenith_of(here.town);
+  assert.equal(await text(page, "zenith_mag"), expected);
+  assert.equal(cancelled, 1, "the older request is cancelled");
+  await page.waitForTimeout(3200);
+  assert.equal(await text(page, "zenith_mag"), expected, "the late answer changes nothing");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a busy server is asked again after the time it names", async () => {
+  const opened = await open_page(browser);
+  const { page, context, faults } = opened;
+  let refused = 0;
+  await page.route("**/sky?**", (route) => {
+    if (refused++ > 0) return route.continue();
+    return route.fulfill({ status: 503, headers: { "retry-after": "1", "content-type": "application/problem+json" }, body: '{"title":"Busy"}' });
+  });
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
+  await sky_shown(page);
+  assert.equal(refused, 2);
+  assert.equal(await page.getByRole("alert").count(), 0);
+  assert.deepEqual(faults.filter((fault) => !/status of 503/.test(fault)), []);
+  await context.close();
+});
+
+test("a server that has gone away is said so", async () => {
+  const opened = await open_page(browser);
+  const { page, context } = opened;
+  await page.route("**/site?**", (route) => route.abort());
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
+  await page.getByRole("alert").getByText("The server does not answer").waitFor();
+  await context.close();
+});
+
+test("the keyboard alone picks the place in the middle, reads the sky and switches the projection", async () => {
+  const { town } = here;
+  const opened = await open_page(browser, `#scene=${here.scene.id}&map=9/${town.latitude_deg}/${town.longitude_deg}`);
+  const { page, context } = opened;
+  await page.locator("#map canvas").focus();
+  await page.locator(".crosshair").waitFor();
+  await page.keyboard.press("Enter");
+  await sky_shown(page);
+  await page.locator(".sky-overlay").focus();
+  await page.keyboard.press("ArrowRight");
+  const azimuth = () => page.locator("#sky-readout").evaluate(({ dataset }) => Number(dataset.azimuthDeg));
+  const from = await azimuth();
+  await page.keyboard.press("ArrowRight");
+  assert.ok(Math.abs((await azimuth()) - from - 360 / 256) < 1e-9);
+  await page.getByRole("radio", { name: "Panorama" }).focus();
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.locator("body").getAttribute("data-projection"), "fisheye");
+  // Everything that can be pressed or moved has a name for those who hear the page.
+  const nameless = await page.$$eval("button, input, select, canvas[tabindex]", (elements) =>
+    elements
+      .filter((element) => element.checkVisibility())
+      .filter((element) => !(element.textContent?.trim() || element.getAttribute("aria-label") || element.title || element.labels?.[0]?.textContent?.trim()))
+      .map((element) => element.outerHTML),
+  );
+  assert.deepEqual(nameless, []);
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a phone shows everything without scrolling sideways", async () => {
+  const opened = await open_page(browser, fragment(here.beside), PHONE);
+  const { page, context } = opened;
+  await sky_shown(page);
+  const { wide, screen } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, screen: innerWidth }));
+  assert.ok(wide <= screen, `${wide} px wide on a screen of ${screen}`);
+  assert.ok((await canvas_colours(page, ".sky-picture")) > 60);
+  await page.locator(".sky-overlay").tap({ position: { x: 150, y: 60 } });
+  assert.match((await page.locator("#sky-readout").textContent()) ?? "", /mag\/arcsec²/);
+  await shot(page, "phone");
+  await page.getByRole("radio", { name: "Fisheye" }).tap();
+  await page.locator("#sky-area").scrollIntoViewIfNeeded();
+  await shot(page, "phone-fisheye");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("red light leaves no green and no blue on the screen", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  await page.getByRole("button", { name: "Red light" }).click();
+  assert.equal(await page.getByRole("button", { name: "Red light" }).getAttribute("aria-pressed"), "true");
+  await page.reload();
+  await sky_shown(page);
+  assert.ok(await page.evaluate(() => document.documentElement.classList.contains("red-light")), "it lasts over a reload");
+  const { most } = await screen_colours(browser, page, "body");
+  assert.ok(most[0] > 200 && most[1] < 40 && most[2] < 40, `brightest red, green, blue: ${most}`);
+  await shot(page, "red-light");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("the viewer works under a policy that allows nothing but its own server", async () => {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  const violations = [];
+  page.on("console", (message) => {
+    if (/Content Security Policy/i.test(message.text())) violations.push(message.text());
+  });
+  const policy = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self' data: blob:; base-uri 'none'";
+  await page.route(`${SERVER}/`, async (route) => {
+    const response = await route.fetch();
+    await route.fulfill({ response, headers: { ...response.headers(), "content-security-policy": policy } });
+  });
+  await page.goto(`${SERVER}/${fragment(here.town)}`);
+  await page.waitForSelector("#map[data-basemap=shown]");
+  await sky_shown(page);
+  assert.deepEqual(violations, []);
+  await context.close();
+});

@@ -1,0 +1,38 @@
+// What the API says of a place, to hold the viewer's display against.
+import { get_json } from "./browser.mjs";
+
+/** The demo scene, its largest town, and a place 30 km or so beside it that lies inside the scene. */
+export async function demo() {
+  const scenes = await get_json("scenes");
+  const scene = scenes.find(({ id }) => id === "demo") ?? scenes[0];
+  const places = await get_json(`scenes/${scene.id}/places`);
+  const town = [...places].sort((a, b) => (b.population ?? 0) - (a.population ?? 0))[0];
+  const [west, south, east, north] = scene.bounds;
+  const middle = { latitude_deg: (south + north) / 2, longitude_deg: (west + east) / 2 };
+  const towards = (from, to) => from + Math.sign(to - from || 1) * 0.25;
+  const beside = {
+    latitude_deg: +towards(town.latitude_deg, middle.latitude_deg).toFixed(4),
+    longitude_deg: +towards(town.longitude_deg, middle.longitude_deg).toFixed(4),
+  };
+  const outside = { latitude_deg: north > 80 ? south - 2 : north + 2, longitude_deg: middle.longitude_deg };
+  return { scenes, scene, places, town, beside, outside };
+}
+
+export function sky_path(scene, kind, { latitude_deg, longitude_deg }, more = "") {
+  return `scenes/${scene.id}/${kind}?lat=${latitude_deg}&lon=${longitude_deg}${more}`;
+}
+
+/** Luminance of artificial light at the sample nearest to a direction, with that sample's direction. */
+export function sample(panorama, azimuth_deg, elevation_deg) {
+  const { grid, radiance } = panorama;
+  const column = Math.round((azimuth_deg - grid.azimuth_first_deg) / grid.azimuth_step_deg + grid.azimuth_count) % grid.azimuth_count;
+  const wanted = Math.round((elevation_deg - grid.elevation_first_deg) / grid.elevation_step_deg);
+  const row = Math.min(Math.max(wanted, 0), grid.elevation_count - 1);
+  return {
+    azimuth_deg: grid.azimuth_first_deg + column * grid.azimuth_step_deg,
+    elevation_deg: grid.elevation_first_deg + row * grid.elevation_step_deg,
+    luminance_cd_m2: 150 * radiance[0][row][column] + 567 * radiance[1][row][column] + 45 * radiance[2][row][column],
+  };
+}
+
+export const NATURAL_SKY_CD_M2 = 1.08e5 * 10 ** (-0.4 * 22);

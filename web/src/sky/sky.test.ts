@@ -1,0 +1,111 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { PanoramaAnswer } from "../api/types.ts";
+import { luminance_from_brightness_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { COLOUR_MAPS, colour_table } from "./colour_maps.ts";
+import { SkyGrid } from "./grid.ts";
+import { paint_sky } from "./paint.ts";
+import { compass_name, equirectangular, fisheye } from "./projection.ts";
+import { SCALE, scale_position } from "./scale.ts";
+
+const PLOT = { left_px: 10, top_px: 20, width_px: 400, height_px: 200 };
+const STEP_DEG = 90 / 64;
+
+/** A sky whose green radiance is 1e-9 at every sample but for one bright one. */
+function answer_with_light_at(row: number, column: number): PanoramaAnswer {
+  const band = (value: number) => Array.from({ length: 64 }, () => new Array<number>(256).fill(value));
+  const green = band(1e-9);
+  green[row]![column] = 1e-5;
+  return {
+    grid: {
+      azimuth_count: 256,
+      elevation_count: 64,
+      azimuth_first_deg: 0,
+      azimuth_step_deg: 360 / 256,
+      elevation_first_deg: STEP_DEG / 2,
+      elevation_step_deg: STEP_DEG,
+    },
+    radiance: [band(0), green, band(0)],
+  } as PanoramaAnswer;
+}
+
+test("the nearest sample is the API's own value, with north at both ends", () => {
+  const grid = new SkyGrid(answer_with_light_at(0, 0));
+  for (const azimuth_deg of [0, 0.6, 359.5, 360]) {
+    const sample = grid.nearest(azimuth_deg, 0);
+    assert.equal(sample.azimuth_deg, 0);
+    assert.equal(sample.elevation_deg, STEP_DEG / 2);
+    assert.ok(Math.abs(sample.artificial_cd_m2 - 567e-5) < 1e-15);
+    assert.ok(Math.abs(sample.total_cd_m2 - 567e-5 - NATURAL_SKY_CD_M2) < 1e-15);
+  }
+  assert.ok(grid.nearest(1.5, 0).artificial_cd_m2 < 1e-6);
+});
+
+test("a panorama with missing rows is refused", () => {
+  const answer = answer_with_light_at(0, 0);
+  answer.radiance[1]!.pop();
+  assert.throws(() => new SkyGrid(answer), /rows/);
+});
+
+for (const [name, make] of [["equirectangular", equirectangular], ["fisheye", fisheye]] as const) {
+  test(`${name}: a direction's point leads back to it`, () => {
+    const projection = make(PLOT);
+    for (const azimuth_deg of [0.5, 45, 90, 181, 300]) {
+      for (const elevation_deg of [1, 30, 89]) {
+        const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
+        const back = projection.direction_from_point(x_px, y_px);
+        assert.ok(back !== null);
+        assert.ok(Math.abs(back.azimuth_deg - azimuth_deg) < 1e-9);
+        assert.ok(Math.abs(back.elevation_deg - elevation_deg) < 1e-9);
+      }
+    }
+  });
+}
+
+test("the fisheye has north up, east left and the zenith in the middle", () => {
+  const projection = fisheye(PLOT);
+  const point = (azimuth_deg: number, elevation_deg: number) => projection.point_from_direction({ azimuth_deg, elevation_deg });
+  const zenith = point(0, 90);
+  assert.deepEqual(zenith, { x_px: 210, y_px: 120 });
+  assert.ok(point(0, 0).y_px < zenith.y_px - 99);
+  assert.ok(point(90, 0).x_px < zenith.x_px - 99);
+  assert.equal(projection.direction_from_point(11, 21), null);
+});
+
+test("a light is painted where its direction lies, in both projections", () => {
+  const grid = new SkyGrid(answer_with_light_at(20, 64));
+  const direction = { azimuth_deg: 90, elevation_deg: 20.5 * STEP_DEG };
+  for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
+    const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
+    paint_sky(picture, grid, "artificial", "inferno", projection, 1);
+    let brightest = { sum: -1, x: 0, y: 0 };
+    for (let i = 0; i < 420 * 240; i++) {
+      const sum = picture.data[i * 4]! + picture.data[i * 4 + 1]! + picture.data[i * 4 + 2]!;
+      if (sum > brightest.sum) brightest = { sum, x: i % 420, y: Math.floor(i / 420) };
+    }
+    const { x_px, y_px } = projection.point_from_direction(direction);
+    assert.ok(Math.abs(brightest.x + 0.5 - x_px) <= 1.5, `${projection.name}: ${brightest.x} for ${x_px}`);
+    assert.ok(Math.abs(brightest.y + 0.5 - y_px) <= 1.5, `${projection.name}: ${brightest.y} for ${y_px}`);
+    assert.equal(picture.data[3], 0, "outside the sky nothing is painted");
+  }
+});
+
+test("the scale runs from 25 to 15 magnitudes and is clamped", () => {
+  assert.equal(scale_position(SCALE, 25), 0);
+  assert.equal(scale_position(SCALE, 20), 0.5);
+  assert.equal(scale_position(SCALE, 15), 1);
+  assert.equal(scale_position(SCALE, 30), 0);
+  assert.ok(luminance_from_brightness_cd_m2(15) > luminance_from_brightness_cd_m2(25));
+});
+
+test("every colour map gets lighter all the way, so that its order is seen without colour", () => {
+  for (const name of COLOUR_MAPS) {
+    const table = colour_table(name, 256);
+    const lightness = (i: number) => 0.2126 * (table[i * 3]! / 255) ** 2.2 + 0.7152 * (table[i * 3 + 1]! / 255) ** 2.2 + 0.0722 * (table[i * 3 + 2]! / 255) ** 2.2;
+    for (let i = 8; i < 256; i += 8) assert.ok(lightness(i) > lightness(i - 8), `${name} at ${i}`);
+  }
+});
+
+test("compass names wrap around", () => {
+  assert.deepEqual([0, 44, 90, 225, 359, -1].map(compass_name), ["N", "NE", "E", "SW", "N", "N"]);
+});

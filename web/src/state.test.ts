@@ -1,0 +1,40 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { DEFAULT_STATE, fragment_from_state, state_from_fragment, type ViewState } from "./state.ts";
+
+const EVERYTHING: ViewState = {
+  scene: "kenya-2023",
+  place: { latitude_deg: -1.28638, longitude_deg: 36.81722 },
+  view: { zoom: 7.31, latitude_deg: -1.25, longitude_deg: 36.9 },
+  turbidity: 3.2,
+  lamp: "led_4000k",
+  emission: "shielded",
+  projection: "fisheye",
+  sky: "total",
+  colours: "cividis",
+  layers: { radiance: 0.4, elevation: 0.65 },
+};
+
+test("a fragment restores everything that it was made from", () => {
+  assert.deepEqual(state_from_fragment(fragment_from_state(EVERYTHING)), EVERYTHING);
+});
+
+test("an empty fragment is the default state, and the default state an empty fragment", () => {
+  assert.deepEqual(state_from_fragment(""), { ...DEFAULT_STATE });
+  assert.equal(fragment_from_state({ ...DEFAULT_STATE }), "");
+});
+
+test("a place on the equator and the prime meridian is not taken for a missing one", () => {
+  const place = { latitude_deg: 0, longitude_deg: 0 };
+  assert.deepEqual(state_from_fragment(fragment_from_state({ ...DEFAULT_STATE, place })).place, place);
+});
+
+test("what makes no sense in a fragment takes its default", () => {
+  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&projection=mercator&scene=../etc&lamp=%3Cb%3E&radiance=7&map=3/1");
+  assert.deepEqual(state, { ...DEFAULT_STATE });
+});
+
+test("a lamp of own fluxes survives", () => {
+  const state = { ...DEFAULT_STATE, lamp: "0.5,0.6,0.1" };
+  assert.equal(state_from_fragment(fragment_from_state(state)).lamp, "0.5,0.6,0.1");
+});

@@ -1,0 +1,62 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { ApiError, plain_words } from "../api/problem.ts";
+import { coordinates, ratio, with_prefix } from "./format.ts";
+import { distance_and_bearing, place_name } from "./nearby.ts";
+import { matching_places, place_from_text } from "./search.ts";
+
+const NAIROBI = { name: "Nairobi", latitude_deg: -1.286, longitude_deg: 36.817, population: 4_400_000 };
+const PLACES = [
+  { name: "Nairutia", latitude_deg: 0, longitude_deg: 36, population: 2_000 },
+  NAIROBI,
+  { name: "Chogoria", latitude_deg: -0.23, longitude_deg: 37.63, population: 3_000 },
+  { name: "Murang'a", latitude_deg: -0.72, longitude_deg: 37.15, population: 110_000 },
+  { name: "Zürich", latitude_deg: 47.37, longitude_deg: 8.54, population: null },
+];
+
+test("coordinates are read latitude first, with signs or letters", () => {
+  assert.deepEqual(place_from_text("-1.29, 36.82"), { latitude_deg: -1.29, longitude_deg: 36.82 });
+  assert.deepEqual(place_from_text("1.29°S 36.82°E"), { latitude_deg: -1.29, longitude_deg: 36.82 });
+  assert.equal(place_from_text("91, 10"), null);
+  assert.equal(place_from_text("Nairobi"), null);
+});
+
+test("names that begin with the text come first, larger ones before smaller, accents ignored", () => {
+  assert.deepEqual(matching_places(PLACES, "nai").map(({ name }) => name), ["Nairobi", "Nairutia"]);
+  assert.deepEqual(matching_places(PLACES, "zur").map(({ name }) => name), ["Zürich"]);
+  assert.deepEqual(matching_places(PLACES, "  "), []);
+});
+
+test("a place is told by its nearest town", () => {
+  assert.equal(place_name(NAIROBI, PLACES), "Nairobi");
+  const north = { latitude_deg: -1.286 + 20 / 111.195, longitude_deg: 36.817 };
+  assert.equal(place_name(north, PLACES), "20 km N of Nairobi");
+  assert.equal(place_name({ latitude_deg: -40, longitude_deg: 100 }, PLACES), "40.0000° S, 100.0000° E");
+});
+
+test("the bearing along the equator is east", () => {
+  const way = distance_and_bearing({ latitude_deg: 0, longitude_deg: 0 }, { latitude_deg: 0, longitude_deg: 1 });
+  assert.ok(Math.abs(way.bearing_deg - 90) < 1e-9);
+  assert.ok(Math.abs(way.distance_km - 111.195) < 0.01);
+});
+
+test("quantities take the prefix that keeps them readable", () => {
+  assert.equal(with_prefix(171.2e-6, "cd/m²"), "171 µcd/m²");
+  assert.equal(with_prefix(0.0123, "lx"), "12.3 mlx");
+  assert.equal(with_prefix(0, "lx"), "0 lx");
+  assert.equal(ratio(0.0000004), "< 0.001");
+  assert.equal(ratio(1234.5), "1,235");
+  assert.equal(coordinates(-1.28, 36.8), "1.2800° S, 36.8000° E");
+});
+
+test("a problem document becomes a headline and one sentence for each bad parameter", () => {
+  const error = new ApiError(422, {
+    title: "A parameter is out of range",
+    detail: "One parameter is not accepted.",
+    errors: [{ parameter: "turbidity", value: "100", allowed: "1.5 to 6" }],
+  });
+  assert.deepEqual(plain_words(error), {
+    headline: "A parameter is out of range",
+    sentences: ["One parameter is not accepted.", "turbidity = 100: allowed: 1.5 to 6"],
+  });
+});
