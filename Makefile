@@ -14,5 +14,6 @@ packs: ## rebuild every table pack in precomputed/
 	@cargo build --release --package skyglow
 	@scripts/make_packs.sh all
 
-viewer: ## rebuild web/dist from its sources (needs Node 20 or later)
-	@cd web && npm ci --no-audit --no-fund && npm run build
+viewer: ## rebuild web/dist, the viewer's built form, from its sources
+	@scripts/system_packages.sh test
+	@cd web && ../scripts/with_node.sh npm ci --no-audit --no-fund && ../scripts/with_node.sh npm run build

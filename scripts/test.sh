@@ -20,7 +20,7 @@ part() { # part NAME COMMAND...
 $(printf '%5d s  %s' "$(($(date +%s) - started))" "$name")"
 }
 
-in_web() { (cd web && "$@"); }
+in_web() { (cd web && ../scripts/with_node.sh "$@"); }
 
 part "system packages" scripts/system_packages.sh test
 part "format" cargo fmt --all --check
