@@ -11,7 +11,7 @@ use crate::{
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},
     bands::BAND_COUNT,
     chapman,
-    emission::{LOBE_COUNT, lobe_intensities_per_sr},
+    emission::{EmissionMix, LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
     phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
     quadrature::integrate_pieces,
@@ -20,6 +20,8 @@ use glam::DVec3;
 
 /// Rays end at this altitude: 30 scale heights of the molecules, beyond which less than 1e-12 is left.
 const TOP_ALTITUDE_M: f64 = 240_000.0;
+/// Rays are cut at these climbs above the observer, metres: some scale heights of each species.
+const CUT_CLIMBS_M: [f64; 2] = [4_000.0, 25_000.0];
 /// Outputs of one atmosphere: bands × lobes.
 pub const OUTPUT_COUNT: usize = BAND_COUNT * LOBE_COUNT;
 
@@ -181,7 +183,7 @@ impl SourceRay {
         floor: f64,
         mut integrand: impl FnMut(&RayPoint) -> [f64; N],
     ) -> [f64; N] {
-        let Some(variable) = self.equiangular(&[1_500.0, 6_000.0, 20_000.0, 60_000.0]) else {
+        let Some(variable) = self.equiangular(&CUT_CLIMBS_M) else {
             return [0.0; N];
         };
         integrate_pieces(&variable.edges, tolerance, floor, &mut |alpha| {
@@ -191,14 +193,14 @@ impl SourceRay {
     }
 
     /// As [`Self::integrate`] with a fixed Gauss–Legendre rule a piece (`nodes` of
-    /// [`crate::quadrature::gauss_legendre`]) and fewer pieces: for tables, where speed counts.
+    /// [`crate::quadrature::gauss_legendre`]): for tables, where speed counts.
     pub fn integrate_fixed<const N: usize>(
         &self,
         nodes: &[(f64, f64)],
         mut integrand: impl FnMut(&RayPoint) -> [f64; N],
     ) -> [f64; N] {
         let mut sum = [0.0; N];
-        let Some(variable) = self.equiangular(&[4_000.0, 25_000.0]) else { return sum };
+        let Some(variable) = self.equiangular(&CUT_CLIMBS_M) else { return sum };
         for pair in variable.edges.windows(2) {
             let width = pair[1] - pair[0];
             for &(x, weight) in nodes {
@@ -286,12 +288,32 @@ impl<'a> Scattering<'a> {
     }
 
     /// b's integrand [m⁻³ sr⁻¹], `[atmosphere][band][lobe]`.
-    fn at<const N: usize>(&self, p: &RayPoint) -> [f64; N] {
-        let mut out = [0.0; N];
-        if p.cos_zenith_at_source <= 0.0 {
-            return out;
-        }
+    fn by_lobe<const N: usize>(&self, p: &RayPoint) -> [f64; N] {
         let lobes = lobe_intensities_per_sr(p.cos_zenith_at_source);
+        let mut out = [0.0; N];
+        self.scattered(p, |slot, scattered| {
+            for (lobe, intensity) in lobes.iter().enumerate() {
+                out[slot * LOBE_COUNT + lobe] = scattered * intensity;
+            }
+        });
+        out
+    }
+
+    /// b's integrand [m⁻³ sr⁻¹] of a mix of lobes, `[atmosphere][band]`.
+    fn of_mix<const N: usize>(&self, p: &RayPoint, weights: [f64; LOBE_COUNT]) -> [f64; N] {
+        let lobes = lobe_intensities_per_sr(p.cos_zenith_at_source);
+        let intensity: f64 = lobes.iter().zip(weights).map(|(f, w)| f * w).sum();
+        let mut out = [0.0; N];
+        self.scattered(p, |slot, scattered| out[slot] = scattered * intensity);
+        out
+    }
+
+    /// Scattering times both transmissions over d² [m⁻³ sr⁻¹, per unit intensity] for each (atmosphere, band)
+    /// slot.
+    fn scattered(&self, p: &RayPoint, mut put: impl FnMut(usize, f64)) {
+        if p.cos_zenith_at_source <= 0.0 {
+            return;
+        }
         let density = relative_densities(p.altitude_m);
         let column = |species: usize, table: &chapman::ChapmanTable| {
             let here = density[species];
@@ -308,20 +330,15 @@ impl<'a> Scattering<'a> {
         let phase_aerosol =
             density[1] * AEROSOL_ALBEDO * henyey_greenstein_per_sr(p.cos_gamma, AEROSOL_ASYMMETRY)
                 / p.source_distance_m2;
-        let mut slot = 0;
-        for atmosphere in self.atmospheres {
+        for (index, atmosphere) in self.atmospheres.iter().enumerate() {
             let beta_m = atmosphere.molecule_extinction_per_m();
             let beta_a = atmosphere.aerosol_extinction_per_m();
             for band in 0..BAND_COUNT {
-                let scattered = (-(beta_m[band] * path_molecules_m + beta_a[band] * path_aerosol_m)).exp()
-                    * (beta_m[band] * phase_molecules + beta_a[band] * phase_aerosol);
-                for lobe in lobes {
-                    out[slot] = scattered * lobe;
-                    slot += 1;
-                }
+                let depth = beta_m[band] * path_molecules_m + beta_a[band] * path_aerosol_m;
+                let scattering = beta_m[band] * phase_molecules + beta_a[band] * phase_aerosol;
+                put(index * BAND_COUNT + band, (-depth).exp() * scattering);
             }
         }
-        out
     }
 }
 
@@ -342,7 +359,7 @@ pub fn radiance_per_watt<const N: usize>(
     assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
     let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
     SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
-        .integrate(tolerance, floor_per_m2_sr, |p| scattering.at(p))
+        .integrate(tolerance, floor_per_m2_sr, |p| scattering.by_lobe(p))
 }
 
 /// As [`radiance_per_watt`] with a fixed rule (see [`SourceRay::integrate_fixed`]): about 1e-4 with 10 nodes.
@@ -355,7 +372,24 @@ pub fn radiance_per_watt_fixed<const N: usize>(
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
     let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad).integrate_fixed(nodes, |p| scattering.at(p))
+    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad).integrate_fixed(nodes, |p| scattering.by_lobe(p))
+}
+
+/// Sky radiance per watt of a source with a mix of lobes, m⁻² sr⁻¹, `[atmosphere][band]`, to a relative
+/// `tolerance`. `N` must be the number of atmospheres times [`BAND_COUNT`].
+pub fn mixed_radiance_per_watt<const N: usize>(
+    atmospheres: &[Atmosphere],
+    geometry: &SourceGeometry,
+    emission: EmissionMix,
+    relative_azimuth_rad: f64,
+    elevation_rad: f64,
+    tolerance: f64,
+) -> [f64; N] {
+    assert_eq!(N, atmospheres.len() * BAND_COUNT, "one slot for each atmosphere and band");
+    let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
+    let weights = emission.weights();
+    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
+        .integrate(tolerance, 0.0, |p| scattering.of_mix(p, weights))
 }
 
 /// [`radiance_per_watt`] for one atmosphere, as `[band][lobe]`.

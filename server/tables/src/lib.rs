@@ -4,7 +4,20 @@
 //! basis: `b(θ, φ; r, h_c, h_o, lobe, band) ≈ exp(log_scale) · Σ_k shape_k · B_k(θ, φ)`.
 
 pub mod axes;
+mod checkpoint;
+pub mod error;
+pub mod fit;
+pub mod images;
+pub mod manifest;
+mod measure;
+pub mod pack;
+pub mod precompute;
 pub mod resident;
+pub mod spectrum;
 
 pub use axes::{OffsetAxis, TableAxes, lagrange_taps};
+pub use error::TablesError;
+pub use manifest::Manifest;
+pub use pack::{Pack, packs_in};
+pub use precompute::{PrecomputeOptions, Progress, Silent, precompute};
 pub use resident::ResidentTables;

@@ -1,0 +1,145 @@
+//! The readable description of a pack.
+
+use crate::{
+    axes::TableAxes,
+    fit::WEIGHT_EXPONENT,
+    images::{DARK_LOG_SCALE, NODES_PER_PIECE},
+};
+use serde::{Deserialize, Serialize};
+use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Lobe};
+
+/// Version of the file format; a pack of another version is refused.
+pub const FORMAT_VERSION: u32 = 1;
+/// Version of the physical model; raised when the images change.
+pub const MODEL_VERSION: u32 = 1;
+
+/// Which orders of scattering a pack holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scattering {
+    /// First order alone.
+    Single,
+}
+
+/// Error of a pack against the converged f64 integral, on single sources between its sample points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredError {
+    /// Sources tried (distance, offset and observer altitude between the nodes).
+    pub sources: usize,
+    /// Directions, bands and lobes tried in all.
+    pub samples: usize,
+    /// Mean of |b − truth|/max(truth, a thousandth of the source's zenith value).
+    pub mean: f64,
+    /// Its 99th percentile.
+    pub p99: f64,
+    /// Mean at the highest row.
+    pub zenith_mean: f64,
+}
+
+/// What a pack is; enough to read its data and to make it again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// File format.
+    pub format_version: u32,
+    /// Physical model.
+    pub model_version: u32,
+    /// Turbidity at sea level.
+    pub turbidity: f64,
+    /// Orders of scattering.
+    pub scattering: Scattering,
+    /// Wavelengths of R, G, B, nanometres.
+    pub bands_nm: Vec<f64>,
+    /// Lobes in array order.
+    pub lobes: Vec<String>,
+    /// Columns of the panorama.
+    pub azimuth_count: usize,
+    /// Rows of the panorama.
+    pub elevation_count: usize,
+    /// Sample points.
+    pub axes: TableAxes,
+    /// M, number of basis functions.
+    pub basis_count: usize,
+    /// What the data mean.
+    pub equation: String,
+    /// Layout and unit of each section.
+    pub sections: Vec<String>,
+    /// Parameters of the computation.
+    pub parameters: Parameters,
+    /// Error against the f64 reference.
+    pub measured_error: MeasuredError,
+    /// BLAKE3 of the sections, hexadecimal.
+    pub checksum: String,
+    /// The command that makes this pack.
+    pub command: String,
+}
+
+/// Parameters of the computation that are not axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Parameters {
+    /// Quadrature nodes a smooth piece of a ray.
+    pub nodes_per_piece: usize,
+    /// Exponent q of the weights of the fit.
+    pub weight_exponent: f64,
+    /// Geometries in the training set of the basis.
+    pub training_geometries: usize,
+    /// Alternating-least-squares iterations.
+    pub fit_iterations: usize,
+    /// Log scale that stands for no light.
+    pub dark_log_scale: f64,
+}
+
+/// What decides a pack's content, before it is made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PackParameters {
+    /// Turbidity at sea level.
+    pub turbidity: f64,
+    /// Orders of scattering.
+    pub scattering: Scattering,
+    /// Sample points.
+    pub axes: TableAxes,
+    /// M.
+    pub basis_count: usize,
+    /// Geometries in the training set.
+    pub training_geometries: usize,
+    /// Alternating-least-squares iterations.
+    pub fit_iterations: usize,
+}
+
+impl PackParameters {
+    /// The manifest of a finished pack.
+    pub fn manifest(&self, measured_error: MeasuredError, checksum: String) -> Manifest {
+        Manifest {
+            format_version: FORMAT_VERSION,
+            model_version: MODEL_VERSION,
+            turbidity: self.turbidity,
+            scattering: self.scattering,
+            bands_nm: Band::ALL.map(Band::wavelength_nm).to_vec(),
+            lobes: Lobe::ALL.map(|lobe| lobe.name().to_owned()).to_vec(),
+            azimuth_count: AZIMUTH_COUNT,
+            elevation_count: ELEVATION_COUNT,
+            axes: self.axes.clone(),
+            basis_count: self.basis_count,
+            equation: "b = exp(log_scale) * sum_k shape_k * B_k  [m-2 sr-1], radiance per watt of upward \
+                       flux; F[B_k](f) = sum_i B_k(theta_i) cos(2 pi f i / 256)"
+                .to_owned(),
+            sections: vec![
+                "log_scale f32 [observer_altitude][lobe][band][distance][offset], ln(m-2 sr-1)".to_owned(),
+                "shape f16 [observer_altitude][lobe][band][distance][offset][basis], 1".to_owned(),
+                "basis_spectrum f32 [basis][elevation][frequency 0..=128], 1".to_owned(),
+            ],
+            parameters: Parameters {
+                nodes_per_piece: NODES_PER_PIECE,
+                weight_exponent: WEIGHT_EXPONENT,
+                training_geometries: self.training_geometries,
+                fit_iterations: self.fit_iterations,
+                dark_log_scale: DARK_LOG_SCALE,
+            },
+            measured_error,
+            checksum,
+            command: format!(
+                "skyglow precompute --turbidity {} --scattering single --basis {}",
+                self.turbidity, self.basis_count
+            ),
+        }
+    }
+}

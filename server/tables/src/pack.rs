@@ -1,0 +1,280 @@
+//! The pack file: a readable manifest and three compressed sections, checked before use.
+//!
+//! Layout: magic, manifest length (u64 LE), manifest (JSON), then each section as length (u64 LE) and a zstd
+//! frame of its bytes with equal byte positions side by side, and at the end the BLAKE3 of all before it.
+//! The manifest lies beside the pack as `.json` too; the two must agree.
+
+use crate::{
+    axes::{OffsetAxis, lagrange_taps},
+    error::TablesError,
+    images::IMAGE_COUNT,
+    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest},
+    resident::{FREQUENCY_COUNT, ResidentTables},
+};
+use half::f16;
+use rayon::prelude::*;
+use skyglow_physics::ELEVATION_COUNT;
+use std::{
+    fs::File,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+const MAGIC: &[u8; 8] = b"SKYGLOW\x01";
+const HASH_LEN: usize = 32;
+/// File name ending of packs.
+pub const PACK_EXTENSION: &str = "skyglow";
+
+/// One turbidity's tables at their own sample points.
+#[derive(Clone, Debug)]
+pub struct Pack {
+    manifest: Manifest,
+    /// ln scale, `[observer_altitude][lobe][band][distance][offset]`.
+    pub(crate) log_scale: Vec<f32>,
+    /// Shape coefficients, the same with `[basis]` last.
+    pub(crate) shape: Vec<f16>,
+    /// `[basis][elevation][frequency]`.
+    pub(crate) basis_spectrum: Vec<f32>,
+}
+
+/// Packs in a folder, by file name.
+///
+/// # Errors
+/// [`TablesError::Io`] when the folder cannot be read.
+pub fn packs_in(folder: &Path) -> Result<Vec<PathBuf>, TablesError> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(TablesError::io(folder))? {
+        let path = entry.map_err(TablesError::io(folder))?.path();
+        if path.extension().is_some_and(|extension| extension == PACK_EXTENSION) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// File name of a pack, without folder.
+pub fn pack_file_name(turbidity: f64) -> String {
+    format!("turbidity-{turbidity:.2}-single.{PACK_EXTENSION}")
+}
+
+/// Equal byte positions of `width`-byte values side by side: smooth tables then compress.
+fn shuffle(bytes: &[u8], width: usize) -> Vec<u8> {
+    let count = bytes.len() / width;
+    (0..width).flat_map(|byte| (0..count).map(move |i| bytes[i * width + byte])).collect()
+}
+
+fn unshuffle(bytes: &[u8], width: usize) -> Vec<u8> {
+    let count = bytes.len() / width;
+    (0..count).flat_map(|i| (0..width).map(move |byte| bytes[byte * count + i])).collect()
+}
+
+impl Pack {
+    /// From computed parts; the manifest's checksum is set here.
+    pub(crate) fn from_parts(
+        mut manifest: Manifest,
+        log_scale: Vec<f32>,
+        shape: Vec<f16>,
+        basis_spectrum: Vec<f32>,
+    ) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(bytemuck::cast_slice(&log_scale));
+        hasher.update(bytemuck::cast_slice(&shape));
+        hasher.update(bytemuck::cast_slice(&basis_spectrum));
+        manifest.checksum = hasher.finalize().to_hex().to_string();
+        Self { manifest, log_scale, shape, basis_spectrum }
+    }
+
+    /// What the pack is.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    pub(crate) fn manifest_mut(&mut self) -> &mut Manifest {
+        &mut self.manifest
+    }
+
+    /// Writes the pack and its manifest to a folder, each under a temporary name that is renamed when it is
+    /// whole and on disk. Returns the pack's path.
+    ///
+    /// # Errors
+    /// [`TablesError`] naming the file.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, TablesError> {
+        let path = folder.join(pack_file_name(self.manifest.turbidity));
+        let json = serde_json::to_vec_pretty(&self.manifest)
+            .map_err(|error| TablesError::Manifest { path: path.clone(), reason: error.to_string() })?;
+        let mut bytes = Vec::new();
+        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(&(json.len() as u64).to_le_bytes());
+        bytes.extend_from_slice(&json);
+        let sections: [(&[u8], usize); 3] = [
+            (bytemuck::cast_slice(&self.log_scale), 4),
+            (bytemuck::cast_slice(&self.shape), 2),
+            (bytemuck::cast_slice(&self.basis_spectrum), 4),
+        ];
+        for (section, width) in sections {
+            let packed =
+                zstd::bulk::compress(&shuffle(section, width), 19).map_err(TablesError::io(&path))?;
+            bytes.extend_from_slice(&(packed.len() as u64).to_le_bytes());
+            bytes.extend_from_slice(&packed);
+        }
+        bytes.extend_from_slice(blake3::hash(&bytes).as_bytes());
+        write_atomically(&path, &bytes)?;
+        write_atomically(&path.with_extension("json"), &[json.as_slice(), b"\n"].concat())?;
+        Ok(path)
+    }
+
+    /// Reads and checks a pack: magic, format, checksum, manifest, lengths, finite values.
+    ///
+    /// # Errors
+    /// [`TablesError::Refused`] naming the file and what is wrong with it.
+    pub fn open(path: &Path) -> Result<Self, TablesError> {
+        let bytes = std::fs::read(path).map_err(TablesError::io(path))?;
+        let refused = |reason: String| TablesError::Refused { path: path.to_owned(), reason };
+        if bytes.len() < MAGIC.len() + 8 + HASH_LEN || &bytes[..MAGIC.len()] != MAGIC {
+            return Err(refused("not a skyglow pack, or cut off at its start".to_owned()));
+        }
+        let (body, hash) = bytes.split_at(bytes.len() - HASH_LEN);
+        if blake3::hash(body).as_bytes() != hash {
+            return Err(refused(
+                "its checksum does not fit its content: it is truncated or altered; make it again with \
+                 `skyglow precompute`"
+                    .to_owned(),
+            ));
+        }
+        let mut rest = &body[MAGIC.len()..];
+        let mut take = |what: &str| -> Result<&[u8], TablesError> {
+            let cut_off = || refused(format!("{what} is cut off"));
+            let (length, tail) = rest.split_first_chunk::<8>().ok_or_else(cut_off)?;
+            let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| cut_off())?;
+            let (section, tail) = tail.split_at_checked(length).ok_or_else(cut_off)?;
+            rest = tail;
+            Ok(section)
+        };
+        let manifest: Manifest = serde_json::from_slice(take("the manifest")?)
+            .map_err(|error| refused(format!("its manifest cannot be read: {error}")))?;
+        if manifest.format_version != FORMAT_VERSION || manifest.model_version != MODEL_VERSION {
+            return Err(refused(format!(
+                "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION}",
+                manifest.format_version, manifest.model_version
+            )));
+        }
+        let nodes = manifest.axes.observer_altitude_m.len()
+            * IMAGE_COUNT
+            * manifest.axes.geometries_per_observer();
+        let mut section = |what: &str, count: usize, width: usize| -> Result<Vec<u8>, TablesError> {
+            let raw = zstd::bulk::decompress(take(what)?, count * width)
+                .map_err(|error| refused(format!("{what} cannot be unpacked: {error}")))?;
+            if raw.len() != count * width {
+                return Err(refused(format!("{what} has {} bytes instead of {}", raw.len(), count * width)));
+            }
+            Ok(unshuffle(&raw, width))
+        };
+        let log_scale = bytemuck::pod_collect_to_vec::<u8, _>(&section("log_scale", nodes, 4)?);
+        let shape = bytemuck::pod_collect_to_vec::<u8, _>(&section("shape", nodes * manifest.basis_count, 2)?);
+        let spectrum_len = manifest.basis_count * ELEVATION_COUNT * FREQUENCY_COUNT;
+        let basis_spectrum = bytemuck::pod_collect_to_vec::<u8, _>(&section("basis_spectrum", spectrum_len, 4)?);
+        let checksum = manifest.checksum.clone();
+        let pack = Self::from_parts(manifest, log_scale, shape, basis_spectrum);
+        if pack.manifest.checksum != checksum {
+            return Err(refused("its data are not those of its manifest".to_owned()));
+        }
+        check_beside(path, &pack.manifest)?;
+        let finite = pack.log_scale.iter().chain(&pack.basis_spectrum).all(|v| v.is_finite())
+            && pack.shape.iter().all(|v| v.is_finite());
+        if finite { Ok(pack) } else { Err(refused("it holds values that are not finite".to_owned())) }
+    }
+
+    /// The pack on the rings of a polar grid: cubic interpolation in ln r at constant fractional offset node.
+    pub fn resident(&self, ring_distance_m: &[f64]) -> ResidentTables {
+        let axes = &self.manifest.axes;
+        let (distances, offsets) = (axes.distance_m.len(), axes.offset_count);
+        let count = self.manifest.basis_count;
+        let log_distance: Vec<f64> = axes.distance_m.iter().map(|d| d.ln()).collect();
+        let taps: Vec<Vec<(usize, f64)>> =
+            ring_distance_m.iter().map(|d| lagrange_taps(&log_distance, d.ln(), 4)).collect();
+        let rings = ring_distance_m.len();
+        let mut log_scale = vec![0.0f32; self.log_scale.len() / distances * rings];
+        log_scale
+            .par_chunks_exact_mut(rings * offsets)
+            .zip(self.log_scale.par_chunks_exact(distances * offsets))
+            .for_each(|(out, table)| {
+                for (ring, taps) in taps.iter().enumerate() {
+                    for offset in 0..offsets {
+                        let sum: f64 =
+                            taps.iter().map(|&(d, w)| w * f64::from(table[d * offsets + offset])).sum();
+                        out[ring * offsets + offset] = sum as f32;
+                    }
+                }
+            });
+        let row = offsets * count;
+        let mut shape = vec![f16::ZERO; self.shape.len() / distances * rings];
+        shape
+            .par_chunks_exact_mut(rings * row)
+            .zip(self.shape.par_chunks_exact(distances * row))
+            .for_each(|(out, table)| {
+                let table: Vec<f32> = table.iter().map(|v| v.to_f32()).collect();
+                let mut sum = vec![0.0f32; row];
+                for (ring, taps) in taps.iter().enumerate() {
+                    sum.fill(0.0);
+                    for &(d, w) in taps {
+                        let w = w as f32;
+                        for (sum, value) in sum.iter_mut().zip(&table[d * row..(d + 1) * row]) {
+                            *sum += w * value;
+                        }
+                    }
+                    for (out, &sum) in out[ring * row..(ring + 1) * row].iter_mut().zip(&sum) {
+                        *out = f16::from_f32(sum);
+                    }
+                }
+            });
+        ResidentTables {
+            turbidity: self.manifest.turbidity,
+            checksum: self.manifest.checksum.clone(),
+            observer_altitude_m: axes.observer_altitude_m.clone(),
+            offset_count: offsets,
+            offset_axis: ring_distance_m.iter().map(|&d| OffsetAxis::at_distance(d, offsets)).collect(),
+            ring_distance_m: ring_distance_m.to_vec(),
+            basis_count: count,
+            log_scale,
+            shape,
+            basis_spectrum: self.basis_spectrum.clone(),
+        }
+    }
+}
+
+/// The manifest beside a pack must be the pack's own.
+fn check_beside(path: &Path, manifest: &Manifest) -> Result<(), TablesError> {
+    let beside = path.with_extension("json");
+    let text = match std::fs::read(&beside) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(TablesError::io(&beside)(error)),
+    };
+    match serde_json::from_slice::<Manifest>(&text) {
+        Ok(other) if &other == manifest => Ok(()),
+        Ok(_) => Err(TablesError::Refused {
+            path: path.to_owned(),
+            reason: format!("{} describes another pack", beside.display()),
+        }),
+        Err(error) => Err(TablesError::Manifest { path: beside, reason: error.to_string() }),
+    }
+}
+
+/// Writes under a temporary name, flushes to disk, renames.
+pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), TablesError> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".tmp");
+    let temporary = path.with_file_name(name);
+    let write = || -> std::io::Result<()> {
+        let mut file = File::create(&temporary)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        std::fs::rename(&temporary, path)
+    };
+    write().map_err(|error| {
+        // Best effort: the error that matters is the first one.
+        let _ = std::fs::remove_file(&temporary);
+        TablesError::io(path)(error)
+    })
+}

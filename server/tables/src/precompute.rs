@@ -1,0 +1,263 @@
+//! Making a pack: training images → basis → every node's images projected on it → file.
+//!
+//! Images are not kept: each (observer altitude, distance) part is computed, projected and stored, so memory
+//! stays small, a killed run goes on, and the result does not depend on threads or interruptions (every part
+//! is computed by one thread in a fixed order).
+
+use crate::{
+    axes::{OffsetAxis, TableAxes},
+    checkpoint::Checkpoint,
+    error::TablesError,
+    fit::{Basis, Projector, fit_basis, sample_weights},
+    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node},
+    manifest::{MeasuredError, PackParameters, Scattering},
+    measure::measure_error,
+    pack::Pack,
+    spectrum::even_spectrum,
+};
+use half::f16;
+use rayon::prelude::*;
+use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Turbidity};
+use std::path::{Path, PathBuf};
+
+/// Watches a precompute.
+pub trait Progress: Sync {
+    /// A stage begins, with this many steps.
+    fn begin(&self, stage: &str, steps: u64);
+    /// Some steps are done.
+    fn advance(&self, steps: u64);
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _stage: &str, _steps: u64) {}
+    fn advance(&self, _steps: u64) {}
+}
+
+/// What to make.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrecomputeOptions {
+    /// Turbidity of the pack.
+    pub turbidity: Turbidity,
+    /// Sample points.
+    pub axes: TableAxes,
+    /// M, a multiple of 4.
+    pub basis_count: usize,
+    /// Geometries in the training set of the basis; each gives nine images.
+    pub training_geometries: usize,
+    /// Alternating-least-squares iterations.
+    pub fit_iterations: usize,
+    /// Sources on which the error is measured.
+    pub error_sources: usize,
+}
+
+/// M of the packs that come with the program.
+pub const DEFAULT_BASIS_COUNT: usize = 64;
+
+impl PrecomputeOptions {
+    /// A pack like those that come with the program.
+    pub fn full(turbidity: Turbidity) -> Self {
+        Self {
+            turbidity,
+            axes: TableAxes::full(),
+            basis_count: DEFAULT_BASIS_COUNT,
+            training_geometries: 200,
+            fit_iterations: 6,
+            error_sources: 160,
+        }
+    }
+
+    /// A pack made in seconds, for tests of everything but accuracy.
+    pub fn coarse(turbidity: Turbidity) -> Self {
+        Self {
+            turbidity,
+            axes: TableAxes::coarse(),
+            basis_count: 16,
+            training_geometries: 12,
+            fit_iterations: 1,
+            error_sources: 4,
+        }
+    }
+
+    fn parameters(&self) -> PackParameters {
+        PackParameters {
+            turbidity: self.turbidity.value(),
+            scattering: Scattering::Single,
+            axes: self.axes.clone(),
+            basis_count: self.basis_count,
+            training_geometries: self.training_geometries,
+            fit_iterations: self.fit_iterations,
+        }
+    }
+}
+
+/// Makes a pack in `out` and returns its path; goes on from what an earlier, killed run left there.
+///
+/// # Errors
+/// [`TablesError`] naming the file or the step.
+pub fn precompute(
+    options: &PrecomputeOptions,
+    out: &Path,
+    progress: &dyn Progress,
+) -> Result<PathBuf, TablesError> {
+    std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
+    let parameters = options.parameters();
+    let checkpoint = Checkpoint::open(out, &parameters)?;
+    let atmosphere = Atmosphere::new(options.turbidity);
+    let basis = make_basis(options, &atmosphere, &checkpoint, progress)?;
+    let projector = Projector::new(&basis);
+    let (observers, distances) = (options.axes.observer_altitude_m.len(), options.axes.distance_m.len());
+    progress.begin("sky images", (observers * distances) as u64);
+    let parts: Vec<Vec<f32>> = (0..observers * distances)
+        .into_par_iter()
+        .map(|part| {
+            let (observer, distance) = (part / distances, part % distances);
+            let name = format!("part-{observer:02}-{distance:03}");
+            let values = match checkpoint.load(&name) {
+                Some(values) if values.len() == part_len(options) => values,
+                _ => {
+                    let values = make_part(options, &atmosphere, &projector, observer, distance)?;
+                    checkpoint.store(&name, &values)?;
+                    values
+                }
+            };
+            progress.advance(1);
+            Ok(values)
+        })
+        .collect::<Result<_, TablesError>>()?;
+    let (log_scale, shape) = arrange(options, &parts);
+    let none = MeasuredError { sources: 0, samples: 0, mean: 0.0, p99: 0.0, zenith_mean: 0.0 };
+    let mut pack = Pack::from_parts(
+        parameters.manifest(none, String::new()),
+        log_scale,
+        shape,
+        even_spectrum(&basis.functions),
+    );
+    progress.begin("measuring the error", options.error_sources as u64);
+    let measured = measure_error(&pack, &basis, options.error_sources, &|| progress.advance(1));
+    pack.manifest_mut().measured_error = measured;
+    let path = pack.write(out)?;
+    checkpoint.finish()?;
+    Ok(path)
+}
+
+/// Node geometries spread evenly over the axes (additive recurrence), sources below the sea or too high left
+/// out.
+fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
+    let axes = &options.axes;
+    let counts = [axes.observer_altitude_m.len(), axes.distance_m.len(), axes.offset_count];
+    let mut nodes = Vec::with_capacity(options.training_geometries);
+    for i in 1..100 * options.training_geometries {
+        // Powers of 1/1.2207…, the three-dimensional golden ratio.
+        let spread =
+            |k: usize| ((i as f64 * [0.819_172_5, 0.671_043_6, 0.549_700_5][k] + 0.3).fract() * counts[k] as f64) as usize;
+        let node = (spread(0), spread(1), spread(2));
+        let altitude_m = axes.source_altitude_m(node.0, node.1, node.2);
+        if (-600.0..=6_500.0).contains(&altitude_m) {
+            nodes.push(node);
+        }
+        if nodes.len() == options.training_geometries {
+            break;
+        }
+    }
+    nodes
+}
+
+fn make_basis(
+    options: &PrecomputeOptions,
+    atmosphere: &Atmosphere,
+    checkpoint: &Checkpoint,
+    progress: &dyn Progress,
+) -> Result<Basis, TablesError> {
+    let count = options.basis_count;
+    if let Some(functions) = checkpoint.load("basis").filter(|f| f.len() == count * PIXEL_COUNT) {
+        return Ok(Basis { count, functions });
+    }
+    let nodes = training_nodes(options);
+    progress.begin("training images", nodes.len() as u64);
+    let shapes: Vec<Vec<f32>> = nodes
+        .par_iter()
+        .map(|&(observer, distance, offset)| {
+            let images = images_at_node(atmosphere, &options.axes, observer, distance, offset);
+            progress.advance(1);
+            images
+        })
+        .collect::<Vec<SourceImages>>()
+        .into_iter()
+        .flat_map(|images| images.shape.chunks_exact(PIXEL_COUNT).map(<[f32]>::to_vec).collect::<Vec<_>>())
+        .collect();
+    progress.begin("basis fit", options.fit_iterations as u64 + 1);
+    let basis = fit_basis(&shapes, count, options.fit_iterations, &|| progress.advance(1))?;
+    checkpoint.store("basis", &basis.functions)?;
+    Ok(basis)
+}
+
+/// Numbers of one part: for each offset and image a log scale and M coefficients.
+fn part_len(options: &PrecomputeOptions) -> usize {
+    options.axes.offset_count * IMAGE_COUNT * (1 + options.basis_count)
+}
+
+/// One part, `[offset][lobe][band][1 + basis]`.
+fn make_part(
+    options: &PrecomputeOptions,
+    atmosphere: &Atmosphere,
+    projector: &Projector,
+    observer: usize,
+    distance: usize,
+) -> Result<Vec<f32>, TablesError> {
+    let mut values = Vec::with_capacity(part_len(options));
+    let mut previous: Option<(f64, Vec<f32>)> = None;
+    for offset in 0..options.axes.offset_count {
+        // Nodes outside the range of source altitudes repeat the last one inside.
+        let altitude_m = options.axes.source_altitude_m(observer, distance, offset);
+        if let Some((_, same)) = previous.as_ref().filter(|(other, _)| *other == altitude_m) {
+            values.extend_from_slice(same);
+            continue;
+        }
+        let images = images_at_node(atmosphere, &options.axes, observer, distance, offset);
+        let start = values.len();
+        for lobe in 0..LOBE_COUNT {
+            let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
+            // The green image's weights serve all three bands: a third of the normal equations, and the mean
+            // error rises by a tenth of itself.
+            let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
+            let rows = projector.project(&sample_weights(shapes[1]), &shapes)?;
+            for (band, row) in rows.into_iter().enumerate() {
+                values.push(images.log_scale[image_index(lobe, band)] as f32);
+                values.extend(row.into_iter().map(|c| c as f32));
+            }
+        }
+        previous = Some((altitude_m, values[start..].to_vec()));
+    }
+    Ok(values)
+}
+
+/// Parts `[observer][distance]` of `[offset][image][1 + basis]` → pack sections
+/// `[observer][image][distance][offset]` and the same with `[basis]`.
+fn arrange(options: &PrecomputeOptions, parts: &[Vec<f32>]) -> (Vec<f32>, Vec<f16>) {
+    let (distances, offsets) = (options.axes.distance_m.len(), options.axes.offset_count);
+    let record = 1 + options.basis_count;
+    let mut log_scale = Vec::new();
+    let mut shape = Vec::new();
+    for observer in 0..options.axes.observer_altitude_m.len() {
+        for image in 0..IMAGE_COUNT {
+            for distance in 0..distances {
+                for offset in 0..offsets {
+                    let start = (offset * IMAGE_COUNT + image) * record;
+                    let values = &parts[observer * distances + distance][start..start + record];
+                    log_scale.push(values[0]);
+                    shape.extend(values[1..].iter().map(|&c| f16::from_f32(c)));
+                }
+            }
+        }
+    }
+    (log_scale, shape)
+}
+
+/// The offset axis of a pack's distance, for checks.
+pub(crate) fn offset_axis(axes: &TableAxes, distance_m: f64) -> OffsetAxis {
+    OffsetAxis::at_distance(distance_m, axes.offset_count)
+}
