@@ -85,6 +85,9 @@ class Viewer {
       this.scenes = scenes;
       this.controls.set_scenes(scenes);
       this.controls.set_atmospheres(atmospheres);
+      if (scenes.length === 0) {
+        this.notice.show(new Error("This server has no scene yet. Add one: skyglow ingest RADIANCE.tif --terrain TERRAIN.tif"));
+      }
     } catch (reason) {
       this.notice.show(reason);
     }

@@ -32,8 +32,8 @@ function answer(query) {
   const place = { latitude_deg: Number(query.get("lat")), longitude_deg: Number(query.get("lon")) };
   const turbidity = Number(query.get("turbidity") ?? 2.5);
   const lamp = LAMPS[query.get("lamp") ?? "mixed"];
-  if (lamp === undefined) return { errors: [{ parameter: "lamp", value: query.get("lamp"), allowed: Object.keys(LAMPS).join(", ") }] };
-  if (!(turbidity >= 1.5 && turbidity <= 6)) return { errors: [{ parameter: "turbidity", value: String(turbidity), allowed: "1.5 to 6" }] };
+  if (lamp === undefined) return { errors: [{ parameter: "lamp", value: query.get("lamp"), allowed: Object.keys(LAMPS).join(", "), message: "is not allowed" }] };
+  if (!(turbidity >= 1.5 && turbidity <= 6)) return { errors: [{ parameter: "turbidity", value: String(turbidity), allowed: "1.5 to 6", message: "is out of range" }] };
   const sky = radiance(place, turbidity, lamp);
   return {
     sky,
@@ -76,7 +76,7 @@ function api(path, query, response) {
   }
   const tiles = /^scenes\/demo\/tiles\/(radiance|elevation)\/(?:(\d+)\/(\d+)\/(\d+)\.png|tilejson\.json)$/.exec(path);
   if (tiles?.[2] === undefined && tiles !== null) {
-    return json({ tilejson: "3.0.0", tiles: [`http://127.0.0.1:${port}/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`], minzoom: 0, maxzoom: 9, bounds });
+    return json({ tilejson: "3.0.0", tiles: [`/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`], minzoom: 0, maxzoom: 9, bounds });
   }
   if (tiles !== null) {
     response.writeHead(200, { "content-type": "image/png" });

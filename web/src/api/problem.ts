@@ -39,10 +39,9 @@ export function plain_words(reason: unknown): PlainWords {
   const { problem } = reason;
   const sentences = problem.detail === undefined ? [] : [problem.detail];
   for (const error of problem.errors ?? []) {
-    const subject = [error.parameter, error.value === undefined ? undefined : `= ${String(error.value)}`].filter(Boolean).join(" ");
-    const rest = [error.message, error.allowed === undefined ? undefined : `allowed: ${error.allowed}`].filter(Boolean).join("; ");
-    const sentence = [subject, rest].filter(Boolean).join(": ");
-    if (sentence !== "" && sentence !== problem.detail) sentences.push(sentence);
+    const value = error.value === undefined || error.value === null ? "" : ` = ${error.value}`;
+    const sentence = `${error.parameter}${value}: ${error.message}. Allowed: ${error.allowed}.`;
+    if (sentence !== problem.detail) sentences.push(sentence);
   }
   return { headline: reason.message, sentences };
 }

@@ -91,6 +91,6 @@ export interface Problem {
   title?: string;
   status?: number;
   detail?: string;
-  errors?: { parameter?: string; value?: unknown; allowed?: string; message?: string }[];
+  errors?: { parameter: string; value?: string | null; allowed: string; message: string }[];
   bounds?: Bounds;
 }

@@ -49,6 +49,8 @@ export class SkyMap {
       pitchWithRotate: false,
       touchPitch: false,
       attributionControl: false,
+      // A TileJSON may name its tiles relative to the server; the worker that asks for them has no such base.
+      transformRequest: (url) => ({ url: new URL(url, document.baseURI).href }),
       locale: { "Map.Title": "Map. Arrow keys move it, plus and minus zoom, Enter picks the place in the middle." },
     });
     this.map.touchZoomRotate.disableRotation();

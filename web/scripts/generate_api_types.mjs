@@ -1,0 +1,97 @@
+// Writes src/api/schema.ts from the server's OpenAPI document, so that the viewer spells no path, parameter or
+// field by hand. Plain Node, no packages.
+//   node scripts/generate_api_types.mjs          writes
+//   node scripts/generate_api_types.mjs check    fails when the written file is not what the document gives
+import { readFileSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const web = dirname(dirname(fileURLToPath(import.meta.url)));
+const document_path = join(web, "..", "server", "http", "openapi.json");
+const target_path = join(web, "src", "api", "schema.ts");
+
+const identifier = (name) => name.replace(/[^A-Za-z0-9_]/g, "_");
+const key = (name) => (/^[A-Za-z_][A-Za-z0-9_]*$/.test(name) ? name : JSON.stringify(name));
+const indent = (text) => text.replace(/\n/g, "\n  ");
+const comment = (text) => (text ? `/** ${text.trim().replace(/\*\//g, "* /").replace(/\s*\n\s*/g, " ")} */\n` : "");
+const unique = (types) => [...new Set(types)].join(" | ");
+const in_array = (type) => (/[|&]/.test(type) ? `(${type})` : type);
+
+function type_of(schema) {
+  if (schema === undefined || schema === true || Object.keys(schema).length === 0) return "unknown";
+  if (schema.$ref !== undefined) return identifier(schema.$ref.split("/").pop());
+  if (schema.const !== undefined) return JSON.stringify(schema.const);
+  if (schema.enum !== undefined) return unique(schema.enum.map((value) => JSON.stringify(value)));
+  for (const name of ["oneOf", "anyOf"]) if (schema[name] !== undefined) return unique(schema[name].map(type_of));
+  if (schema.allOf !== undefined) {
+    const own = schema.properties === undefined ? [] : [object_of(schema)];
+    return [...schema.allOf.map(type_of), ...own].map(in_array).join(" & ");
+  }
+  if (Array.isArray(schema.type)) return unique(schema.type.map((type) => type_of({ ...schema, type })));
+  switch (schema.type) {
+    case "array": {
+      if (schema.prefixItems !== undefined) return `[${schema.prefixItems.map(type_of).join(", ")}]`;
+      const item = in_array(type_of(schema.items));
+      const fixed = schema.minItems !== undefined && schema.minItems === schema.maxItems && schema.minItems <= 8;
+      return fixed ? `[${new Array(schema.minItems).fill(item).join(", ")}]` : `${item}[]`;
+    }
+    case "integer":
+    case "number":
+      return "number";
+    case "boolean":
+    case "string":
+    case "null":
+      return schema.type;
+    default:
+      return object_of(schema);
+  }
+}
+
+function object_of(schema) {
+  const required = new Set(schema.required ?? []);
+  const fields = Object.entries(schema.properties ?? {}).map(
+    ([name, field]) => `${comment(field.description)}${key(name)}${required.has(name) ? "" : "?"}: ${type_of(field)};`,
+  );
+  if (fields.length > 0) return `{\n  ${indent(fields.join("\n"))}\n}`;
+  return schema.additionalProperties ? `Record<string, ${type_of(schema.additionalProperties)}>` : "Record<string, unknown>";
+}
+
+function parameters_of(operation, place, document) {
+  const parameters = (operation.parameters ?? [])
+    .map((parameter) => (parameter.$ref === undefined ? parameter : document.components.parameters[parameter.$ref.split("/").pop()]))
+    .filter((parameter) => parameter.in === place);
+  return type_of({
+    type: "object",
+    properties: Object.fromEntries(parameters.map(({ name, schema, description }) => [name, { ...schema, description }])),
+    required: parameters.filter(({ required }) => required).map(({ name }) => name),
+  });
+}
+
+function text_of(document) {
+  const parts = ["// Made from server/http/openapi.json by scripts/generate_api_types.mjs; do not edit."];
+  for (const [name, schema] of Object.entries(document.components?.schemas ?? {}).sort(([a], [b]) => (a < b ? -1 : 1))) {
+    parts.push(`${comment(schema.description)}export type ${identifier(name)} = ${type_of(schema)};`);
+  }
+  const gets = Object.entries(document.paths)
+    .filter(([, item]) => item.get !== undefined)
+    .sort(([a], [b]) => (a < b ? -1 : 1))
+    .map(([path, { get }]) => {
+      const content = get.responses?.["200"]?.content ?? {};
+      const answer = content["application/json"] === undefined ? "Blob" : type_of(content["application/json"].schema);
+      const fields = [`path: ${parameters_of(get, "path", document)};`, `query: ${parameters_of(get, "query", document)};`, `answer: ${answer};`];
+      return `${comment(get.summary)}${JSON.stringify(path)}: {\n  ${indent(fields.join("\n"))}\n};`;
+    });
+  parts.push(`/** Everything that GET answers: by path, what it takes and what comes back. */\nexport interface Gets {\n  ${indent(gets.join("\n"))}\n}`);
+  return `${parts.join("\n\n")}\n`;
+}
+
+const made = text_of(JSON.parse(readFileSync(document_path, "utf8")));
+if (process.argv[2] === "check") {
+  if (readFileSync(target_path, "utf8") !== made) {
+    console.error("src/api/schema.ts is not what server/http/openapi.json gives. Write it again: node scripts/generate_api_types.mjs");
+    process.exit(1);
+  }
+  console.log("src/api/schema.ts is what server/http/openapi.json gives");
+} else {
+  writeFileSync(target_path, made);
+}
