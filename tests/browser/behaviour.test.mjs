@@ -246,3 +246,23 @@ test("the viewer works under a policy that allows nothing but its own server", a
   assert.deepEqual(violations, []);
   await context.close();
 });
+
+test("without WebGL the viewer says so, and the search box still shows skies", async () => {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  await page.addInitScript(() => {
+    const own = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+      return kind.startsWith("webgl") ? null : own.call(this, kind, ...rest);
+    };
+  });
+  await page.goto(`${SERVER}/#scene=${here.scene.id}`);
+  await page.getByRole("alert").getByText("The map cannot be drawn here").waitFor();
+  const { latitude_deg, longitude_deg } = here.beside;
+  await page.locator("#search").fill(`${latitude_deg}, ${longitude_deg}`);
+  await page.keyboard.press("Enter");
+  await sky_shown(page);
+  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.beside));
+  await shot(page, "no-webgl");
+  await context.close();
+});
