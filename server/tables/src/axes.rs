@@ -80,9 +80,9 @@ impl TableAxes {
     /// Few points, made in seconds: for tests of everything but accuracy.
     pub fn coarse() -> Self {
         Self {
-            distance_m: logarithmic(12),
-            observer_altitude_m: vec![0.0, 1_500.0, 6_000.0],
-            offset_count: 5,
+            distance_m: logarithmic(10),
+            observer_altitude_m: vec![0.0, 6_000.0],
+            offset_count: 4,
         }
     }
 

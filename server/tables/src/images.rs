@@ -103,7 +103,8 @@ mod tests {
     #[test]
     fn an_image_over_its_mean_has_mean_one_and_is_brightest_towards_its_source() {
         let atmosphere = Atmosphere::new(Turbidity::default());
-        let images = images_at_node(&atmosphere, &TableAxes::coarse(), 0, 6, 3);
+        let geometry = SourceGeometry { distance_m: 20_000.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
+        let images = images_of(&atmosphere, &geometry);
         let mean: f64 = (0..PIXEL_COUNT)
             .map(|p| pixel_weight(p / HALF_COLUMN_COUNT, p % HALF_COLUMN_COUNT) * f64::from(images.shape[p]))
             .sum();

@@ -1,0 +1,124 @@
+//! Packs as files: made, killed and resumed, the same bytes every time, refused when damaged.
+
+use skyglow_physics::Turbidity;
+use skyglow_tables::{Pack, PrecomputeOptions, Progress, Silent, TablesError, packs_in, precompute};
+use std::{
+    path::{Path, PathBuf},
+    sync::{
+        OnceLock,
+        atomic::{AtomicU64, Ordering},
+    },
+};
+
+fn options() -> PrecomputeOptions {
+    PrecomputeOptions::coarse(Turbidity::new(2.0).unwrap())
+}
+
+/// One pack made once for all tests.
+fn pack_bytes() -> &'static (Vec<u8>, Vec<u8>) {
+    static BYTES: OnceLock<(Vec<u8>, Vec<u8>)> = OnceLock::new();
+    BYTES.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = precompute(&options(), folder.path(), &Silent).unwrap();
+        (std::fs::read(&path).unwrap(), std::fs::read(path.with_extension("json")).unwrap())
+    })
+}
+
+fn place(folder: &Path, bytes: &[u8]) -> PathBuf {
+    let path = folder.join("turbidity-2.00-single.skyglow");
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn a_pack_reads_back_and_says_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pack, manifest) = pack_bytes();
+    let path = place(folder.path(), pack);
+    std::fs::write(path.with_extension("json"), manifest).unwrap();
+    assert_eq!(packs_in(folder.path()).unwrap(), vec![path.clone()]);
+    let pack = Pack::open(&path).unwrap();
+    assert_eq!(pack.manifest().turbidity, 2.0);
+    assert_eq!(pack.manifest().bands_nm, vec![680.0, 550.0, 440.0]);
+    assert!(pack.manifest().measured_error.samples > 100);
+    let rings = [250.0, 1_000.0, 77_000.0, 300_000.0];
+    let tables = pack.resident(&rings);
+    assert_eq!(tables.log_scale.len() * tables.basis_count, tables.shape.len());
+    // On the first and last sample distance the resident tables are the pack's own.
+    let farther = tables.node_index(0, 0, 1, 3, 2);
+    let nearer = tables.node_index(0, 0, 1, 0, 2);
+    assert!(tables.log_scale[nearer] > tables.log_scale[farther] + 5.0);
+}
+
+/// Panics after some steps, as a kill would stop the work.
+struct StopAfter(AtomicU64, u64);
+
+impl Progress for StopAfter {
+    fn begin(&self, _stage: &str, _steps: u64) {}
+    fn advance(&self, steps: u64) {
+        assert!(self.0.fetch_add(steps, Ordering::SeqCst) < self.1, "stopped on purpose");
+    }
+}
+
+#[test]
+fn a_killed_run_goes_on_and_ends_with_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    // 12 training images + 2 fit steps, then some of the 20 parts.
+    let stopped = std::panic::catch_unwind(|| {
+        precompute(&options(), folder.path(), &StopAfter(AtomicU64::new(0), 22))
+    });
+    assert!(stopped.is_err());
+    let partial = folder.path().join(".turbidity-2.00-single.partial");
+    let parts = || {
+        std::fs::read_dir(&partial)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| name.starts_with("part-") && !name.ends_with(".tmp"))
+            .count()
+    };
+    let kept = parts();
+    assert!(kept >= 4, "{kept} parts kept");
+    // A damaged part is made again.
+    let damaged = std::fs::read_dir(&partial)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .find(|path| path.file_name().unwrap().to_str().unwrap().starts_with("part-"))
+        .unwrap();
+    std::fs::write(&damaged, b"damaged").unwrap();
+    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let path = single.install(|| precompute(&options(), folder.path(), &Silent)).unwrap();
+    assert!(std::fs::read(&path).unwrap() == pack_bytes().0, "the packs differ");
+    assert!(!partial.exists());
+}
+
+fn refusal(bytes: &[u8]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    match Pack::open(&place(folder.path(), bytes)) {
+        Err(error @ TablesError::Refused { .. }) => error.to_string(),
+        other => panic!("not refused: {:?}", other.map(|pack| pack.manifest().turbidity)),
+    }
+}
+
+#[test]
+fn truncated_altered_and_foreign_packs_are_refused_by_name() {
+    let (pack, _) = pack_bytes();
+    for length in [0, 5, 40, pack.len() / 2, pack.len() - 1] {
+        assert!(refusal(&pack[..length]).contains("turbidity-2.00-single.skyglow"));
+    }
+    for position in [9, 600, pack.len() / 2, pack.len() - 3] {
+        let mut altered = pack.clone();
+        altered[position] ^= 0x10;
+        assert!(refusal(&altered).contains("truncated or altered"));
+    }
+    assert!(refusal(b"GIF89a, and then some more bytes to be long enough for a header").contains("not a skyglow pack"));
+}
+
+#[test]
+fn a_manifest_beside_a_pack_that_is_not_its_own_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pack, manifest) = pack_bytes();
+    let path = place(folder.path(), pack);
+    let other = String::from_utf8(manifest.clone()).unwrap().replace("\"turbidity\": 2.0", "\"turbidity\": 3.0");
+    std::fs::write(path.with_extension("json"), other).unwrap();
+    assert!(Pack::open(&path).unwrap_err().to_string().contains("another pack"));
+}
