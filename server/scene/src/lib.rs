@@ -9,6 +9,7 @@
 //! was measured.
 
 mod coverage;
+mod demo;
 mod error;
 mod gather;
 mod grid;
@@ -29,6 +30,7 @@ mod store;
 mod stored;
 mod terrain;
 
+pub use demo::{DEMO_ID, create_demo};
 pub use error::SceneError;
 pub use gather::FAR_BLOCK_RATIO;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};

@@ -1,0 +1,67 @@
+//! Measures ingest, opening, polar grids and tiles of a raster: `measure RADIANCE LAT LON [TERRAIN]...`.
+
+#![expect(clippy::expect_used, reason = "a measuring tool for developers stops at the first error")]
+
+use skyglow_physics::GeoPoint;
+use skyglow_scene::{IngestOptions, SceneStore, TileLayer, ingest};
+use std::time::Instant;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let number = |i: usize| arguments[i].parse::<f64>().expect("a number");
+    let place = GeoPoint::from_deg(number(2), number(3)).expect("a place");
+    let dir = tempfile::tempdir().expect("a folder");
+    let store = SceneStore::new(dir.path());
+    let mut options = IngestOptions::new(&arguments[1]);
+    options.terrain = arguments[4..].iter().map(Into::into).collect();
+    let start = Instant::now();
+    let metadata = ingest(&store, &options, &mut |_| {}).expect("an ingest");
+    println!("ingest {:.3} s", start.elapsed().as_secs_f64());
+    println!("{}", serde_json::to_string_pretty(&metadata).expect("JSON"));
+    for entry in std::fs::read_dir(store.scenes_dir().join(metadata.id.as_str())).expect("a scene") {
+        let entry = entry.expect("a file");
+        println!("  {:?} {} bytes", entry.file_name(), entry.metadata().expect("metadata").len());
+    }
+    let start = Instant::now();
+    let scene = store.open(&metadata.id).expect("a scene");
+    println!("open {:.1} ms, {} lit pixels", 1e3 * start.elapsed().as_secs_f64(), metadata.lit_pixels);
+    for ratio in [skyglow_scene::FAR_BLOCK_RATIO, 0.0] {
+        let start = Instant::now();
+        let rounds = 20;
+        for _ in 0..rounds {
+            std::hint::black_box(scene.polar_grid_with_ratio(place, ratio));
+        }
+        println!(
+            "polar grid at ratio {ratio:.4}: {:.2} ms",
+            1e3 * start.elapsed().as_secs_f64() / f64::from(rounds)
+        );
+    }
+    let start = Instant::now();
+    let coverage = scene.coverage(place);
+    println!("coverage {coverage:.4}: {:.2} ms", 1e3 * start.elapsed().as_secs_f64());
+    let pixels = scene.source_pixels_within(place, 300_000.0);
+    let sum: f64 = pixels.iter().map(|p| p.flux_dnb_w).sum();
+    let grid = scene.polar_grid(place);
+    let cells: f64 = grid.cells.iter().map(|c| f64::from(c.flux_dnb_w)).sum();
+    println!(
+        "{} pixels within 300 km, {} cells, flux {sum:.6e} W, error {:.1e}, of the cells {:.1e}",
+        pixels.len(),
+        grid.cells.len(),
+        grid.flux_dnb_w / sum - 1.0,
+        cells / sum - 1.0
+    );
+    for (layer, z) in [
+        (TileLayer::Radiance, 6u8),
+        (TileLayer::Radiance, 11),
+        (TileLayer::Elevation, 6),
+        (TileLayer::Elevation, 11),
+    ] {
+        let world = f64::from(1u32 << z);
+        let x = world * (place.longitude_deg() / 360.0 + 0.5);
+        let y = world * (0.5 - place.latitude_rad().tan().asinh() / std::f64::consts::TAU);
+        let start = Instant::now();
+        let tile = scene.tile(layer, z, x as u32, y as u32, 256).expect("a tile");
+        let valid = tile.has_data.iter().filter(|v| **v).count();
+        println!("tile {layer:?} {z}: {:.1} ms, {valid} with data", 1e3 * start.elapsed().as_secs_f64());
+    }
+}
