@@ -35,6 +35,11 @@ impl PacksFlags {
     pub(crate) fn folder(&self) -> PathBuf {
         self.packs.clone().unwrap_or_else(folders::default_packs_folder)
     }
+
+    /// The folder where one was named.
+    pub(crate) fn given(&self) -> Option<PathBuf> {
+        self.packs.clone()
+    }
 }
 
 /// What renders.

@@ -29,10 +29,16 @@ pub(crate) fn default_packs_folder() -> PathBuf {
     packs_folder(beside, Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../precomputed")), Path::is_dir)
 }
 
+/// `$SKYGLOW_PACKS`, else the packs that come with the program.
+pub(crate) fn packs_folder_in_force() -> PathBuf {
+    std::env::var_os("SKYGLOW_PACKS").map_or_else(default_packs_folder, PathBuf::from)
+}
+
 fn packs_folder(beside: Option<&Path>, source: &Path, is_folder: impl Fn(&Path) -> bool) -> PathBuf {
     let installed = beside.map(|folder| folder.join("precomputed"));
     let shared = beside.and_then(Path::parent).map(|prefix| prefix.join("share/skyglow/precomputed"));
-    let candidates: Vec<PathBuf> = [installed, shared, source.canonicalize().ok()].into_iter().flatten().collect();
+    let candidates: Vec<PathBuf> =
+        [installed, shared, source.canonicalize().ok()].into_iter().flatten().collect();
     candidates
         .iter()
         .find(|path| is_folder(path))

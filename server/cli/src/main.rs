@@ -9,6 +9,7 @@ mod flags;
 mod folders;
 mod logging;
 mod progress;
+mod report;
 mod settings;
 mod table;
 
@@ -21,7 +22,11 @@ use std::process::ExitCode;
 /// `serve` and `config` also read a TOML file of the same names; the environment wins over the file, and a
 /// flag over both.
 #[derive(Debug, Parser)]
-#[command(name = "skyglow", version, after_help = "Example:\n  skyglow serve\n  then open http://127.0.0.1:8080")]
+#[command(
+    name = "skyglow",
+    version,
+    after_help = "Example:\n  skyglow serve\n  then open http://127.0.0.1:8080"
+)]
 struct CommandLine {
     #[command(subcommand)]
     command: commands::Command,

@@ -8,8 +8,13 @@ use std::process::Stdio;
 #[test]
 fn help_and_version_succeed_on_standard_output() {
     let help = skyglow(&["--help"]).expect_status(0);
-    for name in ["serve", "ingest", "scenes", "precompute", "packs", "panorama", "sky", "reference", "config"] {
-        assert!(help.stdout.lines().any(|line| line.trim_start().starts_with(name)), "{name}: {}", help.stdout);
+    for name in ["serve", "ingest", "scenes", "precompute", "packs", "panorama", "sky", "reference", "config"]
+    {
+        assert!(
+            help.stdout.lines().any(|line| line.trim_start().starts_with(name)),
+            "{name}: {}",
+            help.stdout
+        );
         let own = skyglow(&[name, "--help"]).expect_status(0);
         assert!(own.stdout.contains("Example"), "{name}");
         assert_eq!(own.stderr, "");

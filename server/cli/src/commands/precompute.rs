@@ -1,0 +1,50 @@
+//! `skyglow precompute`: a table pack for one turbidity.
+
+use crate::{failure::Failure, folders, progress::Stages};
+use clap::Args;
+use skyglow_physics::Turbidity;
+use skyglow_tables::{PrecomputeOptions, precompute};
+use std::path::PathBuf;
+
+/// Make the table pack of one turbidity (minutes; goes on where a killed run stopped)
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs")]
+pub(crate) struct Precompute {
+    /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 thick haze
+    #[arg(long, env = "SKYGLOW_TURBIDITY", value_name = "T", value_parser = super::turbidity)]
+    turbidity: Turbidity,
+    /// Orders of scattering
+    #[arg(long, env = "SKYGLOW_SCATTERING", value_enum, default_value = "single")]
+    scattering: Scattering,
+    /// Folder of the pack and its manifest [default: where `serve` looks for packs]
+    #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of basis functions, a multiple of 4 [default: that of the packs that come with the program]
+    #[arg(long, env = "SKYGLOW_BASIS", value_name = "M", value_parser = multiple_of_4)]
+    basis: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Scattering {
+    /// First order alone
+    Single,
+}
+
+fn multiple_of_4(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 4..=256) if count % 4 == 0 => Ok(count),
+        _ => Err("allowed are multiples of 4 from 4 to 256".to_owned()),
+    }
+}
+
+impl Precompute {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let Scattering::Single = self.scattering;
+        let out = self.out.unwrap_or_else(folders::packs_folder_in_force);
+        let mut options = PrecomputeOptions::full(self.turbidity);
+        options.basis_count = self.basis.unwrap_or(options.basis_count);
+        let path = precompute(&options, &out, &Stages::new()).map_err(Failure::work)?;
+        super::print_line(&path.display().to_string())
+    }
+}
