@@ -1,8 +1,14 @@
 //! Choice of the executor.
 
 use crate::{
-    cpu::CpuExecutor, error::EngineError, executor::Executor, prepare::Prepared, request::DeviceChoice,
-    request::ExecutorKind, request::RenderRequest, synthetic, table_set::TableSet,
+    cpu::CpuExecutor,
+    error::EngineError,
+    executor::Executor,
+    gpu::{GpuExecutor, context::Context},
+    prepare::Prepared,
+    request::{DeviceChoice, ExecutorKind, RenderRequest},
+    synthetic,
+    table_set::TableSet,
 };
 use skyglow_physics::{EmissionMix, Turbidity};
 use std::sync::Arc;
@@ -17,11 +23,33 @@ pub(crate) struct Opened {
 }
 
 /// An executor of the wanted kind with the packs resident.
+///
+/// # Errors
+/// No such adapter, packs that do not fit, or a device that fails.
 pub(crate) fn open(
-    _choice: DeviceChoice,
-    _budget_bytes: u64,
+    choice: DeviceChoice,
+    budget_bytes: u64,
     set: &TableSet,
 ) -> Result<(Box<dyn Executor>, Opened), EngineError> {
+    if choice == DeviceChoice::Cpu {
+        return Ok(open_cpu(set));
+    }
+    match Context::open(choice) {
+        Ok(context) => {
+            let (adapter, driver) = (context.adapter.clone(), context.driver.clone());
+            let executor = GpuExecutor::new(context, set.clone(), budget_bytes)?;
+            let (kind, resident_bytes) = (executor.kind(), executor.resident_bytes());
+            Ok((Box::new(executor), Opened { kind, adapter, driver, resident_bytes }))
+        }
+        Err(error) if choice == DeviceChoice::Auto => {
+            tracing::warn!(%error, "no Vulkan device; panoramas are rendered in plain Rust");
+            Ok(open_cpu(set))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn open_cpu(set: &TableSet) -> (Box<dyn Executor>, Opened) {
     let executor = CpuExecutor::new(set.clone());
     let opened = Opened {
         kind: ExecutorKind::Cpu,
@@ -29,7 +57,7 @@ pub(crate) fn open(
         driver: format!("{} threads", rayon::current_num_threads()),
         resident_bytes: executor.resident_bytes(),
     };
-    Ok((Box::new(executor), opened))
+    (Box::new(executor), opened)
 }
 
 /// Requests that between them run every pipeline.

@@ -10,11 +10,13 @@ mod device;
 pub mod engine;
 pub mod error;
 mod executor;
+mod gpu;
 pub mod plan;
 pub mod polar;
 pub mod prepare;
 pub mod reference;
 pub mod request;
+pub mod shaders;
 pub mod stats;
 pub mod synthetic;
 pub mod table_set;
@@ -31,3 +33,5 @@ pub use table_set::TableSet;
 
 /// Most requests in one batch.
 pub const MAX_BATCH: usize = 8;
+/// Most nodes that the requests of one batch may mix, unless one request alone needs more.
+pub const MAX_BATCH_NODES: usize = 8192;

@@ -78,6 +78,13 @@ pub(crate) fn dark_sky(executor: ExecutorKind) -> Rendered {
     }
 }
 
+/// True where a batch can take the ticket too.
+fn fits(batch: &[Box<Ticket>], ticket: &Ticket) -> bool {
+    let nodes: usize = batch.iter().map(|other| other.prepared.nodes.len()).sum();
+    nodes + ticket.prepared.nodes.len() <= crate::MAX_BATCH_NODES
+        && ticket.prepared.is_compatible(&batch[0].prepared)
+}
+
 struct Worker {
     config: EngineConfig,
     set: Arc<TableSet>,
@@ -140,7 +147,7 @@ impl Worker {
         let limit = self.config.batch_limit.clamp(1, crate::MAX_BATCH);
         let mut held = VecDeque::new();
         while let Some(ticket) = self.waiting.pop_front() {
-            if batch.len() < limit && ticket.prepared.is_compatible(&batch[0].prepared) {
+            if batch.len() < limit && fits(&batch, &ticket) {
                 batch.push(ticket);
             } else {
                 held.push_back(ticket);
@@ -159,9 +166,7 @@ impl Worker {
         while batch.len() < limit && self.waiting.len() < limit {
             let left = deadline.saturating_duration_since(Instant::now());
             match self.commands.recv_timeout(left) {
-                Ok(Command::Render(ticket)) if ticket.prepared.is_compatible(&batch[0].prepared) => {
-                    batch.push(ticket);
-                }
+                Ok(Command::Render(ticket)) if fits(batch, &ticket) => batch.push(ticket),
                 Ok(Command::Render(ticket)) => self.waiting.push_back(ticket),
                 Ok(Command::LoseDevice) => self.lose(),
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return,

@@ -1,0 +1,121 @@
+//! What each pass binds, by the names that its WGSL gives them, in the order of their numbers.
+
+use crate::plan::Pass;
+
+/// A resource as one pass sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Binding {
+    Frame,
+    Requests,
+    Nodes,
+    Cells,
+    Columns,
+    Twiddles,
+    LogScale,
+    Shape,
+    Basis,
+    Scales(Access),
+    Mixed(Access),
+    Weights(Access),
+    Coefficients(Access),
+    Spectra(Access),
+    Sums(Access),
+    Radiance(Access),
+    Blended,
+}
+
+/// Whether a pass reads or writes a resource that others write or read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Access {
+    Read,
+    Write,
+}
+
+use Access::{Read, Write};
+
+/// Bindings of a pass, numbered from 0.
+pub(crate) const fn bindings(pass: Pass) -> &'static [Binding] {
+    use Binding as B;
+    match pass {
+        Pass::MixScale => &[B::Frame, B::Requests, B::Nodes, B::LogScale, B::Scales(Write)],
+        Pass::MixShape => &[B::Frame, B::Requests, B::Nodes, B::Scales(Read), B::Shape, B::Mixed(Write)],
+        Pass::CellWeights => {
+            &[B::Frame, B::Requests, B::Nodes, B::Cells, B::Scales(Read), B::Weights(Write)]
+        }
+        Pass::Coefficients => {
+            &[B::Frame, B::Columns, B::Weights(Read), B::Mixed(Read), B::Coefficients(Write)]
+        }
+        Pass::AzimuthFft => &[B::Frame, B::Twiddles, B::Coefficients(Read), B::Spectra(Write)],
+        Pass::BasisSum => &[B::Frame, B::Spectra(Read), B::Basis, B::Sums(Write)],
+        Pass::InverseFft => &[B::Frame, B::Twiddles, B::Sums(Read), B::Radiance(Write)],
+        Pass::Blend => &[B::Frame, B::Requests, B::Radiance(Read), B::Blended],
+    }
+}
+
+impl Binding {
+    /// The name in WGSL.
+    #[cfg(test)]
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Binding::Frame => "frame",
+            Binding::Requests => "requests",
+            Binding::Nodes => "nodes",
+            Binding::Cells => "cells",
+            Binding::Columns => "columns",
+            Binding::Twiddles => "twiddles",
+            Binding::LogScale => "log_scale",
+            Binding::Shape => "shape",
+            Binding::Basis => "basis",
+            Binding::Scales(_) => "scales",
+            Binding::Mixed(_) => "mixed",
+            Binding::Weights(_) => "weights",
+            Binding::Coefficients(_) => "coefficients",
+            Binding::Spectra(_) => "spectra",
+            Binding::Sums(_) => "sums",
+            Binding::Radiance(_) => "radiance",
+            Binding::Blended => "blended",
+        }
+    }
+
+    /// What the layout says of it.
+    pub(crate) const fn kind(self) -> wgpu::BindingType {
+        const fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+            wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+        }
+        const fn storage(access: Access) -> wgpu::BindingType {
+            buffer(wgpu::BufferBindingType::Storage { read_only: matches!(access, Read) })
+        }
+        const fn texture(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+            wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension,
+                multisampled: false,
+            }
+        }
+        match self {
+            Binding::Frame => buffer(wgpu::BufferBindingType::Uniform),
+            Binding::Requests
+            | Binding::Nodes
+            | Binding::Cells
+            | Binding::Columns
+            | Binding::Twiddles
+            | Binding::LogScale => storage(Read),
+            Binding::Blended => storage(Write),
+            Binding::Scales(access)
+            | Binding::Coefficients(access)
+            | Binding::Sums(access)
+            | Binding::Radiance(access) => storage(access),
+            Binding::Shape => texture(wgpu::TextureViewDimension::D2Array),
+            Binding::Basis | Binding::Mixed(Read) | Binding::Weights(Read) | Binding::Spectra(Read) => {
+                texture(wgpu::TextureViewDimension::D2)
+            }
+            Binding::Mixed(Write) | Binding::Weights(Write) | Binding::Spectra(Write) => {
+                wgpu::BindingType::StorageTexture {
+                    access: wgpu::StorageTextureAccess::WriteOnly,
+                    format: wgpu::TextureFormat::Rgba32Float,
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Structures shared with `shaders/lib/types.wgsl`; a test compares the offsets.
+
+use bytemuck::{Pod, Zeroable};
+
+/// One pack's share of a batch.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Frame {
+    pub(crate) request_count: u32,
+    pub(crate) node_count: u32,
+    pub(crate) cell_count: u32,
+    pub(crate) column_count: u32,
+    pub(crate) basis_count: u32,
+    pub(crate) quad_count: u32,
+    pub(crate) table_quad_count: u32,
+    pub(crate) ring_count: u32,
+    pub(crate) offset_count: u32,
+    pub(crate) pack_slot: u32,
+    pub(crate) pack_count: u32,
+    pub(crate) spare: u32,
+}
+
+/// One request of a batch.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Request {
+    pub(crate) tap_layer: [u32; 4],
+    pub(crate) tap_weight: [f32; 4],
+    pub(crate) blend_weight: [f32; 4],
+    pub(crate) emission: [f32; 3],
+    pub(crate) tap_count: u32,
+    pub(crate) flux_per_dnb_flux: [f32; 3],
+    pub(crate) spare: u32,
+}
+
+/// A (ring, offset) pair to mix for a request.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Node {
+    pub(crate) request: u32,
+    pub(crate) ring: u32,
+    pub(crate) offset: u32,
+}
+
+/// A lit cell between two nodes.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Cell {
+    pub(crate) flux_dnb_w: f32,
+    pub(crate) lower_node: u32,
+    pub(crate) upper_node: u32,
+    pub(crate) upper_weight: f32,
+}
+
+/// An azimuth column with light, and its cells.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Column {
+    pub(crate) request: u32,
+    pub(crate) azimuth: u32,
+    pub(crate) first_cell: u32,
+    pub(crate) end_cell: u32,
+}

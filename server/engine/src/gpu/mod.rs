@@ -1,0 +1,237 @@
+//! The passes on a Vulkan device.
+
+mod bindings;
+pub(crate) mod context;
+mod layout;
+pub(crate) mod pipelines;
+mod resident;
+mod upload;
+mod workspace;
+
+use crate::{
+    error::{DeviceFault, EngineError},
+    executor::{BatchOutput, Executor, PassClock},
+    plan::{PlannedPass, RenderPlan},
+    plan::Pass,
+    prepare::Prepared,
+    request::ExecutorKind,
+    table_set::TableSet,
+};
+use bindings::{Binding, bindings};
+use context::Context;
+use pipelines::Pipeline;
+use resident::ResidentPack;
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama};
+use std::{collections::HashMap, sync::mpsc::channel, time::Duration};
+use upload::BatchArrays;
+use workspace::{READ_BACK_PANORAMA_BYTES, TIMESTAMP_COUNT, Workspace, WorkspaceSize};
+
+/// A device that has not answered after this long is taken for lost.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(60);
+
+/// Renders on a Vulkan device.
+pub(crate) struct GpuExecutor {
+    pub(crate) context: Context,
+    set: TableSet,
+    pipelines: Vec<Pipeline>,
+    packs: Vec<ResidentPack>,
+    workspace: Workspace,
+    resident_bytes: u64,
+    /// Bind groups by (pass, pack, slot): all that they bind stays where it is.
+    groups: HashMap<(Pass, usize, usize), wgpu::BindGroup>,
+}
+
+impl GpuExecutor {
+    /// Puts the packs on the device and compiles the passes.
+    ///
+    /// # Errors
+    /// Packs and workspace over the budget or the adapter's limits, or a device that fails.
+    pub(crate) fn new(context: Context, set: TableSet, budget_bytes: u64) -> Result<Self, EngineError> {
+        let size = WorkspaceSize::of(&set);
+        let needed_bytes = resident::bytes(&set) + size.bytes();
+        if needed_bytes > budget_bytes {
+            return Err(EngineError::OverBudget { needed_bytes, budget_bytes });
+        }
+        let workspace = Workspace::new(&context, size)?;
+        let mut packs = Vec::new();
+        for tables in set.tables() {
+            packs.push(ResidentPack::upload(&context, tables)?);
+            // Submits the upload, so that its staging memory is freed before the next pack's is taken.
+            context.queue.submit([]);
+            let _ = context.device.poll(wgpu::PollType::Poll);
+        }
+        let pipelines = pipelines::compile_all(&context);
+        context.check()?;
+        let groups = HashMap::new();
+        Ok(Self { context, set, pipelines, packs, workspace, resident_bytes: needed_bytes, groups })
+    }
+
+    fn upload(&self, batch: &[&Prepared], plan: &RenderPlan) {
+        let arrays = BatchArrays::of(batch);
+        let queue = &self.context.queue;
+        queue.write_buffer(&self.workspace.requests, 0, bytemuck::cast_slice(&arrays.requests));
+        queue.write_buffer(&self.workspace.nodes, 0, bytemuck::cast_slice(&arrays.nodes));
+        queue.write_buffer(&self.workspace.cells, 0, bytemuck::cast_slice(&arrays.cells));
+        queue.write_buffer(&self.workspace.columns, 0, bytemuck::cast_slice(&arrays.columns));
+        for slot in 0..=plan.packs.len() {
+            let frame = upload::frame(plan, &self.set, slot);
+            queue.write_buffer(&self.workspace.frames[slot], 0, bytemuck::bytes_of(&frame));
+        }
+    }
+
+    fn make_groups(&mut self, plan: &RenderPlan) {
+        for planned in &plan.passes {
+            let key = group_key(plan, planned);
+            if !self.groups.contains_key(&key) {
+                let group = self.bind_group(key);
+                self.groups.insert(key, group);
+            }
+        }
+    }
+
+    fn bind_group(&self, (pass, pack, slot): (Pass, usize, usize)) -> wgpu::BindGroup {
+        let (work, pack) = (&self.workspace, &self.packs[pack]);
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+            .zip(bindings(pass))
+            .map(|(binding, resource)| {
+                let view = wgpu::BindingResource::TextureView;
+                let resource = match resource {
+                    Binding::Frame => work.frames[slot].as_entire_binding(),
+                    Binding::Requests => work.requests.as_entire_binding(),
+                    Binding::Nodes => work.nodes.as_entire_binding(),
+                    Binding::Cells => work.cells.as_entire_binding(),
+                    Binding::Columns => work.columns.as_entire_binding(),
+                    Binding::Twiddles => work.twiddles.as_entire_binding(),
+                    Binding::LogScale => pack.log_scale.as_entire_binding(),
+                    Binding::Shape => view(&pack.shape),
+                    Binding::Basis => view(&pack.basis),
+                    Binding::Scales(_) => work.scales.as_entire_binding(),
+                    Binding::Mixed(_) => view(&work.mixed.view),
+                    Binding::Weights(_) => view(&work.weights.view),
+                    Binding::Coefficients(_) => work.coefficients.as_entire_binding(),
+                    Binding::Spectra(_) => view(&work.spectra.view),
+                    Binding::Sums(_) => work.sums.as_entire_binding(),
+                    Binding::Radiance(_) => work.radiance.as_entire_binding(),
+                    Binding::Blended => work.blended.as_entire_binding(),
+                };
+                wgpu::BindGroupEntry { binding, resource }
+            })
+            .collect();
+        self.context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(pass.name()),
+            layout: &self.pipelines[pass.index()].layout,
+            entries: &entries,
+        })
+    }
+
+    fn record(&self, plan: &RenderPlan) -> wgpu::CommandEncoder {
+        let mut encoder =
+            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for (index, planned) in (0u32..).zip(&plan.passes) {
+            if let (Pass::Coefficients, Some(slot)) = (planned.pass, planned.pack_slot) {
+                let functions = plan.packs[slot].quad_count * 4;
+                let bytes = plan.request_count * BAND_COUNT * functions * AZIMUTH_COUNT * 4;
+                encoder.clear_buffer(&self.workspace.coefficients, 0, Some(bytes as u64));
+            }
+            let timestamp_writes =
+                self.workspace.timestamps.as_ref().map(|(query_set, _)| wgpu::ComputePassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: Some(2 * index),
+                    end_of_pass_write_index: Some(2 * index + 1),
+                });
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(planned.pass.name()),
+                timestamp_writes,
+            });
+            let [x, y, z] = planned.workgroups;
+            pass.set_pipeline(&self.pipelines[planned.pass.index()].pipeline);
+            pass.set_bind_group(0, self.groups.get(&group_key(plan, planned)), &[]);
+            pass.dispatch_workgroups(x, y, z);
+        }
+        let work = &self.workspace;
+        let result = if plan.packs.len() > 1 { &work.blended } else { &work.radiance };
+        let bytes = (plan.request_count * Panorama::LEN * 4) as u64;
+        encoder.copy_buffer_to_buffer(result, 0, &work.read_back, 0, bytes);
+        if let Some((query_set, resolved)) = &work.timestamps {
+            let count = 2 * plan.passes.len() as u32;
+            encoder.resolve_query_set(query_set, 0..count, resolved, 0);
+            let bytes = 8 * u64::from(count);
+            encoder.copy_buffer_to_buffer(resolved, 0, &work.read_back, READ_BACK_PANORAMA_BYTES, bytes);
+        }
+        encoder
+    }
+
+    /// Waits for the submission and maps what came back.
+    fn read_back(&self, plan: &RenderPlan) -> Result<BatchOutput, DeviceFault> {
+        let buffer = &self.workspace.read_back;
+        let (sender, receiver) = channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            let _ = sender.send(result);
+        });
+        let waited = self
+            .context
+            .device
+            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) });
+        self.context.check()?;
+        waited.map_err(|error| DeviceFault::Lost(error.to_string()))?;
+        receiver
+            .try_recv()
+            .map_err(|error| DeviceFault::Lost(format!("no answer came: {error}")))?
+            .map_err(|error| DeviceFault::Lost(error.to_string()))?;
+        let view = buffer.get_mapped_range(..).map_err(|error| DeviceFault::Other(error.to_string()))?;
+        let (panoramas, ticks) = view.split_at(READ_BACK_PANORAMA_BYTES as usize);
+        let radiance_w_m2_sr = panoramas
+            .chunks_exact(Panorama::LEN * 4)
+            .take(plan.request_count)
+            .map(|bytes| bytemuck::pod_collect_to_vec(bytes))
+            .collect();
+        let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(ticks);
+        debug_assert_eq!(ticks.len(), TIMESTAMP_COUNT as usize);
+        drop(view);
+        buffer.unmap();
+        Ok(BatchOutput { radiance_w_m2_sr, passes: self.pass_times(plan, &ticks) })
+    }
+
+    fn pass_times(&self, plan: &RenderPlan, ticks: &[u64]) -> Vec<crate::request::PassTime> {
+        let mut clock = PassClock::default();
+        if let Some(nanoseconds) = self.context.nanoseconds_per_tick {
+            for (planned, ticks) in plan.passes.iter().zip(ticks.as_chunks::<2>().0) {
+                let elapsed = ticks[1].saturating_sub(ticks[0]) as f64 * nanoseconds;
+                clock.add(planned.pass, elapsed / 1000.0);
+            }
+        }
+        clock.into_passes()
+    }
+}
+
+/// The blend reads no pack: it is filed under the first one.
+fn group_key(plan: &RenderPlan, planned: &PlannedPass) -> (Pass, usize, usize) {
+    match planned.pack_slot {
+        Some(slot) => (planned.pass, plan.packs[slot].index, slot),
+        None => (planned.pass, 0, plan.packs.len()),
+    }
+}
+
+impl Executor for GpuExecutor {
+    fn kind(&self) -> ExecutorKind {
+        self.context.kind
+    }
+
+    fn resident_bytes(&self) -> u64 {
+        self.resident_bytes
+    }
+
+    fn render(&mut self, batch: &[&Prepared]) -> Result<BatchOutput, DeviceFault> {
+        self.context.check()?;
+        let plan = RenderPlan::of(batch, &self.set);
+        self.upload(batch, &plan);
+        self.make_groups(&plan);
+        let encoder = self.record(&plan);
+        self.context.queue.submit([encoder.finish()]);
+        self.read_back(&plan)
+    }
+
+    fn lose(&mut self) {
+        self.context.device.destroy();
+    }
+}

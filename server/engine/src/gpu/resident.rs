@@ -1,0 +1,154 @@
+//! Packs on the device.
+
+use super::context::Context;
+use crate::{error::EngineError, plan::FUNCTIONS_PER_LANE, table_set::TableSet};
+use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
+use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
+
+/// One pack as the passes bind it.
+pub(crate) struct ResidentPack {
+    /// `[observer altitude][lobe][band][ring][offset]`.
+    pub(crate) log_scale: wgpu::Buffer,
+    /// f16 as in the pack, four functions a texel.
+    pub(crate) shape: wgpu::TextureView,
+    /// f32, four elevations a texel.
+    pub(crate) basis: wgpu::TextureView,
+}
+
+/// Width, height and layers of a pack's shape texture.
+fn shape_extent(tables: &ResidentTables) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width: (tables.offset_count * tables.basis_count / 4) as u32,
+        height: (LOBE_COUNT * BAND_COUNT * tables.ring_distance_m.len()) as u32,
+        depth_or_array_layers: tables.observer_altitude_m.len() as u32,
+    }
+}
+
+/// Width and height of a pack's basis texture: whole lanes of functions, zero beyond the last.
+fn basis_extent(tables: &ResidentTables) -> wgpu::Extent3d {
+    let functions = tables.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
+    wgpu::Extent3d {
+        width: FREQUENCY_COUNT as u32,
+        height: (functions * ELEVATION_COUNT / 4) as u32,
+        depth_or_array_layers: 1,
+    }
+}
+
+/// Bytes of a set's packs on the device.
+pub(crate) fn bytes(set: &TableSet) -> u64 {
+    let texels = |extent: wgpu::Extent3d| {
+        u64::from(extent.width) * u64::from(extent.height) * u64::from(extent.depth_or_array_layers)
+    };
+    set.tables()
+        .iter()
+        .map(|tables| {
+            4 * tables.log_scale.len() as u64
+                + 8 * texels(shape_extent(tables))
+                + 16 * texels(basis_extent(tables))
+        })
+        .sum()
+}
+
+impl ResidentPack {
+    /// Uploads a pack.
+    ///
+    /// # Errors
+    /// [`EngineError::BeyondLimit`] where it is too large for the adapter.
+    pub(crate) fn upload(context: &Context, tables: &ResidentTables) -> Result<Self, EngineError> {
+        let limits = context.device.limits();
+        let log_scale_bytes: &[u8] = bytemuck::cast_slice(&tables.log_scale);
+        context.check_limit(
+            "the scale table",
+            log_scale_bytes.len() as u64,
+            limits.max_storage_buffer_binding_size,
+        )?;
+        let log_scale = context.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("log_scale"),
+            size: log_scale_bytes.len() as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        context.queue.write_buffer(&log_scale, 0, log_scale_bytes);
+        let shape = upload_texture(
+            context,
+            "shape",
+            wgpu::TextureFormat::Rgba16Float,
+            shape_extent(tables),
+            bytemuck::cast_slice(&tables.shape),
+        )?;
+        let basis = upload_texture(
+            context,
+            "basis",
+            wgpu::TextureFormat::Rgba32Float,
+            basis_extent(tables),
+            bytemuck::cast_slice(&basis_texels(tables)),
+        )?;
+        Ok(Self { log_scale, shape, basis })
+    }
+}
+
+/// The basis as `[function][four elevations][frequency]` texels.
+fn basis_texels(tables: &ResidentTables) -> Vec<[f32; 4]> {
+    let extent = basis_extent(tables);
+    let mut texels = vec![[0.0; 4]; (extent.width * extent.height) as usize];
+    for (row, line) in texels.chunks_exact_mut(FREQUENCY_COUNT).enumerate() {
+        let (function, quad) = (row / (ELEVATION_COUNT / 4), row % (ELEVATION_COUNT / 4));
+        if function < tables.basis_count {
+            for (f, texel) in line.iter_mut().enumerate() {
+                *texel = std::array::from_fn(|elevation| {
+                    tables.basis_spectrum[tables.spectrum_index(function, 4 * quad + elevation, f)]
+                });
+            }
+        }
+    }
+    texels
+}
+
+fn upload_texture(
+    context: &Context,
+    label: &'static str,
+    format: wgpu::TextureFormat,
+    size: wgpu::Extent3d,
+    bytes: &[u8],
+) -> Result<wgpu::TextureView, EngineError> {
+    let limits = context.device.limits();
+    let side = u64::from(limits.max_texture_dimension_2d);
+    context.check_limit("a table's texture width", u64::from(size.width), side)?;
+    context.check_limit("a table's texture height", u64::from(size.height), side)?;
+    let layers = u64::from(size.depth_or_array_layers);
+    context.check_limit("a table's observer altitudes", layers, u64::from(limits.max_texture_array_layers))?;
+    let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let layer_bytes = bytes.len() / size.depth_or_array_layers as usize;
+    for (layer, bytes) in (0..).zip(bytes.chunks_exact(layer_bytes)) {
+        context.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some((layer_bytes / size.height as usize) as u32),
+                rows_per_image: Some(size.height),
+            },
+            wgpu::Extent3d { depth_or_array_layers: 1, ..size },
+        );
+    }
+    let dimension = if label == "shape" {
+        wgpu::TextureViewDimension::D2Array
+    } else {
+        wgpu::TextureViewDimension::D2
+    };
+    Ok(texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() }))
+}

@@ -1,0 +1,70 @@
+//! A batch as the arrays that the passes read.
+
+use super::layout::{Cell, Column, Frame, Node, Request};
+use crate::{plan::RenderPlan, prepare::Prepared, table_set::TableSet};
+
+/// The arrays of all requests, one behind the other; node numbers are global.
+#[derive(Default)]
+pub(crate) struct BatchArrays {
+    pub(crate) requests: Vec<Request>,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) cells: Vec<Cell>,
+    pub(crate) columns: Vec<Column>,
+}
+
+impl BatchArrays {
+    /// Lists a batch.
+    pub(crate) fn of(batch: &[&Prepared]) -> Self {
+        let mut arrays = Self::default();
+        for (request, prepared) in (0u32..).zip(batch) {
+            arrays.push(request, prepared);
+        }
+        arrays
+    }
+
+    fn push(&mut self, request: u32, prepared: &Prepared) {
+        let (first_node, first_cell) = (self.nodes.len() as u32, self.cells.len() as u32);
+        self.requests.push(Request {
+            tap_layer: prepared.altitude_taps.indices_u32(),
+            tap_weight: prepared.altitude_taps.weights_f32(),
+            blend_weight: prepared.turbidity_taps.weights_f32(),
+            emission: prepared.emission,
+            tap_count: prepared.altitude_taps.indices().len() as u32,
+            flux_per_dnb_flux: prepared.flux_per_dnb_flux,
+            spare: 0,
+        });
+        let nodes = prepared.nodes.iter();
+        self.nodes.extend(nodes.map(|node| Node { request, ring: node.ring, offset: node.offset }));
+        self.cells.extend(prepared.cells.iter().map(|cell| Cell {
+            flux_dnb_w: cell.flux_dnb_w,
+            lower_node: cell.lower_node + first_node,
+            upper_node: cell.upper_node + first_node,
+            upper_weight: cell.upper_weight,
+        }));
+        self.columns.extend(prepared.columns.iter().map(|column| Column {
+            request,
+            azimuth: column.azimuth,
+            first_cell: column.first_cell + first_cell,
+            end_cell: column.end_cell + first_cell,
+        }));
+    }
+}
+
+/// The frame of a pack slot; one past the last pack is the blend's.
+pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
+    let pack = plan.packs.get(slot);
+    Frame {
+        request_count: plan.request_count as u32,
+        node_count: plan.node_count as u32,
+        cell_count: plan.cell_count as u32,
+        column_count: plan.column_count as u32,
+        basis_count: pack.map_or(0, |pack| pack.basis_count) as u32,
+        quad_count: pack.map_or(0, |pack| pack.quad_count) as u32,
+        table_quad_count: pack.map_or(0, |pack| set.tables()[pack.index].basis_count / 4) as u32,
+        ring_count: set.ring_count() as u32,
+        offset_count: set.offset_count() as u32,
+        pack_slot: slot as u32,
+        pack_count: plan.packs.len() as u32,
+        spare: 0,
+    }
+}

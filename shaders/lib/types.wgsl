@@ -1,0 +1,60 @@
+// What the passes share with the host. Layouts are held to server/engine/src/gpu/layout.rs by a test.
+
+const BAND_COUNT: u32 = 3u;
+const LOBE_COUNT: u32 = 3u;
+const AZIMUTH_COUNT: u32 = 256u;
+const ELEVATION_COUNT: u32 = 64u;
+const FREQUENCY_COUNT: u32 = 129u;
+
+// One pack's share of a batch.
+struct Frame {
+  request_count: u32,
+  node_count: u32,
+  cell_count: u32,
+  column_count: u32,
+  // Functions in use, and groups of four of them with full lanes.
+  basis_count: u32,
+  quad_count: u32,
+  // Groups of four functions in the pack's tables.
+  table_quad_count: u32,
+  ring_count: u32,
+  offset_count: u32,
+  // Where this pack's radiance goes, and how many packs are blended.
+  pack_slot: u32,
+  pack_count: u32,
+  spare: u32,
+}
+
+// One request of a batch.
+struct Request {
+  tap_layer: vec4<u32>,
+  tap_weight: vec4<f32>,
+  blend_weight: vec4<f32>,
+  emission: vec3<f32>,
+  tap_count: u32,
+  flux_per_dnb_flux: vec3<f32>,
+  spare: u32,
+}
+
+// A (ring, offset) pair to mix for a request.
+struct Node {
+  request: u32,
+  ring: u32,
+  offset: u32,
+}
+
+// A lit cell between two nodes.
+struct Cell {
+  flux_dnb_w: f32,
+  lower_node: u32,
+  upper_node: u32,
+  upper_weight: f32,
+}
+
+// An azimuth column with light, and its cells.
+struct Column {
+  request: u32,
+  azimuth: u32,
+  first_cell: u32,
+  end_cell: u32,
+}
