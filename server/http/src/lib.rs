@@ -1,1 +1,29 @@
 //! The HTTP interface: a router over the engine.
+//!
+//! A request passes the layers (id, count, log; panics; limits), a handler parses it into a typed request
+//! ([`request`], against the table in [`parameters`]), its ETag is known before anything is rendered
+//! ([`etag`]), the program behind ([`source`]) answers, and the answer gets its headers ([`respond`]).
+//! Status codes are in one table in [`error`].
+
+pub mod accept;
+pub mod answers;
+pub mod app;
+pub mod config;
+pub mod error;
+pub mod etag;
+pub mod layers;
+pub mod metrics;
+pub mod parameters;
+pub mod problem;
+pub mod reader;
+pub mod request;
+pub mod respond;
+pub mod routes;
+pub mod serve;
+pub mod source;
+pub mod state;
+
+pub use app::{openapi, router};
+pub use config::HttpConfig;
+pub use serve::serve;
+pub use source::SkySource;

@@ -1,0 +1,102 @@
+//! Formats of a panorama, and which one an Accept header prefers.
+
+/// A format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// PNG.
+    Png,
+    /// Lossless WebP.
+    WebP,
+    /// OpenEXR.
+    Exr,
+    /// TIFF.
+    Tiff,
+    /// JSON.
+    Json,
+}
+
+/// All media types, for the refusal.
+pub const OFFERED: &str = "image/png, image/webp, image/x-exr, image/tiff or application/json";
+
+impl Format {
+    /// In the order preferred where a client does not care.
+    const ALL: [Format; 5] = [Format::Png, Format::WebP, Format::Json, Format::Exr, Format::Tiff];
+
+    /// Its media type.
+    pub const fn media_type(self) -> &'static str {
+        match self {
+            Format::Png => "image/png",
+            Format::WebP => "image/webp",
+            Format::Exr => "image/x-exr",
+            Format::Tiff => "image/tiff",
+            Format::Json => "application/json",
+        }
+    }
+
+    /// The end of its URL.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Format::Png => "png",
+            Format::WebP => "webp",
+            Format::Exr => "exr",
+            Format::Tiff => "tif",
+            Format::Json => "json",
+        }
+    }
+}
+
+/// The format that an Accept header (RFC 9110) prefers; None where it takes none. No header takes anything.
+pub fn negotiate(accept: &str) -> Option<Format> {
+    if accept.trim().is_empty() {
+        return Some(Format::Png);
+    }
+    let ranges: Vec<(String, f64)> = accept
+        .split(',')
+        .filter_map(|part| {
+            let mut pieces = part.split(';').map(str::trim);
+            let range = pieces.next().filter(|range| !range.is_empty())?.to_ascii_lowercase();
+            let quality = pieces
+                .filter_map(|piece| piece.strip_prefix("q=").or_else(|| piece.strip_prefix("Q=")))
+                .find_map(|text| text.parse::<f64>().ok())
+                .unwrap_or(1.0);
+            Some((range, if quality.is_nan() { 0.0 } else { quality.clamp(0.0, 1.0) }))
+        })
+        .collect();
+    let mut best: Option<(Format, f64)> = None;
+    for format in Format::ALL {
+        let (kind, _) = format.media_type().split_once('/').unwrap_or_default();
+        // The most specific range that covers the format decides.
+        let quality = [format.media_type().to_owned(), format!("{kind}/*"), "*/*".to_owned()]
+            .iter()
+            .find_map(|covering| ranges.iter().find(|(range, _)| range == covering))
+            .map_or(0.0, |(_, quality)| *quality);
+        if quality > 0.0 && best.is_none_or(|(_, best)| quality > best) {
+            best = Some((format, quality));
+        }
+    }
+    best.map(|(format, _)| format)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_preferred_format_wins_and_nothing_acceptable_is_none() {
+        for (accept, format) in [
+            ("", Some(Format::Png)),
+            ("*/*", Some(Format::Png)),
+            ("application/json", Some(Format::Json)),
+            ("image/png;q=0.1, image/webp", Some(Format::WebP)),
+            ("image/*;q=0.5, application/json;q=0.9", Some(Format::Json)),
+            ("IMAGE/X-EXR", Some(Format::Exr)),
+            ("image/*, image/png;q=0", Some(Format::WebP)),
+            ("text/html", None),
+            ("image/png;q=0", None),
+            (";;;,,,q=", None),
+            ("text/html,application/xhtml+xml,image/avif,image/webp,*/*;q=0.8", Some(Format::WebP)),
+        ] {
+            assert_eq!(negotiate(accept), format, "{accept}");
+        }
+    }
+}

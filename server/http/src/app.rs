@@ -1,0 +1,160 @@
+//! The router: routes, their document, and the layers around them.
+
+use crate::{
+    config::HttpConfig,
+    error::ApiError,
+    layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
+    routes::{atmospheres, docs, health, panorama, problems, scenes, site, sky, tiles, viewer},
+    source::SkySource,
+    state::AppState,
+};
+use axum::{
+    Router,
+    http::{HeaderName, HeaderValue, Method, header},
+    middleware::{from_fn, from_fn_with_state},
+    response::Response,
+    routing::get,
+};
+use std::{sync::Arc, time::Duration};
+use tower_http::{
+    compression::{
+        CompressionLayer, Predicate,
+        predicate::{NotForContentType, SizeAbove},
+    },
+    cors::{Any, CorsLayer},
+    limit::RequestBodyLimitLayer,
+};
+use utoipa::OpenApi;
+use utoipa_axum::{router::OpenApiRouter, routes};
+
+/// The document's head.
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "Skyglow",
+        description = "The night sky of a place, brightened by the lights around it. Names carry their units; \
+                       times are RFC 3339 UTC; errors are RFC 9457 problem documents."
+    ),
+    tags(
+        (name = "sky", description = "The sky of a place"),
+        (name = "scenes", description = "Rasters of light with their terrain and places"),
+        (name = "tiles", description = "Map tiles"),
+        (name = "atmospheres", description = "Resident table packs"),
+        (name = "operation", description = "For those who run the server"),
+    )
+)]
+struct Document;
+
+/// Routes below `/api`: what is limited, timed and open to other origins.
+fn api() -> OpenApiRouter<AppState> {
+    OpenApiRouter::with_openapi(Document::openapi())
+        .routes(routes!(scenes::list_scenes))
+        .routes(routes!(scenes::get_scene))
+        .routes(routes!(scenes::list_places))
+        .routes(routes!(site::get_site))
+        .routes(routes!(panorama::get_panorama))
+        .routes(routes!(panorama::get_panorama_png))
+        .routes(routes!(panorama::get_panorama_webp))
+        .routes(routes!(panorama::get_panorama_exr))
+        .routes(routes!(panorama::get_panorama_tif))
+        .routes(routes!(panorama::get_panorama_json))
+        .routes(routes!(sky::get_sky))
+        .routes(routes!(tiles::get_tilejson))
+        .routes(routes!(atmospheres::list_atmospheres))
+        .routes(routes!(docs::get_openapi))
+        .routes(routes!(docs::get_docs))
+        .routes(routes!(problems::get_problem))
+}
+
+/// Routes that answer however busy the server is.
+fn operation() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(health::get_health))
+        .routes(routes!(health::get_readiness))
+        .routes(routes!(health::get_metrics))
+}
+
+/// The OpenAPI document of all routes.
+pub fn openapi() -> utoipa::openapi::OpenApi {
+    let (_, mut document) = api().merge(operation()).split_for_parts();
+    document.merge(tiles::TileDocument::openapi());
+    document
+}
+
+/// The whole interface over a source.
+pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
+    let state = AppState::new(source, config);
+    let config = state.config.clone();
+    if let Ok(text) = openapi().to_json() {
+        // The cell is new, so this sets it.
+        let _ = state.openapi.set(text);
+    }
+    let limiter = Arc::new(RateLimiter::new(config.requests_per_second, config.request_burst));
+    let (api, _) = api().split_for_parts();
+    let api = api
+        .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))
+        .route("/api/docs/page.js", get(docs::get_docs_script))
+        .route("/api/docs/page.css", get(docs::get_docs_style))
+        .layer(from_fn_with_state(Room::new(state.clone()), guard))
+        .layer(from_fn_with_state((state.clone(), limiter), limit_rate))
+        .layer(cors());
+    let (operation, _) = operation().split_for_parts();
+    let all = Router::new()
+        .merge(api)
+        .merge(operation)
+        .route("/", get(viewer::get_viewer))
+        .route("/index.html", get(viewer::get_viewer))
+        .route("/assets/{*file}", get(viewer::get_viewer))
+        .fallback(not_found)
+        .method_not_allowed_fallback(method_not_allowed);
+    all.layer(CompressionLayer::new().compress_when(worth_compressing()))
+        .layer(from_fn(tag_encodings))
+        .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
+        .layer(from_fn_with_state(state.clone(), problems_only))
+        .layer(from_fn_with_state(state.clone(), catch_panic))
+        .layer(from_fn(secure))
+        .layer(from_fn_with_state(state.clone(), observe))
+        .with_state(state)
+}
+
+async fn not_found() -> ApiError {
+    ApiError::NotFound
+}
+
+async fn method_not_allowed() -> ApiError {
+    ApiError::MethodNotAllowed
+}
+
+/// Text is compressed, pictures are already.
+fn worth_compressing() -> impl Predicate {
+    SizeAbove::new(512)
+        .and(NotForContentType::const_new("image/png"))
+        .and(NotForContentType::const_new("image/webp"))
+        .and(NotForContentType::const_new("image/x-exr"))
+        .and(NotForContentType::const_new("image/tiff"))
+}
+
+/// Any origin may read; the headers that a reader needs are shown to it.
+fn cors() -> CorsLayer {
+    CorsLayer::new()
+        .allow_origin(Any)
+        .allow_methods([Method::GET, Method::HEAD])
+        .allow_headers([header::ACCEPT, header::IF_NONE_MATCH])
+        .expose_headers([
+            header::ETAG,
+            header::RETRY_AFTER,
+            HeaderName::from_static("server-timing"),
+            HeaderName::from_static("x-request-id"),
+        ])
+        .max_age(Duration::from_secs(86_400))
+        .vary([])
+}
+
+/// Headers that every answer carries.
+async fn secure(request: axum::extract::Request, next: axum::middleware::Next) -> Response {
+    let mut response = next.run(request).await;
+    let headers = response.headers_mut();
+    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("same-origin"));
+    response
+}

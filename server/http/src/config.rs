@@ -1,0 +1,59 @@
+//! What the interface can be told.
+
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// Limits and addresses of the interface. Everything is on by default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HttpConfig {
+    /// Requests to the API that are worked on at a time; more are answered 503.
+    pub concurrent_requests: usize,
+    /// Longest time for one answer, seconds; then 503.
+    pub request_timeout_s: f64,
+    /// Longest request body, bytes; then 413.
+    pub body_limit_bytes: usize,
+    /// Requests a second that one client address may send on average; 0 for no limit. More are answered 429.
+    pub requests_per_second: f64,
+    /// Requests that one client address may send at once.
+    pub request_burst: u32,
+    /// Longest time for the answers under way when the server is told to end, seconds.
+    pub drain_timeout_s: f64,
+    /// Bytes of rendered skies that are kept for the next request.
+    pub cache_bytes: u64,
+    /// Where clients reach the server, such as `https://sky.example.org`, for the links inside answers;
+    /// without it the request's Host header says so.
+    pub public_url: Option<String>,
+}
+
+impl Default for HttpConfig {
+    fn default() -> Self {
+        Self {
+            concurrent_requests: 128,
+            request_timeout_s: 30.0,
+            body_limit_bytes: 64 * 1024,
+            requests_per_second: 100.0,
+            request_burst: 1000,
+            drain_timeout_s: 10.0,
+            cache_bytes: 64 * 1024 * 1024,
+            public_url: None,
+        }
+    }
+}
+
+impl HttpConfig {
+    /// The longest time for one answer.
+    pub fn request_timeout(&self) -> Duration {
+        seconds(self.request_timeout_s)
+    }
+
+    /// The longest time for the answers under way at the end.
+    pub fn drain_timeout(&self) -> Duration {
+        seconds(self.drain_timeout_s)
+    }
+}
+
+/// A duration from seconds; 0 for what is no duration, a day at most.
+fn seconds(seconds: f64) -> Duration {
+    Duration::from_secs_f64(if seconds.is_finite() { seconds.clamp(0.0, 86_400.0) } else { 0.0 })
+}

@@ -1,0 +1,279 @@
+//! What can go wrong with a request, and the one table of status codes.
+
+use crate::problem::{FieldError, Mistake, PROBLEM_JSON, Problem};
+use axum::{
+    Json,
+    http::{HeaderValue, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use thiserror::Error;
+
+/// Why a request is not answered as asked.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ApiError {
+    /// One or more bad parameters; never empty.
+    #[error("bad parameters")]
+    Parameters(Vec<FieldError>),
+    /// No scene of that id.
+    #[error("there is no scene \"{id}\"; GET /api/v1/scenes lists those that are there")]
+    UnknownScene {
+        /// The id asked for, shortened.
+        id: String,
+    },
+    /// The place is not in the scene.
+    #[error(
+        "latitude {latitude_deg}, longitude {longitude_deg} lies outside the scene, which reaches from west {} south {} to east {} north {}",
+        bounds[0], bounds[1], bounds[2], bounds[3]
+    )]
+    OutsideScene {
+        /// Latitude asked for, degrees.
+        latitude_deg: f64,
+        /// Longitude asked for, degrees.
+        longitude_deg: f64,
+        /// West, south, east, north, degrees.
+        bounds: [f64; 4],
+    },
+    /// No such map tile.
+    #[error("there is no such tile: {reason}")]
+    UnknownTile {
+        /// What is wrong with its address.
+        reason: String,
+    },
+    /// No such path.
+    #[error("there is nothing here; GET /api/docs lists what there is")]
+    NotFound,
+    /// The path exists for other methods.
+    #[error("this path answers other methods; see the Allow header")]
+    MethodNotAllowed,
+    /// No format that the client accepts.
+    #[error("this resource comes as {offered}")]
+    NotAcceptable {
+        /// Media types there are.
+        offered: &'static str,
+    },
+    /// The request's body is too long.
+    #[error("the request's body is longer than {limit_bytes} bytes")]
+    BodyTooLong {
+        /// The limit.
+        limit_bytes: usize,
+    },
+    /// Something else that HTTP itself refuses, with its status.
+    #[error("the request cannot be read")]
+    Unreadable(
+        /// A status from 400 to 499.
+        u16,
+    ),
+    /// This client sends too much.
+    #[error("this address sent more requests than it may; try again in {retry_after_s} s")]
+    TooManyRequests {
+        /// Seconds to wait.
+        retry_after_s: u64,
+    },
+    /// The server is at its limit.
+    #[error("the server is busy; try again in {retry_after_s} s")]
+    Busy {
+        /// Seconds to wait.
+        retry_after_s: u64,
+    },
+    /// The answer took too long.
+    #[error("the answer took longer than {limit_s} s")]
+    Timeout {
+        /// The limit, seconds.
+        limit_s: f64,
+    },
+    /// The engine does not answer.
+    #[error("the engine does not answer; try again soon")]
+    EngineDown,
+    /// A defect or a broken installation; `reason` goes to the log, never to the client.
+    #[error("something is wrong with the server; its log says more")]
+    Internal {
+        /// What happened, for the log.
+        reason: String,
+    },
+}
+
+/// Status code, stable name and title of a kind of problem.
+type Row = (StatusCode, &'static str, &'static str);
+
+impl ApiError {
+    /// An internal error with its reason for the log.
+    pub fn internal(reason: impl std::fmt::Display) -> Self {
+        Self::Internal { reason: reason.to_string() }
+    }
+
+    /// One bad parameter.
+    pub fn parameter(name: &str, value: String, allowed: String, message: String, code: Mistake) -> Self {
+        Self::Parameters(vec![FieldError {
+            parameter: name.to_owned(),
+            value: Some(value),
+            allowed,
+            message,
+            code,
+        }])
+    }
+
+    /// The table of status codes: the only place that knows them.
+    pub fn row(&self) -> Row {
+        match self {
+            ApiError::Parameters(errors) => parameters_row(errors),
+            ApiError::UnknownScene { .. } => {
+                (StatusCode::NOT_FOUND, "unknown-scene", "There is no such scene")
+            }
+            ApiError::OutsideScene { .. } => {
+                (StatusCode::NOT_FOUND, "outside-scene", "The place lies outside the scene")
+            }
+            ApiError::UnknownTile { .. } => (StatusCode::NOT_FOUND, "unknown-tile", "There is no such tile"),
+            ApiError::NotFound => (StatusCode::NOT_FOUND, "not-found", "There is nothing here"),
+            ApiError::MethodNotAllowed => {
+                (StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "This method is not allowed here")
+            }
+            ApiError::NotAcceptable { .. } => {
+                (StatusCode::NOT_ACCEPTABLE, "not-acceptable", "None of the accepted formats is there")
+            }
+            ApiError::BodyTooLong { .. } => {
+                (StatusCode::PAYLOAD_TOO_LARGE, "body-too-long", "The request's body is too long")
+            }
+            ApiError::Unreadable(status) => (
+                StatusCode::from_u16(*status).unwrap_or(StatusCode::BAD_REQUEST),
+                "unreadable",
+                "The request cannot be read",
+            ),
+            ApiError::TooManyRequests { .. } => {
+                (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", "Too many requests from this address")
+            }
+            ApiError::Busy { .. } => (StatusCode::SERVICE_UNAVAILABLE, "busy", "The server is busy"),
+            ApiError::Timeout { .. } => {
+                (StatusCode::SERVICE_UNAVAILABLE, "timeout", "The answer took too long")
+            }
+            ApiError::EngineDown => {
+                (StatusCode::SERVICE_UNAVAILABLE, "engine-down", "The engine does not answer")
+            }
+            ApiError::Internal { .. } => {
+                (StatusCode::INTERNAL_SERVER_ERROR, "internal", "Something is wrong with the server")
+            }
+        }
+    }
+
+    /// Seconds after which trying again makes sense.
+    fn retry_after_s(&self) -> Option<u64> {
+        match self {
+            ApiError::TooManyRequests { retry_after_s } | ApiError::Busy { retry_after_s } => {
+                Some((*retry_after_s).max(1))
+            }
+            ApiError::Timeout { .. } | ApiError::EngineDown => Some(2),
+            _ => None,
+        }
+    }
+
+    /// The problem document.
+    pub fn problem(&self) -> Problem {
+        let (status, name, title) = self.row();
+        let (detail, errors) = match self {
+            ApiError::Parameters(errors) => (sentence(errors), errors.clone()),
+            other => (other.to_string(), Vec::new()),
+        };
+        Problem {
+            kind: format!("/problems/{name}"),
+            title: title.to_owned(),
+            status: status.as_u16(),
+            detail,
+            errors,
+            bounds: match self {
+                ApiError::OutsideScene { bounds, .. } => Some(*bounds),
+                _ => None,
+            },
+        }
+    }
+}
+
+/// The worst mistake decides: what cannot be read before what is out of range before what is not there yet.
+fn parameters_row(errors: &[FieldError]) -> Row {
+    let only = |mistakes: &[Mistake]| errors.iter().all(|error| mistakes.contains(&error.code));
+    if only(&[Mistake::UnknownParameter]) {
+        (StatusCode::BAD_REQUEST, "unknown-parameter", "Unknown parameter")
+    } else if only(&[Mistake::NotSupportedYet]) {
+        (StatusCode::UNPROCESSABLE_ENTITY, "not-supported-yet", "Not supported yet")
+    } else if only(&[Mistake::NotResident]) {
+        (StatusCode::UNPROCESSABLE_ENTITY, "not-resident", "The tables for this are not resident")
+    } else if only(&[Mistake::OutOfRange, Mistake::NotResident, Mistake::NotSupportedYet]) {
+        (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "Outside the range that is resident")
+    } else {
+        (StatusCode::BAD_REQUEST, "bad-parameters", "Bad parameters")
+    }
+}
+
+/// All mistakes in one sentence.
+fn sentence(errors: &[FieldError]) -> String {
+    let parts: Vec<String> = errors
+        .iter()
+        .map(|error| match &error.value {
+            Some(value) => {
+                format!("{}={value}: {}; allowed: {}", error.parameter, error.message, error.allowed)
+            }
+            None => format!("{}: {}; allowed: {}", error.parameter, error.message, error.allowed),
+        })
+        .collect();
+    parts.join(". ")
+}
+
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        if let ApiError::Internal { reason } = &self {
+            tracing::error!(%reason, "internal error");
+        }
+        let retry_after_s = self.retry_after_s();
+        let problem = self.problem();
+        let status = StatusCode::from_u16(problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = (status, Json(problem)).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+        if let Some(seconds) = retry_after_s {
+            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
+        }
+        response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mistake(code: Mistake) -> FieldError {
+        FieldError {
+            parameter: "p".into(),
+            value: Some("v".into()),
+            allowed: "a".into(),
+            message: code.words().into(),
+            code,
+        }
+    }
+
+    #[test]
+    fn the_worst_mistake_decides_the_kind_of_the_problem() {
+        let kind = |codes: &[Mistake]| {
+            ApiError::Parameters(codes.iter().copied().map(mistake).collect()).problem().kind
+        };
+        assert_eq!(kind(&[Mistake::UnknownParameter]), "/problems/unknown-parameter");
+        assert_eq!(kind(&[Mistake::UnknownParameter, Mistake::OutOfRange]), "/problems/bad-parameters");
+        assert_eq!(kind(&[Mistake::OutOfRange]), "/problems/out-of-range");
+        assert_eq!(kind(&[Mistake::NotResident]), "/problems/not-resident");
+        assert_eq!(kind(&[Mistake::NotSupportedYet]), "/problems/not-supported-yet");
+        assert_eq!(kind(&[Mistake::NotSupportedYet, Mistake::OutOfRange]), "/problems/out-of-range");
+    }
+
+    #[test]
+    fn reasons_of_internal_errors_stay_in_the_log() {
+        let problem = ApiError::internal("/secret/path is broken").problem();
+        assert!(!problem.detail.contains("secret"));
+        assert_eq!(problem.status, 500);
+    }
+
+    #[test]
+    fn a_busy_server_says_when_to_try_again() {
+        let response = ApiError::Busy { retry_after_s: 3 }.into_response();
+        assert_eq!(response.status(), StatusCode::SERVICE_UNAVAILABLE);
+        assert_eq!(response.headers()[header::RETRY_AFTER], "3");
+        assert_eq!(response.headers()[header::CONTENT_TYPE], PROBLEM_JSON);
+    }
+}

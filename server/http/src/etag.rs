@@ -1,0 +1,92 @@
+//! Strong ETags, known before anything is rendered.
+
+use axum::http::{HeaderMap, header};
+
+/// A strong ETag without its quotes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ETag(String);
+
+/// Ends that the compression adds to a tag: another encoding is another representation.
+const ENCODINGS: [&str; 4] = ["gzip", "br", "zstd", "deflate"];
+
+impl ETag {
+    /// The tag of everything that decides an answer's bytes. The program's version is added.
+    pub fn of(parts: &[&str]) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        for part in [env!("CARGO_PKG_VERSION")].iter().chain(parts) {
+            // The length keeps ("ab", "c") apart from ("a", "bc").
+            hasher.update(&(part.len() as u64).to_le_bytes());
+            hasher.update(part.as_bytes());
+        }
+        Self(hasher.finalize().to_hex()[..32].to_owned())
+    }
+
+    /// The tag of bytes that are there already.
+    pub fn of_bytes(bytes: &[u8]) -> Self {
+        Self(blake3::hash(bytes).to_hex()[..32].to_owned())
+    }
+
+    /// The header's value.
+    pub fn header(&self) -> String {
+        format!("\"{}\"", self.0)
+    }
+
+    /// The tag as it stands in `If-None-Match` if that matches (weak comparison, RFC 9110), with the encoding
+    /// it came with; None if the client must be sent the answer.
+    pub fn matched(&self, headers: &HeaderMap) -> Option<String> {
+        for value in headers.get_all(header::IF_NONE_MATCH) {
+            for candidate in value.to_str().ok()?.split(',') {
+                let candidate = candidate.trim();
+                if candidate == "*" {
+                    return Some(self.header());
+                }
+                let opaque = candidate.strip_prefix("W/").unwrap_or(candidate);
+                let Some(opaque) = opaque.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) else {
+                    continue;
+                };
+                let plain = ENCODINGS
+                    .iter()
+                    .find_map(|encoding| opaque.strip_suffix(encoding)?.strip_suffix('-'))
+                    .unwrap_or(opaque);
+                if plain == self.0 {
+                    return Some(format!("\"{opaque}\""));
+                }
+            }
+        }
+        None
+    }
+
+    /// The header's value for a body in another encoding.
+    pub fn with_encoding(header: &str, encoding: &str) -> Option<String> {
+        Some(format!("{}-{encoding}\"", header.strip_suffix('"')?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::http::HeaderValue;
+
+    fn asks(value: &str) -> HeaderMap {
+        HeaderMap::from_iter([(header::IF_NONE_MATCH, HeaderValue::from_str(value).unwrap())])
+    }
+
+    #[test]
+    fn a_tag_matches_itself_in_a_list_in_any_encoding_and_as_a_star() {
+        let tag = ETag::of(&["sky", "demo"]);
+        let plain = tag.header();
+        assert_eq!(tag.matched(&asks(&plain)), Some(plain.clone()));
+        assert_eq!(tag.matched(&asks(&format!("\"x\", W/{plain}"))), Some(plain.clone()));
+        let zipped = ETag::with_encoding(&plain, "gzip").unwrap();
+        assert_eq!(tag.matched(&asks(&zipped)), Some(zipped.clone()));
+        assert_eq!(tag.matched(&asks("*")), Some(plain));
+        assert_eq!(tag.matched(&asks("\"other\"")), None);
+        assert_eq!(tag.matched(&HeaderMap::new()), None);
+    }
+
+    #[test]
+    fn parts_that_run_into_each_other_are_kept_apart() {
+        assert_ne!(ETag::of(&["ab", "c"]), ETag::of(&["a", "bc"]));
+        assert_ne!(ETag::of(&["a"]), ETag::of(&["b"]));
+    }
+}

@@ -1,0 +1,12 @@
+//! What every request passes through, from the outside in: request id, count and log, panics, plain refusals made
+//! problems, rate limit, room, timeout.
+
+mod guard;
+mod observe;
+mod rate_limit;
+mod refusals;
+
+pub use guard::{Room, guard};
+pub use observe::observe;
+pub use rate_limit::{RateLimiter, limit_rate};
+pub use refusals::{catch_panic, problems_only, tag_encodings};

@@ -1,0 +1,57 @@
+//! Request ids, counts and the log line of each request.
+
+use crate::state::AppState;
+use axum::{
+    extract::{MatchedPath, Request, State},
+    http::{HeaderName, HeaderValue},
+    middleware::Next,
+    response::Response,
+};
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::{Instant, SystemTime, UNIX_EPOCH},
+};
+
+const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
+const LONGEST_ID: usize = 64;
+
+/// Gives each request an id (the client's own where it is short and plain), counts it and logs it.
+pub async fn observe(State(state): State<AppState>, request: Request, next: Next) -> Response {
+    let start = Instant::now();
+    let _under_way = state.metrics.under_way();
+    let method = request.method().as_str().to_owned();
+    let method = if method.len() <= 8 { method } else { "OTHER".to_owned() };
+    let route = request
+        .extensions()
+        .get::<MatchedPath>()
+        .map_or_else(|| "other".to_owned(), |path| path.as_str().to_owned());
+    let id = request_id(&request);
+    let mut response = next.run(request).await;
+    let status = response.status().as_u16();
+    let duration = start.elapsed();
+    state.metrics.count(&method, &route, status, duration);
+    tracing::info!(%method, %route, status, ms = duration.as_secs_f64() * 1e3, id, "request");
+    if let Ok(value) = HeaderValue::from_str(&id) {
+        response.headers_mut().insert(REQUEST_ID, value);
+    }
+    response
+}
+
+fn request_id(request: &Request) -> String {
+    let plain = |text: &&str| {
+        !text.is_empty()
+            && text.len() <= LONGEST_ID
+            && text.bytes().all(|b| b.is_ascii_alphanumeric() || b"-_.".contains(&b))
+    };
+    let given = request.headers().get(REQUEST_ID).and_then(|value| value.to_str().ok()).filter(plain);
+    given.map_or_else(new_id, str::to_owned)
+}
+
+/// Time of the process's start and a count: unique enough to find a line in a log.
+fn new_id() -> String {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    static START: std::sync::LazyLock<u64> = std::sync::LazyLock::new(|| {
+        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u64)
+    });
+    format!("{:x}-{:x}", *START, COUNT.fetch_add(1, Ordering::Relaxed))
+}

@@ -1,0 +1,123 @@
+//! A token bucket for each client address. The address is the connection's own: a header can be forged.
+
+use crate::{error::ApiError, state::AppState};
+use axum::{
+    extract::{ConnectInfo, Request, State},
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+use std::{
+    collections::HashMap,
+    net::{IpAddr, Ipv6Addr, SocketAddr},
+    sync::{Arc, Mutex, PoisonError},
+    time::Instant,
+};
+
+/// Buckets that are kept before full ones are thrown away.
+const MOST_BUCKETS: usize = 10_000;
+
+#[derive(Clone, Copy, Debug)]
+struct Bucket {
+    tokens: f64,
+    seen: Instant,
+}
+
+/// The buckets of all clients.
+#[derive(Debug)]
+pub struct RateLimiter {
+    tokens_per_second: f64,
+    burst: f64,
+    buckets: Mutex<HashMap<IpAddr, Bucket>>,
+}
+
+impl RateLimiter {
+    /// `tokens_per_second` on average and `burst` at once; no limit for a rate of 0.
+    pub fn new(tokens_per_second: f64, burst: u32) -> Self {
+        Self { tokens_per_second, burst: f64::from(burst.max(1)), buckets: Mutex::default() }
+    }
+
+    /// Takes a token; the seconds to wait where there is none.
+    ///
+    /// # Errors
+    /// Seconds until there is one.
+    pub fn take(&self, client: IpAddr, now: Instant) -> Result<(), f64> {
+        if self.tokens_per_second.is_nan() || self.tokens_per_second <= 0.0 {
+            return Ok(());
+        }
+        let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
+        if buckets.len() >= MOST_BUCKETS {
+            let refilled_s = self.burst / self.tokens_per_second;
+            buckets.retain(|_, bucket| (now - bucket.seen).as_secs_f64() < refilled_s);
+            if buckets.len() >= MOST_BUCKETS {
+                // Too many clients to tell apart: the room and the queue still hold.
+                buckets.clear();
+            }
+        }
+        let bucket = buckets.entry(group(client)).or_insert(Bucket { tokens: self.burst, seen: now });
+        let elapsed_s = now.saturating_duration_since(bucket.seen).as_secs_f64();
+        bucket.tokens = (bucket.tokens + elapsed_s * self.tokens_per_second).min(self.burst);
+        bucket.seen = now;
+        if bucket.tokens >= 1.0 {
+            bucket.tokens -= 1.0;
+            Ok(())
+        } else {
+            Err((1.0 - bucket.tokens) / self.tokens_per_second)
+        }
+    }
+}
+
+/// One client holds a whole /64 of IPv6.
+fn group(client: IpAddr) -> IpAddr {
+    match client.to_canonical() {
+        IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from(u128::from(address) >> 64 << 64)),
+        v4 => v4,
+    }
+}
+
+/// Answers 429 to a client that sends too much.
+pub async fn limit_rate(
+    State((state, limiter)): State<(AppState, Arc<RateLimiter>)>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let client = request.extensions().get::<ConnectInfo<SocketAddr>>().map(|info| info.0.ip());
+    if let Some(client) = client
+        && let Err(wait_s) = limiter.take(client, Instant::now())
+    {
+        state.metrics.count_refused("rate");
+        return ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }.into_response();
+    }
+    next.run(request).await
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn a_burst_is_free_then_the_rate_holds_for_each_client_alone() {
+        let limiter = RateLimiter::new(2.0, 3);
+        let start = Instant::now();
+        let (a, b): (IpAddr, IpAddr) = ("10.0.0.1".parse().unwrap(), "10.0.0.2".parse().unwrap());
+        for _ in 0..3 {
+            assert!(limiter.take(a, start).is_ok());
+        }
+        let wait_s = limiter.take(a, start).unwrap_err();
+        assert!((wait_s - 0.5).abs() < 1e-9);
+        assert!(limiter.take(b, start).is_ok());
+        assert!(limiter.take(a, start + Duration::from_millis(600)).is_ok());
+        assert!(limiter.take(a, start + Duration::from_millis(700)).is_err());
+    }
+
+    #[test]
+    fn a_rate_of_0_is_no_limit_and_addresses_of_one_network_are_one_client() {
+        let none = RateLimiter::new(0.0, 1);
+        let client: IpAddr = "2001:db8::1".parse().unwrap();
+        assert!((0..100).all(|_| none.take(client, Instant::now()).is_ok()));
+        let one = RateLimiter::new(0.1, 1);
+        let now = Instant::now();
+        assert!(one.take(client, now).is_ok());
+        assert!(one.take("2001:db8::2".parse().unwrap(), now).is_err());
+    }
+}

@@ -1,0 +1,156 @@
+//! Counters for Prometheus (OpenMetrics text). Paths are the routes' patterns, never a client's URL.
+
+use crate::source::SkySource;
+use prometheus_client::{
+    collector::Collector,
+    encoding::{DescriptorEncoder, EncodeMetric, text::encode},
+    metrics::{
+        counter::{ConstCounter, Counter},
+        family::Family,
+        gauge::{ConstGauge, Gauge},
+        histogram::Histogram,
+    },
+    registry::{Registry, Unit},
+};
+use std::{sync::Arc, time::Duration};
+
+/// Names and values of labels.
+type Labels = Vec<(&'static str, String)>;
+
+/// The counters of the interface, and over them those of the engine.
+#[derive(Debug)]
+pub struct Metrics {
+    registry: Registry,
+    requests: Family<Labels, Counter>,
+    durations: Family<Labels, Histogram>,
+    refused: Family<Labels, Counter>,
+    panics: Counter,
+    in_flight: Gauge,
+}
+
+/// Upper ends of the duration buckets, seconds.
+const BUCKETS_S: [f64; 13] = [0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0];
+
+impl Metrics {
+    /// Counters at zero, with the engine's read from `source` at each scrape.
+    pub fn new(source: Arc<dyn SkySource>) -> Self {
+        let mut registry = Registry::with_prefix("skyglow");
+        let requests = Family::<Labels, Counter>::default();
+        let durations =
+            Family::<Labels, Histogram>::new_with_constructor(|| Histogram::new(BUCKETS_S.iter().copied()));
+        let refused = Family::<Labels, Counter>::default();
+        let (panics, in_flight) = (Counter::default(), Gauge::default());
+        registry.register("http_requests", "Requests answered, by route and status", requests.clone());
+        registry.register_with_unit(
+            "http_request_duration",
+            "Time from request to answer, by route",
+            Unit::Seconds,
+            durations.clone(),
+        );
+        registry.register("http_refused", "Requests turned away: busy, rate limit, timeout", refused.clone());
+        registry.register("http_panics", "Requests that ran into a defect", panics.clone());
+        registry.register("http_in_flight", "Requests under way", in_flight.clone());
+        registry.register_collector(Box::new(SourceCollector(source)));
+        Self { registry, requests, durations, refused, panics, in_flight }
+    }
+
+    /// Counts an answered request.
+    pub fn count(&self, method: &str, route: &str, status: u16, duration: Duration) {
+        self.requests
+            .get_or_create(&vec![
+                ("method", method.to_owned()),
+                ("path", route.to_owned()),
+                ("status", status.to_string()),
+            ])
+            .inc();
+        self.durations.get_or_create(&vec![("path", route.to_owned())]).observe(duration.as_secs_f64());
+    }
+
+    /// Counts a request that was turned away.
+    pub fn count_refused(&self, reason: &'static str) {
+        self.refused.get_or_create(&vec![("reason", reason.to_owned())]).inc();
+    }
+
+    /// Counts a panic.
+    pub fn count_panic(&self) {
+        self.panics.inc();
+    }
+
+    /// Counts a request as under way until the guard is dropped.
+    pub fn under_way(self: &Arc<Self>) -> InFlight {
+        self.in_flight.inc();
+        InFlight(self.clone())
+    }
+
+    /// The text of a scrape.
+    ///
+    /// # Errors
+    /// What the encoder says.
+    pub fn text(&self) -> Result<String, std::fmt::Error> {
+        let mut text = String::new();
+        encode(&mut text, &self.registry)?;
+        Ok(text)
+    }
+}
+
+/// A request under way.
+#[derive(Debug)]
+pub struct InFlight(Arc<Metrics>);
+
+impl Drop for InFlight {
+    fn drop(&mut self) {
+        self.0.in_flight.dec();
+    }
+}
+
+/// Reads the engine's counters.
+struct SourceCollector(Arc<dyn SkySource>);
+
+impl std::fmt::Debug for SourceCollector {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("SourceCollector")
+    }
+}
+
+impl Collector for SourceCollector {
+    fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
+        let stats = self.0.stats();
+        for (name, help, value) in [
+            ("engine_queue_length", "Requests that wait for the engine", stats.queue_length as i64),
+            ("engine_queue_capacity", "Requests that may wait", stats.queue_capacity as i64),
+            ("engine_largest_batch", "Requests in the largest batch so far", stats.largest_batch as i64),
+            ("engine_ready", "Whether the engine answers", i64::from(self.0.is_ready())),
+            ("scenes_open", "Scenes in memory", self.0.open_scenes() as i64),
+        ] {
+            let gauge = ConstGauge::new(value);
+            gauge.encode(encoder.encode_descriptor(name, help, None, gauge.metric_type())?)?;
+        }
+        for (name, help, value) in [
+            ("engine_rendered", "Skies rendered", stats.rendered),
+            (
+                "engine_dark_requests",
+                "Skies answered without rendering, for want of light",
+                stats.dark_requests,
+            ),
+            ("engine_refused", "Requests refused because the queue was full", stats.refused),
+            ("engine_failed", "Requests that a device fault failed", stats.failed),
+            ("engine_batches", "Batches submitted", stats.batches),
+            ("engine_device_losses", "Times the device was lost and made anew", stats.device_losses),
+        ] {
+            let counter = ConstCounter::new(value);
+            counter.encode(encoder.encode_descriptor(name, help, None, counter.metric_type())?)?;
+        }
+        let passes = ConstCounter::new(0.0f64);
+        let mut family = encoder.encode_descriptor(
+            "engine_pass",
+            "Time spent in each pass",
+            Some(&Unit::Seconds),
+            passes.metric_type(),
+        )?;
+        for pass in stats.passes {
+            let labels = [("pass", pass.name)];
+            ConstCounter::new(pass.microseconds * 1e-6).encode(family.encode_family(&labels)?)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,235 @@
+//! The query parameters: one table that both the parser and the OpenAPI document read.
+
+use utoipa::openapi::{
+    Required, Type,
+    path::{Parameter as ApiParameter, ParameterBuilder, ParameterIn},
+    schema::{KnownFormat, ObjectBuilder, SchemaFormat},
+};
+
+/// What values a parameter takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A finite number in a range.
+    Number {
+        /// Smallest allowed.
+        minimum: f64,
+        /// Largest allowed.
+        maximum: f64,
+        /// Unit, with its leading space; empty for pure numbers.
+        unit: &'static str,
+    },
+    /// A whole number in a range.
+    Integer {
+        /// Smallest allowed.
+        minimum: u32,
+        /// Largest allowed.
+        maximum: u32,
+    },
+    /// One of some words.
+    Choice(&'static [&'static str]),
+    /// Text with a form of its own.
+    Text {
+        /// The form, in words.
+        allowed: &'static str,
+    },
+}
+
+/// One query parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: &'static str,
+    /// What values it takes.
+    pub kind: Kind,
+    /// Its default as text; empty where there is none.
+    pub default: &'static str,
+    /// Whether it must be given.
+    pub required: bool,
+    /// What it means.
+    pub description: &'static str,
+}
+
+impl Parameter {
+    /// What is allowed, in words.
+    pub fn allowed(&self) -> String {
+        match self.kind {
+            Kind::Number { minimum, maximum, unit } => format!("{minimum} to {maximum}{unit}"),
+            Kind::Integer { minimum, maximum } => format!("a whole number from {minimum} to {maximum}"),
+            Kind::Choice(words) => words.join(", "),
+            Kind::Text { allowed } => allowed.to_owned(),
+        }
+    }
+
+    /// The parameter as OpenAPI says it.
+    pub fn openapi(&self) -> ApiParameter {
+        let default = (!self.default.is_empty()).then(|| match self.kind {
+            Kind::Number { .. } | Kind::Integer { .. } => {
+                self.default.parse::<f64>().map_or_else(|_| self.default.into(), serde_json::Value::from)
+            }
+            _ => serde_json::Value::from(self.default),
+        });
+        let schema = match self.kind {
+            Kind::Number { minimum, maximum, .. } => ObjectBuilder::new()
+                .schema_type(Type::Number)
+                .format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
+                .minimum(Some(minimum))
+                .maximum(Some(maximum)),
+            Kind::Integer { minimum, maximum } => ObjectBuilder::new()
+                .schema_type(Type::Integer)
+                .minimum(Some(f64::from(minimum)))
+                .maximum(Some(f64::from(maximum))),
+            Kind::Choice(words) => {
+                ObjectBuilder::new().schema_type(Type::String).enum_values(Some(words.iter().copied()))
+            }
+            Kind::Text { .. } => ObjectBuilder::new().schema_type(Type::String),
+        };
+        ParameterBuilder::new()
+            .name(self.name)
+            .parameter_in(ParameterIn::Query)
+            .required(if self.required { Required::True } else { Required::False })
+            .description(Some(format!("{} Allowed: {}.", self.description, self.allowed())))
+            .schema(Some(schema.default(default).build()))
+            .build()
+    }
+}
+
+macro_rules! parameters {
+    ($($(#[doc = $doc:literal])+ $constant:ident = $name:literal, $kind:expr, $default:literal, $required:literal;)*) => {
+        $($(#[doc = $doc])+ pub const $constant: Parameter = Parameter {
+            name: $name, kind: $kind, default: $default, required: $required,
+            description: parameters!(@trim $($doc)+),
+        };)*
+    };
+    (@trim $first:literal $($rest:literal)*) => { concat!($first $(, $rest)*).trim_ascii() };
+}
+
+const DEGREES: &str = " degrees";
+
+parameters! {
+    /// Latitude of the place, WGS84.
+    LAT = "lat", Kind::Number { minimum: -90.0, maximum: 90.0, unit: DEGREES }, "", true;
+    /// Longitude of the place, WGS84.
+    LON = "lon", Kind::Number { minimum: -180.0, maximum: 360.0, unit: DEGREES }, "", true;
+    /// Height of the observer above the ground.
+    HEIGHT = "height", Kind::Number { minimum: 0.0, maximum: 100_000.0, unit: " m" }, "2", false;
+    /// Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0.
+    ALTITUDE = "altitude", Kind::Number { minimum: -1000.0, maximum: 100_000.0, unit: " m" }, "", false;
+    /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range.
+    TURBIDITY = "turbidity", Kind::Number { minimum: 1.0, maximum: 20.0, unit: "" }, "2.5", false;
+    /// Orders of scattering; the default is the best that is resident.
+    SCATTERING = "scattering", Kind::Choice(&["single", "multiple"]), "", false;
+    /// Lamp: its flux in the bands R, G, B per flux that the satellite saw.
+    LAMP = "lamp", Kind::Text {
+        allowed: "neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0",
+    }, "mixed", false;
+    /// How lamps spread their light over the zenith angle.
+    EMISSION = "emission", Kind::Text {
+        allowed: "garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0",
+    }, "garstang", false;
+    /// Number of basis functions; the default is all that are resident.
+    BASIS = "basis", Kind::Integer { minimum: 1, maximum: 1024 }, "", false;
+    /// Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet).
+    CLOUDS = "clouds", Kind::Text { allowed: "none" }, "none", false;
+    /// Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false.
+    TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
+    /// Wanted relative error (not supported yet).
+    TOLERANCE = "tolerance", Kind::Text { allowed: "not to be given yet" }, "", false;
+    /// Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻².
+    SKY = "sky", Kind::Choice(&["artificial", "total"]), "artificial", false;
+    /// Id of a scenario or plan (not supported yet).
+    SCENARIO = "scenario", Kind::Text { allowed: "not to be given yet" }, "", false;
+    /// Projection: fisheye is zenithal equidistant with north up and east left.
+    PROJECTION = "projection", Kind::Choice(&["equirectangular", "fisheye", "perspective"]), "equirectangular", false;
+    /// Azimuth of the centre of a perspective, clockwise from north.
+    AZIMUTH = "azimuth", Kind::Number { minimum: -360.0, maximum: 360.0, unit: DEGREES }, "0", false;
+    /// Elevation of the centre of a perspective.
+    ELEVATION = "elevation", Kind::Number { minimum: -90.0, maximum: 90.0, unit: DEGREES }, "20", false;
+    /// Horizontal field of view of a perspective.
+    FOV = "fov", Kind::Number { minimum: 1.0, maximum: 150.0, unit: DEGREES }, "90", false;
+    /// False colour on a fixed scale, or realistic at a fixed exposure.
+    STYLE = "style", Kind::Choice(&["false_colour", "realistic"]), "false_colour", false;
+    /// Colour map of false colour, all readable without colour vision.
+    COLORMAP = "colormap", Kind::Choice(&["inferno", "magma", "plasma", "viridis", "cividis", "grey"]), "inferno", false;
+    /// Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻².
+    SCALE = "scale", Kind::Choice(&["luminance", "magnitude"]), "luminance", false;
+    /// Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻².
+    MIN = "min", Kind::Text { allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max" }, "", false;
+    /// Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻².
+    MAX = "max", Kind::Text { allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min" }, "", false;
+    /// Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey.
+    EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
+    /// Width of the sky in the picture; the default depends on projection and format.
+    WIDTH = "width", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
+    /// Height of the sky in the picture, without the legend; the default depends on projection and format.
+    HEIGHT_PX = "height_px", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
+    /// Compass letters and the strip that explains the colours.
+    LEGEND = "legend", Kind::Choice(&["on", "off"]), "on", false;
+}
+
+/// A set of parameters for `#[utoipa::path(params(…))]` and for the reader.
+pub trait ParameterSet {
+    /// The parameters, in the order of the document.
+    const ALL: &'static [Parameter];
+}
+
+macro_rules! parameter_sets {
+    ($($(#[$doc:meta])* $name:ident = [$($parameter:ident),* $(,)?];)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name;
+
+        impl ParameterSet for $name {
+            const ALL: &'static [Parameter] = &[$($parameter),*];
+        }
+
+        impl utoipa::IntoParams for $name {
+            fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<ApiParameter> {
+                Self::ALL.iter().map(Parameter::openapi).collect()
+            }
+        }
+    )*};
+}
+
+parameter_sets! {
+    /// No parameters.
+    NoParameters = [];
+    /// Those of a place.
+    PlaceParameters = [LAT, LON];
+    /// Those of a sky.
+    SkyParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        SKY, SCENARIO,
+    ];
+    /// Those of a panorama.
+    PanoramaParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, WIDTH,
+        HEIGHT_PX, LEGEND,
+    ];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_display::Colormap;
+    use skyglow_physics::LampPreset;
+
+    #[test]
+    fn the_table_names_every_colour_map_and_lamp_that_there_is() {
+        let Kind::Choice(maps) = COLORMAP.kind else { panic!("not a choice") };
+        assert_eq!(maps, Colormap::ALL.map(Colormap::name));
+        for preset in LampPreset::ALL {
+            assert!(LAMP.allowed().contains(preset.name()), "{preset:?}");
+        }
+    }
+
+    #[test]
+    fn defaults_of_the_document_are_those_of_the_code() {
+        let range = skyglow_display::ColourRange::default();
+        assert!(MIN.description.contains("1e-5") && range.min == 1e-5);
+        assert!(MAX.description.contains("0.1") && range.max == 0.1);
+        assert_eq!(FOV.default.parse(), Ok(skyglow_display::options::DEFAULT_FOV_DEG));
+        assert_eq!(ELEVATION.default.parse(), Ok(skyglow_display::options::DEFAULT_ELEVATION_DEG));
+        assert_eq!(TURBIDITY.default.parse(), Ok(skyglow_physics::Turbidity::default().value()));
+    }
+}

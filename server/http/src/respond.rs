@@ -1,0 +1,116 @@
+//! Answers with their caching headers.
+
+use crate::{error::ApiError, etag::ETag};
+use axum::{
+    body::Body,
+    http::{HeaderMap, HeaderValue, Response, StatusCode, header},
+};
+use serde::Serialize;
+
+/// How long an answer may be kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Asked about each time; the ETag makes that cheap.
+    Revalidate,
+    /// For some minutes: made from a scene that may be ingested again.
+    Minutes,
+    /// For ever: its URL carries a hash of it.
+    Forever,
+}
+
+impl Keep {
+    const fn cache_control(self) -> &'static str {
+        match self {
+            Keep::Revalidate => "public, no-cache",
+            Keep::Minutes => "public, max-age=300",
+            Keep::Forever => "public, max-age=31536000, immutable",
+        }
+    }
+}
+
+/// Headers of an answer that a client may keep.
+#[derive(Clone, Debug)]
+pub struct Caching {
+    /// Its tag.
+    pub etag: ETag,
+    /// For how long.
+    pub keep: Keep,
+    /// Request headers that it depends on, besides the encodings accepted.
+    pub vary: Option<&'static str>,
+}
+
+impl Caching {
+    /// 304 if the client has this answer already.
+    pub fn not_modified(&self, request: &HeaderMap) -> Option<Response<Body>> {
+        let tag = self.etag.matched(request)?;
+        let mut response = Response::new(Body::empty());
+        *response.status_mut() = StatusCode::NOT_MODIFIED;
+        self.put(response.headers_mut(), &tag);
+        Some(response)
+    }
+
+    /// 200 with a body.
+    pub fn ok(&self, media_type: &'static str, body: Vec<u8>) -> Response<Body> {
+        let mut response = Response::new(Body::from(body));
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type));
+        self.put(headers, &self.etag.header());
+        response
+    }
+
+    /// 200 with JSON.
+    ///
+    /// # Errors
+    /// [`ApiError::Internal`] for what is no JSON.
+    pub fn json(&self, value: &impl Serialize) -> Result<Response<Body>, ApiError> {
+        Ok(self.ok("application/json", json_bytes(value)?))
+    }
+
+    fn put(&self, headers: &mut HeaderMap, tag: &str) {
+        if let Ok(tag) = HeaderValue::from_str(tag) {
+            headers.insert(header::ETAG, tag);
+        }
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static(self.keep.cache_control()));
+        // The compression adds this to what it compresses; caches must know for the other answers too.
+        let vary = match self.vary {
+            None => "accept-encoding",
+            Some("accept") => "accept, accept-encoding",
+            Some(other) => other,
+        };
+        headers.insert(header::VARY, HeaderValue::from_static(vary));
+    }
+}
+
+/// A value as JSON.
+///
+/// # Errors
+/// [`ApiError::Internal`] for what is no JSON.
+pub fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>, ApiError> {
+    serde_json::to_vec(value).map_err(ApiError::internal)
+}
+
+/// JSON whose tag is that of its bytes: for answers that cost nothing to make.
+///
+/// # Errors
+/// [`ApiError::Internal`] for what is no JSON.
+pub fn json_by_content(
+    request: &HeaderMap,
+    keep: Keep,
+    value: &impl Serialize,
+) -> Result<Response<Body>, ApiError> {
+    bytes_by_content(request, keep, "application/json", json_bytes(value)?)
+}
+
+/// Bytes whose tag is their own hash.
+///
+/// # Errors
+/// None today.
+pub fn bytes_by_content(
+    request: &HeaderMap,
+    keep: Keep,
+    media_type: &'static str,
+    body: Vec<u8>,
+) -> Result<Response<Body>, ApiError> {
+    let caching = Caching { etag: ETag::of_bytes(&body), keep, vary: None };
+    Ok(caching.not_modified(request).unwrap_or_else(|| caching.ok(media_type, body)))
+}

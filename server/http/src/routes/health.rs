@@ -1,0 +1,58 @@
+//! Whether the server lives and is ready, and its counters.
+
+use crate::{answers::HealthAnswer, error::ApiError, problem::Problem, respond::json_bytes, state::AppState};
+use axum::{
+    body::Body,
+    extract::State,
+    http::{HeaderValue, Response, header},
+};
+
+/// A body that nobody keeps.
+fn fresh(media_type: &'static str, body: Vec<u8>) -> Response<Body> {
+    let mut response = Response::new(Body::from(body));
+    response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type));
+    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    response
+}
+
+/// Answers while the server lives.
+#[utoipa::path(
+    get,
+    path = "/healthz",
+    tag = "operation",
+    responses((status = 200, description = "The server lives", body = HealthAnswer))
+)]
+pub async fn get_health() -> Result<Response<Body>, ApiError> {
+    let answer = HealthAnswer { status: "ok".to_owned(), executor: None };
+    Ok(fresh("application/json", json_bytes(&answer)?))
+}
+
+/// Answers 200 once tables are resident and the device answers.
+#[utoipa::path(
+    get,
+    path = "/readyz",
+    tag = "operation",
+    responses(
+        (status = 200, description = "The server is ready", body = HealthAnswer),
+        (status = 503, description = "Tables or device are not ready", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_readiness(State(state): State<AppState>) -> Result<Response<Body>, ApiError> {
+    if !state.source.is_ready() {
+        return Err(ApiError::EngineDown);
+    }
+    let executor = Some(state.source.facts().executor.clone());
+    Ok(fresh("application/json", json_bytes(&HealthAnswer { status: "ok".to_owned(), executor })?))
+}
+
+/// Counters for Prometheus, in the OpenMetrics text format.
+#[utoipa::path(
+    get,
+    path = "/metrics",
+    tag = "operation",
+    responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text"))
+)]
+pub async fn get_metrics(State(state): State<AppState>) -> Result<Response<Body>, ApiError> {
+    let text = state.metrics.text().map_err(ApiError::internal)?;
+    Ok(fresh("application/openmetrics-text; version=1.0.0; charset=utf-8", text.into_bytes()))
+}

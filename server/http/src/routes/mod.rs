@@ -1,0 +1,12 @@
+//! The handlers, one file a resource.
+
+pub mod atmospheres;
+pub mod docs;
+pub mod health;
+pub mod panorama;
+pub mod problems;
+pub mod scenes;
+pub mod site;
+pub mod sky;
+pub mod tiles;
+pub mod viewer;

@@ -1,0 +1,149 @@
+//! The sky of a place as picture, raster or JSON.
+
+use super::sky::{AskedSky, put_times};
+use crate::{
+    accept::{Format, OFFERED, negotiate},
+    answers::PanoramaAnswer,
+    error::ApiError,
+    etag::ETag,
+    parameters::PanoramaParameters,
+    problem::Problem,
+    request::{View, panorama, scene_id},
+    respond::{Caching, Keep, json_bytes},
+    source::RenderedSky,
+    state::AppState,
+};
+use axum::{
+    body::Body,
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, Response, header},
+};
+use skyglow_display::{encode_exr, encode_png, encode_tiff, encode_webp, picture, raster};
+use std::sync::Arc;
+
+/// The sky in the format that the Accept header prefers; PNG if it takes anything.
+#[utoipa::path(
+    get,
+    path = "/api/v1/scenes/{scene}/panorama",
+    tag = "sky",
+    params(("scene" = String, Path, description = "The scene's id"), PanoramaParameters),
+    responses(
+        (status = 200, description = "The sky", content(
+            (PanoramaAnswer = "application/json"),
+            (Vec<u8> = "image/png"),
+            (Vec<u8> = "image/webp"),
+            (Vec<u8> = "image/x-exr"),
+            (Vec<u8> = "image/tiff"),
+        )),
+        (status = 304, description = "The client has this answer already; nothing was rendered"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+        (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_panorama(
+    State(state): State<AppState>,
+    Path(scene): Path<String>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let accept: Vec<&str> =
+        headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
+    let format = negotiate(&accept.join(",")).ok_or(ApiError::NotAcceptable { offered: OFFERED })?;
+    answer(state, &scene, query.as_deref(), &headers, format, Some("accept")).await
+}
+
+macro_rules! formats {
+    ($($name:ident, $extension:literal, $format:expr, $body:ty, $media_type:literal, $doc:literal;)*) => {$(
+        #[doc = $doc]
+        #[utoipa::path(
+            get,
+            path = concat!("/api/v1/scenes/{scene}/panorama.", $extension),
+            tag = "sky",
+            params(("scene" = String, Path, description = "The scene's id"), PanoramaParameters),
+            responses(
+                (status = 200, description = "The sky", body = $body, content_type = $media_type),
+                (status = 304, description = "The client has this answer already; nothing was rendered"),
+                (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+                (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+                (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+                (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+            )
+        )]
+        pub async fn $name(
+            State(state): State<AppState>,
+            Path(scene): Path<String>,
+            RawQuery(query): RawQuery,
+            headers: HeaderMap,
+        ) -> Result<Response<Body>, ApiError> {
+            answer(state, &scene, query.as_deref(), &headers, $format, None).await
+        }
+    )*};
+}
+
+formats! {
+    get_panorama_png, "png", Format::Png, Vec<u8>, "image/png",
+        "The sky as PNG, with its legend.";
+    get_panorama_webp, "webp", Format::WebP, Vec<u8>, "image/webp",
+        "The sky as lossless WebP, with its legend.";
+    get_panorama_exr, "exr", Format::Exr, Vec<u8>, "image/x-exr",
+        "Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats; A says where sky is.";
+    get_panorama_tif, "tif", Format::Tiff, Vec<u8>, "image/tiff",
+        "Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; NaN where there is no sky.";
+    get_panorama_json, "json", Format::Json, PanoramaAnswer, "application/json",
+        "The raw grid with its numbers; projection and style change nothing here.";
+}
+
+async fn answer(
+    state: AppState,
+    scene: &str,
+    query: Option<&str>,
+    headers: &HeaderMap,
+    format: Format,
+    vary: Option<&'static str>,
+) -> Result<Response<Body>, ApiError> {
+    let (query, view) = panorama(query, scene_id(scene)?, state.source.facts())?;
+    let asked = AskedSky::prepare(&state, query).await?;
+    let etag = ETag::of(&["panorama", &asked.key, format.extension(), &format!("{view:?}")]);
+    let caching = Caching { etag, keep: Keep::Minutes, vary };
+    if let Some(response) = caching.not_modified(headers) {
+        return Ok(response);
+    }
+    let rendered = asked.render(&state).await?;
+    let worker = (state.clone(), asked, rendered.clone());
+    let body = state
+        .blocking(move |_| {
+            let (state, asked, rendered) = worker;
+            encode(&state, &asked, &rendered, &view, format)
+        })
+        .await?;
+    let mut response = caching.ok(format.media_type(), body);
+    put_times(&mut response, &rendered);
+    Ok(response)
+}
+
+/// Draws and encodes; takes milliseconds, never on an async thread.
+fn encode(
+    state: &AppState,
+    asked: &AskedSky,
+    rendered: &Arc<RenderedSky>,
+    view: &View,
+    format: Format,
+) -> Result<Vec<u8>, ApiError> {
+    let options = &view.options;
+    let image = || picture(&rendered.panorama, options);
+    let floats = || raster(&rendered.panorama, options.projection, view.raster_size_px, options.sky);
+    let bytes = match format {
+        Format::Png => image().and_then(|image| encode_png(&image)),
+        Format::WebP => image().and_then(|image| encode_webp(&image)),
+        Format::Exr => floats().and_then(|raster| encode_exr(&raster)),
+        Format::Tiff => floats().and_then(|raster| encode_tiff(&raster)),
+        Format::Json => {
+            let assumptions = asked.assumptions(state, rendered);
+            return json_bytes(&PanoramaAnswer::new(assumptions, rendered, options.sky));
+        }
+    };
+    bytes.map_err(ApiError::internal)
+}

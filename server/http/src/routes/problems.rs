@@ -1,0 +1,54 @@
+//! The kinds of problems, in words: where the `type` of a problem document leads.
+
+use crate::{
+    error::ApiError,
+    problem::Problem,
+    respond::{Keep, bytes_by_content},
+};
+use axum::{
+    body::Body,
+    extract::Path,
+    http::{HeaderMap, Response},
+};
+
+/// Stable names and what they mean.
+pub const KINDS: [(&str, &str); 18] = [
+    (
+        "bad-parameters",
+        "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
+    ),
+    ("unknown-parameter", "Parameters that do not exist here; `errors` lists those that do."),
+    ("out-of-range", "Altitude or turbidity outside the resident tables; `errors` has the range."),
+    ("not-resident", "The interface has it, but this server does not hold the tables for it."),
+    ("not-supported-yet", "The interface has it, but it is not built yet."),
+    ("unknown-scene", "No scene has this id."),
+    ("outside-scene", "The place lies outside the scene; `bounds` has its edges."),
+    ("unknown-tile", "No map tile has this address."),
+    ("not-found", "No resource has this path."),
+    ("method-not-allowed", "The path answers other methods; the Allow header lists them."),
+    ("not-acceptable", "The resource does not come in any of the formats accepted."),
+    ("body-too-long", "The request's body is longer than this server takes."),
+    ("unreadable", "The request is not HTTP as this server reads it."),
+    ("too-many-requests", "This address sent more than its share; Retry-After says when to go on."),
+    ("busy", "The server works on as much as it can; Retry-After says when to try again."),
+    ("timeout", "The answer took longer than this server allows."),
+    ("engine-down", "The engine is starting or its device is lost; Retry-After says when to try again."),
+    ("internal", "A defect or a broken installation; the server's log says more."),
+];
+
+/// Explains a kind of problem.
+#[utoipa::path(
+    get,
+    path = "/problems/{kind}",
+    tag = "operation",
+    params(("kind" = String, Path, description = "The last part of a problem's `type`")),
+    responses(
+        (status = 200, description = "What it means", body = String, content_type = "text/plain"),
+        (status = 404, description = "No such kind", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_problem(Path(kind): Path<String>, headers: HeaderMap) -> Result<Response<Body>, ApiError> {
+    let (name, words) = KINDS.iter().find(|(name, _)| *name == kind).ok_or(ApiError::NotFound)?;
+    let text = format!("{name}\n\n{words}\n");
+    bytes_by_content(&headers, Keep::Minutes, "text/plain; charset=utf-8", text.into_bytes())
+}

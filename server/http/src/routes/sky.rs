@@ -1,0 +1,107 @@
+//! The numbers of a sky.
+
+use crate::{
+    answers::{Assumptions, SkyAnswer},
+    error::ApiError,
+    etag::ETag,
+    parameters::SkyParameters,
+    problem::Problem,
+    request::{scene_id, sky},
+    respond::{Caching, Keep},
+    source::{RenderedSky, SkyQuery},
+    state::AppState,
+};
+use axum::{
+    body::Body,
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, HeaderValue, Response},
+};
+use skyglow_scene::SceneMetadata;
+use std::sync::Arc;
+
+/// The numbers of the sky at a place.
+#[utoipa::path(
+    get,
+    path = "/api/v1/scenes/{scene}/sky",
+    tag = "sky",
+    params(("scene" = String, Path, description = "The scene's id"), SkyParameters),
+    responses(
+        (status = 200, description = "The numbers", body = SkyAnswer),
+        (status = 304, description = "The client has this answer already; nothing was rendered"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_sky(
+    State(state): State<AppState>,
+    Path(scene): Path<String>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let (query, light) = sky(query.as_deref(), scene_id(&scene)?, state.source.facts())?;
+    let asked = AskedSky::prepare(&state, query).await?;
+    let etag = ETag::of(&["sky", &asked.key, &format!("{light:?}")]);
+    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    if let Some(response) = caching.not_modified(&headers) {
+        return Ok(response);
+    }
+    let rendered = asked.render(&state).await?;
+    let answer =
+        SkyAnswer { assumptions: asked.assumptions(&state, &rendered), sky: (&rendered.quantities).into() };
+    let mut response = caching.json(&answer)?;
+    put_times(&mut response, &rendered);
+    Ok(response)
+}
+
+/// A sky that may be rendered: the place is in the scene, the scene's version is known.
+#[derive(Clone, Debug)]
+pub struct AskedSky {
+    /// What is asked.
+    pub query: Arc<SkyQuery>,
+    /// The scene.
+    pub scene: SceneMetadata,
+    /// What decides the sky, as text for ETags.
+    pub key: String,
+}
+
+impl AskedSky {
+    /// Looks up the scene and checks the place; renders nothing.
+    ///
+    /// # Errors
+    /// [`ApiError::UnknownScene`], [`ApiError::OutsideScene`].
+    pub async fn prepare(state: &AppState, query: SkyQuery) -> Result<Self, ApiError> {
+        let (id, place) = (query.scene.clone(), query.place);
+        let site = state.blocking(move |source| source.site(&id, place).map_err(|e| e.at(place))).await?;
+        let key = state.sky_key(&query, &site.scene.version);
+        Ok(Self { query: Arc::new(query), scene: site.scene, key })
+    }
+
+    /// Renders the sky, or takes the one rendered before.
+    ///
+    /// # Errors
+    /// [`ApiError::Busy`], [`ApiError::EngineDown`], an altitude out of range.
+    pub async fn render(&self, state: &AppState) -> Result<Arc<RenderedSky>, ApiError> {
+        state.sky(&self.key, self.query.clone()).await.map_err(|error| error.at(self.query.place))
+    }
+
+    /// What the numbers depend on.
+    pub fn assumptions(&self, state: &AppState, rendered: &RenderedSky) -> Assumptions {
+        Assumptions::new(&self.query, &self.scene, rendered, state.source.facts())
+    }
+}
+
+/// Says how long the passes took, outside the body, which stays the same for the same request.
+pub fn put_times(response: &mut Response<Body>, rendered: &RenderedSky) {
+    let times: Vec<String> = rendered
+        .passes
+        .iter()
+        .map(|(name, microseconds)| format!("{};dur={:.3}", name.replace(' ', "_"), microseconds * 1e-3))
+        .collect();
+    if let Ok(value) = HeaderValue::from_str(&times.join(", "))
+        && !times.is_empty()
+    {
+        response.headers_mut().insert("server-timing", value);
+    }
+}

@@ -1,0 +1,220 @@
+//! Web Mercator map tiles.
+
+use crate::{
+    answers::TileJson,
+    error::ApiError,
+    etag::ETag,
+    problem::{Problem, echo},
+    request::{no_parameters, scene_id},
+    respond::{Caching, Keep},
+    state::AppState,
+};
+use axum::{
+    body::Body,
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, Response, header, uri::Authority},
+};
+use skyglow_display::tile::{elevation_tile_png, radiance_tile_png};
+use skyglow_scene::{SceneMetadata, TileLayer};
+use utoipa::OpenApi;
+
+/// Pixels a side.
+const TILE_PX: u32 = 256;
+/// Ground size of a pixel of zoom level 0 on the equator, metres.
+const PIXEL_0_M: f64 = std::f64::consts::TAU * skyglow_physics::EARTH_RADIUS_M / 256.0;
+
+/// The document of the tiles: their route's last part is one segment to the router and two things to a reader.
+#[derive(OpenApi)]
+#[openapi(paths(get_tile))]
+pub struct TileDocument;
+
+fn layer(name: &str) -> Result<TileLayer, ApiError> {
+    match name {
+        "radiance" => Ok(TileLayer::Radiance),
+        "elevation" => Ok(TileLayer::Elevation),
+        other => Err(ApiError::UnknownTile {
+            reason: format!("the layers are radiance and elevation, not \"{}\"", echo(other)),
+        }),
+    }
+}
+
+/// A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with
+/// hypsometric tints and shading.
+#[utoipa::path(
+    get,
+    path = "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png",
+    tag = "tiles",
+    params(
+        ("scene" = String, Path, description = "The scene's id"),
+        ("layer" = String, Path, description = "`radiance` or `elevation`"),
+        ("z" = u8, Path, description = "Zoom level"),
+        ("x" = u32, Path, description = "Column, from 180° west"),
+        ("y" = u32, Path, description = "Row, from the north"),
+    ),
+    responses(
+        (status = 200, description = "The tile", body = Vec<u8>, content_type = "image/png"),
+        (status = 304, description = "The client has this answer already"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene, layer or tile", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_tile(
+    State(state): State<AppState>,
+    Path((scene, layer_name, z, x, file)): Path<(String, String, String, String, String)>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let id = scene_id(&scene)?;
+    let layer = layer(&layer_name)?;
+    no_parameters(query.as_deref())?;
+    let address = address(&z, &x, &file).ok_or_else(|| ApiError::UnknownTile {
+        reason: "a tile's address ends in z/x/y.png with whole numbers".to_owned(),
+    })?;
+    let wanted = id.clone();
+    let scene = state.blocking(move |source| Ok(source.scene(&wanted)?)).await?;
+    let caching = Caching {
+        etag: ETag::of(&["tile", &scene.version, &layer_name, &format!("{address:?}")]),
+        keep: Keep::Minutes,
+        vary: None,
+    };
+    // An address that does not exist has no tag to match.
+    let exists = address.0 <= 24 && address.1 >> address.0 == 0 && address.2 >> address.0 == 0;
+    if let Some(response) = caching.not_modified(&headers).filter(|_| exists) {
+        return Ok(response);
+    }
+    let png = state
+        .blocking(move |source| {
+            let tile = source.tile(&id, layer, address, TILE_PX)?;
+            match layer {
+                TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX),
+                TileLayer::Elevation => {
+                    elevation_tile_png(&tile.values, &tile.has_data, TILE_PX, pixel_m(address.0, address.2))
+                }
+            }
+            .map_err(ApiError::internal)
+        })
+        .await?;
+    Ok(caching.ok("image/png", png))
+}
+
+/// Zoom level, column and row.
+fn address(z: &str, x: &str, file: &str) -> Option<(u8, u32, u32)> {
+    Some((z.parse().ok()?, x.parse().ok()?, file.strip_suffix(".png")?.parse().ok()?))
+}
+
+/// Ground size of a pixel in the middle of a row of tiles, metres.
+fn pixel_m(z: u8, y: u32) -> f64 {
+    let rows = f64::from(z).exp2();
+    let mercator = std::f64::consts::PI * (1.0 - 2.0 * (f64::from(y) + 0.5) / rows);
+    // cos(gudermannian(m)) = 1/cosh(m).
+    PIXEL_0_M / rows / mercator.cosh()
+}
+
+/// Describes a layer of tiles (TileJSON 3.0).
+#[utoipa::path(
+    get,
+    path = "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json",
+    tag = "tiles",
+    params(
+        ("scene" = String, Path, description = "The scene's id"),
+        ("layer" = String, Path, description = "`radiance` or `elevation`"),
+    ),
+    responses(
+        (status = 200, description = "The description", body = TileJson),
+        (status = 304, description = "The client has this answer already"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene or layer", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_tilejson(
+    State(state): State<AppState>,
+    Path((scene, layer_name)): Path<(String, String)>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let id = scene_id(&scene)?;
+    let layer = layer(&layer_name)?;
+    no_parameters(query.as_deref())?;
+    let scene = state.blocking(move |source| Ok(source.scene(&id)?)).await?;
+    let base = base_url(state.config.public_url.as_deref(), &headers);
+    let document = tilejson(&scene, layer, &layer_name, &base);
+    crate::respond::json_by_content(&headers, Keep::Revalidate, &document)
+}
+
+/// Where the client reached the server: what is configured, else the Host header if it is a host.
+fn base_url(public_url: Option<&str>, headers: &HeaderMap) -> String {
+    if let Some(url) = public_url {
+        return url.trim_end_matches('/').to_owned();
+    }
+    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok());
+    let authority = host.and_then(|host| host.parse::<Authority>().ok());
+    authority
+        .filter(|authority| !authority.as_str().contains('@'))
+        .map_or_else(String::new, |authority| format!("http://{authority}"))
+}
+
+fn tilejson(scene: &SceneMetadata, layer: TileLayer, name: &str, base: &str) -> TileJson {
+    let [west, south, east, north] = scene.bounds;
+    // Across the antimeridian the eastern edge is counted on.
+    let width_deg = if west > east { east + 360.0 - west } else { east - west };
+    let centre_deg = (west + 0.5 * width_deg + 180.0).rem_euclid(360.0) - 180.0;
+    let finest = (PIXEL_0_M / scene.pixel_size_m.max(1.0)).log2().ceil().clamp(4.0, 16.0);
+    // Terrain is usually finer than the lights.
+    let maxzoom = finest as u8 + if layer == TileLayer::Elevation { 2 } else { 0 };
+    TileJson {
+        tilejson: "3.0.0".to_owned(),
+        name: format!("{}: {name}", scene.title),
+        description: match layer {
+            TileLayer::Radiance => {
+                "Upward radiance, 0.2 to 200 nW cm-2 sr-1 on a logarithmic scale; dark is transparent"
+            }
+            TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading",
+        }
+        .to_owned(),
+        attribution: scene.attribution.clone(),
+        version: "1.0.0".to_owned(),
+        scheme: "xyz".to_owned(),
+        tiles: vec![format!("{base}/api/v1/scenes/{}/tiles/{name}/{{z}}/{{x}}/{{y}}.png", scene.id)],
+        minzoom: 0,
+        maxzoom,
+        bounds: if west > east { [-180.0, south, 180.0, north] } else { scene.bounds },
+        center: [
+            centre_deg,
+            0.5 * (south + north),
+            (360.0 / width_deg.max(0.01)).log2().floor().clamp(0.0, 12.0),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::http::HeaderValue;
+
+    #[test]
+    fn a_host_header_that_is_no_host_is_not_repeated() {
+        let with = |host: &'static str| {
+            base_url(None, &HeaderMap::from_iter([(header::HOST, HeaderValue::from_static(host))]))
+        };
+        assert_eq!(with("localhost:8080"), "http://localhost:8080");
+        assert_eq!(with("a\"b<script>"), "");
+        assert_eq!(with("user@evil"), "");
+        assert_eq!(base_url(Some("https://sky.example/"), &HeaderMap::new()), "https://sky.example");
+    }
+
+    #[test]
+    fn tile_addresses_are_whole_numbers_and_png() {
+        assert_eq!(address("3", "1", "2.png"), Some((3, 1, 2)));
+        for (z, x, file) in
+            [("3", "1", "2"), ("3", "-1", "2.png"), ("300", "1", "2.png"), ("a", "1", "2.png")]
+        {
+            assert_eq!(address(z, x, file), None);
+        }
+    }
+
+    #[test]
+    fn a_pixel_of_zoom_level_0_is_156_km_on_the_equator() {
+        assert!((pixel_m(0, 0) - 156_366.0).abs() < 100.0);
+        assert!(pixel_m(10, 0) < pixel_m(10, 512));
+    }
+}

@@ -1,0 +1,218 @@
+//! What the interface asks of the program behind it. [`Observatory`](crate::observatory) is the real one; tests
+//! put slow, busy and counting ones in its place.
+
+use crate::{answers::AtmosphereAnswer, error::ApiError, problem::Mistake};
+use skyglow_engine::EngineStats;
+use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Panorama, SkyQuantities, Turbidity};
+use skyglow_scene::{Place, RasterTile, SceneId, SceneMetadata, TileLayer};
+use std::{future::Future, pin::Pin, sync::Arc};
+use thiserror::Error;
+
+/// What is fixed after the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceFacts {
+    /// `gpu`, `lavapipe` or `cpu`.
+    pub executor: String,
+    /// Name of the device.
+    pub adapter: String,
+    /// Smallest and largest turbidity resident.
+    pub turbidity_range: (f64, f64),
+    /// Lowest and highest observer altitude resident, metres.
+    pub altitude_range_m: (f64, f64),
+    /// Most basis functions resident.
+    pub basis_count: usize,
+    /// Checksums of all resident packs, one after another; part of every ETag.
+    pub pack_checksums: String,
+}
+
+/// Where the observer's eye is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EyeHeight {
+    /// Metres above the ground.
+    AboveGround(f64),
+    /// Metres above sea level.
+    AboveSea(f64),
+}
+
+/// One sky asked for. Its `Debug` form is its identity in ETags and the cache.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyQuery {
+    /// The scene.
+    pub scene: SceneId,
+    /// The place, in the scene.
+    pub place: GeoPoint,
+    /// Where the eye is.
+    pub eye_height: EyeHeight,
+    /// Turbidity, in the resident range.
+    pub turbidity: Turbidity,
+    /// The lamp.
+    pub lamp: Lamp,
+    /// Where lamps send their light.
+    pub emission: EmissionMix,
+    /// Basis functions; None for all.
+    pub basis: Option<usize>,
+}
+
+/// A rendered sky.
+#[derive(Clone, Debug)]
+pub struct RenderedSky {
+    /// Radiance of artificial light.
+    pub panorama: Panorama,
+    /// The reported quantities.
+    pub quantities: SkyQuantities,
+    /// Observer's altitude, metres above sea level.
+    pub altitude_m: f64,
+    /// Altitude of the ground there, metres; None without terrain.
+    pub terrain_altitude_m: Option<f64>,
+    /// Covered share of the 300 km disc, 0..=1.
+    pub coverage: f64,
+    /// The scene's calibration factor.
+    pub calibration: f64,
+    /// Vertical optical depth above the observer in R, G, B.
+    pub local_optical_depth: [f64; 3],
+    /// Upward flux within 300 km, DNB watts.
+    pub flux_dnb_w: f64,
+    /// Basis functions used.
+    pub basis_count: usize,
+    /// Name and time [µs] of each pass, for the batch it was in.
+    pub passes: Vec<(&'static str, f64)>,
+}
+
+/// What is at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SiteFacts {
+    /// The scene that the place is in.
+    pub scene: SceneMetadata,
+    /// Altitude of the ground, metres, at least 0; None without terrain.
+    pub terrain_altitude_m: Option<f64>,
+    /// Radiance of the pixel there, nW cm⁻² sr⁻¹; None without data.
+    pub radiance_nw_cm2_sr: Option<f64>,
+}
+
+/// Why the program behind does not answer.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SourceError {
+    /// No scene of that id.
+    #[error("there is no scene \"{0}\"")]
+    UnknownScene(String),
+    /// The place lies outside.
+    #[error("the place lies outside the scene")]
+    OutsideScene {
+        /// West, south, east, north of the scene, degrees.
+        bounds: [f64; 4],
+    },
+    /// Observer too high.
+    #[error("altitude is {altitude_m} m; allowed is {minimum_m} to {maximum_m} m")]
+    AltitudeOutOfRange {
+        /// Altitude asked for, metres.
+        altitude_m: f64,
+        /// Lowest resident, metres.
+        minimum_m: f64,
+        /// Highest resident, metres.
+        maximum_m: f64,
+    },
+    /// No such tile.
+    #[error("{0}")]
+    UnknownTile(String),
+    /// The queue is full.
+    #[error("the queue is full")]
+    Busy,
+    /// No engine, or its device failed twice.
+    #[error("the engine is down: {0}")]
+    Down(String),
+    /// A defect or a broken installation.
+    #[error("{0}")]
+    Broken(String),
+}
+
+impl SourceError {
+    /// The answer to the client that asked about a place.
+    pub fn at(self, place: GeoPoint) -> ApiError {
+        match self {
+            SourceError::OutsideScene { bounds } => ApiError::OutsideScene {
+                latitude_deg: rounded(place.latitude_deg()),
+                longitude_deg: rounded(place.longitude_deg()),
+                bounds,
+            },
+            other => other.into(),
+        }
+    }
+}
+
+/// Degrees without the last digits of the way through radians.
+fn rounded(degrees: f64) -> f64 {
+    (degrees * 1e9).round() / 1e9
+}
+
+impl From<SourceError> for ApiError {
+    fn from(error: SourceError) -> Self {
+        match error {
+            SourceError::UnknownScene(id) => ApiError::UnknownScene { id: crate::problem::echo(&id) },
+            SourceError::OutsideScene { .. } => ApiError::internal("a place was checked without a place"),
+            SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m } => ApiError::parameter(
+                "altitude",
+                altitude_m.to_string(),
+                format!("{minimum_m} to {maximum_m} m above sea level"),
+                "terrain and height together are out of range".to_owned(),
+                Mistake::OutOfRange,
+            ),
+            SourceError::UnknownTile(reason) => ApiError::UnknownTile { reason },
+            SourceError::Busy => ApiError::Busy { retry_after_s: 1 },
+            SourceError::Down(reason) => {
+                tracing::error!(%reason, "engine down");
+                ApiError::EngineDown
+            }
+            SourceError::Broken(reason) => ApiError::Internal { reason },
+        }
+    }
+}
+
+/// A future that a trait object returns.
+pub type BoxFuture<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
+
+/// The program behind the interface. Methods that are not async may read files: never on an async thread.
+pub trait SkySource: Send + Sync + 'static {
+    /// What is fixed after the start. Cheap.
+    fn facts(&self) -> &SourceFacts;
+    /// Whether tables are resident and the device answers. Cheap.
+    fn is_ready(&self) -> bool;
+    /// Counters of the engine. Cheap.
+    fn stats(&self) -> EngineStats;
+    /// Number of scenes open. Cheap.
+    fn open_scenes(&self) -> usize;
+    /// The resident packs. Cheap.
+    fn atmospheres(&self) -> Vec<AtmosphereAnswer>;
+    /// All scenes.
+    ///
+    /// # Errors
+    /// [`SourceError::Broken`].
+    fn scenes(&self) -> Result<Vec<SceneMetadata>, SourceError>;
+    /// One scene.
+    ///
+    /// # Errors
+    /// [`SourceError::UnknownScene`], [`SourceError::Broken`].
+    fn scene(&self, id: &SceneId) -> Result<SceneMetadata, SourceError>;
+    /// Its named places, the most populous first.
+    ///
+    /// # Errors
+    /// As [`Self::scene`].
+    fn places(&self, id: &SceneId) -> Result<Vec<Place>, SourceError>;
+    /// What is at a place.
+    ///
+    /// # Errors
+    /// As [`Self::scene`], and [`SourceError::OutsideScene`].
+    fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteFacts, SourceError>;
+    /// Numbers of a map tile.
+    ///
+    /// # Errors
+    /// As [`Self::scene`], and [`SourceError::UnknownTile`].
+    fn tile(
+        &self,
+        id: &SceneId,
+        layer: TileLayer,
+        address: (u8, u32, u32),
+        size_px: u32,
+    ) -> Result<RasterTile, SourceError>;
+    /// Renders a sky.
+    fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>>;
+}

@@ -1,0 +1,73 @@
+//! What every handler shares.
+
+use crate::{
+    config::HttpConfig,
+    error::ApiError,
+    etag::ETag,
+    metrics::Metrics,
+    source::{RenderedSky, SkyQuery, SkySource, SourceError},
+};
+use moka::future::Cache;
+use skyglow_physics::Panorama;
+use std::sync::{Arc, OnceLock};
+
+/// The shared state.
+#[derive(Clone)]
+pub struct AppState {
+    /// The program behind.
+    pub source: Arc<dyn SkySource>,
+    /// What the interface was told.
+    pub config: Arc<HttpConfig>,
+    /// Counters.
+    pub metrics: Arc<Metrics>,
+    /// Skies rendered lately, by what decides them.
+    skies: Cache<String, Arc<RenderedSky>>,
+    /// The OpenAPI document, set once when the routes are known.
+    pub openapi: Arc<OnceLock<String>>,
+}
+
+/// Bytes that a cached sky takes, about.
+const SKY_BYTES: u64 = 4 * Panorama::LEN as u64 + 2048;
+
+impl AppState {
+    /// The state over a source.
+    pub fn new(source: Arc<dyn SkySource>, config: HttpConfig) -> Self {
+        let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
+        let metrics = Arc::new(Metrics::new(source.clone()));
+        Self { source, config: Arc::new(config), metrics, skies, openapi: Arc::default() }
+    }
+
+    /// Runs something that may read files or compute for long, off the async threads.
+    ///
+    /// # Errors
+    /// Its own, and [`ApiError::Internal`] where it panics.
+    pub async fn blocking<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<T, ApiError> {
+        let source = self.source.clone();
+        match tokio::task::spawn_blocking(move || work(source.as_ref())).await {
+            Ok(result) => result,
+            Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
+        }
+    }
+
+    /// What decides a sky: the request, the scene's version, the packs and the executor.
+    pub fn sky_key(&self, query: &SkyQuery, scene_version: &str) -> String {
+        let facts = self.source.facts();
+        let request = format!("{query:?}");
+        ETag::of(&[&request, scene_version, &facts.pack_checksums, &facts.executor]).header()
+    }
+
+    /// The sky of a query, rendered once for all who ask at the same time, kept for a while.
+    ///
+    /// # Errors
+    /// [`SourceError`].
+    pub async fn sky(&self, key: &str, query: Arc<SkyQuery>) -> Result<Arc<RenderedSky>, SourceError> {
+        let source = self.source.clone();
+        self.skies
+            .try_get_with_by_ref(key, async move { source.sky(query).await.map(Arc::new) })
+            .await
+            .map_err(|error| SourceError::clone(&error))
+    }
+}
