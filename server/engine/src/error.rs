@@ -1,5 +1,7 @@
 //! What can go wrong between a request and its panorama.
 
+use skyglow_scene::SceneError;
+use skyglow_tables::TablesError;
 use thiserror::Error;
 
 /// Why no panorama came out.
@@ -88,6 +90,26 @@ pub enum EngineError {
     /// The device failed, and failed again after it was made anew.
     #[error(transparent)]
     Device(#[from] DeviceFault),
+    /// The place lies off the scene's raster.
+    #[error(
+        "{latitude_deg}, {longitude_deg} lies outside scene \"{scene}\" (west, south, east, north: {bounds:?} degrees)"
+    )]
+    OutsideScene {
+        /// The scene's id.
+        scene: String,
+        /// Latitude asked for.
+        latitude_deg: f64,
+        /// Longitude asked for.
+        longitude_deg: f64,
+        /// West, south, east, north of the scene, degrees.
+        bounds: [f64; 4],
+    },
+    /// A scene that is not there or cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A pack that is not there or was refused.
+    #[error(transparent)]
+    Tables(#[from] TablesError),
     /// The operating system refused the render thread.
     #[error("the render thread did not start: {reason}")]
     Thread {

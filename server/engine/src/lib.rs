@@ -11,11 +11,12 @@ pub mod engine;
 pub mod error;
 mod executor;
 mod gpu;
+pub mod observatory;
 pub mod plan;
-pub mod polar;
 pub mod prepare;
 pub mod reference;
 pub mod request;
+mod scene_shelf;
 pub mod shaders;
 pub mod stats;
 pub mod synthetic;
@@ -26,7 +27,9 @@ mod worker;
 
 pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
-pub use polar::{PolarCell, PolarGrid};
+pub use observatory::{
+    Observatory, Observer, ObserverHeight, SiteAnswer, SkyAnswer, SkyRequest, resident_tables,
+};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};
 pub use stats::EngineStats;
 pub use table_set::TableSet;

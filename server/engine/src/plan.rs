@@ -238,6 +238,9 @@ inverse_fft   32 x 3 x 2  T = 2, 10 functions
         let turbidities: Vec<f64> = plan.packs.iter().map(|pack| pack.turbidity).collect();
         assert_eq!(turbidities, [2.0, 3.0, 4.0]);
         assert_eq!(plan.passes.len(), 3 * 7 + 1);
-        assert_eq!(plan.passes.last().map(|last| (last.pass, last.workgroups)), Some((Pass::Blend, [768, 1, 1])));
+        assert_eq!(
+            plan.passes.last().map(|last| (last.pass, last.workgroups)),
+            Some((Pass::Blend, [768, 1, 1]))
+        );
     }
 }

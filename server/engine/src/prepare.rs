@@ -2,12 +2,12 @@
 
 use crate::{
     error::EngineError,
-    polar::PolarGrid,
     request::{RenderRequest, WorkCount},
     table_set::TableSet,
     taps::{Taps, lagrange_taps},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT};
+use skyglow_scene::PolarGrid;
 
 /// Two turbidities nearer than this are the same.
 pub const SAME_TURBIDITY: f64 = 1e-9;
@@ -298,10 +298,7 @@ mod tests {
         for change in cases {
             let mut grid = synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]);
             change(&mut grid);
-            assert!(matches!(
-                Prepared::new(&request(grid), &set()),
-                Err(EngineError::BadPolarGrid { .. })
-            ));
+            assert!(matches!(Prepared::new(&request(grid), &set()), Err(EngineError::BadPolarGrid { .. })));
         }
     }
 }

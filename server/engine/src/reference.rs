@@ -1,10 +1,6 @@
 //! The same tables evaluated in f64 by plain sums, without transforms: what both executors are measured against.
 
-use crate::{
-    prepare::Prepared,
-    table_set::TableSet,
-    twin::blending::RADIANCE_FLOOR_W_M2_SR,
-};
+use crate::{prepare::Prepared, table_set::TableSet, twin::blending::RADIANCE_FLOOR_W_M2_SR};
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
@@ -88,14 +84,14 @@ fn mixed_node(
     basis_count: usize,
 ) -> (f64, Vec<f64>) {
     let taps = &request.altitude_taps;
-    let node = |tap: usize, lobe: usize| {
-        tables.node_index(tap, lobe, band, ring as usize, offset as usize)
-    };
+    let node = |tap: usize, lobe: usize| tables.node_index(tap, lobe, band, ring as usize, offset as usize);
     let blend = |value: &dyn Fn(usize) -> f64| -> f64 {
         taps.indices().iter().zip(taps.weights()).map(|(&tap, weight)| weight * value(tap)).sum()
     };
     let mut log_scale = [f64::NEG_INFINITY; LOBE_COUNT];
-    for (lobe, log_scale) in log_scale.iter_mut().enumerate().filter(|(lobe, _)| request.emission[*lobe] > 0.0) {
+    for (lobe, log_scale) in
+        log_scale.iter_mut().enumerate().filter(|(lobe, _)| request.emission[*lobe] > 0.0)
+    {
         *log_scale = f64::from(request.emission[lobe]).ln()
             + blend(&|tap| f64::from(tables.log_scale[node(tap, lobe)]));
     }

@@ -1,8 +1,8 @@
 //! What the engine is asked, and what it answers.
 
-use crate::polar::PolarGrid;
 use serde::Serialize;
 use skyglow_physics::{BAND_COUNT, EmissionMix, Panorama, Turbidity};
+use skyglow_scene::PolarGrid;
 use std::sync::Arc;
 
 /// One sky to render.

@@ -1,9 +1,9 @@
 //! Made-up tables and grids: smooth, positive, fast to make. For tests and benches, never for a sky that anyone
 //! is shown.
 
-use crate::polar::{PolarCell, PolarGrid, RING_COUNT};
 use half::f16;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, GeoPoint, LOBE_COUNT};
+use skyglow_scene::{PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 use skyglow_tables::{
     OffsetAxis,
     resident::{FREQUENCY_COUNT, ResidentTables},
@@ -31,11 +31,6 @@ impl Noise {
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
-}
-
-/// Ring distances, metres: 250 m to 300 km, evenly in the logarithm.
-pub fn ring_distance_m(ring: usize) -> f64 {
-    250.0 * 1200f64.powf(ring as f64 / (RING_COUNT - 1) as f64)
 }
 
 /// One made-up pack per turbidity, on common axes.
@@ -115,11 +110,22 @@ fn basis_spectrum(turbidity: f64, basis_count: usize) -> Vec<f32> {
     spectrum
 }
 
+/// A grid without light.
+pub fn dark_grid() -> PolarGrid {
+    PolarGrid {
+        observer: GeoPoint::from_rad_unchecked(0.0, 0.0),
+        azimuth_start: vec![0; AZIMUTH_COUNT + 1],
+        cells: Vec::new(),
+        flux_dnb_w: 0.0,
+        coverage: 1.0,
+    }
+}
+
 /// A grid of the given (column, ring, flux in DNB watts, altitude in metres) cells.
 pub fn polar_grid_of(cells: &[(usize, u32, f32, f32)]) -> PolarGrid {
     let mut sorted = cells.to_vec();
     sorted.sort_by_key(|cell| (cell.0, cell.1));
-    let mut grid = PolarGrid::dark(GeoPoint::from_rad_unchecked(0.0, 0.0));
+    let mut grid = dark_grid();
     for azimuth in 0..AZIMUTH_COUNT {
         for &(_, ring, flux_dnb_w, altitude_m) in sorted.iter().filter(|cell| cell.0 == azimuth) {
             grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m });
@@ -144,7 +150,7 @@ pub fn polar_grid(seed: u64, lit_cells: usize) -> PolarGrid {
             }
         }
     }
-    let mut grid = PolarGrid::dark(GeoPoint::from_rad_unchecked(0.0, 0.0));
+    let mut grid = dark_grid();
     let mut next = 0;
     for azimuth in 0..AZIMUTH_COUNT {
         while next < cells.len() && cells[next].0 == azimuth {

@@ -24,7 +24,8 @@ impl TableSet {
         tables.sort_by(|a, b| a.turbidity.total_cmp(&b.turbidity));
         let first = tables.first().ok_or(EngineError::NoTables)?.clone();
         for (position, pack) in tables.iter().enumerate() {
-            let refuse = |reason: String| EngineError::IncompatibleTables { turbidity: pack.turbidity, reason };
+            let refuse =
+                |reason: String| EngineError::IncompatibleTables { turbidity: pack.turbidity, reason };
             check_lengths(pack).map_err(refuse)?;
             for (axis, ours, theirs) in [
                 ("observer altitudes", &pack.observer_altitude_m, &first.observer_altitude_m),
@@ -89,7 +90,11 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
         || pack.offset_axis.len() != pack.ring_distance_m.len()
         || pack.offset_axis.iter().any(|axis| axis.count != pack.offset_count)
     {
-        return Err(format!("{} rings do not have {} offsets each", pack.offset_axis.len(), pack.offset_count));
+        return Err(format!(
+            "{} rings do not have {} offsets each",
+            pack.offset_axis.len(),
+            pack.offset_count
+        ));
     }
     if pack.basis_count == 0 || pack.basis_count % 4 != 0 {
         return Err(format!("{} basis functions are not a multiple of 4", pack.basis_count));

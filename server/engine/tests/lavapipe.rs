@@ -3,7 +3,9 @@
 mod common;
 
 use common::{engine, largest_error, request};
-use skyglow_engine::{DeviceChoice, ExecutorKind, TableSet, prepare::Prepared, reference::render_f64, synthetic};
+use skyglow_engine::{
+    DeviceChoice, ExecutorKind, TableSet, prepare::Prepared, reference::render_f64, synthetic,
+};
 
 #[test]
 fn lavapipe_agrees_with_f64_at_and_between_turbidities() {

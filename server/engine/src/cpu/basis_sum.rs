@@ -53,8 +53,7 @@ pub(crate) fn basis_sum(basis: &BlockedBasis, spectra: &Spectra) -> SpectrumSums
         let mut spectrum = vec![[[0.0; BLOCK]; 2 * BAND_COUNT]; function_count];
         for (function, channels) in spectrum.iter_mut().enumerate() {
             for (channel, lanes) in channels.iter_mut().enumerate() {
-                let start =
-                    channel / 2 * stride + (function * 2 + channel % 2) * PADDED + block * BLOCK;
+                let start = channel / 2 * stride + (function * 2 + channel % 2) * PADDED + block * BLOCK;
                 lanes.copy_from_slice(&spectra.values[start..start + BLOCK]);
             }
         }

@@ -32,13 +32,8 @@ pub(crate) fn mix_scale(tables: &ResidentTables, request: &Prepared) -> Scales {
         for node in &request.nodes {
             let log_scale = std::array::from_fn(|lobe| {
                 request.altitude_taps.indices().iter().zip(weights).fold(0.0, |sum, (&tap, weight)| {
-                    let position = tables.node_index(
-                        tap,
-                        lobe,
-                        band,
-                        node.ring as usize,
-                        node.offset as usize,
-                    );
+                    let position =
+                        tables.node_index(tap, lobe, band, node.ring as usize, node.offset as usize);
                     sum + weight * tables.log_scale[position]
                 })
             });
@@ -62,13 +57,9 @@ pub(crate) fn mix_shape(tables: &ResidentTables, request: &Prepared, scales: &Sc
             let (band, node) = (slot / node_count, &request.nodes[slot % node_count]);
             for lobe in (0..LOBE_COUNT).filter(|&lobe| scales[slot][lobe] > 0.0) {
                 for (&tap, weight) in request.altitude_taps.indices().iter().zip(weights) {
-                    let position = tables.node_index(
-                        tap,
-                        lobe,
-                        band,
-                        node.ring as usize,
-                        node.offset as usize,
-                    ) * tables.basis_count;
+                    let position =
+                        tables.node_index(tap, lobe, band, node.ring as usize, node.offset as usize)
+                            * tables.basis_count;
                     tables.shape[position..position + basis_count].convert_to_f32_slice(&mut decoded);
                     let factor = scales[slot][lobe] * weight;
                     for (sum, value) in row.iter_mut().zip(&decoded) {

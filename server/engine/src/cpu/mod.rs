@@ -51,8 +51,7 @@ impl CpuExecutor {
         let scales = clock.time(Pass::MixScale, || mix::mix_scale(tables, request));
         let mixed = clock.time(Pass::MixShape, || mix::mix_shape(tables, request, &scales));
         let weights = clock.time(Pass::CellWeights, || coefficients::weigh_cells(request, &scales));
-        let columns =
-            clock.time(Pass::Coefficients, || coefficients::sum_columns(request, &mixed, &weights));
+        let columns = clock.time(Pass::Coefficients, || coefficients::sum_columns(request, &mixed, &weights));
         let spectra = clock.time(Pass::AzimuthFft, || {
             self.transforms.forward(request, &columns, mixed.basis_count, mixed.padded_count)
         });

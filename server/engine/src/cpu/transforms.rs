@@ -80,7 +80,8 @@ impl Transforms {
             let mut scratch = self.inverse.make_scratch_vec();
             let mut spectrum = [Complex32::default(); FREQUENCY_COUNT];
             for (offset, samples) in rows.chunks_exact_mut(AZIMUTH_COUNT).enumerate() {
-                let (band, row) = ((task * 8 + offset) / ELEVATION_COUNT, (task * 8 + offset) % ELEVATION_COUNT);
+                let (band, row) =
+                    ((task * 8 + offset) / ELEVATION_COUNT, (task * 8 + offset) % ELEVATION_COUNT);
                 for (f, value) in spectrum.iter_mut().enumerate() {
                     let sum = &sums[(f / BLOCK * ELEVATION_COUNT + row) * BAND_COUNT + band];
                     *value = Complex32::new(sum[0][f % BLOCK], sum[1][f % BLOCK]);

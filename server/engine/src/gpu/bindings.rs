@@ -39,9 +39,7 @@ pub(crate) const fn bindings(pass: Pass) -> &'static [Binding] {
     match pass {
         Pass::MixScale => &[B::Frame, B::Requests, B::Nodes, B::LogScale, B::Scales(Write)],
         Pass::MixShape => &[B::Frame, B::Requests, B::Nodes, B::Scales(Read), B::Shape, B::Mixed(Write)],
-        Pass::CellWeights => {
-            &[B::Frame, B::Requests, B::Nodes, B::Cells, B::Scales(Read), B::Weights(Write)]
-        }
+        Pass::CellWeights => &[B::Frame, B::Requests, B::Nodes, B::Cells, B::Scales(Read), B::Weights(Write)],
         Pass::Coefficients => {
             &[B::Frame, B::Columns, B::Weights(Read), B::Mixed(Read), B::Coefficients(Write)]
         }

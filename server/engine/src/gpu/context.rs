@@ -86,8 +86,7 @@ impl Context {
         device.set_device_lost_callback(move |reason, message| {
             noted.note(DeviceFault::Lost(format!("{reason:?}: {message}")));
         });
-        let nanoseconds_per_tick =
-            (!timestamps.is_empty()).then(|| f64::from(queue.get_timestamp_period()));
+        let nanoseconds_per_tick = (!timestamps.is_empty()).then(|| f64::from(queue.get_timestamp_period()));
         Ok(Self {
             device,
             queue,
@@ -111,7 +110,12 @@ impl Context {
     ///
     /// # Errors
     /// [`EngineError::BeyondLimit`].
-    pub(crate) fn check_limit(&self, what: &'static str, needed: u64, allowed: u64) -> Result<(), EngineError> {
+    pub(crate) fn check_limit(
+        &self,
+        what: &'static str,
+        needed: u64,
+        allowed: u64,
+    ) -> Result<(), EngineError> {
         if needed > allowed { Err(EngineError::BeyondLimit { what, needed, allowed }) } else { Ok(()) }
     }
 }

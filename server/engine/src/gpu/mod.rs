@@ -11,8 +11,8 @@ mod workspace;
 use crate::{
     error::{DeviceFault, EngineError},
     executor::{BatchOutput, Executor, PassClock},
-    plan::{PlannedPass, RenderPlan},
     plan::Pass,
+    plan::{PlannedPass, RenderPlan},
     prepare::Prepared,
     request::ExecutorKind,
     table_set::TableSet,

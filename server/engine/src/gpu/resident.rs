@@ -116,7 +116,11 @@ fn upload_texture(
     context.check_limit("a table's texture width", u64::from(size.width), side)?;
     context.check_limit("a table's texture height", u64::from(size.height), side)?;
     let layers = u64::from(size.depth_or_array_layers);
-    context.check_limit("a table's observer altitudes", layers, u64::from(limits.max_texture_array_layers))?;
+    context.check_limit(
+        "a table's observer altitudes",
+        layers,
+        u64::from(limits.max_texture_array_layers),
+    )?;
     let texture = context.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size,
@@ -145,10 +149,7 @@ fn upload_texture(
             wgpu::Extent3d { depth_or_array_layers: 1, ..size },
         );
     }
-    let dimension = if label == "shape" {
-        wgpu::TextureViewDimension::D2Array
-    } else {
-        wgpu::TextureViewDimension::D2
-    };
+    let dimension =
+        if label == "shape" { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
     Ok(texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() }))
 }

@@ -13,8 +13,7 @@ pub const RADIANCE_FLOOR_W_M2_SR: f32 = 3e-11;
 pub fn blend_radiance(radiance_w_m2_sr: [f32; 4], weight: [f32; 4]) -> f32 {
     let log_floor = natural_log(RADIANCE_FLOOR_W_M2_SR);
     let above = |pack: usize| natural_log(radiance_w_m2_sr[pack].max(RADIANCE_FLOOR_W_M2_SR)) - log_floor;
-    let log_ratio =
-        weight[0] * above(0) + weight[1] * above(1) + weight[2] * above(2) + weight[3] * above(3);
+    let log_ratio = weight[0] * above(0) + weight[1] * above(1) + weight[2] * above(2) + weight[3] * above(3);
     if log_ratio <= 0.0 { 0.0 } else { natural_exp(log_floor + log_ratio) }
 }
 

@@ -1,8 +1,9 @@
 //! What the engine's integration tests share.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, PolarGrid, RenderRequest, synthetic};
+use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest, synthetic};
 use skyglow_physics::{EmissionMix, Turbidity};
+use skyglow_scene::PolarGrid;
 use std::sync::Arc;
 
 /// An engine on made-up packs.

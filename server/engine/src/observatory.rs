@@ -1,0 +1,287 @@
+//! From a place in a scene to its sky: the layer that the command line and the HTTP interface share.
+
+use crate::{
+    engine::Engine,
+    error::EngineError,
+    request::{RenderRequest, Rendered},
+    scene_shelf::SceneShelf,
+};
+use skyglow_physics::{Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Lamp, SkyQuantities, Turbidity};
+use skyglow_scene::{
+    PolarGrid, RING_COUNT, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer, ring_distance_m,
+};
+use skyglow_tables::{Manifest, Pack, ResidentTables};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Scenes that an observatory keeps open unless told otherwise.
+pub const OPEN_SCENE_COUNT: usize = 8;
+
+/// An engine, the scenes it may be asked about, and what is known of its packs.
+#[derive(Debug)]
+pub struct Observatory {
+    engine: Engine,
+    shelf: Arc<SceneShelf>,
+    manifests: Vec<Manifest>,
+}
+
+/// Where the observer's eye is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObserverHeight {
+    /// Metres above the terrain; above sea level where the scene has no terrain.
+    AboveGround(f64),
+    /// Metres above sea level.
+    AboveSea(f64),
+}
+
+/// One sky asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyRequest {
+    /// The scene.
+    pub scene: SceneId,
+    /// The place, in the scene.
+    pub place: GeoPoint,
+    /// Where the eye is.
+    pub observer_height: ObserverHeight,
+    /// Turbidity, in the resident range.
+    pub turbidity: Turbidity,
+    /// The lamp.
+    pub lamp: Lamp,
+    /// Where lamps send their light.
+    pub emission: EmissionMix,
+    /// Basis functions; None for all.
+    pub basis: Option<usize>,
+}
+
+/// Where an answer was observed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observer {
+    /// Degrees north.
+    pub latitude_deg: f64,
+    /// Degrees east.
+    pub longitude_deg: f64,
+    /// Altitude used, metres above sea level, at least 0.
+    pub altitude_m: f64,
+    /// Altitude of the ground, metres; None where the scene has no terrain.
+    pub terrain_altitude_m: Option<f64>,
+}
+
+/// What is at a place.
+#[derive(Clone, Debug)]
+pub struct SiteAnswer {
+    /// The scene.
+    pub scene: SceneMetadata,
+    /// Altitude of the ground, metres, at least 0; None without terrain.
+    pub terrain_altitude_m: Option<f64>,
+    /// Radiance of the pixel there, nW cm⁻² sr⁻¹, without the calibration; None without data.
+    pub radiance_nw_cm2_sr: Option<f64>,
+}
+
+/// A sky with everything that its numbers depend on.
+#[derive(Clone, Debug)]
+pub struct SkyAnswer {
+    /// The scene as it was.
+    pub scene: SceneMetadata,
+    /// Where.
+    pub observer: Observer,
+    /// The panorama and how it was made.
+    pub rendered: Rendered,
+    /// The reported quantities.
+    pub quantities: SkyQuantities,
+    /// Covered share of the 300 km disc, 0..=1.
+    pub coverage: f64,
+    /// The scene's calibration factor.
+    pub calibration: f64,
+    /// Vertical optical depth above the observer in R, G, B.
+    pub local_optical_depth: [f64; BAND_COUNT],
+    /// Upward flux within 300 km, DNB watts, calibration included.
+    pub flux_dnb_w: f64,
+    /// Turbidity used.
+    pub turbidity: Turbidity,
+    /// Lamp used.
+    pub lamp: Lamp,
+    /// Emission used.
+    pub emission: EmissionMix,
+}
+
+/// Opens packs and lays them out on the rings of the scenes' polar grids.
+///
+/// # Errors
+/// [`EngineError::Tables`] naming the file that is refused.
+pub fn resident_tables(packs: &[PathBuf]) -> Result<(Vec<Arc<ResidentTables>>, Vec<Manifest>), EngineError> {
+    let ring_distances_m: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
+    let mut tables = Vec::new();
+    let mut manifests = Vec::new();
+    for path in packs {
+        let pack = Pack::open(path)?;
+        tables.push(Arc::new(pack.resident(&ring_distances_m)));
+        manifests.push(pack.manifest().clone());
+    }
+    manifests.sort_by(|a, b| a.turbidity.total_cmp(&b.turbidity));
+    Ok((tables, manifests))
+}
+
+impl Observatory {
+    /// Puts an engine before the scenes of a data folder; `manifests` are those of the engine's packs.
+    pub fn new(engine: Engine, manifests: Vec<Manifest>, data_dir: &Path, open_scene_count: usize) -> Self {
+        let shelf = Arc::new(SceneShelf::new(SceneStore::new(data_dir), open_scene_count));
+        Self { engine, shelf, manifests }
+    }
+
+    /// The engine: readiness, counters, what it runs on.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
+    /// The resident packs, ascending in turbidity.
+    pub fn atmospheres(&self) -> &[Manifest] {
+        &self.manifests
+    }
+
+    /// Where the scenes are stored.
+    pub fn store(&self) -> &SceneStore {
+        self.shelf.store()
+    }
+
+    /// Number of scenes open.
+    pub fn open_scene_count(&self) -> usize {
+        self.shelf.len()
+    }
+
+    /// All scenes, by id. Reads files.
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`].
+    pub fn scenes(&self) -> Result<Vec<SceneMetadata>, EngineError> {
+        Ok(self.shelf.store().list()?)
+    }
+
+    /// A scene, open and as it is on disk now. May read files.
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`].
+    pub fn scene(&self, id: &SceneId) -> Result<Arc<Scene>, EngineError> {
+        self.shelf.scene(id)
+    }
+
+    /// What is at a place. May read files.
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`], [`EngineError::OutsideScene`].
+    pub fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteAnswer, EngineError> {
+        let scene = scene_around(&self.shelf, id, place)?;
+        Ok(SiteAnswer {
+            scene: scene.metadata().clone(),
+            terrain_altitude_m: scene.terrain_altitude_m(place),
+            radiance_nw_cm2_sr: scene.radiance_nw_cm2_sr(place),
+        })
+    }
+
+    /// Numbers of a map tile. May read files.
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`].
+    pub fn tile(
+        &self,
+        id: &SceneId,
+        layer: TileLayer,
+        (z, x, y): (u8, u32, u32),
+        size_px: u32,
+    ) -> Result<RasterTile, EngineError> {
+        Ok(self.shelf.scene(id)?.tile(layer, z, x, y, size_px)?)
+    }
+
+    /// Renders a sky; file reading and gathering of light happen on tokio's blocking threads.
+    ///
+    /// # Errors
+    /// Whatever is wrong with scene, place, altitude, turbidity or basis; a full queue; a device that fails.
+    pub async fn sky(&self, request: SkyRequest) -> Result<SkyAnswer, EngineError> {
+        let (shelf, wanted) = (Arc::clone(&self.shelf), request.clone());
+        let view = tokio::task::spawn_blocking(move || View::of(&shelf, &wanted))
+            .await
+            .map_err(|_| EngineError::Stopped)??;
+        let rendered = self.engine.render(view.render_request(&request)).await?;
+        Ok(view.answer(&request, rendered))
+    }
+
+    /// [`Self::sky`] for threads outside an asynchronous runtime. Panics inside one.
+    ///
+    /// # Errors
+    /// As [`Self::sky`].
+    pub fn sky_blocking(&self, request: &SkyRequest) -> Result<SkyAnswer, EngineError> {
+        let view = View::of(&self.shelf, request)?;
+        let rendered = self.engine.render_blocking(view.render_request(request))?;
+        Ok(view.answer(request, rendered))
+    }
+}
+
+/// What a scene says of a place.
+struct View {
+    scene: Arc<Scene>,
+    polar: Arc<PolarGrid>,
+    observer: Observer,
+}
+
+impl View {
+    fn of(shelf: &SceneShelf, request: &SkyRequest) -> Result<Self, EngineError> {
+        let place = request.place;
+        let scene = scene_around(shelf, &request.scene, place)?;
+        let terrain_altitude_m = scene.terrain_altitude_m(place);
+        let altitude_m = match request.observer_height {
+            ObserverHeight::AboveGround(height_m) => terrain_altitude_m.unwrap_or(0.0) + height_m,
+            ObserverHeight::AboveSea(altitude_m) => altitude_m,
+        };
+        let observer = Observer {
+            latitude_deg: place.latitude_deg(),
+            longitude_deg: place.longitude_deg(),
+            // Below sea level counts as sea level; what is no number stays so and is refused.
+            altitude_m: if altitude_m < 0.0 { 0.0 } else { altitude_m },
+            terrain_altitude_m,
+        };
+        let polar = Arc::new(scene.polar_grid(place));
+        Ok(Self { scene, polar, observer })
+    }
+
+    fn render_request(&self, request: &SkyRequest) -> RenderRequest {
+        RenderRequest {
+            polar: Arc::clone(&self.polar),
+            observer_altitude_m: self.observer.altitude_m,
+            turbidity: request.turbidity,
+            emission: request.emission,
+            flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
+            basis: request.basis,
+        }
+    }
+
+    fn answer(&self, request: &SkyRequest, rendered: Rendered) -> SkyAnswer {
+        let atmosphere = Atmosphere::new(request.turbidity);
+        SkyAnswer {
+            scene: self.scene.metadata().clone(),
+            observer: self.observer,
+            quantities: SkyQuantities::of(&rendered.panorama),
+            rendered,
+            coverage: self.polar.coverage,
+            calibration: self.scene.metadata().calibration,
+            local_optical_depth: atmosphere.vertical_optical_depth(self.observer.altitude_m),
+            flux_dnb_w: self.polar.flux_dnb_w,
+            turbidity: request.turbidity,
+            lamp: request.lamp,
+            emission: request.emission,
+        }
+    }
+}
+
+fn scene_around(shelf: &SceneShelf, id: &SceneId, place: GeoPoint) -> Result<Arc<Scene>, EngineError> {
+    let scene = shelf.scene(id)?;
+    if scene.contains(place) {
+        return Ok(scene);
+    }
+    Err(EngineError::OutsideScene {
+        scene: id.to_string(),
+        latitude_deg: place.latitude_deg(),
+        longitude_deg: place.longitude_deg(),
+        bounds: scene.metadata().bounds,
+    })
+}
