@@ -1,8 +1,8 @@
 //! Made-up light: a profile around each town, by its inhabitants.
 //!
 //! Peak radiance and radius both grow with the cube root of the population, so that the upward flux is
-//! nearly proportional to it, as found for towns of Europe in satellite images (some 3 DNB watts a head
-//! here). A core falls off faster than exponentially; a faint skirt of suburbs and villages goes on.
+//! nearly proportional to it, as found for towns in satellite images (0.4 DNB watts a head here; a Kenyan has
+//! 0.03 in the composite of 2023). A core falls off faster than exponentially; a faint skirt of suburbs and villages goes on.
 
 use super::noise;
 use super::raster_file::RasterSpec;
@@ -12,8 +12,8 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::geometry::LocalFrame;
 
 /// A town of ten thousand: peak radiance, nW cm⁻² sr⁻¹, and radius of its core, km.
-const SMALL_TOWN_PEAK_NW_CM2_SR: f64 = 14.0;
-const SMALL_TOWN_RADIUS_KM: f64 = 0.95;
+const SMALL_TOWN_PEAK_NW_CM2_SR: f64 = 20.0;
+const SMALL_TOWN_RADIUS_KM: f64 = 1.2;
 /// Below this a satellite sees nothing, nW cm⁻² sr⁻¹.
 const DETECTION_NW_CM2_SR: f64 = 0.3;
 /// Brightest the centre of a town gets, nW cm⁻² sr⁻¹.

@@ -53,7 +53,10 @@ pub(super) fn open_file(path: &Path, drivers: &[&str]) -> Result<Dataset, SceneE
     if path.starts_with("/vsi") || path.to_string_lossy().starts_with("/vsi") {
         return Err(unreadable("virtual file systems are not allowed".to_owned()));
     }
-    open_name(&path.to_string_lossy(), drivers).map_err(unreadable)
+    open_name(&path.to_string_lossy(), drivers).map_err(|reason| {
+        let is_other = reason.contains("not recognized as");
+        unreadable(if is_other { format!("it is none of {}", drivers.join(", ")) } else { reason })
+    })
 }
 
 /// Opens a name that is known to be a plain file or a subdataset of one.
@@ -142,7 +145,11 @@ fn choose_band(dataset: &Dataset, wanted: Option<&str>) -> Result<usize, String>
     let name = |number: usize| {
         dataset.rasterband(number).ok().and_then(|b| gdal::Metadata::description(&b).ok()).unwrap_or_default()
     };
-    let listed = || (1..=count).map(|n| format!("{n} \"{}\"", name(n))).collect::<Vec<_>>().join(", ");
+    let entry = |number: usize| {
+        let name = name(number);
+        if name.is_empty() { number.to_string() } else { format!("{number} \"{name}\"") }
+    };
+    let listed = || (1..=count).map(entry).collect::<Vec<_>>().join(", ");
     match wanted {
         Some(text) => (1..=count)
             .find(|&n| name(n) == text || text.parse() == Ok(n))

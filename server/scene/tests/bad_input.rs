@@ -1,0 +1,258 @@
+//! What cannot be meant is refused in one sentence, and nothing is left behind.
+
+mod common;
+
+use common::{Bench, TestRaster, place};
+use gdal::DriverManager;
+use gdal::raster::{ColorInterpretation, RasterCreationOptions};
+use skyglow_scene::{IngestOptions, RadianceUnit, SceneId};
+
+fn refusal_of(change: impl FnOnce(&mut TestRaster)) -> String {
+    let bench = Bench::new();
+    let mut raster = TestRaster::scattered(40, 30);
+    change(&mut raster);
+    let path = bench.path("light.tif");
+    raster.write_f32(&path);
+    bench.refusal(&IngestOptions::new(path))
+}
+
+#[test]
+fn a_raster_without_a_crs_is_refused() {
+    let told = refusal_of(|raster| raster.epsg = None);
+    assert!(told.contains("no coordinate reference system"), "{told}");
+}
+
+#[test]
+fn metres_called_degrees_are_refused() {
+    let told = refusal_of(|raster| raster.geotransform = [257_000.0, 500.0, 0.0, 9_858_000.0, 0.0, -500.0]);
+    assert!(told.contains("no longitude and latitude") && told.contains("257000"), "{told}");
+}
+
+#[test]
+fn degrees_called_metres_are_refused() {
+    let told = refusal_of(|raster| raster.epsg = Some(32737));
+    assert!(told.contains("cannot be meant"), "{told}");
+}
+
+#[test]
+fn projected_coordinates_beyond_the_world_are_refused() {
+    for epsg in [3857, 32737, 3035] {
+        let told = refusal_of(|raster| {
+            raster.epsg = Some(epsg);
+            raster.geotransform = [9e8, 500.0, 0.0, 9e8, 0.0, -500.0];
+        });
+        assert!(told.contains("off the world") || told.contains("no place on Earth"), "{told}");
+    }
+}
+
+#[test]
+fn a_raster_without_a_measurement_is_refused() {
+    let told = refusal_of(|raster| {
+        raster.no_data = Some(-999.0);
+        raster.values.fill(-999.0);
+    });
+    assert!(told.contains("no measurement"), "{told}");
+    let told = refusal_of(|raster| raster.values.fill(f64::NAN));
+    assert!(told.contains("no measurement"), "{told}");
+}
+
+#[test]
+fn a_raster_without_light_is_refused() {
+    let told = refusal_of(|raster| raster.values.fill(0.0));
+    assert!(told.contains("no light"), "{told}");
+    let told = refusal_of(|raster| raster.values.fill(-0.25));
+    assert!(told.contains("no light") && told.contains("-0.25"), "{told}");
+}
+
+#[test]
+fn pictures_are_refused() {
+    let bench = Bench::new();
+    let path = bench.path("picture.tif");
+    TestRaster::scattered(40, 30).write(&path, |v| v as u8);
+    let told = bench.refusal(&IngestOptions::new(&path));
+    assert!(told.contains("8-bit"), "{told}");
+
+    let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
+    let options = RasterCreationOptions::from_iter(["PHOTOMETRIC=RGB"]);
+    let path = bench.path("rgb.tif");
+    let dataset = driver.create_with_band_type_with_options::<u8, _>(&path, 8, 8, 3, &options).unwrap();
+    dataset.rasterband(1).unwrap().set_color_interpretation(ColorInterpretation::RedBand).unwrap();
+    dataset.close().unwrap();
+    let told = bench.refusal(&IngestOptions::new(&path));
+    assert!(told.contains("colour picture"), "{told}");
+}
+
+#[test]
+fn eight_bit_radiances_pass_with_their_scale() {
+    let bench = Bench::new();
+    let path = bench.path("light.tif");
+    TestRaster::scattered(40, 30).write(&path, |v| v as u8);
+    let mut options = IngestOptions::new(&path);
+    options.scale = Some(0.5);
+    let metadata = bench.ingest(&options).unwrap();
+    assert!(metadata.report.maximum_nw_cm2_sr < 21.0);
+}
+
+#[test]
+fn a_truncated_file_is_refused_and_one_that_is_no_raster_too() {
+    let bench = Bench::new();
+    let path = bench.path("light.tif");
+    let mut raster = TestRaster::scattered(700, 700);
+    raster.values.iter_mut().enumerate().for_each(|(i, v)| *v += (i as f64 * 0.618).fract());
+    raster.write_f32(&path);
+    let whole = std::fs::read(&path).unwrap();
+    let mut refused = 0;
+    for part in [0.0, 0.001, 0.3, 0.6, 0.95] {
+        std::fs::write(&path, &whole[..(whole.len() as f64 * part) as usize]).unwrap();
+        let told = bench.refusal(&IngestOptions::new(&path));
+        assert!(told.contains("cannot be read as a raster"), "{told}");
+        refused += 1;
+    }
+    assert_eq!(refused, 5);
+    std::fs::write(&path, "hello, this is a letter and not a raster").unwrap();
+    let told = bench.refusal(&IngestOptions::new(&path));
+    assert!(told.contains("cannot be read as a raster"), "{told}");
+}
+
+#[test]
+fn a_file_with_its_directory_at_the_front_is_refused_when_its_end_is_cut() {
+    // A COG has all its headers first, so it opens although pixels are missing.
+    let bench = Bench::new();
+    let (plain, cog) = (bench.path("plain.tif"), bench.path("cog.tif"));
+    let mut raster = TestRaster::scattered(1100, 900);
+    raster.values.iter_mut().enumerate().for_each(|(i, v)| *v += (i as f64 * 0.618).fract());
+    raster.write_f32(&plain);
+    let source = gdal::Dataset::open(&plain).unwrap();
+    let driver = DriverManager::get_driver_by_name("COG").unwrap();
+    source.create_copy(&driver, &cog, &RasterCreationOptions::default()).unwrap().close().unwrap();
+    let same = |path| {
+        let mut options = IngestOptions::new(path);
+        options.id = Some(SceneId::parse("same").unwrap());
+        options.replace = true;
+        bench.ingest(&options).unwrap()
+    };
+    assert_eq!(same(plain.clone()).report.lit, same(cog.clone()).report.lit);
+    let whole = std::fs::read(&cog).unwrap();
+    std::fs::write(&cog, &whole[..whole.len() * 3 / 4]).unwrap();
+    let bench_for_cut = Bench::new();
+    let told = bench_for_cut.refusal(&IngestOptions::new(&cog));
+    assert!(told.contains("truncated"), "{told}");
+}
+
+#[test]
+fn virtual_and_missing_files_are_refused() {
+    let bench = Bench::new();
+    for path in ["/vsicurl/http://localhost/x.tif", "/vsimem/x.tif", "/no/such/file.tif", "HDF5:x.h5://a"] {
+        let told = bench.refusal(&IngestOptions::new(path));
+        assert!(told.contains(path), "{told}");
+    }
+    let vrt = bench.path("light.vrt");
+    std::fs::write(&vrt, "<VRTDataset rasterXSize=\"1\" rasterYSize=\"1\"></VRTDataset>").unwrap();
+    assert!(bench.refusal(&IngestOptions::new(vrt)).contains("cannot be read as a raster"));
+}
+
+#[test]
+fn wrong_numbers_are_refused_by_their_option() {
+    let bench = Bench::new();
+    let path = bench.path("light.tif");
+    TestRaster::scattered(40, 30).write_f32(&path);
+    let mut options = IngestOptions::new(&path);
+    options.calibration = -1.0;
+    assert!(bench.refusal(&options).starts_with("--calibration: -1"));
+    options.calibration = 1.0;
+    options.scale = Some(f64::NAN);
+    assert!(bench.refusal(&options).starts_with("--scale: NaN"));
+    options.scale = None;
+    options.band = Some("7".into());
+    assert!(bench.refusal(&options).contains("no band \"7\""));
+    assert!(RadianceUnit::parse("lux").unwrap_err().to_string().contains("nw-cm2-sr"));
+}
+
+#[test]
+fn bad_terrain_and_bad_places_are_refused_before_anything_is_stored() {
+    let bench = Bench::new();
+    let path = bench.path("light.tif");
+    TestRaster::scattered(40, 30).write_f32(&path);
+    let mut options = IngestOptions::new(&path);
+    let terrain = bench.path("terrain.tif");
+    options.terrain = vec![terrain.clone()];
+    assert!(bench.refusal(&options).contains("terrain.tif"));
+    let mut raster = TestRaster::new(20, 20, |_, _| f64::NAN);
+    raster.write_f32(&terrain);
+    assert!(bench.refusal(&options).contains("every sample is void"));
+    raster.values.fill(100.0);
+    raster.epsg = None;
+    raster.write_f32(&terrain);
+    assert!(bench.refusal(&options).contains("no coordinate reference system"));
+    options.terrain.clear();
+    options.places = Some(bench.path("light.tif"));
+    assert!(bench.refusal(&options).contains("CSV"));
+}
+
+#[test]
+fn an_id_that_is_taken_is_refused_and_the_scene_there_stays() {
+    let bench = Bench::new();
+    let raster = TestRaster::scattered(40, 30);
+    let first = bench.scene(&raster);
+    let mut options = IngestOptions::new(bench.path("light.tif"));
+    let told = bench.ingest(&options).unwrap_err().to_string();
+    assert!(told.contains("exists already") && told.contains("--replace"), "{told}");
+    // A replacement that fails leaves the old scene too.
+    options.replace = true;
+    std::fs::write(bench.path("light.tif"), "broken").unwrap();
+    assert!(bench.ingest(&options).is_err());
+    let still = bench.store.open(&first.metadata().id).unwrap();
+    assert_eq!(still.metadata(), first.metadata());
+    assert_eq!(bench.store.list().unwrap().len(), 1);
+}
+
+#[test]
+fn odd_pixels_are_counted_and_shown_and_give_no_light() {
+    let bench = Bench::new();
+    let mut raster = TestRaster::scattered(60, 50);
+    raster.no_data = Some(-999.0);
+    raster.values.iter_mut().for_each(|v| *v = v.min(30.0));
+    for (index, odd) in [(0, -999.0), (1, f64::NAN), (2, f64::INFINITY), (3, -0.5), (4, -2.0)] {
+        raster.values[index] = odd;
+    }
+    for index in 100..112 {
+        raster.values[index] = 30.0;
+    }
+    let scene = bench.scene(&raster);
+    let report = &scene.metadata().report;
+    assert_eq!((report.no_data.count, report.nan.count, report.negative.count), (1, 2, 2));
+    assert!(report.capped.count >= 12 && report.maximum_nw_cm2_sr == 30.0);
+    assert!(report.warnings.iter().any(|w| w.contains("capped")), "{:?}", report.warnings);
+    let total = report.lit.count
+        + report.zero.count
+        + report.negative.count
+        + report.nan.count
+        + report.no_data.count;
+    assert_eq!(total, report.pixels);
+    let example = report.nan.examples[0];
+    assert!((example.longitude_deg - 37.00625).abs() < 2e-5 && (example.latitude_deg + 1.00208).abs() < 2e-5);
+    let at = |column: f64| place(-1.0 - 0.5 / 240.0, 37.0 + (column + 0.5) / 240.0);
+    assert_eq!(scene.radiance_nw_cm2_sr(at(0.0)), None, "no-data");
+    assert_eq!(scene.radiance_nw_cm2_sr(at(1.0)), None, "NaN");
+    assert_eq!(scene.radiance_nw_cm2_sr(at(3.0)), Some(0.0), "negative");
+    assert_eq!(scene.radiance_nw_cm2_sr(place(10.0, 37.1)), None, "outside");
+    assert!(!scene.contains(place(10.0, 37.1)) && scene.contains(at(0.0)));
+}
+
+#[test]
+fn suspicious_units_are_said_and_the_units_option_mends_them() {
+    let bench = Bench::new();
+    let mut raster = TestRaster::scattered(60, 50);
+    raster.values.iter_mut().for_each(|v| *v *= 1e-5);
+    let scene = bench.scene(&raster);
+    assert!(scene.metadata().report.warnings.iter().any(|w| w.contains("--units w-m2-sr")));
+    let mended =
+        bench.scene_with(&raster, |options| options.units = Some(RadianceUnit::WattPerSquareMetreSteradian));
+    assert!(mended.metadata().report.warnings.iter().all(|w| !w.contains("unit")));
+    assert!(
+        (mended.metadata().report.flux_dnb_w / scene.metadata().report.flux_dnb_w / 1e5 - 1.0).abs() < 1e-5
+    );
+    raster.values.iter_mut().for_each(|v| *v = (*v * 1e5).round());
+    let picture = bench.scene(&raster);
+    assert!(picture.metadata().report.warnings.iter().any(|w| w.contains("picture")));
+}

@@ -1,0 +1,136 @@
+//! NASA Black Marble granules, made here as HDF5 files by GDAL's netCDF-4 driver.
+
+mod common;
+
+use common::{Bench, TestRaster, place};
+use gdal::raster::{Buffer, RasterCreationOptions};
+use gdal::{DriverManager, Metadata};
+use skyglow_scene::{IngestOptions, SceneMetadata};
+use std::path::Path;
+
+const DAILY: &str = "Gap_Filled_DNB_BRDF-Corrected_NTL";
+const COMPOSITE: &str = "NearNadir_Composite_Snow_Free";
+/// Pixels a side, instead of 2400.
+const SIDE: usize = 240;
+
+/// Writes a granule with the given datasets of 16-bit numbers; `scale` adds the attribute.
+fn write_granule(path: &Path, names: &[&str], scale: Option<f64>, values: impl Fn(usize, usize) -> u16) {
+    let memory = DriverManager::get_driver_by_name("MEM").unwrap();
+    let mut dataset = memory.create_with_band_type::<u16, _>("", SIDE, SIDE, names.len()).unwrap();
+    for (index, name) in names.iter().enumerate() {
+        let mut band = dataset.rasterband(index + 1).unwrap();
+        band.set_metadata_item("NETCDF_VARNAME", name, "").unwrap();
+        // Other datasets hold something that would be noticed.
+        let data =
+            (0..SIDE * SIDE).map(|i| if index + 1 == names.len() { values(i % SIDE, i / SIDE) } else { 77 });
+        band.write((0, 0), (SIDE, SIDE), &mut Buffer::new((SIDE, SIDE), data.collect())).unwrap();
+        if scale.is_some() {
+            band.set_no_data_value(Some(65_535.0)).unwrap();
+        }
+        if let Some(scale) = scale {
+            band.set_scale(scale).unwrap();
+            band.set_offset(0.0).unwrap();
+        }
+    }
+    dataset.set_metadata_item("NC_GLOBAL#HorizontalTileNumber", "21", "").unwrap();
+    dataset.set_metadata_item("NC_GLOBAL#VerticalTileNumber", "09", "").unwrap();
+    let driver = DriverManager::get_driver_by_name("netCDF").unwrap();
+    let options = RasterCreationOptions::from_iter(["FORMAT=NC4"]);
+    let written = path.with_extension("nc");
+    dataset.create_copy(&driver, &written, &options).unwrap().close().unwrap();
+    std::fs::rename(written, path).unwrap();
+}
+
+fn values(column: usize, row: usize) -> u16 {
+    match (column, row) {
+        (_, 0) => 65_535,
+        (120, 60) => 505,
+        (30, 200) => 12,
+        _ => 0,
+    }
+}
+
+fn ingest(bench: &Bench, file: &str, change: impl FnOnce(&mut IngestOptions)) -> SceneMetadata {
+    let mut options = IngestOptions::new(bench.path(file));
+    options.replace = true;
+    change(&mut options);
+    bench.ingest(&options).unwrap()
+}
+
+/// The granule's scale, fill value, tile and lights came through.
+fn check(bench: &Bench, metadata: &SceneMetadata, name: &str) {
+    assert_eq!(metadata.report.band, name);
+    assert_eq!((metadata.report.lit.count, metadata.report.no_data.count), (2, SIDE as u64));
+    assert!((metadata.report.maximum_nw_cm2_sr - 50.5).abs() < 1e-5, "{}", metadata.report.maximum_nw_cm2_sr);
+    // Tile h21v09: 30..40° E, 0..10° S.
+    assert_eq!(metadata.bounds, [30.0, -10.0, 40.0, 0.0]);
+    let scene = bench.store.open(&metadata.id).unwrap();
+    let at = |column: f64, row: f64| place(-(row + 0.5) * 10.0 / 240.0, 30.0 + (column + 0.5) * 10.0 / 240.0);
+    assert!((scene.radiance_nw_cm2_sr(at(120.0, 60.0)).unwrap() - 50.5).abs() < 1e-5);
+    assert!((scene.radiance_nw_cm2_sr(at(30.0, 200.0)).unwrap() - 1.2).abs() < 1e-5);
+    assert_eq!(scene.radiance_nw_cm2_sr(at(5.0, 0.0)), None);
+}
+
+#[test]
+fn a_daily_granule_is_read_with_its_scale_fill_value_and_tile() {
+    let bench = Bench::new();
+    let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
+    write_granule(&bench.path(file), &["Mandatory_Quality_Flag", DAILY], Some(0.1), values);
+    check(&bench, &ingest(&bench, file, |_| {}), DAILY);
+}
+
+#[test]
+fn a_yearly_composite_takes_its_near_nadir_dataset() {
+    let bench = Bench::new();
+    let file = "VNP46A4.A2023001.h21v09.001.2023010.h5";
+    write_granule(&bench.path(file), &["OffNadir_Composite_Snow_Free", COMPOSITE], Some(0.1), values);
+    check(&bench, &ingest(&bench, file, |_| {}), COMPOSITE);
+    let other = ingest(&bench, file, |options| options.band = Some("OffNadir_Composite_Snow_Free".into()));
+    assert!((other.report.maximum_nw_cm2_sr - 7.7).abs() < 1e-5);
+}
+
+#[test]
+fn the_tile_comes_from_the_attributes_when_the_name_has_none() {
+    let bench = Bench::new();
+    write_granule(&bench.path("renamed.h5"), &["Mandatory_Quality_Flag", DAILY], Some(0.1), values);
+    check(&bench, &ingest(&bench, "renamed.h5", |_| {}), DAILY);
+}
+
+#[test]
+fn a_granule_without_attributes_takes_the_product_s_scale_and_fill_value() {
+    let bench = Bench::new();
+    let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
+    write_granule(&bench.path(file), &["Mandatory_Quality_Flag", DAILY], None, values);
+    check(&bench, &ingest(&bench, file, |_| {}), DAILY);
+}
+
+#[test]
+fn an_unknown_granule_names_what_it_holds() {
+    let bench = Bench::new();
+    let file = bench.path("X.h21v09.h5");
+    write_granule(&file, &["Sensor_Zenith", "Moon_Phase"], Some(0.1), values);
+    let told = bench.refusal(&IngestOptions::new(&file));
+    assert!(told.contains("--band") && told.contains("Moon_Phase"), "{told}");
+    let mut options = IngestOptions::new(&file);
+    options.band = Some("Nothing".into());
+    assert!(bench.refusal(&options).contains("no dataset \"Nothing\""));
+    let whole = std::fs::read(&file).unwrap();
+    std::fs::write(&file, &whole[..whole.len() / 2]).unwrap();
+    assert!(bench.refusal(&IngestOptions::new(&file)).contains("h21v09.h5"));
+}
+
+#[test]
+fn scale_and_offset_of_a_geotiff_are_applied() {
+    let bench = Bench::new();
+    let mut raster = TestRaster::scattered(60, 50);
+    raster.scale_offset = Some((0.01, 0.5));
+    raster.no_data = Some(0.0);
+    raster.values.iter_mut().for_each(|v| *v = (*v * 100.0).round());
+    let path = bench.path("light.tif");
+    raster.write(&path, |v| v as u16);
+    let metadata = bench.ingest(&IngestOptions::new(&path)).unwrap();
+    let largest = raster.values.iter().copied().fold(0.0, f64::max);
+    assert!((metadata.report.maximum_nw_cm2_sr - (0.5 + 0.01 * largest)).abs() < 1e-4);
+    let zeros = raster.values.iter().filter(|v| **v == 0.0).count() as u64;
+    assert_eq!(metadata.report.no_data.count, zeros);
+}
