@@ -13,6 +13,7 @@ pub mod error;
 pub mod etag;
 pub mod layers;
 pub mod metrics;
+pub mod observatory;
 pub mod parameters;
 pub mod problem;
 pub mod reader;
@@ -23,7 +24,8 @@ pub mod serve;
 pub mod source;
 pub mod state;
 
-pub use app::{openapi, router};
+pub use app::{openapi, router, router_over};
 pub use config::HttpConfig;
+pub use observatory::ObservatorySource;
 pub use serve::serve;
 pub use source::SkySource;

@@ -1,4 +1,4 @@
-//! What the interface asks of the program behind it. [`Observatory`](crate::observatory) is the real one; tests
+//! What the interface asks of the program behind it. [`ObservatorySource`](crate::ObservatorySource) is the real one; tests
 //! put slow, busy and counting ones in its place.
 
 use crate::{answers::AtmosphereAnswer, error::ApiError, problem::Mistake};

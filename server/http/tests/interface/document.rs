@@ -1,0 +1,115 @@
+use crate::server::{Server, header};
+use serde_json::Value;
+
+#[tokio::test]
+async fn the_document_is_served_and_is_the_one_agreed() {
+    let server = Server::start().await;
+    let (status, document) = server.json("/api/v1/openapi.json").await;
+    assert_eq!(status, 200);
+    assert!(document["openapi"].as_str().unwrap().starts_with("3.1"));
+    insta::assert_json_snapshot!("openapi", document);
+}
+
+#[tokio::test]
+async fn every_path_of_the_document_answers_and_every_route_is_in_it() {
+    let server = Server::start().await;
+    let (_, document) = server.json("/api/v1/openapi.json").await;
+    let paths: Vec<&String> = document["paths"].as_object().unwrap().keys().collect();
+    for path in &paths {
+        let real = path
+            .replace("{scene}", "demo")
+            .replace("{layer}", "radiance")
+            .replace("{z}", "0")
+            .replace("{x}", "0")
+            .replace("{y}", "0")
+            .replace("{kind}", "busy");
+        let needs_a_place = document["paths"][path.as_str()]["get"]["parameters"]
+            .as_array()
+            .is_some_and(|list| list.iter().any(|p| p["name"] == "lat"));
+        let query = if needs_a_place { "?lat=-1&lon=37" } else { "" };
+        assert_eq!(server.answer(&format!("{real}{query}")).await.status(), 200, "{path}");
+    }
+    // The routes are written in app.rs: each pattern below /api and each for operation is in the document.
+    let source = include_str!("../../src/app.rs");
+    let registered = source.matches(".routes(routes!(").count();
+    let by_hand: Vec<&str> = source
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix(".route(\"")?.split('"').next())
+        .filter(|path| path.starts_with("/api/v1"))
+        .collect();
+    assert_eq!(by_hand, ["/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}"]);
+    assert_eq!(paths.len(), registered + by_hand.len());
+}
+
+#[tokio::test]
+async fn every_parameter_of_the_interface_is_described_with_what_is_allowed() {
+    let server = Server::start().await;
+    let (_, document) = server.json("/api/v1/openapi.json").await;
+    let list =
+        document["paths"]["/api/v1/scenes/{scene}/panorama.png"]["get"]["parameters"].as_array().unwrap();
+    let find = |name: &str| list.iter().find(|p| p["name"] == name).unwrap();
+    assert_eq!(find("lat")["required"], true);
+    assert_eq!(find("turbidity")["schema"]["default"], 2.5);
+    assert_eq!(find("projection")["schema"]["enum"].as_array().unwrap().len(), 3);
+    for name in [
+        "height",
+        "altitude",
+        "scattering",
+        "lamp",
+        "emission",
+        "basis",
+        "clouds",
+        "terrain",
+        "tolerance",
+        "sky",
+        "scenario",
+        "style",
+        "colormap",
+        "scale",
+        "min",
+        "max",
+        "exposure",
+        "width",
+        "height_px",
+    ] {
+        assert!(find(name)["description"].as_str().unwrap().contains("Allowed: "), "{name}");
+    }
+    let schemas = document["components"]["schemas"].as_object().unwrap();
+    for name in ["Problem", "SkyAnswer", "PanoramaAnswer", "SceneAnswer", "TileJson", "QuantitiesAnswer"] {
+        assert!(schemas.contains_key(name), "{name}");
+    }
+}
+
+#[tokio::test]
+async fn the_page_needs_no_other_host() {
+    let server = Server::start().await;
+    for path in ["/api/docs", "/api/docs/page.js", "/api/docs/page.css"] {
+        let answer = server.answer(path).await;
+        assert_eq!(answer.status(), 200);
+        let policy = header(&answer, "content-security-policy").to_owned();
+        assert!(policy.contains("default-src 'none'") && !policy.contains("unsafe"), "{policy}");
+        let text = answer.text().await.unwrap();
+        assert!(!text.contains("http://") && !text.contains("https://") && !text.contains("\"//"), "{path}");
+    }
+}
+
+#[tokio::test]
+async fn answers_fit_their_schemas() {
+    let server = Server::start().await;
+    let (_, document) = server.json("/api/v1/openapi.json").await;
+    for (path, schema) in [
+        ("/api/v1/scenes/demo", "SceneAnswer"),
+        ("/api/v1/scenes/demo/site?lat=-1&lon=37", "SiteAnswer"),
+        ("/api/v1/scenes/demo/tiles/radiance/tilejson.json", "TileJson"),
+    ] {
+        let (_, answer) = server.json(path).await;
+        let properties = document["components"]["schemas"][schema]["properties"].as_object().unwrap();
+        let required = document["components"]["schemas"][schema]["required"].as_array().unwrap();
+        for key in answer.as_object().unwrap().keys() {
+            assert!(properties.contains_key(key), "{schema} has no {key}");
+        }
+        for key in required.iter().filter_map(Value::as_str) {
+            assert!(answer.get(key).is_some(), "{schema} lacks {key}");
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! A program behind the interface that does as it is told.
+
+use skyglow_engine::EngineStats;
+use skyglow_http::{
+    SkySource,
+    answers::AtmosphereAnswer,
+    source::{BoxFuture, EyeHeight, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts},
+};
+use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Panorama, SkyQuantities};
+use skyglow_scene::{GridMetadata, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
+use std::{
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    time::Duration,
+};
+
+/// What the next skies do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) enum Mood {
+    /// Render at once.
+    #[default]
+    Well,
+    /// Render after a while.
+    Slow(Duration),
+    /// Fail.
+    Fails(SourceError),
+    /// Panic.
+    Panics,
+}
+
+/// The program.
+pub(crate) struct Fake {
+    facts: SourceFacts,
+    pub(crate) mood: Mutex<Mood>,
+    pub(crate) rendered: AtomicUsize,
+    pub(crate) ready: AtomicBool,
+    pub(crate) version: Mutex<String>,
+}
+
+impl Default for Fake {
+    fn default() -> Self {
+        Self {
+            facts: SourceFacts {
+                executor: "cpu".into(),
+                adapter: "made up".into(),
+                turbidity_range: (1.5, 6.0),
+                altitude_range_m: (0.0, 6000.0),
+                basis_count: 64,
+                pack_checksums: "abc".into(),
+            },
+            mood: Mutex::default(),
+            rendered: AtomicUsize::new(0),
+            ready: AtomicBool::new(true),
+            version: Mutex::new("v1".into()),
+        }
+    }
+}
+
+/// Bounds of the made-up scene.
+pub(crate) const BOUNDS: [f64; 4] = [36.0, -2.0, 38.0, 1.0];
+/// Altitude of the ground everywhere in it, metres.
+pub(crate) const GROUND_M: f64 = 1700.0;
+
+/// A sky that is bright in the low east, in proportion to turbidity.
+pub(crate) fn sky_of(turbidity: f64) -> Panorama {
+    let mut panorama = Panorama::dark();
+    for band in 0..3 {
+        for row in 0..ELEVATION_COUNT {
+            for column in 0..AZIMUTH_COUNT {
+                let from_east = (column as f64 - 64.0).abs().min(256.0 - (column as f64 - 64.0).abs());
+                let glow = (-from_east / 30.0 - row as f64 / 15.0).exp();
+                panorama.samples_mut()[Panorama::index(band, row, column)] =
+                    (turbidity * 1e-6 * (0.05 + glow) * (1.0 + 0.1 * band as f64)) as f32;
+            }
+        }
+    }
+    panorama
+}
+
+impl Fake {
+    pub(crate) fn metadata(&self) -> SceneMetadata {
+        SceneMetadata {
+            id: SceneId::parse("demo").unwrap(),
+            title: "Made up".into(),
+            bounds: BOUNDS,
+            grid: GridMetadata {
+                width: 480,
+                height: 720,
+                geotransform: [36.0, 1.0 / 240.0, 0.0, 1.0, 0.0, -1.0 / 240.0],
+                crs_wkt: "GEOGCS[\"WGS 84\"]".into(),
+            },
+            crs: "WGS 84".into(),
+            calibration: 1.0,
+            report: IngestReport::default(),
+            pixel_size_m: 463.0,
+            lit_pixels: 1234,
+            date: Some("2023".into()),
+            attribution: Some("nobody".into()),
+            illustrative: true,
+            terrain: true,
+            places_count: 1,
+            version: self.version.lock().unwrap().clone(),
+        }
+    }
+
+    fn known(&self, id: &SceneId) -> Result<SceneMetadata, SourceError> {
+        if id.as_str() == "demo" {
+            Ok(self.metadata())
+        } else {
+            Err(SourceError::UnknownScene(id.to_string()))
+        }
+    }
+
+    fn render(&self, query: &SkyQuery) -> Result<RenderedSky, SourceError> {
+        let altitude_m = match query.eye_height {
+            EyeHeight::AboveGround(height_m) => GROUND_M + height_m,
+            EyeHeight::AboveSea(altitude_m) => altitude_m,
+        };
+        if altitude_m > 6000.0 {
+            return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m: 0.0, maximum_m: 6000.0 });
+        }
+        self.rendered.fetch_add(1, Ordering::SeqCst);
+        let panorama = sky_of(query.turbidity.value());
+        Ok(RenderedSky {
+            quantities: SkyQuantities::of(&panorama),
+            panorama,
+            altitude_m,
+            terrain_altitude_m: Some(GROUND_M),
+            coverage: 0.75,
+            calibration: 1.0,
+            local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
+            flux_dnb_w: 1e6,
+            basis_count: query.basis.unwrap_or(64),
+            passes: vec![("coefficients", 900.0), ("basis sum", 80.0)],
+        })
+    }
+}
+
+impl SkySource for Fake {
+    fn facts(&self) -> &SourceFacts {
+        &self.facts
+    }
+
+    fn is_ready(&self) -> bool {
+        self.ready.load(Ordering::SeqCst)
+    }
+
+    fn stats(&self) -> EngineStats {
+        EngineStats {
+            queue_length: 3,
+            queue_capacity: 64,
+            rendered: self.rendered.load(Ordering::SeqCst) as u64,
+            dark_requests: 0,
+            refused: 0,
+            failed: 0,
+            batches: 2,
+            largest_batch: 4,
+            device_losses: 1,
+            mixed_nodes: 0,
+            lit_cells: 0,
+            lit_columns: 0,
+            passes: vec![skyglow_engine::PassTime { name: "coefficients", microseconds: 1500.0 }],
+        }
+    }
+
+    fn open_scenes(&self) -> usize {
+        1
+    }
+
+    fn atmospheres(&self) -> Vec<AtmosphereAnswer> {
+        vec![AtmosphereAnswer {
+            turbidity: 2.5,
+            scattering: "single".into(),
+            bands_nm: vec![680.0, 550.0, 440.0],
+            observer_altitude_m: [0.0, 6000.0],
+            source_altitude_m: [0.0, 6000.0],
+            distance_m: [250.0, 300_000.0],
+            basis_count: 64,
+            checksum: "abc".into(),
+            measured_error: None,
+        }]
+    }
+
+    fn scenes(&self) -> Result<Vec<SceneMetadata>, SourceError> {
+        Ok(vec![self.metadata()])
+    }
+
+    fn scene(&self, id: &SceneId) -> Result<SceneMetadata, SourceError> {
+        self.known(id)
+    }
+
+    fn places(&self, id: &SceneId) -> Result<Vec<Place>, SourceError> {
+        self.known(id)?;
+        Ok(vec![Place {
+            name: "Nairobi".into(),
+            latitude_deg: -1.2864,
+            longitude_deg: 36.8172,
+            population: Some(4_397_073),
+        }])
+    }
+
+    fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteFacts, SourceError> {
+        let scene = self.known(id)?;
+        let [west, south, east, north] = BOUNDS;
+        let (lat, lon) = (place.latitude_deg(), place.longitude_deg());
+        if lat < south || lat > north || lon < west || lon > east {
+            return Err(SourceError::OutsideScene { bounds: BOUNDS });
+        }
+        Ok(SiteFacts { scene, terrain_altitude_m: Some(GROUND_M), radiance_nw_cm2_sr: Some(12.5) })
+    }
+
+    fn tile(
+        &self,
+        id: &SceneId,
+        _: TileLayer,
+        (z, x, y): (u8, u32, u32),
+        size_px: u32,
+    ) -> Result<RasterTile, SourceError> {
+        self.known(id)?;
+        if z > 24 || x >> z != 0 || y >> z != 0 {
+            return Err(SourceError::UnknownTile("off the world".into()));
+        }
+        let count = (size_px * size_px) as usize;
+        Ok(RasterTile {
+            values: (0..count).map(|i| (i % 256) as f32).collect(),
+            has_data: vec![true; count],
+            size_px,
+        })
+    }
+
+    fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {
+        Box::pin(async move {
+            let mood = self.mood.lock().unwrap().clone();
+            match mood {
+                Mood::Well => {}
+                Mood::Slow(time) => tokio::time::sleep(time).await,
+                Mood::Fails(error) => return Err(error),
+                Mood::Panics => panic!("the secret of /etc/passwd"),
+            }
+            self.render(&query)
+        })
+    }
+}

@@ -1,0 +1,148 @@
+use crate::{
+    fake::sky_of,
+    server::{PLACE, Server, header},
+};
+use serde_json::Value;
+use skyglow_physics::{Panorama, photometry};
+use std::io::Cursor;
+
+async fn body(server: &Server, path: &str) -> (String, Vec<u8>) {
+    let answer = server.answer(path).await;
+    assert_eq!(answer.status(), 200, "{path}");
+    let media_type = header(&answer, "content-type").to_owned();
+    (media_type, answer.bytes().await.unwrap().to_vec())
+}
+
+#[tokio::test]
+async fn png_and_webp_show_the_same_sky_with_a_legend_below_it() {
+    let server = Server::start().await;
+    let base = "/api/v1/scenes/demo/panorama";
+    let (png_type, png) = body(&server, &format!("{base}.png?{PLACE}")).await;
+    let (webp_type, webp) = body(&server, &format!("{base}.webp?{PLACE}")).await;
+    assert_eq!((png_type.as_str(), webp_type.as_str()), ("image/png", "image/webp"));
+    let png = image::load_from_memory_with_format(&png, image::ImageFormat::Png).unwrap().into_rgb8();
+    let webp = image::load_from_memory_with_format(&webp, image::ImageFormat::WebP).unwrap().into_rgb8();
+    assert_eq!(png, webp);
+    assert_eq!(png.width(), 1024);
+    assert!(png.height() > 256);
+    // The glow is low in the east: a quarter along the bottom of the sky, above the letters.
+    let sum = |x: u32, y: u32| png.get_pixel(x, y).0.iter().map(|&c| u32::from(c)).sum::<u32>();
+    assert!(sum(256, 220) > sum(768, 220) + 100);
+    let (_, bare) = body(&server, &format!("{base}.png?{PLACE}&legend=off&width=300&height_px=100")).await;
+    let bare = image::load_from_memory(&bare).unwrap();
+    assert_eq!((bare.width(), bare.height()), (300, 100));
+}
+
+#[tokio::test]
+async fn tiff_and_json_hold_the_radiance_that_was_rendered() {
+    let server = Server::start().await;
+    let sky = sky_of(3.0);
+    let (media_type, tif) =
+        body(&server, &format!("/api/v1/scenes/demo/panorama.tif?{PLACE}&turbidity=3")).await;
+    assert_eq!(media_type, "image/tiff");
+    let mut decoder = tiff::decoder::Decoder::new(Cursor::new(tif)).unwrap();
+    assert_eq!(decoder.dimensions().unwrap(), (256, 64));
+    let tiff::decoder::DecodingResult::F32(values) = decoder.read_image().unwrap() else {
+        panic!("not float32")
+    };
+    // Zenith at the top in the raster, row 0 lowest in the grid.
+    assert_eq!(values[(63 * 256 + 64) * 3 + 1], sky.samples()[Panorama::index(1, 0, 64)]);
+    assert_eq!(values[2], sky.samples()[Panorama::index(2, 63, 0)]);
+
+    let (media_type, json) =
+        body(&server, &format!("/api/v1/scenes/demo/panorama.json?{PLACE}&turbidity=3")).await;
+    assert_eq!(media_type, "application/json");
+    let json: Value = serde_json::from_slice(&json).unwrap();
+    for (band, row, column) in [(0, 0, 0), (1, 3, 64), (2, 63, 255)] {
+        let value = json["radiance"][band][row][column].as_f64().unwrap() as f32;
+        assert_eq!(value, sky.samples()[Panorama::index(band, row, column)]);
+    }
+    assert_eq!(json["grid"]["azimuth_count"], 256);
+    assert_eq!(json["grid"]["elevation_first_deg"], 0.703125);
+    assert_eq!(json["bands_nm"], serde_json::json!([680.0, 550.0, 440.0]));
+    assert_eq!(json["unit"], "W m-2 sr-1");
+    assert_eq!(json["horizon_deg"].as_array().unwrap().len(), 256);
+    assert_eq!(json["coverage"], 0.75);
+    assert_eq!(json["observer"]["altitude_m"], 1702.0);
+    assert!(json["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap() > 0.0);
+}
+
+#[tokio::test]
+async fn openexr_starts_with_its_magic_and_names_its_channels() {
+    let server = Server::start().await;
+    let (media_type, exr) = body(&server, &format!("/api/v1/scenes/demo/panorama.exr?{PLACE}")).await;
+    assert_eq!(media_type, "image/x-exr");
+    assert_eq!(exr[..4], [0x76, 0x2f, 0x31, 0x01]);
+    let head = String::from_utf8_lossy(&exr[..400]).into_owned();
+    assert!(head.contains("channels") && head.contains("chlist"), "{head}");
+}
+
+#[tokio::test]
+async fn the_accept_header_chooses_the_format_of_the_bare_resource() {
+    let server = Server::start().await;
+    let path = format!("/api/v1/scenes/demo/panorama?{PLACE}");
+    for (accept, media_type) in [
+        ("*/*", "image/png"),
+        ("application/json", "application/json"),
+        ("image/webp, image/png;q=0.5", "image/webp"),
+        ("image/tiff", "image/tiff"),
+        ("image/x-exr", "image/x-exr"),
+    ] {
+        let answer = server.get(&path).header("accept", accept).send().await.unwrap();
+        assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, media_type));
+        assert!(header(&answer, "vary").contains("accept,"), "{}", header(&answer, "vary"));
+    }
+    let refused = server.get(&path).header("accept", "video/mp4").send().await.unwrap();
+    assert_eq!(refused.status(), 406);
+}
+
+#[tokio::test]
+async fn every_projection_and_style_is_drawn() {
+    let server = Server::start().await;
+    for query in [
+        "projection=fisheye",
+        "projection=perspective&azimuth=90&elevation=15&fov=60",
+        "projection=fisheye&style=realistic&exposure=-1",
+        "colormap=viridis&scale=magnitude&min=16&max=24",
+        "sky=total&style=realistic",
+    ] {
+        let (_, png) = body(&server, &format!("/api/v1/scenes/demo/panorama.png?{PLACE}&{query}")).await;
+        let picture = image::load_from_memory(&png).unwrap().into_rgb8();
+        let colours: std::collections::HashSet<_> = picture.pixels().collect();
+        assert!(colours.len() > 50, "{query}: {} colours", colours.len());
+    }
+}
+
+#[tokio::test]
+async fn every_number_comes_with_what_it_depends_on() {
+    let server = Server::start().await;
+    let (status, sky) =
+        server.json(&format!("/api/v1/scenes/demo/sky?{PLACE}&lamp=hps&emission=shielded")).await;
+    assert_eq!(status, 200);
+    assert_eq!(sky["lamp"]["preset"], "hps");
+    assert_eq!(sky["emission"], serde_json::json!({"lambert": 1.0, "horizon": 0.0, "oblique": 0.0}));
+    assert_eq!(sky["turbidity"], 2.5);
+    assert_eq!(sky["calibration"], 1.0);
+    assert_eq!(sky["terrain_occlusion"], false);
+    assert_eq!(sky["scattering"], "single");
+    assert_eq!(sky["clouds"], "none");
+    assert_eq!(sky["local_optical_depth"].as_array().unwrap().len(), 3);
+    assert_eq!(sky["scene"]["illustrative"], true);
+    let luminance = sky["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap();
+    let magnitude = sky["sky"]["zenith_brightness_mag_arcsec2"].as_f64().unwrap();
+    assert!((photometry::brightness_mag_arcsec2(luminance).unwrap() - magnitude).abs() < 1e-9);
+}
+
+#[tokio::test]
+async fn the_total_sky_adds_the_natural_one_to_the_samples() {
+    let server = Server::start().await;
+    let sample = async |light: &str| {
+        let path = format!("/api/v1/scenes/demo/panorama.json?{PLACE}&sky={light}");
+        let (_, json) = server.json(&path).await;
+        assert_eq!(json["light"], light);
+        let bands: Vec<f64> = (0..3).map(|b| json["radiance"][b][40][7].as_f64().unwrap()).collect();
+        photometry::luminance_cd_m2([bands[0], bands[1], bands[2]])
+    };
+    let added = sample("total").await - sample("artificial").await;
+    assert!((added / photometry::natural_sky_luminance_cd_m2() - 1.0).abs() < 1e-4, "{added}");
+}

@@ -1,0 +1,122 @@
+use crate::{
+    fake::Mood,
+    server::{PLACE, SKY, Server, header},
+};
+use skyglow_http::HttpConfig;
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
+#[tokio::test]
+async fn more_requests_than_there_is_room_for_are_turned_away_at_once() {
+    let server = Server::with(HttpConfig { concurrent_requests: 2, ..HttpConfig::default() }).await;
+    *server.fake.mood.lock().unwrap() = Mood::Slow(Duration::from_millis(400));
+    let ask = |turbidity: f64| {
+        let request = server.get(&format!("{SKY}&turbidity={turbidity}"));
+        async move { request.send().await.unwrap() }
+    };
+    let answers = tokio::join!(ask(2.0), ask(2.1), ask(2.2), ask(2.3));
+    let statuses = [&answers.0, &answers.1, &answers.2, &answers.3].map(|answer| answer.status().as_u16());
+    assert_eq!(statuses.iter().filter(|&&status| status == 200).count(), 2, "{statuses:?}");
+    assert_eq!(statuses.iter().filter(|&&status| status == 503).count(), 2, "{statuses:?}");
+    // Health and metrics answer however busy the server is.
+    let busy = server.get(SKY).send();
+    let (_, health) = tokio::join!(busy, server.answer("/healthz"));
+    assert_eq!(health.status(), 200);
+    let metrics = server.answer("/metrics").await.text().await.unwrap();
+    assert!(metrics.contains("skyglow_http_refused_total{reason=\"busy\"} 2"), "{metrics}");
+}
+
+#[tokio::test]
+async fn an_answer_that_takes_too_long_is_given_up() {
+    let server = Server::with(HttpConfig { request_timeout_s: 0.1, ..HttpConfig::default() }).await;
+    *server.fake.mood.lock().unwrap() = Mood::Slow(Duration::from_secs(20));
+    let answer = server.answer(SKY).await;
+    assert_eq!(answer.status(), 503);
+    assert!(!header(&answer, "retry-after").is_empty());
+    let json: serde_json::Value = answer.json().await.unwrap();
+    assert_eq!(json["type"], "/problems/timeout");
+}
+
+#[tokio::test]
+async fn a_client_that_sends_too_much_gets_429_with_retry_after() {
+    let config = HttpConfig { requests_per_second: 1.0, request_burst: 3, ..HttpConfig::default() };
+    let server = Server::with(config).await;
+    let mut statuses = Vec::new();
+    for _ in 0..5 {
+        statuses.push(server.answer("/api/v1/scenes").await.status().as_u16());
+    }
+    assert_eq!(statuses, [200, 200, 200, 429, 429]);
+    let refused = server.answer("/api/v1/scenes").await;
+    assert_eq!(header(&refused, "retry-after"), "1");
+    assert_eq!(header(&refused, "access-control-allow-origin"), "*");
+    assert_eq!(server.answer("/healthz").await.status(), 200);
+}
+
+#[tokio::test]
+async fn a_body_that_is_too_long_is_413() {
+    let server = Server::with(HttpConfig { body_limit_bytes: 1000, ..HttpConfig::default() }).await;
+    let answer = server.get(SKY).body(vec![0u8; 5000]).send().await.unwrap();
+    assert_eq!(answer.status(), 413);
+    let json: serde_json::Value = answer.json().await.unwrap();
+    assert_eq!(json["type"], "/problems/body-too-long");
+}
+
+#[tokio::test]
+async fn metrics_count_by_route_never_by_url() {
+    let server = Server::start().await;
+    server.answer(SKY).await;
+    server.answer(&format!("/api/v1/scenes/nowhere/sky?{PLACE}")).await;
+    server.answer("/some/random/url").await;
+    server.answer("/api/v1/scenes/demo/tiles/radiance/1/0/0.png").await;
+    let answer = server.answer("/metrics").await;
+    assert!(header(&answer, "content-type").starts_with("application/openmetrics-text"));
+    let text = answer.text().await.unwrap();
+    for line in [
+        "skyglow_http_requests_total{method=\"GET\",path=\"/api/v1/scenes/{scene}/sky\",status=\"200\"} 1",
+        "skyglow_http_requests_total{method=\"GET\",path=\"/api/v1/scenes/{scene}/sky\",status=\"404\"} 1",
+        "skyglow_http_requests_total{method=\"GET\",path=\"other\",status=\"404\"} 1",
+        "skyglow_http_request_duration_seconds_count{path=\"/api/v1/scenes/{scene}/sky\"} 2",
+        "skyglow_engine_queue_length 3",
+        "skyglow_engine_device_losses_total 1",
+        "skyglow_engine_pass_seconds_total{pass=\"coefficients\"} 0.0015",
+        "skyglow_scenes_open 1",
+    ] {
+        assert!(text.contains(line), "{line}\n{text}");
+    }
+    assert!(!text.contains("random") && !text.contains("nowhere") && !text.contains("-1.28"));
+    assert!(text.ends_with("# EOF\n"));
+}
+
+#[tokio::test]
+async fn every_answer_carries_a_request_id_the_clients_own_if_it_is_plain() {
+    let server = Server::start().await;
+    let own = server.get("/healthz").header("x-request-id", "abc-1.2_3").send().await.unwrap();
+    assert_eq!(header(&own, "x-request-id"), "abc-1.2_3");
+    let strange = server.get("/healthz").header("x-request-id", "a b;c").send().await.unwrap();
+    assert_ne!(header(&strange, "x-request-id"), "a b;c");
+    let (a, b) = (server.answer("/healthz").await, server.answer("/nothing").await);
+    assert_ne!(header(&a, "x-request-id"), header(&b, "x-request-id"));
+    assert_eq!(header(&b, "x-content-type-options"), "nosniff");
+}
+
+#[tokio::test]
+async fn a_half_sent_request_does_not_hold_the_server_when_it_is_told_to_end() {
+    let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap();
+    let config = HttpConfig { drain_timeout_s: 0.3, ..HttpConfig::default() };
+    let app = skyglow_http::router_over(std::sync::Arc::new(crate::fake::Fake::default()), config.clone());
+    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+    let server = tokio::spawn(async move {
+        skyglow_http::serve(listener, app, &config, async move { drop(stopped.await) }).await
+    });
+    let mut half = tokio::net::TcpStream::connect(address).await.unwrap();
+    half.write_all(b"GET / HTTP/1.1\r\nhost: x\r\n").await.unwrap();
+    let mut whole = tokio::net::TcpStream::connect(address).await.unwrap();
+    whole.write_all(b"GET /healthz HTTP/1.1\r\nhost: x\r\nconnection: close\r\n\r\n").await.unwrap();
+    let mut answer = String::new();
+    whole.read_to_string(&mut answer).await.unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"));
+    stop.send(()).unwrap();
+    let ended = tokio::time::timeout(Duration::from_secs(3), server).await;
+    assert!(ended.expect("the server must end").unwrap().is_ok());
+}

@@ -1,0 +1,104 @@
+use crate::{
+    fake::{BOUNDS, GROUND_M},
+    server::{PLACE, Server, header},
+};
+use serde_json::json;
+use std::sync::atomic::Ordering;
+
+#[tokio::test]
+async fn scenes_places_sites_and_atmospheres_are_listed() {
+    let server = Server::start().await;
+    let (status, scenes) = server.json("/api/v1/scenes").await;
+    assert_eq!((status, scenes.as_array().unwrap().len()), (200, 1));
+    let (_, scene) = server.json("/api/v1/scenes/demo").await;
+    assert_eq!(scene, scenes[0]);
+    for (key, value) in [
+        ("id", json!("demo")),
+        ("bounds", json!(BOUNDS)),
+        ("lit_pixels", json!(1234)),
+        ("terrain", json!(true)),
+        ("illustrative", json!(true)),
+        ("version", json!("v1")),
+    ] {
+        assert_eq!(scene[key], value, "{key}");
+    }
+    assert_eq!(scene["grid"]["width"], 480);
+    assert!(scene["report"]["negative"]["count"].is_u64());
+    let (_, places) = server.json("/api/v1/scenes/demo/places").await;
+    assert_eq!(places[0]["name"], "Nairobi");
+    assert_eq!(places[0]["population"], 4_397_073);
+    let (_, site) = server.json(&format!("/api/v1/scenes/demo/site?{PLACE}")).await;
+    assert_eq!(site["terrain_altitude_m"], GROUND_M);
+    assert_eq!(site["radiance_nw_cm2_sr"], 12.5);
+    let (_, atmospheres) = server.json("/api/v1/atmospheres").await;
+    assert_eq!(atmospheres[0]["turbidity"], 2.5);
+    assert_eq!(atmospheres[0]["checksum"], "abc");
+    assert_eq!(server.renders(), 0);
+}
+
+#[tokio::test]
+async fn health_is_always_well_and_readiness_waits_for_the_engine() {
+    let server = Server::start().await;
+    assert_eq!(server.json("/healthz").await, (200, json!({"status": "ok"})));
+    assert_eq!(server.json("/readyz").await, (200, json!({"status": "ok", "executor": "cpu"})));
+    server.fake.ready.store(false, Ordering::SeqCst);
+    let answer = server.answer("/readyz").await;
+    assert_eq!(answer.status(), 503);
+    assert!(!header(&answer, "retry-after").is_empty());
+    assert_eq!(server.answer("/healthz").await.status(), 200);
+}
+
+#[tokio::test]
+async fn tiles_are_pngs_of_256_pixels_and_tilejson_leads_to_them() {
+    let server = Server::start().await;
+    for layer in ["radiance", "elevation"] {
+        let (status, tilejson) =
+            server.json(&format!("/api/v1/scenes/demo/tiles/{layer}/tilejson.json")).await;
+        assert_eq!(status, 200);
+        assert_eq!(tilejson["tilejson"], "3.0.0");
+        assert_eq!(tilejson["bounds"], json!(BOUNDS));
+        assert_eq!(tilejson["scheme"], "xyz");
+        let template = tilejson["tiles"][0].as_str().unwrap();
+        assert!(template.starts_with(&server.base), "{template}");
+        let url = template.replace("{z}", "6").replace("{x}", "38").replace("{y}", "32");
+        let answer = server.client.get(url).send().await.unwrap();
+        assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, "image/png"));
+        let tag = header(&answer, "etag").to_owned();
+        let tile = image::load_from_memory(&answer.bytes().await.unwrap()).unwrap();
+        assert_eq!((tile.width(), tile.height()), (256, 256));
+        let again = server
+            .get(&format!("/api/v1/scenes/demo/tiles/{layer}/6/38/32.png"))
+            .header("if-none-match", tag)
+            .send()
+            .await
+            .unwrap();
+        assert_eq!(again.status(), 304);
+    }
+}
+
+#[tokio::test]
+async fn the_viewer_comes_with_a_strict_policy_and_its_hashed_files_are_kept_for_ever() {
+    let server = Server::start().await;
+    let page = server.answer("/").await;
+    assert_eq!((page.status().as_u16(), header(&page, "content-type")), (200, "text/html; charset=utf-8"));
+    let policy = header(&page, "content-security-policy").to_owned();
+    assert!(policy.contains("default-src 'none'") && !policy.contains("unsafe"), "{policy}");
+    assert!(!header(&page, "etag").is_empty());
+    assert_eq!(header(&page, "cache-control"), "public, no-cache");
+    let text = page.text().await.unwrap();
+    assert!(text.contains("Skyglow"));
+    // The built viewer lies in the repository; a page without assets is the one that says it is missing.
+    let assets: Vec<&str> = text.split('"').filter_map(|piece| piece.strip_prefix("./assets/")).collect();
+    assert!(!assets.is_empty() || text.contains("was built without the viewer"));
+    for asset in assets {
+        let answer = server.answer(&format!("/assets/{asset}")).await;
+        assert_eq!(answer.status(), 200, "{asset}");
+        assert_eq!(header(&answer, "cache-control"), "public, max-age=31536000, immutable");
+        let tag = header(&answer, "etag").to_owned();
+        let again =
+            server.get(&format!("/assets/{asset}")).header("if-none-match", tag).send().await.unwrap();
+        assert_eq!(again.status(), 304);
+    }
+    assert_eq!(server.answer("/assets/../Cargo.toml").await.status(), 404);
+    assert_eq!(server.answer("/assets/%2e%2e/index.html").await.status(), 404);
+}
