@@ -4,7 +4,6 @@ use crate::{
     config::HttpConfig,
     error::ApiError,
     layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
-    observatory::ObservatorySource,
     routes::{atmospheres, docs, health, panorama, problems, scenes, site, sky, tiles, viewer},
     source::SkySource,
     state::AppState,
@@ -16,7 +15,6 @@ use axum::{
     response::Response,
     routing::get,
 };
-use skyglow_engine::Observatory;
 use std::{sync::Arc, time::Duration};
 use tower_http::{
     compression::{
@@ -83,13 +81,8 @@ pub fn openapi() -> utoipa::openapi::OpenApi {
     document
 }
 
-/// The whole interface over an observatory.
-pub fn router(observatory: Arc<Observatory>, config: HttpConfig) -> Router {
-    router_over(Arc::new(ObservatorySource::new(observatory)), config)
-}
-
-/// The whole interface over any source.
-pub fn router_over(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
+/// The whole interface over a source, such as [`ObservatorySource`](crate::ObservatorySource).
+pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
     let state = AppState::new(source, config);
     let config = state.config.clone();
     if let Ok(text) = openapi().to_json() {

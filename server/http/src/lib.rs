@@ -24,7 +24,7 @@ pub mod serve;
 pub mod source;
 pub mod state;
 
-pub use app::{openapi, router, router_over};
+pub use app::{openapi, router};
 pub use config::HttpConfig;
 pub use observatory::ObservatorySource;
 pub use serve::serve;

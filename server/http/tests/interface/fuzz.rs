@@ -2,7 +2,7 @@
 
 use crate::fake::Fake;
 use proptest::prelude::*;
-use skyglow_http::{HttpConfig, router_over};
+use skyglow_http::{HttpConfig, router};
 use std::sync::{Arc, OnceLock};
 use tokio::runtime::Runtime;
 
@@ -14,7 +14,7 @@ fn base() -> &'static (Runtime, String) {
         let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).unwrap();
         let base = format!("http://{}", listener.local_addr().unwrap());
         let config = HttpConfig { requests_per_second: 0.0, ..HttpConfig::default() };
-        let app = router_over(Arc::new(Fake::default()), config.clone());
+        let app = router(Arc::new(Fake::default()), config.clone());
         runtime.spawn(async move {
             skyglow_http::serve(listener, app, &config, std::future::pending()).await.unwrap();
         });

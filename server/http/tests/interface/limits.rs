@@ -104,7 +104,7 @@ async fn a_half_sent_request_does_not_hold_the_server_when_it_is_told_to_end() {
     let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
     let config = HttpConfig { drain_timeout_s: 0.3, ..HttpConfig::default() };
-    let app = skyglow_http::router_over(std::sync::Arc::new(crate::fake::Fake::default()), config.clone());
+    let app = skyglow_http::router(std::sync::Arc::new(crate::fake::Fake::default()), config.clone());
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
     let server = tokio::spawn(async move {
         skyglow_http::serve(listener, app, &config, async move { drop(stopped.await) }).await

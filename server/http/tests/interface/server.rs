@@ -3,7 +3,7 @@
 use crate::fake::Fake;
 use reqwest::{Client, RequestBuilder, Response};
 use serde_json::Value;
-use skyglow_http::{HttpConfig, router_over, serve};
+use skyglow_http::{HttpConfig, router, serve};
 use std::sync::Arc;
 use tokio::sync::oneshot;
 
@@ -30,7 +30,7 @@ impl Server {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let base = format!("http://{}", listener.local_addr().unwrap());
         let (stop, stopped) = oneshot::channel::<()>();
-        let app = router_over(fake.clone(), config.clone());
+        let app = router(fake.clone(), config.clone());
         tokio::spawn(async move {
             serve(listener, app, &config, async move { drop(stopped.await) }).await.unwrap();
         });
