@@ -3,10 +3,9 @@
 //! The third axis is not the source's altitude h_c but its offset Δ = h_c − h_o. Shifting observer and source
 //! up together changes only densities, which the logarithm of the scale follows well, while Δ against distance
 //! decides the shape: a source 100 m up and 300 m away is another sky than one 100 m up and 30 km away. The
-//! nodes are even in asinh(Δ/L) with L = 1/(2/r + 1/2000 m): proportional to r near the observer, about 500 m
-//! apart far away. Measured on single sources (turbidity 1.5 and 6), interpolating h_c at fixed nodes left
-//! errors of 14 % (90th percentile, 25 nodes), this axis 1–3 % with 25 and 2–8 % with 17 nodes over the whole
-//! range −6 000 m … +1.5 r.
+//! nodes are even in asinh(Δ/L) with L = 1/(4/r + 1/1500 m): proportional to r near the observer, some hundred
+//! metres apart far away. One node is Δ = 0, where the sky bends: low rays towards a source above the observer
+//! start in the Earth's shadow, those towards one below start in its light.
 
 use serde::{Deserialize, Serialize};
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
@@ -27,38 +26,48 @@ pub struct TableAxes {
     pub offset_count: usize,
 }
 
-/// The offset axis at one distance: node j lies at Δ = L·sinh(κ₀ + j·δκ).
+/// The offset axis at one distance, from −6 000 m through 0 to about min(1.5 r, 6 000 m): nodes even in
+/// asinh(Δ/L) below zero and, with another step, above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetAxis {
     /// L, metres.
     pub scale_m: f64,
-    /// κ₀ = asinh(Δ_min/L).
-    pub asinh_first: f64,
-    /// δκ.
-    pub asinh_step: f64,
+    /// Step in asinh(Δ/L) below zero.
+    pub step_below: f64,
+    /// Step in asinh(Δ/L) above zero.
+    pub step_above: f64,
+    /// The node of Δ = 0.
+    pub zero_node: usize,
     /// Number of nodes.
     pub count: usize,
 }
 
 impl OffsetAxis {
-    /// The axis at a distance, from −6 000 m to about min(1.5 r, 6 000 m).
+    /// The axis at a distance with `count` ≥ 3 nodes, three fifths of them below zero.
     pub fn at_distance(distance_m: f64, count: usize) -> Self {
-        let scale_m = 1.0 / (2.0 / distance_m + 1.0 / 2_000.0);
+        let scale_m = 1.0 / (4.0 / distance_m + 1.0 / 1_500.0);
         let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / HIGHEST_ALTITUDE_M);
-        let asinh_first = (-HIGHEST_ALTITUDE_M / scale_m).asinh();
-        let asinh_last = (highest_m / scale_m).asinh();
-        Self { scale_m, asinh_first, asinh_step: (asinh_last - asinh_first) / (count - 1) as f64, count }
+        let zero_node = ((count - 1) * 3 / 5).max(1);
+        Self {
+            scale_m,
+            step_below: (HIGHEST_ALTITUDE_M / scale_m).asinh() / zero_node as f64,
+            step_above: (highest_m / scale_m).asinh() / (count - 1 - zero_node) as f64,
+            zero_node,
+            count,
+        }
     }
 
-    /// Δ of a node, metres.
-    pub fn offset_m(&self, node: usize) -> f64 {
-        self.scale_m * (self.asinh_first + node as f64 * self.asinh_step).sinh()
+    /// Δ at a fractional node, metres.
+    pub fn offset_m(&self, position: f64) -> f64 {
+        let from_zero = position - self.zero_node as f64;
+        let step = if from_zero < 0.0 { self.step_below } else { self.step_above };
+        self.scale_m * (from_zero * step).sinh()
     }
 
     /// Fractional node of an offset, clamped to 0..=count − 1.
     pub fn position(&self, offset_m: f64) -> f64 {
-        (((offset_m / self.scale_m).asinh() - self.asinh_first) / self.asinh_step)
-            .clamp(0.0, (self.count - 1) as f64)
+        let step = if offset_m < 0.0 { self.step_below } else { self.step_above };
+        (self.zero_node as f64 + (offset_m / self.scale_m).asinh() / step).clamp(0.0, (self.count - 1) as f64)
     }
 }
 
@@ -73,7 +82,7 @@ impl TableAxes {
         Self {
             distance_m: logarithmic(56),
             observer_altitude_m: vec![0.0, 300.0, 700.0, 1_200.0, 1_900.0, 2_900.0, 4_200.0, 6_000.0],
-            offset_count: 15,
+            offset_count: 17,
         }
     }
 
@@ -90,7 +99,7 @@ impl TableAxes {
     /// inside, no source of the model lies there).
     pub fn source_altitude_m(&self, observer_altitude: usize, distance: usize, offset: usize) -> f64 {
         let axis = OffsetAxis::at_distance(self.distance_m[distance], self.offset_count);
-        (self.observer_altitude_m[observer_altitude] + axis.offset_m(offset))
+        (self.observer_altitude_m[observer_altitude] + axis.offset_m(offset as f64))
             .clamp(LOWEST_SOURCE_M, HIGHEST_ALTITUDE_M + 1_500.0)
     }
 
@@ -125,12 +134,15 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn the_offset_axis_spans_its_range_at_every_distance() {
+    fn the_offset_axis_spans_its_range_and_has_a_node_at_zero_at_every_distance() {
         for distance_m in [250.0, 3_000.0, 300_000.0] {
-            let axis = OffsetAxis::at_distance(distance_m, 15);
-            assert!((axis.offset_m(0) + 6_000.0).abs() < 1e-6);
-            assert!(axis.offset_m(14) > 0.5 * (1.5 * distance_m).min(6_000.0));
-            assert!((axis.position(axis.offset_m(7)) - 7.0).abs() < 1e-9);
+            let axis = OffsetAxis::at_distance(distance_m, 17);
+            assert!((axis.offset_m(0.0) + 6_000.0).abs() < 1e-6);
+            assert!(axis.offset_m(16.0) > 0.5 * (1.5 * distance_m).min(6_000.0));
+            assert_eq!(axis.position(0.0), axis.zero_node as f64);
+            for position in [0.3, 7.0, 8.9, 9.1, 15.99] {
+                assert!((axis.position(axis.offset_m(position)) - position).abs() < 1e-9);
+            }
         }
     }
 

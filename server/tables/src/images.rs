@@ -21,7 +21,7 @@ pub const NODES_PER_PIECE: usize = 7;
 /// The images of one geometry, scale and shape apart.
 #[derive(Clone, Debug)]
 pub struct SourceImages {
-    /// ln of the mean over the hemisphere [m⁻² sr⁻¹], `[lobe][band]`; [`DARK_LOG_SCALE`] for a dark image.
+    /// ln of the mean over directions 22.5° and more in azimuth from the source [m⁻² sr⁻¹], `[lobe][band]`; [`DARK_LOG_SCALE`] for a dark image.
     pub log_scale: [f64; IMAGE_COUNT],
     /// Image over its mean, `[lobe][band][row][column]`.
     pub shape: Vec<f32>,
@@ -30,15 +30,29 @@ pub struct SourceImages {
 /// Log scale that stands for no light at all; e⁻³⁰⁰ is zero for every purpose and safe in f32.
 pub const DARK_LOG_SCALE: f64 = -300.0;
 
+/// Columns that count for an image's scale: azimuths of 22.5° and more from the source. Looking straight at a
+/// source that stands above the horizon, b diverges as one over the angle, so a mean over all samples would
+/// jump with whether a sample happens to hit it.
+const SCALE_COLUMN: usize = 16;
+
 /// Position of an image in `[lobe][band]` order.
 pub const fn image_index(lobe: usize, band: usize) -> usize {
     lobe * BAND_COUNT + band
 }
 
-/// Share of the hemisphere's solid angle of each row's samples, mirrored columns counted twice.
-fn pixel_weight(row: usize, column: usize) -> f64 {
-    let copies = if column == 0 || column == HALF_COLUMN_COUNT - 1 { 1.0 } else { 2.0 };
-    copies * solid_angle_sr(row) / std::f64::consts::TAU
+/// Weight of a sample in the scale: its solid angle, mirrored columns counted twice, near the source's azimuth
+/// nothing; sums to 1.
+fn scale_weights() -> Vec<f64> {
+    let mut weights: Vec<f64> = (0..PIXEL_COUNT)
+        .map(|p| match p % HALF_COLUMN_COUNT {
+            column if column < SCALE_COLUMN => 0.0,
+            column if column == HALF_COLUMN_COUNT - 1 => solid_angle_sr(p / HALF_COLUMN_COUNT),
+            _ => 2.0 * solid_angle_sr(p / HALF_COLUMN_COUNT),
+        })
+        .collect();
+    let sum: f64 = weights.iter().sum();
+    weights.iter_mut().for_each(|w| *w /= sum);
+    weights
 }
 
 /// The images at one node of the axes.
@@ -62,6 +76,7 @@ pub fn images_at_node(
 /// The images of any geometry.
 pub fn images_of(atmosphere: &Atmosphere, geometry: &SourceGeometry) -> SourceImages {
     let nodes = gauss_legendre(NODES_PER_PIECE);
+    let weights = scale_weights();
     let mut values = vec![0.0f64; IMAGE_COUNT * PIXEL_COUNT];
     let mut mean = [0.0f64; IMAGE_COUNT];
     for row in 0..ELEVATION_COUNT {
@@ -78,7 +93,7 @@ pub fn images_of(atmosphere: &Atmosphere, geometry: &SourceGeometry) -> SourceIm
                     let image = image_index(lobe, band);
                     let value = radiance[band * LOBE_COUNT + lobe];
                     values[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column] = value;
-                    mean[image] += pixel_weight(row, column) * value;
+                    mean[image] += weights[row * HALF_COLUMN_COUNT + column] * value;
                 }
             }
         }
@@ -105,9 +120,7 @@ mod tests {
         let atmosphere = Atmosphere::new(Turbidity::default());
         let geometry = SourceGeometry { distance_m: 20_000.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
         let images = images_of(&atmosphere, &geometry);
-        let mean: f64 = (0..PIXEL_COUNT)
-            .map(|p| pixel_weight(p / HALF_COLUMN_COUNT, p % HALF_COLUMN_COUNT) * f64::from(images.shape[p]))
-            .sum();
+        let mean: f64 = scale_weights().iter().zip(&images.shape).map(|(w, &x)| w * f64::from(x)).sum();
         assert!((mean - 1.0).abs() < 1e-6);
         let low_row = 2 * HALF_COLUMN_COUNT;
         assert!(images.shape[low_row] > 10.0 * images.shape[low_row + HALF_COLUMN_COUNT - 1]);

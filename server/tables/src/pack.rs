@@ -61,12 +61,24 @@ pub fn pack_file_name(turbidity: f64) -> String {
 /// Equal byte positions of `width`-byte values side by side: smooth tables then compress.
 fn shuffle(bytes: &[u8], width: usize) -> Vec<u8> {
     let count = bytes.len() / width;
-    (0..width).flat_map(|byte| (0..count).map(move |i| bytes[i * width + byte])).collect()
+    let mut out = vec![0; bytes.len()];
+    for (byte, plane) in out.chunks_exact_mut(count.max(1)).enumerate() {
+        for (i, slot) in plane.iter_mut().enumerate() {
+            *slot = bytes[i * width + byte];
+        }
+    }
+    out
 }
 
 fn unshuffle(bytes: &[u8], width: usize) -> Vec<u8> {
     let count = bytes.len() / width;
-    (0..count).flat_map(|i| (0..width).map(move |byte| bytes[byte * count + i])).collect()
+    let mut out = vec![0; bytes.len()];
+    for (byte, plane) in bytes.chunks_exact(count.max(1)).enumerate() {
+        for (i, &value) in plane.iter().enumerate() {
+            out[i * width + byte] = value;
+        }
+    }
+    out
 }
 
 impl Pack {

@@ -64,7 +64,7 @@ impl PrecomputeOptions {
             turbidity,
             axes: TableAxes::full(),
             basis_count: DEFAULT_BASIS_COUNT,
-            training_geometries: 200,
+            training_geometries: 220,
             fit_iterations: 6,
             error_sources: 160,
         }
@@ -144,8 +144,8 @@ pub fn precompute(
     Ok(path)
 }
 
-/// Node geometries spread evenly over the axes (additive recurrence), sources below the sea or too high left
-/// out.
+/// Node geometries spread evenly over the axes (additive recurrence). Sources below the sea, above the highest
+/// altitude or up an impossible slope are left out: the basis need not serve them.
 fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
     let axes = &options.axes;
     let counts = [axes.observer_altitude_m.len(), axes.distance_m.len(), axes.offset_count];
@@ -156,7 +156,9 @@ fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
             |k: usize| ((i as f64 * [0.819_172_5, 0.671_043_6, 0.549_700_5][k] + 0.3).fract() * counts[k] as f64) as usize;
         let node = (spread(0), spread(1), spread(2));
         let altitude_m = axes.source_altitude_m(node.0, node.1, node.2);
-        if (-600.0..=6_500.0).contains(&altitude_m) {
+        let offset_m = altitude_m - axes.observer_altitude_m[node.0];
+        let steepest_m = (0.7 * axes.distance_m[node.1] + 50.0).min(3_500.0);
+        if (-600.0..=6_500.0).contains(&altitude_m) && offset_m <= steepest_m {
             nodes.push(node);
         }
         if nodes.len() == options.training_geometries {

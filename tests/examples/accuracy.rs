@@ -1,0 +1,130 @@
+//! Panoramas against the truth files of the `truth` example: the error of model section 9 at every place and
+//! turbidity, none left out.
+//!
+//! `accuracy DATA_DIR PACKS_DIR auto|gpu|lavapipe|cpu TRUTH_FILE...`: a table on stdout.
+
+use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
+use skyglow_physics::{
+    AZIMUTH_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
+    error_metric::{ErrorStatistics, relative_error},
+    panorama::{elevation_rad, solid_angle_sr},
+    photometry::luminance_cd_m2,
+};
+use skyglow_scene::{RING_COUNT, SceneId, SceneStore, ring_distance_m};
+use skyglow_tables::{Pack, packs_in};
+use std::{error::Error, path::Path, sync::Arc};
+
+/// One truth file.
+struct Truth {
+    scene: String,
+    place: GeoPoint,
+    observer_altitude_m: f64,
+    turbidities: Vec<f64>,
+    samples: Vec<(usize, usize)>,
+    radiance: Vec<Vec<f64>>,
+    flux_dnb_w: f64,
+}
+
+fn read(path: &str) -> Result<Truth, Box<dyn Error>> {
+    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(path)?)?;
+    let number = |name: &str| json[name].as_f64().ok_or(format!("{path}: {name} is missing"));
+    Ok(Truth {
+        scene: json["scene"].as_str().ok_or("scene is missing")?.to_owned(),
+        place: GeoPoint::from_deg(number("latitude_deg")?, number("longitude_deg")?)?,
+        observer_altitude_m: number("observer_altitude_m")?,
+        turbidities: serde_json::from_value(json["turbidities"].clone())?,
+        samples: serde_json::from_value(json["samples"].clone())?,
+        radiance: serde_json::from_value(json["radiance"].clone())?,
+        flux_dnb_w: number("flux_dnb_w")?,
+    })
+}
+
+/// Luminance of the zenith cap and horizontal illuminance from the sampled directions alone, each row's
+/// samples standing for the whole row.
+fn zenith_and_horizontal(samples: &[(usize, usize)], luminance: &[f64]) -> (f64, f64) {
+    let mut rows: std::collections::BTreeMap<usize, (f64, f64)> = std::collections::BTreeMap::new();
+    for (&(row, _), &value) in samples.iter().zip(luminance) {
+        let entry = rows.entry(row).or_insert((0.0, 0.0));
+        entry.0 += value;
+        entry.1 += 1.0;
+    }
+    let (mut zenith, mut weight, mut horizontal) = (0.0, 0.0, 0.0);
+    for (row, (sum, count)) in rows {
+        let solid_angle = solid_angle_sr(row) * AZIMUTH_COUNT as f64;
+        if elevation_rad(row).to_degrees() >= 85.0 {
+            zenith += solid_angle * sum / count;
+            weight += solid_angle;
+        }
+        horizontal += solid_angle * sum / count * elevation_rad(row).sin();
+    }
+    (zenith / weight, horizontal)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, data, packs, device, files @ ..] = arguments.as_slice() else {
+        return Err("usage: accuracy DATA_DIR PACKS_DIR DEVICE TRUTH_FILE...".into());
+    };
+    let rings: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
+    let tables = packs_in(Path::new(packs))?
+        .iter()
+        .map(|path| Pack::open(path).map(|pack| Arc::new(pack.resident(&rings))))
+        .collect::<Result<Vec<_>, _>>()?;
+    let device = DeviceChoice::from_name(device).ok_or("device: auto, gpu, lavapipe or cpu")?;
+    let resident: Vec<f64> = tables.iter().map(|t| t.turbidity).collect();
+    let engine = Engine::start(EngineConfig { device, tables, ..EngineConfig::default() })?;
+    println!("executor {:?}, packs {resident:?}", engine.info().executor);
+    println!("place turbidity flux_dnb_w zenith_cd_m2 mean p99 max zenith_error horizontal_error");
+    let store = SceneStore::new(data);
+    let mut every: Vec<f64> = Vec::new();
+    let mut worst_mean: f64 = 0.0;
+    for file in files {
+        let truth = read(file)?;
+        let scene = store.open(&SceneId::parse(&truth.scene)?)?;
+        let polar = Arc::new(scene.polar_grid(truth.place));
+        let range = resident.iter().copied().fold(f64::INFINITY, f64::min)
+            ..=resident.iter().copied().fold(0.0, f64::max);
+        for (index, &turbidity) in truth.turbidities.iter().enumerate() {
+            if !range.contains(&turbidity) {
+                println!("{file} {turbidity}: outside the resident range");
+                continue;
+            }
+            let rendered = engine.render_blocking(RenderRequest {
+                polar: polar.clone(),
+                observer_altitude_m: truth.observer_altitude_m,
+                turbidity: Turbidity::new(turbidity)?,
+                emission: EmissionMix::garstang(),
+                flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+                basis: None,
+            })?;
+            let mut errors = Vec::with_capacity(truth.samples.len());
+            let (mut fast, mut exact) = (Vec::new(), Vec::new());
+            for (&(row, column), radiance) in truth.samples.iter().zip(&truth.radiance) {
+                let value = std::array::from_fn(|b| rendered.panorama.radiance_w_m2_sr(b, row, column));
+                let reference = std::array::from_fn(|b| radiance[index * 3 + b]);
+                errors.push(relative_error(value, reference));
+                fast.push(luminance_cd_m2(value));
+                exact.push(luminance_cd_m2(reference));
+            }
+            let (zenith, horizontal) = zenith_and_horizontal(&truth.samples, &fast);
+            let (true_zenith, true_horizontal) = zenith_and_horizontal(&truth.samples, &exact);
+            let statistics = ErrorStatistics::of(errors.iter().copied()).ok_or("no directions")?;
+            println!(
+                "{} {turbidity} {:.3e} {true_zenith:.3e} {:.4} {:.4} {:.3} {:+.4} {:+.4}",
+                Path::new(file).file_stem().unwrap_or_default().to_string_lossy(),
+                truth.flux_dnb_w,
+                statistics.mean,
+                statistics.p99,
+                statistics.maximum,
+                zenith / true_zenith - 1.0,
+                horizontal / true_horizontal - 1.0,
+            );
+            worst_mean = worst_mean.max(statistics.mean);
+            every.extend(errors);
+        }
+    }
+    if let Some(all) = ErrorStatistics::of(every) {
+        println!("all: {all:?}; worst mean of a place and turbidity {worst_mean:.4}");
+    }
+    Ok(())
+}
