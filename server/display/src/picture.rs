@@ -19,13 +19,13 @@ pub const GROUND_RGB: [u8; 3] = [22, 24, 29];
 enum Painter<'a> {
     FalseColour {
         luminance_cd_m2: Vec<f64>,
-        table: [[u8; 3]; TABLE_LEN],
+        table: Box<[[u8; 3]; TABLE_LEN]>,
         /// Entry `i + 1` of the table starts at `starts_cd_m2[i]`: no logarithm per pixel.
-        starts_cd_m2: [f64; TABLE_LEN - 1],
+        starts_cd_m2: Box<[f64; TABLE_LEN - 1]>,
     },
     Realistic {
         sampler: Sampler<'a>,
-        tone_map: ToneMap,
+        tone_map: Box<ToneMap>,
     },
 }
 
@@ -40,15 +40,15 @@ impl<'a> Painter<'a> {
                     luminance_cd_m2: (0..ELEVATION_COUNT * AZIMUTH_COUNT)
                         .map(|i| panorama.luminance_cd_m2(i / AZIMUTH_COUNT, i % AZIMUTH_COUNT) + added_cd_m2)
                         .collect(),
-                    table: colormap.table(),
-                    starts_cd_m2: std::array::from_fn(|i| {
+                    table: Box::new(colormap.table()),
+                    starts_cd_m2: Box::new(std::array::from_fn(|i| {
                         dark * ((i as f64 + 0.5) / (TABLE_LEN - 1) as f64 * (bright / dark).ln()).exp()
-                    }),
+                    })),
                 }
             }
             Style::Realistic { exposure_ev } => Painter::Realistic {
                 sampler: Sampler::new(panorama, added),
-                tone_map: ToneMap::new(exposure_ev),
+                tone_map: Box::new(ToneMap::new(exposure_ev)),
             },
         }
     }

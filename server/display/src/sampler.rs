@@ -19,7 +19,7 @@ pub struct Taps {
 /// above the horizon, the lowest row holds.
 pub fn taps(direction: Direction) -> Option<Taps> {
     let Direction { azimuth_rad, elevation_rad } = direction;
-    if !(elevation_rad >= 0.0 && elevation_rad <= FRAC_PI_2 + 1e-9 && azimuth_rad.is_finite()) {
+    if !((0.0..=FRAC_PI_2 + 1e-9).contains(&elevation_rad) && azimuth_rad.is_finite()) {
         return None;
     }
     let turns = azimuth_rad * (1.0 / TAU);

@@ -17,6 +17,7 @@ use axum::{
 };
 use std::{sync::Arc, time::Duration};
 use tower_http::{
+    CompressionLevel,
     compression::{
         CompressionLayer, Predicate,
         predicate::{NotForContentType, SizeAbove},
@@ -107,7 +108,7 @@ pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
         .route("/assets/{*file}", get(viewer::get_viewer))
         .fallback(not_found)
         .method_not_allowed_fallback(method_not_allowed);
-    all.layer(CompressionLayer::new().compress_when(worth_compressing()))
+    all.layer(CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(worth_compressing()))
         .layer(from_fn(tag_encodings))
         .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
         .layer(from_fn_with_state(state.clone(), problems_only))

@@ -52,9 +52,19 @@ impl From<EngineError> for SourceError {
             EngineError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m } => {
                 SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }
             }
+            EngineError::TurbidityOutOfRange { turbidity, minimum, maximum } => SourceError::OutOfRange {
+                parameter: "turbidity",
+                value: turbidity.to_string(),
+                allowed: format!("{minimum} to {maximum}"),
+            },
+            EngineError::BasisOutOfRange { basis, maximum } => SourceError::OutOfRange {
+                parameter: "basis",
+                value: basis.to_string(),
+                allowed: format!("1 to {maximum}"),
+            },
             EngineError::OutsideScene { bounds, .. } => SourceError::OutsideScene { bounds },
             EngineError::Scene(error) => error.into(),
-            // Turbidity and basis were checked before; the rest is about starting an engine.
+            // The rest is about starting an engine, or a defect.
             other => SourceError::Broken(other.to_string()),
         }
     }

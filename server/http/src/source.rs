@@ -111,6 +111,16 @@ pub enum SourceError {
         /// Highest resident, metres.
         maximum_m: f64,
     },
+    /// Another number that the resident tables do not reach.
+    #[error("{parameter} is {value}; allowed is {allowed}")]
+    OutOfRange {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// The value asked for.
+        value: String,
+        /// What is resident.
+        allowed: String,
+    },
     /// No such tile.
     #[error("{0}")]
     UnknownTile(String),
@@ -154,6 +164,13 @@ impl From<SourceError> for ApiError {
                 altitude_m.to_string(),
                 format!("{minimum_m} to {maximum_m} m above sea level"),
                 "terrain and height together are out of range".to_owned(),
+                Mistake::OutOfRange,
+            ),
+            SourceError::OutOfRange { parameter, value, allowed } => ApiError::parameter(
+                parameter,
+                value,
+                allowed,
+                Mistake::OutOfRange.words().to_owned(),
                 Mistake::OutOfRange,
             ),
             SourceError::UnknownTile(reason) => ApiError::UnknownTile { reason },

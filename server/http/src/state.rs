@@ -10,6 +10,7 @@ use crate::{
 use moka::future::Cache;
 use skyglow_physics::Panorama;
 use std::sync::{Arc, OnceLock};
+use tokio::sync::Semaphore;
 
 /// The shared state.
 #[derive(Clone)]
@@ -22,6 +23,8 @@ pub struct AppState {
     pub metrics: Arc<Metrics>,
     /// Skies rendered lately, by what decides them.
     skies: Cache<String, Arc<RenderedSky>>,
+    /// Places for heavy work.
+    cores: Arc<Semaphore>,
     /// The OpenAPI document, set once when the routes are known.
     pub openapi: Arc<OnceLock<String>>,
 }
@@ -34,7 +37,15 @@ impl AppState {
     pub fn new(source: Arc<dyn SkySource>, config: HttpConfig) -> Self {
         let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
         let metrics = Arc::new(Metrics::new(source.clone()));
-        Self { source, config: Arc::new(config), metrics, skies, openapi: Arc::default() }
+        let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
+        Self {
+            source,
+            config: Arc::new(config),
+            metrics,
+            skies,
+            cores: Arc::new(Semaphore::new(2 * cores)),
+            openapi: Arc::default(),
+        }
     }
 
     /// Runs something that may read files or compute for long, off the async threads.
@@ -50,6 +61,24 @@ impl AppState {
             Ok(result) => result,
             Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
         }
+    }
+
+    /// The same for work that takes a core and much memory for a while, such as drawing: at most two pieces a
+    /// core at a time, the others wait.
+    ///
+    /// # Errors
+    /// As [`Self::blocking`].
+    pub async fn heavy<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<T, ApiError> {
+        let place = self.cores.clone().acquire_owned().await.map_err(ApiError::internal)?;
+        self.blocking(move |source| {
+            let result = work(source);
+            drop(place);
+            result
+        })
+        .await
     }
 
     /// What decides a sky: the request, the scene's version, the packs and the executor.

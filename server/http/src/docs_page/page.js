@@ -1,5 +1,8 @@
 // Reads the OpenAPI document and makes a form of every operation.
 
+// Everything is asked relative to this page, so that a prefix of a reverse proxy stays in place.
+const ROOT = new URL("../", document.baseURI).href;
+
 const EXAMPLES = { scene: "demo", layer: "radiance", z: "6", x: "38", y: "32", kind: "out-of-range" };
 
 function element(name, properties = {}, ...children) {
@@ -62,7 +65,7 @@ function operation(path, method, description, scene) {
       else if (input.value !== "") query.set(parameter.name, input.value);
     }
     const text = query.toString();
-    return text === "" ? target : `${target}?${text}`;
+    return ROOT + target.slice(1) + (text === "" ? "" : `?${text}`);
   };
   const refresh = () => { url.textContent = build(); };
   for (const [, input] of fields) input.addEventListener("input", refresh);
@@ -87,14 +90,14 @@ function operation(path, method, description, scene) {
 }
 
 async function first_scene() {
-  const scenes = await fetch("/api/v1/scenes").then((answer) => (answer.ok ? answer.json() : [])).catch(() => []);
+  const scenes = await fetch(`${ROOT}api/v1/scenes`).then((answer) => (answer.ok ? answer.json() : [])).catch(() => []);
   if (scenes.length === 0) return { id: "demo", latitude: "", longitude: "" };
   const [west, south, east, north] = scenes[0].bounds;
   const width = west > east ? east + 360 - west : east - west;
   return { id: scenes[0].id, latitude: ((south + north) / 2).toFixed(3), longitude: (west + width / 2).toFixed(3) };
 }
 
-const [api, scene] = await Promise.all([fetch("/api/v1/openapi.json").then((answer) => answer.json()), first_scene()]);
+const [api, scene] = await Promise.all([fetch(`${ROOT}api/v1/openapi.json`).then((answer) => answer.json()), first_scene()]);
 document.querySelector("#about").textContent = `${api.info.description ?? ""} Version ${api.info.version}.`;
 const groups = new Map();
 for (const [path, methods] of Object.entries(api.paths)) {

@@ -114,7 +114,7 @@ async fn answer(
     let rendered = asked.render(&state).await?;
     let worker = (state.clone(), asked, rendered.clone());
     let body = state
-        .blocking(move |_| {
+        .heavy(move |_| {
             let (state, asked, rendered) = worker;
             encode(&state, &asked, &rendered, &view, format)
         })

@@ -8,7 +8,7 @@ use crate::{
     problem::Problem,
     request::{scene_id, sky},
     respond::{Caching, Keep},
-    source::{RenderedSky, SkyQuery},
+    source::{EyeHeight, RenderedSky, SkyQuery, SourceError},
     state::AppState,
 };
 use axum::{
@@ -70,10 +70,11 @@ impl AskedSky {
     /// Looks up the scene and checks the place; renders nothing.
     ///
     /// # Errors
-    /// [`ApiError::UnknownScene`], [`ApiError::OutsideScene`].
+    /// [`ApiError::UnknownScene`], [`ApiError::OutsideScene`], an altitude out of range.
     pub async fn prepare(state: &AppState, query: SkyQuery) -> Result<Self, ApiError> {
         let (id, place) = (query.scene.clone(), query.place);
         let site = state.blocking(move |source| source.site(&id, place).map_err(|e| e.at(place))).await?;
+        check_altitude(&query, site.terrain_altitude_m, state.source.facts().altitude_range_m)?;
         let key = state.sky_key(&query, &site.scene.version);
         Ok(Self { query: Arc::new(query), scene: site.scene, key })
     }
@@ -90,6 +91,22 @@ impl AskedSky {
     pub fn assumptions(&self, state: &AppState, rendered: &RenderedSky) -> Assumptions {
         Assumptions::new(&self.query, &self.scene, rendered, state.source.facts())
     }
+}
+
+/// Refuses an eye that terrain and height together put above the tables.
+fn check_altitude(
+    query: &SkyQuery,
+    terrain_altitude_m: Option<f64>,
+    (minimum_m, maximum_m): (f64, f64),
+) -> Result<(), ApiError> {
+    let altitude_m = match query.eye_height {
+        EyeHeight::AboveGround(height_m) => terrain_altitude_m.unwrap_or(0.0) + height_m,
+        EyeHeight::AboveSea(altitude_m) => altitude_m,
+    };
+    if altitude_m > maximum_m {
+        return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }.into());
+    }
+    Ok(())
 }
 
 /// Says how long the passes took, outside the body, which stays the same for the same request.

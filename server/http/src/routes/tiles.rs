@@ -83,7 +83,7 @@ pub async fn get_tile(
         return Ok(response);
     }
     let png = state
-        .blocking(move |source| {
+        .heavy(move |source| {
             let tile = source.tile(&id, layer, address, TILE_PX)?;
             match layer {
                 TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX),

@@ -9,3 +9,4 @@ mod limits;
 mod problems;
 mod resources;
 mod server;
+mod whole;

@@ -1,0 +1,119 @@
+//! The real program behind the interface: the demo scene, the CPU executor, made-up tables.
+
+use crate::server::header;
+use serde_json::{Value, json};
+use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
+use skyglow_http::{HttpConfig, ObservatorySource, SkySource, router, serve};
+use skyglow_scene::{SceneStore, create_demo};
+use std::sync::Arc;
+
+/// A server over the demo scene; its folder lives as long as it.
+struct Whole {
+    source: Arc<ObservatorySource>,
+    base: String,
+    client: reqwest::Client,
+    _folder: tempfile::TempDir,
+}
+
+impl Whole {
+    async fn start() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let data = folder.path().to_owned();
+        let observatory = tokio::task::spawn_blocking(move || {
+            create_demo(&SceneStore::new(&data), &mut |_| {}).unwrap();
+            let config = EngineConfig {
+                device: DeviceChoice::Cpu,
+                tables: synthetic::table_set(&[1.5, 2.5, 4.0], 8),
+                ..EngineConfig::default()
+            };
+            Observatory::new(Engine::start(config).unwrap(), Vec::new(), &data, 2)
+        })
+        .await
+        .unwrap();
+        let source = Arc::new(ObservatorySource::new(Arc::new(observatory)));
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let base = format!("http://{}", listener.local_addr().unwrap());
+        let app = router(source.clone(), HttpConfig::default());
+        tokio::spawn(async move {
+            serve(listener, app, &HttpConfig::default(), std::future::pending()).await.unwrap();
+        });
+        let client = reqwest::Client::builder().no_proxy().build().unwrap();
+        Self { source, base, client, _folder: folder }
+    }
+
+    async fn get(&self, path: &str) -> reqwest::Response {
+        self.client.get(format!("{}{path}", self.base)).send().await.unwrap()
+    }
+
+    async fn json(&self, path: &str) -> (u16, Value) {
+        let answer = self.get(path).await;
+        (answer.status().as_u16(), answer.json().await.unwrap())
+    }
+}
+
+/// One test: making the scene takes longer than asking it.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_place_in_the_demo_scene_shows_its_sky() {
+    let whole = Whole::start().await;
+    while !whole.source.is_ready() {
+        tokio::time::sleep(std::time::Duration::from_millis(10)).await;
+    }
+    assert_eq!(whole.get("/readyz").await.status(), 200);
+    let (_, scenes) = whole.json("/api/v1/scenes").await;
+    let scene = &scenes[0];
+    assert_eq!(scene["id"], "demo");
+    assert_eq!(scene["illustrative"], true);
+    let (_, places) = whole.json("/api/v1/scenes/demo/places").await;
+    let (lat, lon) =
+        (places[0]["latitude_deg"].as_f64().unwrap(), places[0]["longitude_deg"].as_f64().unwrap());
+    let place = format!("lat={lat}&lon={lon}");
+
+    let (status, site) = whole.json(&format!("/api/v1/scenes/demo/site?{place}")).await;
+    assert_eq!(status, 200);
+    assert!(site["radiance_nw_cm2_sr"].as_f64().unwrap() > 0.0, "{site}");
+
+    let answer = whole.get(&format!("/api/v1/scenes/demo/sky?{place}")).await;
+    assert_eq!(answer.status(), 200);
+    assert!(!header(&answer, "server-timing").is_empty());
+    let tag = header(&answer, "etag").to_owned();
+    let sky: Value = answer.json().await.unwrap();
+    assert!(sky["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap() > 0.0);
+    assert!(sky["flux_dnb_w"].as_f64().unwrap() > 0.0);
+    assert_eq!(sky["observer"]["terrain_altitude_m"], site["terrain_altitude_m"]);
+    assert_eq!(sky["executor"], "cpu");
+
+    // The engine's own counter: 304 renders nothing, and the panorama of the same sky comes from the cache.
+    let rendered = whole.source.stats().rendered;
+    assert_eq!(rendered, 1);
+    let again = whole.client.get(format!("{}/api/v1/scenes/demo/sky?{place}", whole.base));
+    assert_eq!(again.header("if-none-match", tag).send().await.unwrap().status(), 304);
+    let (_, panorama) = whole.json(&format!("/api/v1/scenes/demo/panorama.json?{place}")).await;
+    assert_eq!(panorama["sky"], sky["sky"]);
+    assert_eq!(whole.source.stats().rendered, rendered);
+    let png = whole.get(&format!("/api/v1/scenes/demo/panorama.png?{place}&turbidity=3.1")).await;
+    assert_eq!(png.status(), 200);
+    assert_eq!(whole.source.stats().rendered, rendered + 1);
+
+    let (status, problem) = whole.json("/api/v1/scenes/demo/sky?lat=80&lon=0").await;
+    assert_eq!((status, &problem["bounds"]), (404, &scene["bounds"]));
+    let (status, problem) = whole.json(&format!("/api/v1/scenes/demo/sky?{place}&turbidity=5")).await;
+    assert_eq!((status, &problem["errors"][0]["allowed"]), (422, &json!("1.5 to 4")));
+    let (status, _) = whole.json(&format!("/api/v1/scenes/demo/sky?{place}&height=99000")).await;
+    assert_eq!(status, 422);
+    let (status, _) = whole.json("/api/v1/scenes/none/sky?lat=0&lon=0").await;
+    assert_eq!(status, 404);
+
+    for layer in ["radiance", "elevation"] {
+        let (_, tilejson) = whole.json(&format!("/api/v1/scenes/demo/tiles/{layer}/tilejson.json")).await;
+        let (z, n) = (7.0f64, 128.0);
+        let x = ((lon + 180.0) / 360.0 * n).floor();
+        let y = ((1.0 - lat.to_radians().tan().asinh() / std::f64::consts::PI) / 2.0 * n).floor();
+        let url = tilejson["tiles"][0].as_str().unwrap();
+        let url =
+            url.replace("{z}", &z.to_string()).replace("{x}", &x.to_string()).replace("{y}", &y.to_string());
+        let answer = whole.client.get(url).send().await.unwrap();
+        assert_eq!(answer.status(), 200);
+        let tile = image::load_from_memory(&answer.bytes().await.unwrap()).unwrap().into_rgba8();
+        assert!(tile.pixels().any(|pixel| pixel.0[3] > 0), "{layer} shows something");
+    }
+}
