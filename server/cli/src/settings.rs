@@ -1,13 +1,17 @@
-//! What the server is told: a TOML file, over it the environment, over that flags.
+//! What the server is told: a TOML file, over it the environment, over that flags. All three use the names of
+//! [`Layer`].
 
 use crate::{failure::Failure, folders};
+use clap::{Args, builder::BoolishValueParser};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skyglow_engine::DeviceChoice;
+use skyglow_http::HttpConfig;
 use std::{
     net::{Ipv4Addr, SocketAddr},
     path::{Path, PathBuf},
 };
+use toml::Table;
 
 /// What renders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize, JsonSchema)]
@@ -35,26 +39,56 @@ impl From<Device> for DeviceChoice {
     }
 }
 
-/// One source of settings: the file, or the flags with their environment variables. None leaves a setting to
+/// One source of settings: the file, or the flags with their environment variables. What is not said is left to
 /// the source below.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 #[schemars(title = "Configuration of the Skyglow server")]
 pub(crate) struct Layer {
-    /// Address and port to listen on; default 127.0.0.1:8080. Port 0 takes a free one and logs it.
+    /// Address and port to listen on; port 0 takes a free one and logs it [default: 127.0.0.1:8080]
+    #[arg(long, env = "SKYGLOW_LISTEN", value_name = "ADDRESS:PORT")]
     pub(crate) listen: Option<SocketAddr>,
-    /// Folder of the scenes; default `$XDG_DATA_HOME/skyglow`, else `~/.local/share/skyglow`.
+    /// Folder of the scenes [default: $XDG_DATA_HOME/skyglow, else ~/.local/share/skyglow]
+    #[arg(long, env = "SKYGLOW_DATA", value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// Folder of the table packs; default those that come with the program.
+    /// Folder of the table packs [default: those that come with the program]
+    #[arg(long, env = "SKYGLOW_PACKS", value_name = "DIR")]
     pub(crate) packs: Option<PathBuf>,
-    /// What renders; default `auto`.
+    /// What renders: a GPU, Mesa's lavapipe, plain Rust, or the best there is [default: auto]
+    #[arg(long, env = "SKYGLOW_DEVICE", value_enum)]
     pub(crate) device: Option<Device>,
-    /// Whether to do without the demo scene; default false: it is made when it is not there.
+    /// Do not make the demo scene (`--no-demo=false` overrides a file)
+    #[arg(long, env = "SKYGLOW_NO_DEMO", value_parser = BoolishValueParser::new(), value_name = "BOOL",
+          num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub(crate) no_demo: Option<bool>,
+    /// Requests worked on at a time; more are answered 503 [default: 128]
+    #[arg(long, env = "SKYGLOW_CONCURRENT_REQUESTS", value_name = "N", help_heading = "Limits")]
+    pub(crate) concurrent_requests: Option<usize>,
+    /// Longest time for one answer, seconds; then 503 [default: 30]
+    #[arg(long, env = "SKYGLOW_REQUEST_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
+    pub(crate) request_timeout_s: Option<f64>,
+    /// Longest request body, bytes; then 413 [default: 65536]
+    #[arg(long, env = "SKYGLOW_BODY_LIMIT_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) body_limit_bytes: Option<usize>,
+    /// Requests a second from one client on average, 0 for no limit; more are answered 429 [default: 100]
+    #[arg(long, env = "SKYGLOW_REQUESTS_PER_SECOND", value_name = "N", help_heading = "Limits")]
+    pub(crate) requests_per_second: Option<f64>,
+    /// Requests that one client may send at once [default: 1000]
+    #[arg(long, env = "SKYGLOW_REQUEST_BURST", value_name = "N", help_heading = "Limits")]
+    pub(crate) request_burst: Option<u32>,
+    /// Longest time for the answers under way when the server is told to end, seconds [default: 10]
+    #[arg(long, env = "SKYGLOW_DRAIN_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
+    pub(crate) drain_timeout_s: Option<f64>,
+    /// Bytes of computed skies that are kept for the next request [default: 67108864]
+    #[arg(long, env = "SKYGLOW_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) cache_bytes: Option<u64>,
+    /// Where clients reach the server, for links in answers [default: as the request's Host header says]
+    #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
+    pub(crate) public_url: Option<String>,
 }
 
 /// What is in force.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Settings {
     /// Address and port to listen on.
     pub(crate) listen: SocketAddr,
@@ -66,6 +100,22 @@ pub(crate) struct Settings {
     pub(crate) device: Device,
     /// Whether to do without the demo scene.
     pub(crate) no_demo: bool,
+    /// Limits of the interface.
+    #[serde(flatten)]
+    pub(crate) http: HttpConfig,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8080)),
+            data: folders::default_data_folder(),
+            packs: folders::default_packs_folder(),
+            device: Device::default(),
+            no_demo: false,
+            http: HttpConfig::default(),
+        }
+    }
 }
 
 impl Layer {
@@ -82,26 +132,21 @@ impl Layer {
         })
     }
 
-    /// This layer where it says something, else the one `below`.
-    pub(crate) fn over(self, below: Self) -> Self {
-        Self {
-            listen: self.listen.or(below.listen),
-            data: self.data.or(below.data),
-            packs: self.packs.or(below.packs),
-            device: self.device.or(below.device),
-            no_demo: self.no_demo.or(below.no_demo),
-        }
+    /// This layer over that of a file, if any, over the defaults.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] naming the file and what is wrong with it.
+    pub(crate) fn over_file(&self, file: Option<&Path>) -> Result<Settings, Failure> {
+        let file = file.map(Self::from_file).transpose()?.unwrap_or_default();
+        self.over(&file)
     }
 
-    /// With defaults where nothing is said.
-    pub(crate) fn settings(self) -> Settings {
-        Settings {
-            listen: self.listen.unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 8080))),
-            data: self.data.unwrap_or_else(folders::default_data_folder),
-            packs: self.packs.unwrap_or_else(folders::default_packs_folder),
-            device: self.device.unwrap_or_default(),
-            no_demo: self.no_demo.unwrap_or(false),
+    fn over(&self, below: &Self) -> Result<Settings, Failure> {
+        let mut table = Table::try_from(Settings::default()).map_err(Failure::work)?;
+        for layer in [below, self] {
+            table.extend(Table::try_from(layer).map_err(Failure::work)?);
         }
+        table.try_into().map_err(Failure::work)
     }
 }
 
@@ -118,12 +163,21 @@ mod tests {
 
     #[test]
     fn a_flag_wins_over_the_file_and_the_file_over_the_default() {
-        let file = from_text("listen = \"0.0.0.0:80\"\ndevice = \"cpu\"\n").unwrap();
-        let flags = Layer { device: Some(Device::Lavapipe), ..Layer::default() };
-        let settings = flags.over(file).settings();
-        assert_eq!(settings.listen.to_string(), "0.0.0.0:80");
-        assert_eq!(settings.device, Device::Lavapipe);
-        assert!(!settings.no_demo);
+        let file = from_text("listen = \"0.0.0.0:80\"\ndevice = \"cpu\"\nrequest_timeout_s = 5\n").unwrap();
+        let flags = Layer { device: Some(Device::Lavapipe), cache_bytes: Some(7), ..Layer::default() };
+        let settings = flags.over(&file).unwrap();
+        let expected = Settings {
+            listen: "0.0.0.0:80".parse().unwrap(),
+            device: Device::Lavapipe,
+            http: HttpConfig { request_timeout_s: 5.0, cache_bytes: 7, ..HttpConfig::default() },
+            ..Settings::default()
+        };
+        assert_eq!(settings, expected);
+    }
+
+    #[test]
+    fn nothing_said_leaves_the_defaults() {
+        assert_eq!(Layer::default().over(&Layer::default()).unwrap(), Settings::default());
     }
 
     #[test]
@@ -133,23 +187,47 @@ mod tests {
         let device = from_text("device = \"tpu\"\n").unwrap_err();
         assert!(device.starts_with("FILE:1: unknown variant `tpu`"), "{device}");
         assert!(from_text("listen = \"port 80\"\n").is_err());
+        assert!(from_text("request_burst = -1\n").is_err());
         assert!(from_text("listen").is_err());
     }
 
     #[test]
     fn what_print_writes_can_be_read_back() {
-        let settings = Layer::default().settings();
+        let mut settings = Settings::default();
+        settings.http.public_url = Some("https://sky.example.org".to_owned());
         let layer = from_text(&toml::to_string(&settings).unwrap()).unwrap();
-        assert_eq!(layer.settings(), settings);
+        assert_eq!(layer.over(&Layer::default()).unwrap(), settings);
     }
 
     #[test]
-    fn the_schema_lists_every_setting() {
+    fn file_flags_and_schema_have_a_name_for_every_setting_and_no_other() {
         let schema = serde_json::to_value(schemars::schema_for!(Layer)).unwrap();
-        let settings = serde_json::to_value(Layer::default().settings()).unwrap();
-        for name in settings.as_object().unwrap().keys() {
-            assert!(schema["properties"][name]["description"].is_string(), "{name}");
-        }
         assert_eq!(schema["additionalProperties"], serde_json::json!(false));
+        let mut settings = Settings::default();
+        settings.http.public_url = Some(String::new());
+        let settings = serde_json::to_value(settings).unwrap();
+        let names = |value: &serde_json::Value| {
+            let mut names: Vec<String> = value.as_object().unwrap().keys().cloned().collect();
+            names.sort();
+            names
+        };
+        assert_eq!(names(&schema["properties"]), names(&settings));
+    }
+
+    #[test]
+    fn defaults_in_the_help_are_those_in_force() {
+        let settings = serde_json::to_value(Settings::default()).unwrap();
+        let command = Layer::augment_args(clap::Command::new("test"));
+        let mut compared = 0;
+        for flag in command.get_arguments() {
+            let help = flag.get_help().unwrap().to_string();
+            let Some((_, default)) = help.split_once("[default: ") else { continue };
+            let value = &settings[flag.get_id().as_str()];
+            if let Some(number) = value.as_f64() {
+                assert_eq!(default.trim_end_matches(']').parse(), Ok(number), "{}", flag.get_id());
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 7);
     }
 }

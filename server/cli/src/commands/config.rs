@@ -1,14 +1,10 @@
 //! `skyglow config`: the configuration file.
 
-use crate::{
-    failure::Failure,
-    flags::{JsonFlags, ServerFlags},
-    settings::Layer,
-};
+use crate::{failure::Failure, flags::JsonFlags, settings::Layer};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
-/// Check, print or describe the configuration
+/// Check, print or describe the configuration of the server
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  skyglow config print --config skyglow.toml")]
 pub(crate) struct Config {
@@ -29,7 +25,7 @@ enum Action {
     #[command(after_help = "Example:\n  SKYGLOW_DEVICE=cpu skyglow config print --config skyglow.toml")]
     Print {
         #[command(flatten)]
-        server: ServerFlags,
+        flags: Box<Layer>,
         /// TOML file to start from
         #[arg(long, env = "SKYGLOW_CONFIG", value_name = "FILE")]
         config: Option<PathBuf>,
@@ -46,20 +42,18 @@ impl Config {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self.action {
             Action::Check { config } => {
-                Layer::from_file(&config)?;
-                println!("{} is correct", config.display());
+                Layer::default().over_file(Some(&config))?;
+                super::print_line(&format!("{} is correct", config.display()))
             }
-            Action::Print { server, config, json } => {
-                let file = config.as_deref().map(Layer::from_file).transpose()?.unwrap_or_default();
-                let settings = server.layer().over(file).settings();
+            Action::Print { flags, config, json } => {
+                let settings = flags.over_file(config.as_deref())?;
                 if json.json {
-                    super::print_json(&settings)?;
+                    super::print_json(&settings)
                 } else {
-                    print!("{}", toml::to_string(&settings).map_err(Failure::work)?);
+                    super::print_line(toml::to_string(&settings).map_err(Failure::work)?.trim_end())
                 }
             }
-            Action::Schema => super::print_json(&schemars::schema_for!(Layer))?,
+            Action::Schema => super::print_json(&schemars::schema_for!(Layer)),
         }
-        Ok(())
     }
 }

@@ -3,22 +3,36 @@
 mod config;
 mod ingest;
 mod packs;
+mod panorama;
 mod precompute;
+mod reference;
 mod scenes;
+mod serve;
+mod sky;
 
-use crate::failure::Failure;
+use crate::{failure::Failure, query};
 use clap::Subcommand;
 use serde::Serialize;
+use skyglow_http::{
+    SkySource,
+    answers::Assumptions,
+    source::{RenderedSky, SkyQuery},
+};
 use skyglow_physics::{PhysicsError, Turbidity};
-use std::io::Write;
+use std::{io::Write, sync::Arc};
 
 /// A command of the command line.
 #[derive(Debug, Subcommand)]
+#[expect(clippy::large_enum_variant, reason = "there is one value in a run of the program")]
 pub(crate) enum Command {
+    Serve(serve::Serve),
     Ingest(ingest::Ingest),
     Scenes(scenes::Scenes),
     Precompute(precompute::Precompute),
     Packs(packs::Packs),
+    Panorama(panorama::Panorama),
+    Sky(sky::Sky),
+    Reference(reference::Reference),
     Config(config::Config),
 }
 
@@ -26,10 +40,14 @@ impl Command {
     /// Runs it.
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
+            Command::Serve(command) => command.run(),
             Command::Ingest(command) => command.run(),
             Command::Scenes(command) => command.run(),
             Command::Precompute(command) => command.run(),
             Command::Packs(command) => command.run(),
+            Command::Panorama(command) => command.run(),
+            Command::Sky(command) => command.run(),
+            Command::Reference(command) => command.run(),
             Command::Config(command) => command.run(),
         }
     }
@@ -37,10 +55,20 @@ impl Command {
     /// What is logged when nobody says: long work tells what it does, the rest only what is odd.
     pub(crate) fn default_log_level(&self) -> &'static str {
         match self {
-            Command::Precompute(_) => "info",
+            Command::Serve(_) | Command::Precompute(_) | Command::Reference(_) => "info",
             _ => "warn",
         }
     }
+}
+
+/// Renders a sky, as the API does.
+fn rendered(source: &dyn SkySource, sky: SkyQuery) -> Result<(Assumptions, RenderedSky), Failure> {
+    let site = source.site(&sky.scene, sky.place).map_err(|error| query::failure(&error.at(sky.place)))?;
+    let sky = Arc::new(sky);
+    let runtime = tokio::runtime::Builder::new_current_thread().build().map_err(Failure::work)?;
+    let rendered =
+        runtime.block_on(source.sky(sky.clone())).map_err(|error| query::failure(&error.at(sky.place)))?;
+    Ok((Assumptions::new(&sky, &site.scene, &rendered, source.facts()), rendered))
 }
 
 /// A turbidity of the model, from text.

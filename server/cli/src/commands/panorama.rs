@@ -1,0 +1,78 @@
+//! `skyglow panorama`: the sky of a place, to a file.
+
+use crate::{
+    failure::Failure,
+    flags::ProgramFlags,
+    query::{self, QueryFlags},
+};
+use clap::Args;
+use skyglow_display::{encode_exr, encode_png, encode_tiff, encode_webp, picture, raster};
+use skyglow_http::{accept::Format, answers::PanoramaAnswer, parameters::PanoramaParameters, request};
+use skyglow_scene::SceneId;
+use std::path::PathBuf;
+
+/// Compute the sky of a place and write it as picture, raster or JSON
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  skyglow panorama --scene demo --lat 46.17 --lon 8.79 --projection fisheye -o sky.png"
+)]
+pub(crate) struct Panorama {
+    /// The scene's id
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
+    scene: SceneId,
+    /// File to write; its ending says the format: .png, .webp, .exr, .tif or .json
+    #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
+    output: Output,
+    #[command(flatten)]
+    query: QueryFlags<PanoramaParameters>,
+    #[command(flatten)]
+    program: ProgramFlags,
+}
+
+#[derive(Clone, Debug)]
+struct Output {
+    path: PathBuf,
+    format: Format,
+}
+
+fn output(text: &str) -> Result<Output, String> {
+    let path = PathBuf::from(text);
+    let format = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("png") => Format::Png,
+        Some("webp") => Format::WebP,
+        Some("exr") => Format::Exr,
+        Some("tif" | "tiff") => Format::Tiff,
+        Some("json") => Format::Json,
+        _ => return Err("the ending must be .png, .webp, .exr, .tif or .json".to_owned()),
+    };
+    Ok(Output { path, format })
+}
+
+impl Panorama {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let read = |facts: &_| {
+            request::panorama(Some(self.query.query()), self.scene.clone(), facts)
+                .map_err(|e| query::failure(&e))
+        };
+        read(&query::widest_facts())?;
+        let source = self.program.source()?;
+        let (query, view) = read(source.facts())?;
+        let options = &view.options;
+        let (assumptions, sky) = super::rendered(source.as_ref(), query)?;
+        let image = || picture(&sky.panorama, options);
+        let floats = || raster(&sky.panorama, options.projection, view.raster_size_px, options.sky);
+        let bytes = match self.output.format {
+            Format::Png => image().and_then(|image| encode_png(&image)),
+            Format::WebP => image().and_then(|image| encode_webp(&image)),
+            Format::Exr => floats().and_then(|raster| encode_exr(&raster)),
+            Format::Tiff => floats().and_then(|raster| encode_tiff(&raster)),
+            Format::Json => {
+                let answer = PanoramaAnswer::new(assumptions, &sky, options.sky);
+                Ok(serde_json::to_vec(&answer).map_err(Failure::work)?)
+            }
+        };
+        let path = &self.output.path;
+        std::fs::write(path, bytes.map_err(Failure::work)?).map_err(|error| Failure::file(path, error))
+    }
+}

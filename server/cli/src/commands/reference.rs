@@ -1,0 +1,163 @@
+//! `skyglow reference`: the truth, by the direct sum.
+
+use crate::{
+    failure::Failure,
+    flags::DataFlags,
+    progress::Stages,
+    query::{self, QueryFlags},
+};
+use clap::Args;
+use serde::Serialize;
+use skyglow_http::{
+    answers::{Assumptions, PanoramaAnswer},
+    parameters::SkyParameters,
+    request,
+    source::{EyeHeight, RenderedSky, SkyQuery},
+};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, Panorama, PointSource, SkyQuantities,
+    direct_sum::{GridSample, direct_sum, grid_direction, stratified_samples},
+    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+};
+use skyglow_scene::{Scene, SceneId, SceneStore};
+
+/// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > truth.json"
+)]
+pub(crate) struct Reference {
+    /// The scene's id
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
+    scene: SceneId,
+    /// Number of directions, stratified over the sky with horizon and zenith always in; or all
+    #[arg(long, env = "SKYGLOW_DIRECTIONS", value_name = "N|all", default_value = "500", value_parser = samples)]
+    directions: Samples,
+    #[command(flatten)]
+    query: QueryFlags<SkyParameters>,
+    #[command(flatten)]
+    data: DataFlags,
+}
+
+/// Grid samples in order.
+#[derive(Clone, Debug)]
+struct Samples(Vec<GridSample>);
+
+const ALL: usize = AZIMUTH_COUNT * ELEVATION_COUNT;
+
+fn samples(text: &str) -> Result<Samples, String> {
+    let count = match text {
+        "all" => Ok(ALL),
+        number => number.parse().ok().filter(|count| (1..=ALL).contains(count)).ok_or(()),
+    };
+    let count = count.map_err(|()| format!("allowed are 1 to {ALL}, or all"))?;
+    Ok(Samples(stratified_samples(count)))
+}
+
+/// One direction of the answer.
+#[derive(Debug, Serialize)]
+struct DirectionAnswer {
+    row: usize,
+    column: usize,
+    azimuth_deg: f64,
+    elevation_deg: f64,
+    /// In R, G, B, W m⁻² sr⁻¹.
+    radiance: [f64; BAND_COUNT],
+}
+
+impl Reference {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let facts = query::widest_facts();
+        let (query, light) = request::sky(Some(self.query.query()), self.scene.clone(), &facts)
+            .map_err(|error| query::failure(&error))?;
+        let scene = SceneStore::new(self.data.folder()).open(&self.scene).map_err(Failure::work)?;
+        if !scene.contains(query.place) {
+            let [west, south, east, north] = scene.metadata().bounds;
+            return Err(Failure::Work(format!(
+                "the place lies outside the scene, which reaches from west {west} south {south} to east {east} \
+                 north {north}"
+            )));
+        }
+        let altitude_m = observer_altitude_m(&scene, &query);
+        let sources = point_sources(query.place, &scene.source_pixels_within(query.place, FARTHEST_SOURCE_M));
+        let radiance = sum(&query, altitude_m, &sources, &self.directions.0);
+        let mut panorama = Panorama::dark();
+        for (&(row, column), bands) in self.directions.0.iter().zip(&radiance) {
+            for (band, value) in bands.iter().enumerate() {
+                panorama.samples_mut()[Panorama::index(band, row, column)] = *value as f32;
+            }
+        }
+        let sky = RenderedSky {
+            quantities: SkyQuantities::of(&panorama),
+            panorama,
+            altitude_m,
+            terrain_altitude_m: scene.terrain_altitude_m(query.place),
+            coverage: scene.coverage(query.place),
+            calibration: scene.metadata().calibration,
+            local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
+            flux_dnb_w: sources.iter().map(|source| source.flux_dnb_w).sum(),
+            basis_count: 0,
+            passes: Vec::new(),
+        };
+        let assumptions = Assumptions::new(&query, scene.metadata(), &sky, &facts);
+        let mut answer =
+            serde_json::to_value(PanoramaAnswer::new(assumptions, &sky, light)).map_err(Failure::work)?;
+        if let Some(fields) = answer.as_object_mut() {
+            if self.directions.0.len() < ALL {
+                // Without the whole sky there is no picture of it, and its means are unknown.
+                for name in ["radiance", "horizon_deg", "sky"] {
+                    fields.remove(name);
+                }
+            }
+            let natural_w_m2_sr = light.added_radiance_w_m2_sr();
+            let directions: Vec<DirectionAnswer> = self
+                .directions
+                .0
+                .iter()
+                .zip(&radiance)
+                .map(|(&sample, bands)| direction_answer(sample, bands.map(|value| value + natural_w_m2_sr)))
+                .collect();
+            fields.insert("directions".to_owned(), serde_json::to_value(directions).map_err(Failure::work)?);
+        }
+        super::print_json(&answer)
+    }
+}
+
+fn observer_altitude_m(scene: &Scene, query: &SkyQuery) -> f64 {
+    match query.eye_height {
+        EyeHeight::AboveSea(altitude_m) => altitude_m,
+        EyeHeight::AboveGround(height_m) => scene.terrain_altitude_m(query.place).unwrap_or(0.0) + height_m,
+    }
+}
+
+fn sum(
+    query: &SkyQuery,
+    altitude_m: f64,
+    sources: &[PointSource],
+    samples: &[GridSample],
+) -> Vec<[f64; BAND_COUNT]> {
+    let stages = Stages::new();
+    stages.begin("directions", samples.len() as u64);
+    let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
+    direct_sum(
+        &[Atmosphere::new(query.turbidity)],
+        sources,
+        altitude_m,
+        query.emission,
+        query.lamp.flux_per_dnb_flux,
+        &directions,
+        &|| stages.advance(1),
+    )
+}
+
+fn direction_answer((row, column): GridSample, radiance: [f64; BAND_COUNT]) -> DirectionAnswer {
+    let direction = grid_direction((row, column));
+    DirectionAnswer {
+        row,
+        column,
+        azimuth_deg: direction.azimuth_rad.to_degrees(),
+        elevation_deg: direction.elevation_rad.to_degrees(),
+        radiance,
+    }
+}

@@ -1,0 +1,89 @@
+//! `skyglow serve`: the server.
+
+use crate::{
+    failure::Failure,
+    program,
+    settings::{Layer, Settings},
+};
+use clap::Args;
+use skyglow_http::{SkySource, router, serve};
+use std::{future::Future, path::PathBuf, sync::Arc};
+use tokio::{
+    net::TcpListener,
+    signal::unix::{SignalKind, signal},
+};
+
+/// Serve the API and the viewer
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  skyglow serve --listen 0.0.0.0:8080 --data /var/lib/skyglow")]
+pub(crate) struct Serve {
+    #[command(flatten)]
+    flags: Layer,
+    /// TOML file of the same names
+    #[arg(long, env = "SKYGLOW_CONFIG", value_name = "FILE")]
+    config: Option<PathBuf>,
+}
+
+impl Serve {
+    /// Runs until SIGTERM or SIGINT.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let settings = self.flags.over_file(self.config.as_deref())?;
+        let runtime =
+            tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(Failure::work)?;
+        let result = runtime.block_on(run(settings));
+        // A start that was interrupted may still be at work on a thread: it is not waited for.
+        runtime.shutdown_background();
+        result
+    }
+}
+
+async fn run(settings: Settings) -> Result<(), Failure> {
+    let mut ending = std::pin::pin!(told_to_end()?);
+    // The port comes first: a taken one shows at once.
+    let address = settings.listen;
+    let listener =
+        TcpListener::bind(address).await.map_err(|error| Failure::Work(format!("{address}: {error}")))?;
+    let http = settings.http.clone();
+    let started = tokio::task::spawn_blocking(move || start(&settings));
+    let source = tokio::select! {
+        source = started => source.map_err(Failure::work)??,
+        () = &mut ending => return Ok(()),
+    };
+    let address = listener.local_addr().map_err(Failure::work)?;
+    let facts = source.facts();
+    tracing::info!(executor = facts.executor, adapter = facts.adapter, "serving http://{address}");
+    let (end, ended) = tokio::sync::oneshot::channel::<()>();
+    let serving = serve(listener, router(source, http.clone()), &http, async {
+        // An error says that the sender is gone, which is an end as well.
+        let _ = ended.await;
+    });
+    let mut serving = std::pin::pin!(serving);
+    let result = tokio::select! {
+        result = &mut serving => result,
+        () = ending => {
+            tracing::info!("ending: no more connections, answers under way finish");
+            let _ = end.send(());
+            serving.await
+        }
+    };
+    result.map_err(Failure::work)
+}
+
+fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
+    if !settings.no_demo {
+        program::make_demo_if_missing(&settings.data)?;
+    }
+    program::open(&settings.data, &settings.packs, settings.device)
+}
+
+/// Ready at the first SIGTERM or SIGINT.
+fn told_to_end() -> Result<impl Future<Output = ()>, Failure> {
+    let mut terminate = signal(SignalKind::terminate()).map_err(Failure::work)?;
+    let mut interrupt = signal(SignalKind::interrupt()).map_err(Failure::work)?;
+    Ok(async move {
+        tokio::select! {
+            _ = terminate.recv() => (),
+            _ = interrupt.recv() => (),
+        }
+    })
+}

@@ -1,0 +1,94 @@
+//! `skyglow sky`: the numbers of a sky.
+
+use crate::{
+    failure::Failure,
+    flags::{JsonFlags, ProgramFlags},
+    query::{self, QueryFlags},
+    table::aligned,
+};
+use clap::Args;
+use skyglow_http::{
+    answers::{Assumptions, SkyAnswer},
+    parameters::SkyParameters,
+    request,
+};
+use skyglow_physics::SkyQuantities;
+use skyglow_scene::SceneId;
+
+/// Compute the numbers of the sky at a place
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  skyglow sky --scene demo --lat 46.17 --lon 8.79 --turbidity 3 --json")]
+pub(crate) struct Sky {
+    /// The scene's id
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
+    scene: SceneId,
+    #[command(flatten)]
+    query: QueryFlags<SkyParameters>,
+    #[command(flatten)]
+    program: ProgramFlags,
+    #[command(flatten)]
+    json: JsonFlags,
+}
+
+impl Sky {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let read = |facts: &_| {
+            request::sky(Some(self.query.query()), self.scene.clone(), facts).map_err(|e| query::failure(&e))
+        };
+        read(&query::widest_facts())?;
+        let source = self.program.source()?;
+        let (query, _) = read(source.facts())?;
+        let (assumptions, sky) = super::rendered(source.as_ref(), query)?;
+        if self.json.json {
+            return super::print_json(&SkyAnswer { assumptions, sky: (&sky.quantities).into() });
+        }
+        super::print_line(aligned(&rows(&assumptions, &sky.quantities)).trim_end())
+    }
+}
+
+fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
+    let or_dark = |magnitude: Option<f64>| {
+        magnitude.map_or_else(|| "no light".to_owned(), |m| format!("{m:.2} mag arcsec-2"))
+    };
+    let observer = &assumptions.observer;
+    let depth = assumptions.local_optical_depth;
+    let emission = &assumptions.emission;
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let mut rows = vec![
+        row("zenith, artificial", or_dark(sky.zenith_brightness_mag_arcsec2)),
+        row("", format!("{:.4e} cd m-2", sky.zenith_luminance_cd_m2)),
+        row("zenith, total", format!("{:.2} mag arcsec-2", sky.zenith_total_brightness_mag_arcsec2)),
+        row("Sky Quality Meter", format!("{:.2} mag arcsec-2", sky.sqm_total_brightness_mag_arcsec2)),
+        row("artificial / natural", format!("{:.4}", sky.ratio_to_natural)),
+        row("Bortle class", sky.bortle_class.to_string()),
+        row("faintest star", format!("{:.2} mag", sky.naked_eye_limit_mag)),
+        row("horizontal", format!("{:.4e} lx", sky.horizontal_illuminance_lx)),
+        row("all-sky mean", format!("{:.4e} cd m-2", sky.mean_luminance_cd_m2)),
+        row(
+            "brightest",
+            format!(
+                "{:.4e} cd m-2 at azimuth {:.1}, elevation {:.1} degrees",
+                sky.brightest_luminance_cd_m2, sky.brightest_azimuth_deg, sky.brightest_elevation_deg
+            ),
+        ),
+        row("observer", format!("{:.0} m above sea level", observer.altitude_m)),
+        row("turbidity", format!("{} at sea level", assumptions.turbidity)),
+        row("optical depth there", format!("{:.3} {:.3} {:.3} (R, G, B)", depth[0], depth[1], depth[2])),
+        row("lamp", assumptions.lamp.preset.clone().unwrap_or_else(|| "custom".to_owned())),
+        row(
+            "emission",
+            format!(
+                "lambert {:.3}, horizon {:.3}, oblique {:.3}",
+                emission.lambert, emission.horizon, emission.oblique
+            ),
+        ),
+        row("calibration", assumptions.calibration.to_string()),
+        row("coverage", format!("{:.1} % of the 300 km around", 100.0 * assumptions.coverage)),
+        row("computed by", format!("{}, {} basis functions", assumptions.executor, assumptions.basis_count)),
+    ];
+    if assumptions.scene.illustrative {
+        rows.push(row("note", "an illustrative scene: made-up light, not a measurement".to_owned()));
+    }
+    rows
+}

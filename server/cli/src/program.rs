@@ -1,0 +1,47 @@
+//! Scenes, packs and engine put together.
+
+use crate::{
+    failure::Failure,
+    progress::{self, Stages},
+    settings::Device,
+};
+use skyglow_engine::{Engine, EngineConfig, Observatory, observatory};
+use skyglow_http::SkySource;
+use skyglow_scene::{DEMO_ID, SceneId, SceneStore, create_demo};
+use skyglow_tables::packs_in;
+use std::{path::Path, sync::Arc};
+
+/// An engine over the packs of a folder, before the scenes of another.
+///
+/// # Errors
+/// [`Failure::Work`] where there are no packs, one is refused, or there is no such device.
+pub(crate) fn open(data: &Path, packs: &Path, device: Device) -> Result<Arc<dyn SkySource>, Failure> {
+    let paths = packs_in(packs).map_err(Failure::work)?;
+    if paths.is_empty() {
+        return Err(Failure::Work(format!(
+            "no table packs in {}: `skyglow precompute` makes them",
+            packs.display()
+        )));
+    }
+    let (tables, manifests) = observatory::resident_tables(&paths).map_err(Failure::work)?;
+    let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
+    let engine = Engine::start(config).map_err(Failure::work)?;
+    let observatory = Observatory::new(engine, manifests, data, observatory::OPEN_SCENE_COUNT);
+    Ok(Arc::new(skyglow_http::ObservatorySource::new(Arc::new(observatory))))
+}
+
+/// Makes the demo scene where there is none.
+///
+/// # Errors
+/// [`Failure::Work`] where the data folder cannot be written.
+pub(crate) fn make_demo_if_missing(data: &Path) -> Result<(), Failure> {
+    let store = SceneStore::new(data);
+    let id = SceneId::parse(DEMO_ID).map_err(Failure::work)?;
+    if store.exists(&id) {
+        return Ok(());
+    }
+    tracing::info!("making the demo scene in {}", store.scenes_dir().display());
+    let stages = Stages::new();
+    create_demo(&store, &mut progress::of_ingest(&stages)).map_err(Failure::work)?;
+    Ok(())
+}

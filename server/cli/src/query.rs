@@ -1,0 +1,133 @@
+//! The API's query parameters as flags, made from the API's own table: the two cannot differ.
+
+use crate::failure::Failure;
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
+use skyglow_http::{
+    error::ApiError,
+    parameters::{Parameter, ParameterSet},
+    source::SourceFacts,
+};
+use skyglow_physics::Turbidity;
+use std::marker::PhantomData;
+
+/// The flags of a set of parameters, as a query string.
+#[derive(Clone, Debug)]
+pub(crate) struct QueryFlags<Set> {
+    query: String,
+    set: PhantomData<Set>,
+}
+
+impl<Set> QueryFlags<Set> {
+    /// `name=value&…`, percent-encoded.
+    pub(crate) fn query(&self) -> &str {
+        &self.query
+    }
+}
+
+fn flag(parameter: &Parameter) -> Arg {
+    let long = parameter.name.replace('_', "-");
+    let env = format!("SKYGLOW_{}", parameter.name.to_uppercase());
+    let default = match parameter.default {
+        "" => String::new(),
+        default => format!(" [default: {default}]"),
+    };
+    Arg::new(parameter.name)
+        .long(long)
+        .env(env)
+        .value_name("VALUE")
+        .help(format!("{} Allowed: {}.{default}", parameter.description, parameter.allowed()))
+        .required(parameter.required)
+        .allow_negative_numbers(true)
+        .help_heading("The sky asked for (as the API's query parameters)")
+}
+
+impl<Set: ParameterSet> Args for QueryFlags<Set> {
+    fn augment_args(command: Command) -> Command {
+        command.args(Set::ALL.iter().map(flag))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<Set: ParameterSet> FromArgMatches for QueryFlags<Set> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut pairs = Vec::new();
+        for parameter in Set::ALL {
+            let value = matches
+                .try_get_one::<String>(parameter.name)
+                .map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
+            pairs.extend(value.map(|value| format!("{}={}", parameter.name, percent_encoded(value))));
+        }
+        Ok(Self { query: pairs.join("&"), set: PhantomData })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Everything but letters and digits as `%XX`.
+fn percent_encoded(text: &str) -> String {
+    text.bytes()
+        .map(|byte| match byte {
+            b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' => char::from(byte).to_string(),
+            other => format!("%{other:02X}"),
+        })
+        .collect()
+}
+
+/// What is allowed at all, whatever packs are resident: to find slips before anything is loaded, and for the
+/// reference, which needs no packs.
+pub(crate) fn widest_facts() -> SourceFacts {
+    SourceFacts {
+        executor: "reference".to_owned(),
+        adapter: String::new(),
+        turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
+        altitude_range_m: (0.0, 100_000.0),
+        basis_count: usize::MAX,
+        pack_checksums: String::new(),
+    }
+}
+
+/// A refused parameter is wrong usage; anything else is work that failed.
+pub(crate) fn failure(error: &ApiError) -> Failure {
+    let detail = error.problem().detail;
+    match error {
+        ApiError::Parameters(_) => Failure::Usage(detail),
+        ApiError::Internal { reason } => Failure::Work(reason.clone()),
+        _ => Failure::Work(detail),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_http::parameters::PanoramaParameters;
+
+    fn query(arguments: &[&str]) -> String {
+        let command = QueryFlags::<PanoramaParameters>::augment_args(Command::new("test"));
+        let matches = command.try_get_matches_from([&["test"], arguments].concat()).unwrap();
+        QueryFlags::<PanoramaParameters>::from_arg_matches(&matches).unwrap().query
+    }
+
+    #[test]
+    fn flags_become_the_query_that_the_api_would_get() {
+        assert_eq!(
+            query(&["--lat", "-1.3", "--lon=36.8", "--height-px", "64", "--lamp", "1,2,3"]),
+            "lat=%2D1%2E3&lon=36%2E8&lamp=1%2C2%2C3&height_px=64"
+        );
+    }
+
+    #[test]
+    fn the_api_reads_what_the_flags_wrote() {
+        let scene = skyglow_scene::SceneId::parse("demo").unwrap();
+        let text = query(&["--lat", "-1.3", "--lon", "36.8", "--emission", "1,1,2", "--sky", "total"]);
+        let (sky, view) = skyglow_http::request::panorama(Some(&text), scene, &widest_facts()).unwrap();
+        assert!((sky.place.latitude_deg() + 1.3).abs() < 1e-12);
+        assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
+        assert_eq!(view.options.sky, skyglow_display::Sky::Total);
+    }
+}
