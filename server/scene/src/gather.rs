@@ -7,7 +7,7 @@
 //! * so a pixel counts exactly when its own centre is within 300 km, as in the reference.
 //!
 //! Taking a block moves no light by more than that ratio (in radians of azimuth, and relatively in
-//! distance), half the width of an azimuth column, and leaves the mean position of the block's light where it was:
+//! distance), the width of an azimuth column, and leaves the mean position of the block's light where it was:
 //! the error is of second order and below that of the splat itself.
 
 use crate::grid::Grid;
@@ -21,8 +21,8 @@ use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
 use skyglow_physics::{EARTH_RADIUS_M, SourcePixel};
 
 /// Largest distance of a pixel from its block's centre, relative to the block's distance from the observer:
-/// half an azimuth column, π/256.
-pub const FAR_BLOCK_RATIO: f64 = std::f64::consts::PI / 256.0;
+/// an azimuth column, π/128.
+pub const FAR_BLOCK_RATIO: f64 = std::f64::consts::PI / 128.0;
 
 /// The light that a scene holds, as the functions of this module need it.
 #[derive(Clone, Copy)]

@@ -4,6 +4,7 @@ mod common;
 
 use common::{Bench, TestRaster, place};
 use gdal::raster::{Buffer, RasterCreationOptions};
+use gdal::spatial_ref::SpatialRef;
 use gdal::{DriverManager, Metadata};
 use skyglow_scene::{IngestOptions, SceneMetadata};
 use std::path::Path;
@@ -13,29 +14,37 @@ const COMPOSITE: &str = "NearNadir_Composite_Snow_Free";
 /// Pixels a side, instead of 2400.
 const SIDE: usize = 240;
 
-/// Writes a granule with the given datasets of 16-bit numbers; `scale` adds the attribute.
-fn write_granule(path: &Path, names: &[&str], scale: Option<f64>, values: impl Fn(usize, usize) -> u16) {
+/// Writes a granule with a dataset of 16-bit numbers, and two more (`lat` and `lon`, which that driver makes
+/// of any projection) unless `alone`; `scale` adds the attributes.
+fn write_granule(
+    path: &Path,
+    name: &str,
+    alone: bool,
+    scale: Option<f64>,
+    values: impl Fn(usize, usize) -> u16,
+) {
     let memory = DriverManager::get_driver_by_name("MEM").unwrap();
-    let mut dataset = memory.create_with_band_type::<u16, _>("", SIDE, SIDE, names.len()).unwrap();
-    for (index, name) in names.iter().enumerate() {
-        let mut band = dataset.rasterband(index + 1).unwrap();
-        band.set_metadata_item("NETCDF_VARNAME", name, "").unwrap();
-        // Other datasets hold something that would be noticed.
-        let data =
-            (0..SIDE * SIDE).map(|i| if index + 1 == names.len() { values(i % SIDE, i / SIDE) } else { 77 });
-        band.write((0, 0), (SIDE, SIDE), &mut Buffer::new((SIDE, SIDE), data.collect())).unwrap();
-        if scale.is_some() {
-            band.set_no_data_value(Some(65_535.0)).unwrap();
-        }
-        if let Some(scale) = scale {
-            band.set_scale(scale).unwrap();
-            band.set_offset(0.0).unwrap();
-        }
+    let mut dataset = memory.create_with_band_type::<u16, _>("", SIDE, SIDE, 1).unwrap();
+    let mut band = dataset.rasterband(1).unwrap();
+    band.set_metadata_item("NETCDF_VARNAME", name, "").unwrap();
+    let data = (0..SIDE * SIDE).map(|i| values(i % SIDE, i / SIDE)).collect();
+    band.write((0, 0), (SIDE, SIDE), &mut Buffer::new((SIDE, SIDE), data)).unwrap();
+    if let Some(scale) = scale {
+        band.set_no_data_value(Some(65_535.0)).unwrap();
+        band.set_scale(scale).unwrap();
+        band.set_offset(0.0).unwrap();
+    }
+    drop(band);
+    let mut options = RasterCreationOptions::from_iter(["FORMAT=NC4", "WRITE_BOTTOMUP=NO"]);
+    if !alone {
+        // Not the tile's place: that must come from its name.
+        dataset.set_spatial_ref(&SpatialRef::from_epsg(32637).unwrap()).unwrap();
+        dataset.set_geo_transform(&[400_000.0, 100.0, 0.0, 100_000.0, 0.0, -100.0]).unwrap();
+        options.add_string("WRITE_LONLAT=YES").unwrap();
     }
     dataset.set_metadata_item("NC_GLOBAL#HorizontalTileNumber", "21", "").unwrap();
     dataset.set_metadata_item("NC_GLOBAL#VerticalTileNumber", "09", "").unwrap();
     let driver = DriverManager::get_driver_by_name("netCDF").unwrap();
-    let options = RasterCreationOptions::from_iter(["FORMAT=NC4"]);
     let written = path.with_extension("nc");
     dataset.create_copy(&driver, &written, &options).unwrap().close().unwrap();
     std::fs::rename(written, path).unwrap();
@@ -75,7 +84,7 @@ fn check(bench: &Bench, metadata: &SceneMetadata, name: &str) {
 fn a_daily_granule_is_read_with_its_scale_fill_value_and_tile() {
     let bench = Bench::new();
     let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
-    write_granule(&bench.path(file), &["Mandatory_Quality_Flag", DAILY], Some(0.1), values);
+    write_granule(&bench.path(file), DAILY, false, Some(0.1), values);
     check(&bench, &ingest(&bench, file, |_| {}), DAILY);
 }
 
@@ -83,16 +92,17 @@ fn a_daily_granule_is_read_with_its_scale_fill_value_and_tile() {
 fn a_yearly_composite_takes_its_near_nadir_dataset() {
     let bench = Bench::new();
     let file = "VNP46A4.A2023001.h21v09.001.2023010.h5";
-    write_granule(&bench.path(file), &["OffNadir_Composite_Snow_Free", COMPOSITE], Some(0.1), values);
+    write_granule(&bench.path(file), COMPOSITE, false, Some(0.1), values);
     check(&bench, &ingest(&bench, file, |_| {}), COMPOSITE);
-    let other = ingest(&bench, file, |options| options.band = Some("OffNadir_Composite_Snow_Free".into()));
-    assert!((other.report.maximum_nw_cm2_sr - 7.7).abs() < 1e-5);
+    let other = ingest(&bench, file, |options| options.band = Some("lon".into()));
+    assert_eq!(other.report.band, "lon");
+    assert!(other.report.minimum_nw_cm2_sr > 38.0, "{}", other.report.minimum_nw_cm2_sr);
 }
 
 #[test]
 fn the_tile_comes_from_the_attributes_when_the_name_has_none() {
     let bench = Bench::new();
-    write_granule(&bench.path("renamed.h5"), &["Mandatory_Quality_Flag", DAILY], Some(0.1), values);
+    write_granule(&bench.path("renamed.h5"), DAILY, false, Some(0.1), values);
     check(&bench, &ingest(&bench, "renamed.h5", |_| {}), DAILY);
 }
 
@@ -100,7 +110,15 @@ fn the_tile_comes_from_the_attributes_when_the_name_has_none() {
 fn a_granule_without_attributes_takes_the_product_s_scale_and_fill_value() {
     let bench = Bench::new();
     let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
-    write_granule(&bench.path(file), &["Mandatory_Quality_Flag", DAILY], None, values);
+    write_granule(&bench.path(file), DAILY, false, None, values);
+    check(&bench, &ingest(&bench, file, |_| {}), DAILY);
+}
+
+#[test]
+fn a_file_with_the_radiance_alone_is_read_too() {
+    let bench = Bench::new();
+    let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
+    write_granule(&bench.path(file), DAILY, true, Some(0.1), values);
     check(&bench, &ingest(&bench, file, |_| {}), DAILY);
 }
 
@@ -108,15 +126,18 @@ fn a_granule_without_attributes_takes_the_product_s_scale_and_fill_value() {
 fn an_unknown_granule_names_what_it_holds() {
     let bench = Bench::new();
     let file = bench.path("X.h21v09.h5");
-    write_granule(&file, &["Sensor_Zenith", "Moon_Phase"], Some(0.1), values);
+    write_granule(&file, "Moon_Phase", false, Some(0.1), values);
     let told = bench.refusal(&IngestOptions::new(&file));
     assert!(told.contains("--band") && told.contains("Moon_Phase"), "{told}");
     let mut options = IngestOptions::new(&file);
     options.band = Some("Nothing".into());
     assert!(bench.refusal(&options).contains("no dataset \"Nothing\""));
+    // Alone in its file it could pass for anything.
+    write_granule(&file, "Moon_Phase", true, Some(0.1), values);
+    assert!(bench.refusal(&IngestOptions::new(&file)).contains("--band 1"));
     let whole = std::fs::read(&file).unwrap();
     std::fs::write(&file, &whole[..whole.len() / 2]).unwrap();
-    assert!(bench.refusal(&IngestOptions::new(&file)).contains("h21v09.h5"));
+    assert!(bench.refusal(&IngestOptions::new(&file)).contains("truncated"));
 }
 
 #[test]

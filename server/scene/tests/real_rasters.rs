@@ -64,7 +64,7 @@ fn nigeria_is_reported_capped() {
     let Some(scene) = ingest("VNP46A4_nigeria_2023.tif", &[]) else { return };
     let report = &scene.metadata().report;
     assert_eq!(report.maximum_nw_cm2_sr, 3000.0);
-    assert!(report.capped.count >= 10 && report.warnings.iter().any(|w| w.contains("capped")), "{report:?}");
+    assert!(report.capped.count >= 1 && report.warnings.iter().any(|w| w.contains("capped")), "{report:?}");
 }
 
 #[test]

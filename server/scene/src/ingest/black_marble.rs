@@ -5,6 +5,7 @@ use super::options::IngestOptions;
 use crate::error::SceneError;
 use gdal::spatial_ref::SpatialRef;
 use gdal::{Dataset, Metadata};
+use std::path::Path;
 
 /// Subdatasets taken when none is named, in this order: daily gap-filled, monthly and yearly composites.
 const RADIANCE_NAMES: [&str; 2] = ["Gap_Filled_DNB_BRDF-Corrected_NTL", "NearNadir_Composite_Snow_Free"];
@@ -29,13 +30,17 @@ pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<Radian
             })?;
             (opened, short)
         }
-        // A file with one raster opens as that raster.
+        // A file with one raster opens as that raster; its attributes tell its name.
         None => {
-            let band_name = container
-                .rasterband(1)
-                .ok()
-                .and_then(|band| attribute_owner(&band.metadata_domain("").unwrap_or_default()))
-                .unwrap_or_else(|| "band 1".to_owned());
+            let band = container.rasterband(1).map_err(|e| refuse(gdal_reason(e)))?;
+            let owner = attribute_owner(&band.metadata_domain("").unwrap_or_default());
+            let Some(band_name) = owner.or_else(|| options.band.clone()) else {
+                return Err(refuse(format!(
+                    "its only dataset is neither {} nor {}; if it is radiance, give --band 1",
+                    RADIANCE_NAMES[0], RADIANCE_NAMES[1]
+                )));
+            };
+            drop(band);
             (container, band_name)
         }
     };
@@ -70,6 +75,35 @@ pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<Radian
     let (geotransform, crs) = place.map_err(|e| refuse(gdal_reason(e)))?;
     drop(band);
     finish(dataset, options, 1, short_name, (scale, offset, no_data), geotransform, crs)
+}
+
+/// Bytes that are missing from the end of an HDF5 file, by its superblock. The library itself prints pages
+/// when it meets such a file, and GDAL says only that it did not open.
+///
+/// # Errors
+/// [`SceneError::Unreadable`] when there are any.
+pub(super) fn check_is_whole(path: &Path) -> Result<(), SceneError> {
+    let mut head = [0u8; 48];
+    let mut file = std::fs::File::open(path).map_err(SceneError::io(path))?;
+    if std::io::Read::read_exact(&mut file, &mut head).is_err() || head[..8] != *b"\x89HDF\r\n\x1a\n" {
+        return Ok(());
+    }
+    // The address after the last byte, for 8-byte addresses: versions 0 and 1 keep it behind the group
+    // parameters (4 bytes more in 1), 2 and 3 behind two addresses.
+    let (address_size, at) = match head[8] {
+        0 => (head[13], 40),
+        2 | 3 => (head[9], 28),
+        _ => return Ok(()),
+    };
+    let mut address = [0u8; 8];
+    address.copy_from_slice(&head[at..at + 8]);
+    let expected = u64::from_le_bytes(address);
+    let found = file.metadata().map_err(SceneError::io(path))?.len();
+    if address_size == 8 && found < expected {
+        let reason = format!("it is truncated: {found} of {expected} bytes are there");
+        return Err(SceneError::Unreadable { path: path.to_owned(), reason });
+    }
+    Ok(())
 }
 
 /// The names that GDAL opens the subdatasets by.

@@ -53,6 +53,7 @@ pub(super) fn open_file(path: &Path, drivers: &[&str]) -> Result<Dataset, SceneE
     if path.starts_with("/vsi") || path.to_string_lossy().starts_with("/vsi") {
         return Err(unreadable("virtual file systems are not allowed".to_owned()));
     }
+    black_marble::check_is_whole(path)?;
     open_name(&path.to_string_lossy(), drivers).map_err(|reason| {
         let is_other = reason.contains("not recognized as");
         unreadable(if is_other { format!("it is none of {}", drivers.join(", ")) } else { reason })

@@ -15,6 +15,8 @@ use gdal::raster::RasterBand;
 const STRIP_VALUES: usize = 1 << 22;
 /// The largest value on at least this many pixels looks like a cap.
 const CAPPED_FROM: u64 = 10;
+/// A largest value that is a multiple of this, nW cm⁻² sr⁻¹, looks like a cap even on one pixel.
+const ROUND_CAP: f64 = 1_000.0;
 /// More than one lit pixel in this many off the world means a wrong CRS.
 const OFF_WORLD_SHARE: u64 = 100;
 
@@ -182,8 +184,9 @@ impl Seen {
     }
 
     fn report(&self, source: &RadianceSource, grid: &Grid) -> IngestReport {
-        let is_capped =
-            self.at_maximum.count >= CAPPED_FROM && self.maximum > 0.0 && self.maximum > self.minimum;
+        let is_capped = self.maximum > self.minimum
+            && self.maximum > 0.0
+            && (self.at_maximum.count >= CAPPED_FROM || self.maximum % ROUND_CAP == 0.0);
         let capped = if is_capped { self.at_maximum.finish(grid) } else { Default::default() };
         IngestReport {
             pixels: u64::from(grid.width) * u64::from(grid.height),
@@ -234,7 +237,8 @@ impl Seen {
         }
         if capped > 0 {
             warnings.push(format!(
-                "{capped} pixels are at exactly the largest value {}: the raster is capped there",
+                "{} at exactly the largest value, {}: the raster seems to be capped there",
+                if capped == 1 { "1 pixel is".to_owned() } else { format!("{capped} pixels are") },
                 self.maximum
             ));
         }
