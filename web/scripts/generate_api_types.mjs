@@ -60,6 +60,7 @@ function parameters_of(operation, place, document) {
   const parameters = (operation.parameters ?? [])
     .map((parameter) => (parameter.$ref === undefined ? parameter : document.components.parameters[parameter.$ref.split("/").pop()]))
     .filter((parameter) => parameter.in === place);
+  if (parameters.length === 0) return "Record<string, never>";
   return type_of({
     type: "object",
     properties: Object.fromEntries(parameters.map(({ name, schema, description }) => [name, { ...schema, description }])),

@@ -200,7 +200,8 @@ class Viewer {
     const { turbidity, lamp, emission } = this.state;
     // Five decimals are a metre; a link restores the very same request.
     const rounded = (degrees: number) => +degrees.toFixed(5);
-    return { latitude_deg: rounded(place.latitude_deg), longitude_deg: rounded(place.longitude_deg), turbidity, lamp, emission };
+    const air = turbidity === null ? {} : { turbidity };
+    return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), lamp, emission, ...air };
   }
 
   private show_look(): void {

@@ -27,7 +27,7 @@ export class SkySession {
     this.cancel();
     const { signal } = this.controller;
     this.asked = asked;
-    const site_asked = JSON.stringify([scene, parameters.latitude_deg, parameters.longitude_deg]);
+    const site_asked = JSON.stringify([scene, parameters.lat, parameters.lon]);
     performance.clearMarks("sky:asked");
     performance.mark("sky:asked");
     this.events.started();

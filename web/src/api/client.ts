@@ -1,40 +1,26 @@
-// Every URL of the server that the viewer asks for, and how its answers and errors are read.
+// How the viewer asks the server: paths, parameters and answers are those of the OpenAPI document.
 
 import { ApiError, problem_from_response } from "./problem.ts";
-import type { Atmosphere, NamedPlace, PanoramaAnswer, Scene, Site, SkyAnswer } from "./types.ts";
+import type { Gets } from "./schema.ts";
 
-/** What the sky depends on besides the place. */
-export interface SkyParameters {
-  latitude_deg: number;
-  longitude_deg: number;
-  /** null: the server's default. */
-  turbidity: number | null;
-  lamp: string;
-  emission: string;
-}
+type Path = keyof Gets;
+type PathValues<P extends Path> = Gets[P]["path"];
+type Query<P extends Path> = Gets[P]["query"];
+
+/** What the sky depends on besides the scene. */
+export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "lamp" | "emission">;
 
 /** How often a busy server (429, 503) is asked again before the viewer gives up. */
 const RETRIES = 3;
 const LONGEST_WAIT_S = 10;
 
 /** Absolute, so that it also holds inside the map's worker; below a reverse proxy's prefix if there is one. */
-function api_url(path: string): string {
-  return new URL(`api/v1/${path}`, document.baseURI).href;
-}
-
-function scene_url(scene: string, path: string): string {
-  return api_url(`scenes/${encodeURIComponent(scene)}/${path}`);
-}
-
-function sky_query(parameters: SkyParameters): string {
-  const query = new URLSearchParams({
-    lat: String(parameters.latitude_deg),
-    lon: String(parameters.longitude_deg),
-    lamp: parameters.lamp,
-    emission: parameters.emission,
-  });
-  if (parameters.turbidity !== null) query.set("turbidity", String(parameters.turbidity));
-  return query.toString();
+export function url_of<P extends Path>(path: P, values: PathValues<P>, query: Query<P>): string {
+  const filled = path.replace(/\{(\w+)\}/g, (_, name: string) => encodeURIComponent(String((values as Record<string, unknown>)[name])));
+  const url = new URL(filled.slice(1), document.baseURI);
+  url.hash = "";
+  for (const [name, value] of Object.entries(query)) if (value !== undefined && value !== null) url.searchParams.set(name, String(value));
+  return url.href;
 }
 
 function pause(seconds: number, signal: AbortSignal): Promise<void> {
@@ -47,16 +33,16 @@ function pause(seconds: number, signal: AbortSignal): Promise<void> {
   });
 }
 
-async function get_json<T>(url: string, signal: AbortSignal): Promise<T> {
+async function get<P extends Path>(path: P, values: PathValues<P>, query: Query<P>, signal: AbortSignal): Promise<Gets[P]["answer"]> {
   for (let attempt = 0; ; attempt++) {
     let response: Response;
     try {
-      response = await fetch(url, { signal, headers: { accept: "application/json" } });
+      response = await fetch(url_of(path, values, query), { signal, headers: { accept: "application/json" } });
     } catch (reason) {
       if (signal.aborted) throw reason;
       throw new ApiError(0, { title: "The server does not answer", detail: "Is it running? Check the connection and try again." });
     }
-    if (response.ok) return (await response.json()) as T;
+    if (response.ok) return (await response.json()) as Gets[P]["answer"];
     const busy = response.status === 503 || response.status === 429;
     if (!busy || attempt >= RETRIES) throw new ApiError(response.status, await problem_from_response(response));
     const wait_s = Number(response.headers.get("retry-after") ?? NaN);
@@ -65,20 +51,13 @@ async function get_json<T>(url: string, signal: AbortSignal): Promise<T> {
 }
 
 export const api = {
-  scenes: (signal: AbortSignal) => get_json<Scene[]>(api_url("scenes"), signal),
-  places: (scene: string, signal: AbortSignal) => get_json<NamedPlace[]>(scene_url(scene, "places"), signal),
-  atmospheres: (signal: AbortSignal) => get_json<Atmosphere[]>(api_url("atmospheres"), signal),
-  site: (scene: string, parameters: SkyParameters, signal: AbortSignal) => {
-    const query = new URLSearchParams({ lat: String(parameters.latitude_deg), lon: String(parameters.longitude_deg) });
-    return get_json<Site>(scene_url(scene, `site?${query.toString()}`), signal);
-  },
+  scenes: (signal: AbortSignal) => get("/api/v1/scenes", {}, {}, signal),
+  places: (scene: string, signal: AbortSignal) => get("/api/v1/scenes/{scene}/places", { scene }, {}, signal),
+  atmospheres: (signal: AbortSignal) => get("/api/v1/atmospheres", {}, {}, signal),
+  site: (scene: string, { lat, lon }: SkyParameters, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/site", { scene }, { lat, lon }, signal),
   sky: (scene: string, parameters: SkyParameters, signal: AbortSignal) =>
-    get_json<SkyAnswer>(scene_url(scene, `sky?${sky_query(parameters)}`), signal),
+    get("/api/v1/scenes/{scene}/sky", { scene }, parameters, signal),
   panorama: (scene: string, parameters: SkyParameters, signal: AbortSignal) =>
-    get_json<PanoramaAnswer>(scene_url(scene, `panorama.json?${sky_query(parameters)}`), signal),
-  /** For links and downloads. */
-  panorama_url: (scene: string, parameters: SkyParameters, extension: "json" | "png" | "exr" | "tif", more = "") =>
-    scene_url(scene, `panorama.${extension}?${sky_query(parameters)}${more}`),
-  tilejson_url: (scene: string, layer: string) => scene_url(scene, `tiles/${layer}/tilejson.json`),
-  docs_url: () => new URL("api/docs", document.baseURI).href,
+    get("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters, signal),
 };

@@ -5,9 +5,9 @@ import type { Problem } from "./types.ts";
 /** An answer other than success. Status 0: no answer at all. */
 export class ApiError extends Error {
   readonly status: number;
-  readonly problem: Problem;
+  readonly problem: Partial<Problem>;
 
-  constructor(status: number, problem: Problem) {
+  constructor(status: number, problem: Partial<Problem>) {
     super(problem.title ?? `The server answered ${status}`);
     this.name = "ApiError";
     this.status = status;
@@ -16,8 +16,8 @@ export class ApiError extends Error {
 }
 
 /** The problem document of an answer, or one made from its status where it carries none. */
-export async function problem_from_response(response: Response): Promise<Problem> {
-  const otherwise: Problem = { title: `The server answered ${response.status} ${response.statusText}`.trim(), status: response.status };
+export async function problem_from_response(response: Response): Promise<Partial<Problem>> {
+  const otherwise: Partial<Problem> = { title: `The server answered ${response.status} ${response.statusText}`.trim(), status: response.status };
   if (!(response.headers.get("content-type") ?? "").includes("json")) return otherwise;
   try {
     return { ...otherwise, ...((await response.json()) as Problem) };

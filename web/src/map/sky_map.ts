@@ -4,7 +4,7 @@ import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, Scal
 import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
 import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
 import "maplibre-gl/dist/maplibre-gl.css";
-import { api } from "../api/client.ts";
+import { url_of } from "../api/client.ts";
 import type { Bounds, NamedPlace, Scene } from "../api/types.ts";
 import { LAYERS, type LayerName, type MapView, type Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
@@ -21,6 +21,14 @@ export interface SkyMapEvents {
 }
 
 const MOVE_MS = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 700;
+
+/** A TileJSON may name its tiles relative to the server, which the worker that asks for them cannot resolve, or,
+ * behind a proxy, by the scheme that the server saw instead of the page's. */
+function reachable(address: string): string {
+  const url = new URL(address, document.baseURI);
+  if (url.host === location.host) url.protocol = location.protocol;
+  return url.href;
+}
 
 /** A picked place nearer to the map's edge than this counts as out of view. */
 const EDGE_PX = 40;
@@ -49,8 +57,7 @@ export class SkyMap {
       pitchWithRotate: false,
       touchPitch: false,
       attributionControl: false,
-      // A TileJSON may name its tiles relative to the server; the worker that asks for them has no such base.
-      transformRequest: (url) => ({ url: new URL(url, document.baseURI).href }),
+      transformRequest: (url) => ({ url: reachable(url) }),
       locale: { "Map.Title": "Map. Arrow keys move it, plus and minus zoom, Enter picks the place in the middle." },
     });
     this.map.touchZoomRotate.disableRotation();
@@ -133,7 +140,7 @@ export class SkyMap {
       if (this.map.getLayer(name) !== undefined) this.map.removeLayer(name);
       if (this.map.getSource(name) !== undefined) this.map.removeSource(name);
       if (name === "elevation" && !scene.terrain) continue;
-      this.map.addSource(name, { type: "raster", url: api.tilejson_url(scene.id, name), tileSize: 256 });
+      this.map.addSource(name, { type: "raster", url: url_of("/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json", { scene: scene.id, layer: name }, {}), tileSize: 256 });
     }
     // Elevation lies under the lights.
     for (const name of ["elevation", "radiance"] as const) {

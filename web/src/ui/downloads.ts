@@ -1,11 +1,10 @@
 // Links to the same sky as files, straight from the API.
 
-import { api, type SkyParameters } from "../api/client.ts";
+import { url_of, type SkyParameters } from "../api/client.ts";
 import type { ViewState } from "../state.ts";
 import { make } from "./dom.ts";
 
 export function show_downloads(container: HTMLElement, scene: string, parameters: SkyParameters, state: ViewState): void {
-  const picture = `&projection=${state.projection}&sky=${state.sky}&colormap=${state.colours}&scale=magnitude`;
   const link = (title: string, href: string, description: string) => {
     const anchor = make("a", "", title) as HTMLAnchorElement;
     anchor.href = href;
@@ -14,11 +13,13 @@ export function show_downloads(container: HTMLElement, scene: string, parameters
     anchor.rel = "noopener";
     return anchor;
   };
+  const { projection, sky, colours } = state;
+  const picture = { ...parameters, projection, sky, colormap: colours, scale: "magnitude" } as const;
   container.replaceChildren(
-    link("PNG", api.panorama_url(scene, parameters, "png", picture), "The picture with its legend"),
-    link("EXR", api.panorama_url(scene, parameters, "exr"), "Raw radiance, OpenEXR"),
-    link("TIFF", api.panorama_url(scene, parameters, "tif"), "Raw radiance, 32-bit TIFF"),
-    link("JSON", api.panorama_url(scene, parameters, "json"), "Raw radiance and all numbers"),
-    link("API", api.docs_url(), "Try the programming interface"),
+    link("PNG", url_of("/api/v1/scenes/{scene}/panorama.png", { scene }, picture), "The picture with its legend"),
+    link("EXR", url_of("/api/v1/scenes/{scene}/panorama.exr", { scene }, parameters), "Raw radiance, OpenEXR"),
+    link("TIFF", url_of("/api/v1/scenes/{scene}/panorama.tif", { scene }, parameters), "Raw radiance, 32-bit TIFF"),
+    link("JSON", url_of("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), "Raw radiance and all numbers"),
+    link("API", url_of("/api/docs", {}, {}), "Try the programming interface"),
   );
 }

@@ -29,9 +29,11 @@ function row(name: string, value: string, unit: string, key: string, note = ""):
 
 /** What is known right after a click, before the sky is computed. */
 export function show_site(container: HTMLElement, site: Site): void {
+  const { terrain_altitude_m: terrain_m, radiance_nw_cm2_sr: radiance } = site;
+  const no_number = (value: number | null | undefined): value is null | undefined => value === null || value === undefined;
   const rows = [
-    row("Ground", site.terrain_altitude_m === null ? "unknown" : `${Math.round(site.terrain_altitude_m)}`, site.terrain_altitude_m === null ? "" : "m above sea level", "terrain"),
-    row("Light upward here", site.radiance_nw_cm2_sr === null ? "no data" : short_number(site.radiance_nw_cm2_sr), site.radiance_nw_cm2_sr === null ? "" : "nW cm⁻² sr⁻¹", "radiance"),
+    no_number(terrain_m) ? row("Ground", "unknown", "", "terrain") : row("Ground", `${Math.round(terrain_m)}`, "m above sea level", "terrain"),
+    no_number(radiance) ? row("Light upward here", "no data", "", "radiance") : row("Light upward here", short_number(radiance), "nW cm⁻² sr⁻¹", "radiance"),
   ];
   container.replaceChildren(...rows);
 }
@@ -40,7 +42,7 @@ export function show_site(container: HTMLElement, site: Site): void {
 export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: SkyKind, lamp: string, scene: Scene): void {
   const { sky } = answer;
   const total = kind === "total";
-  const zenith_mag = total ? sky.zenith_total_brightness_mag_arcsec2 : sky.zenith_brightness_mag_arcsec2;
+  const zenith_mag = total ? sky.zenith_total_brightness_mag_arcsec2 : (sky.zenith_brightness_mag_arcsec2 ?? null);
   const zenith_cd_m2 = total ? sky.zenith_total_luminance_cd_m2 : sky.zenith_luminance_cd_m2;
   const illuminance_lx = total ? sky.horizontal_total_illuminance_lx : sky.horizontal_illuminance_lx;
 

@@ -53,7 +53,7 @@ test("a problem document becomes a headline and one sentence for each bad parame
   const error = new ApiError(422, {
     title: "A parameter is out of range",
     detail: "One parameter is not accepted.",
-    errors: [{ parameter: "turbidity", value: "100", allowed: "1.5 to 6", message: "is out of range" }],
+    errors: [{ parameter: "turbidity", value: "100", allowed: "1.5 to 6", message: "is out of range", code: "out_of_range" }],
   });
   assert.deepEqual(plain_words(error), {
     headline: "A parameter is out of range",
