@@ -188,7 +188,6 @@ impl Grid {
     }
 
     /// The pixel at a place; `None` outside the grid.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked to lie in the grid")]
     pub(crate) fn pixel_at(&self, place: GeoPoint) -> Option<(u32, u32)> {
         self.position_of(place).map(|(column, row)| (column as u32, row as u32))
     }

@@ -53,7 +53,6 @@ impl Lattice {
     }
 
     /// Cell index, its start and its length along one axis, for a position (also a little outside).
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the cells")]
     fn cell(&self, position: f64, length: u32) -> (usize, f64, f64) {
         let last = node_count(length, self.step) - 2;
         let index = ((position / f64::from(self.step)).max(0.0) as u32).min(last);

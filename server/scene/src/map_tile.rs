@@ -48,23 +48,19 @@ pub(crate) fn sample(
     if size_px == 0 || size_px > LARGEST_PX {
         return refuse("1 to 1024 pixels a side are allowed");
     }
-    let mercator = Mercator { pixels: f64::from(size_px) * f64::from(1u32 << z) };
-    let left = f64::from(x) * f64::from(size_px);
-    let top = f64::from(y) * f64::from(size_px);
+    let window = Window::new(z, x, y, size_px);
     let count = size_px as usize * size_px as usize;
     let mut tile = RasterTile { values: vec![0.0; count], has_data: vec![false; count], size_px };
-    for row in 0..size_px {
-        for column in 0..size_px {
-            let (px, py) = (left + f64::from(column), top + f64::from(row));
+    for row in 0..size_px as usize {
+        for column in 0..size_px as usize {
             let value = match layer {
-                TileLayer::Radiance => mean_radiance(scene, &mercator, px, py),
+                TileLayer::Radiance => mean_radiance(scene, &window, column, row),
                 TileLayer::Elevation => {
-                    let place = mercator.place(px + 0.5, py + 0.5);
-                    scene.terrain.overview_m(place, mercator.resolution_m(place))
+                    scene.terrain.overview_m(window.place(column, row, 2, 2), window.resolution_m(row))
                 }
             };
             if let Some(value) = value {
-                let index = (row * size_px + column) as usize;
+                let index = row * size_px as usize + column;
                 (tile.values[index], tile.has_data[index]) = (value as f32, true);
             }
         }
@@ -72,38 +68,58 @@ pub(crate) fn sample(
     Ok(tile)
 }
 
-/// The Mercator map of the whole world, `pixels` a side.
-struct Mercator {
-    pixels: f64,
+/// The tile's part of the Mercator map: latitudes and longitudes at every quarter of a pixel.
+struct Window {
+    latitudes_rad: Vec<f64>,
+    longitudes_rad: Vec<f64>,
+    /// Pixels around the whole equator.
+    world_px: f64,
 }
 
-impl Mercator {
-    /// The place at pixel coordinates from the north-west corner.
-    fn place(&self, x: f64, y: f64) -> GeoPoint {
-        let longitude_rad = std::f64::consts::TAU * (x / self.pixels - 0.5);
-        let latitude_rad = (std::f64::consts::PI * (1.0 - 2.0 * y / self.pixels)).sinh().atan();
-        GeoPoint::from_rad_unchecked(latitude_rad, longitude_rad)
+impl Window {
+    fn new(z: u8, x: u32, y: u32, size_px: u32) -> Self {
+        let world_px = f64::from(size_px) * f64::from(1u32 << z);
+        let part = |tile: u32, quarter: u32| {
+            (f64::from(tile) * f64::from(size_px) + 0.25 * f64::from(quarter)) / world_px
+        };
+        let quarters = 0..4 * size_px;
+        let latitude_rad = |q| (std::f64::consts::PI * (1.0 - 2.0 * part(y, q))).sinh().atan();
+        let longitude_rad = |q| std::f64::consts::TAU * (part(x, q) - 0.5);
+        Self {
+            latitudes_rad: quarters.clone().map(latitude_rad).collect(),
+            longitudes_rad: quarters.map(longitude_rad).collect(),
+            world_px,
+        }
     }
 
-    /// Ground size of a pixel there, metres.
-    fn resolution_m(&self, place: GeoPoint) -> f64 {
-        std::f64::consts::TAU * EARTH_RADIUS_M * place.latitude_rad().cos() / self.pixels
+    /// The place in a pixel, so many quarters from its west and north edge.
+    fn place(&self, column: usize, row: usize, east: usize, south: usize) -> GeoPoint {
+        GeoPoint::from_rad_unchecked(
+            self.latitudes_rad[4 * row + south],
+            self.longitudes_rad[4 * column + east],
+        )
+    }
+
+    /// Ground size of a pixel of a row, metres.
+    fn resolution_m(&self, row: usize) -> f64 {
+        std::f64::consts::TAU * EARTH_RADIUS_M * self.latitudes_rad[4 * row + 2].cos() / self.world_px
     }
 }
 
-/// Mean radiance under the map pixel at (x, y): of the pixel there when zoomed in; zoomed out of the four
+/// Mean radiance under the map pixel: of the pixel there when zoomed in; zoomed out of the four
 /// pyramid blocks around its quarters' middles, which are larger than those quarters, so that no lone
 /// light falls between samples.
-fn mean_radiance(scene: &Scene, mercator: &Mercator, x: f64, y: f64) -> Option<f64> {
-    let middle = mercator.place(x + 0.5, y + 0.5);
-    let ratio = mercator.resolution_m(middle) / scene.metadata.pixel_size_m;
+fn mean_radiance(scene: &Scene, window: &Window, column: usize, row: usize) -> Option<f64> {
+    let ratio = window.resolution_m(row) / scene.metadata.pixel_size_m;
     if ratio <= 1.0 {
-        return scene.radiance_nw_cm2_sr(middle);
+        return scene.radiance_nw_cm2_sr(window.place(column, row, 2, 2));
     }
     let level = (0.5 * ratio).log2().ceil().max(0.0) as u32;
     let (mut sum, mut valid) = (0.0, 0.0);
-    for (dx, dy) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
-        let Some((column, row)) = scene.grid.pixel_at(mercator.place(x + dx, y + dy)) else { continue };
+    for (east, south) in [(1, 1), (3, 1), (1, 3), (3, 3)] {
+        let Some((column, row)) = scene.grid.pixel_at(window.place(column, row, east, south)) else {
+            continue;
+        };
         let (block_column, block_row) = (column >> level, row >> level);
         valid += f64::from(scene.mask.valid_in_block(level, block_column, block_row));
         sum += if level == 0 {

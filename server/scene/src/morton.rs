@@ -12,7 +12,6 @@ fn spread(x: u32) -> u64 {
 }
 
 /// The even bits of `v`, pressed together.
-#[expect(clippy::cast_possible_truncation, reason = "32 bits are left")]
 fn press(v: u64) -> u32 {
     let mut v = v & 0x5555_5555_5555_5555;
     v = (v | (v >> 1)) & 0x3333_3333_3333_3333;

@@ -64,7 +64,6 @@ impl PolarAccumulator {
     /// and in ln(distance), so that flux and mean position stay.
     ///
     /// * `azimuth_rad` 0..=2π, `distance_m` within 250 m and 300 km (clamped).
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positions are in range")]
     pub(crate) fn add(&mut self, azimuth_rad: f64, distance_m: f64, altitude_m: f64, flux_dnb_w: f64) {
         let column = azimuth_rad * self.columns_per_rad;
         let ring =

@@ -1,5 +1,7 @@
 //! What cannot be meant is refused in one sentence, and nothing is left behind.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{Bench, TestRaster, place};
@@ -80,6 +82,43 @@ fn pictures_are_refused() {
     dataset.close().unwrap();
     let told = bench.refusal(&IngestOptions::new(&path));
     assert!(told.contains("colour picture"), "{told}");
+}
+
+#[test]
+fn of_several_bands_one_must_be_chosen_and_transparency_is_a_mask() {
+    let bench = Bench::new();
+    let path = bench.path("bands.tif");
+    let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
+    let options = RasterCreationOptions::default();
+    let mut dataset = driver.create_with_band_type_with_options::<f32, _>(&path, 8, 8, 2, &options).unwrap();
+    let raster = TestRaster::scattered(8, 8);
+    let write = |dataset: &mut gdal::Dataset| {
+        dataset.set_geo_transform(&raster.geotransform).unwrap();
+        dataset.set_spatial_ref(&gdal::spatial_ref::SpatialRef::from_epsg(4326).unwrap()).unwrap();
+        for (number, value) in [(1, 5.0f32), (2, 255.0)] {
+            let mut data = gdal::raster::Buffer::new((8, 8), vec![value; 64]);
+            if number == 2 {
+                data.data_mut()[..32].fill(0.0);
+            }
+            dataset.rasterband(number).unwrap().write((0, 0), (8, 8), &mut data).unwrap();
+        }
+    };
+    write(&mut dataset);
+    dataset.close().unwrap();
+    let told = bench.refusal(&IngestOptions::new(&path));
+    assert!(told.contains("--band: 1, 2"), "{told}");
+    let mut options = IngestOptions::new(&path);
+    options.band = Some("1".into());
+    assert_eq!(bench.ingest(&options).unwrap().lit_pixels, 64);
+
+    let creation = RasterCreationOptions::from_iter(["ALPHA=YES"]);
+    let mut dataset = driver.create_with_band_type_with_options::<f32, _>(&path, 8, 8, 2, &creation).unwrap();
+    write(&mut dataset);
+    dataset.close().unwrap();
+    options.band = None;
+    options.replace = true;
+    let metadata = bench.ingest(&options).unwrap();
+    assert_eq!((metadata.lit_pixels, metadata.report.no_data.count), (32, 32));
 }
 
 #[test]

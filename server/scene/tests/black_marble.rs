@@ -1,5 +1,7 @@
 //! NASA Black Marble granules, made here as HDF5 files by GDAL's netCDF-4 driver.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{Bench, TestRaster, place};
@@ -34,7 +36,6 @@ fn write_granule(
         band.set_scale(scale).unwrap();
         band.set_offset(0.0).unwrap();
     }
-    drop(band);
     let mut options = RasterCreationOptions::from_iter(["FORMAT=NC4", "WRITE_BOTTOMUP=NO"]);
     if !alone {
         // Not the tile's place: that must come from its name.

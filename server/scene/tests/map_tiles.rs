@@ -1,5 +1,7 @@
 //! Map tiles of numbers.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{Bench, STEP, TestRaster, place};

@@ -1,5 +1,7 @@
 //! The polar grid against the sum over the raster's own pixels.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{Bench, STEP, TestRaster, place};

@@ -1,5 +1,7 @@
 //! The rasters of real products, where the folder of them is there.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{Bench, place, real_raster};

@@ -1,5 +1,7 @@
 //! Scenes on disk: whole, or refused by the name of the file; quick to open.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{Bench, TestRaster, place};

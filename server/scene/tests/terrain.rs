@@ -1,5 +1,7 @@
 //! Terrain: another grid than the lights', several files, voids, .hgt.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{Bench, TestRaster, place};

@@ -7,8 +7,13 @@ use super::shapes::{Line, is_inside, map_km, smooth_step};
 use super::towns::TOWNS;
 use glam::DVec2;
 
+/// Points of a line: latitude, longitude, and a height or altitude in metres.
+type Course = [(f64, f64, f64)];
+/// Lines with a half width in kilometres each.
+type WideCourses = [(f64, &'static Course)];
+
 /// A chain: its crest (latitude, longitude, height above the plain in metres) and half width, km.
-const CHAINS: &[(f64, &[(f64, f64, f64)])] = &[
+const CHAINS: &WideCourses = &[
     // Alps, from the sea to Styria
     (
         42.0,
@@ -68,7 +73,7 @@ const CHAINS: &[(f64, &[(f64, f64, f64)])] = &[
 ];
 
 /// A valley floor: (latitude, longitude, altitude in metres) along it.
-const VALLEYS: &[&[(f64, f64, f64)]] = &[
+const VALLEYS: &[&Course] = &[
     &[
         (46.40, 6.88, 375.0),
         (46.10, 7.07, 471.0),
@@ -120,7 +125,7 @@ const VALLEYS: &[&[(f64, f64, f64)]] = &[
 ];
 
 /// A lake: half width in km, and (latitude, longitude, level in metres) along its middle.
-const LAKES: &[(f64, &[(f64, f64, f64)])] = &[
+const LAKES: &WideCourses = &[
     (4.6, &[(46.23, 6.18, 372.0), (46.40, 6.40, 372.0), (46.46, 6.65, 372.0), (46.42, 6.84, 372.0)]),
     (4.6, &[(47.54, 9.68, 395.0), (47.60, 9.42, 395.0), (47.70, 9.22, 395.0), (47.79, 9.08, 395.0)]),
     (3.4, &[(45.49, 10.64, 65.0), (45.62, 10.68, 65.0), (45.85, 10.85, 65.0)]),
@@ -212,8 +217,7 @@ pub(super) struct Relief {
 
 impl Relief {
     pub(super) fn new() -> Self {
-        let wide =
-            |list: &[(f64, &[(f64, f64, f64)])]| list.iter().map(|(w, l)| (*w, Line::new(l))).collect();
+        let wide = |list: &WideCourses| list.iter().map(|(w, l)| (*w, Line::new(l))).collect();
         Self {
             chains: wide(CHAINS),
             valleys: VALLEYS.iter().map(|line| Line::new(line)).collect(),
@@ -233,7 +237,7 @@ impl Relief {
         self.seas.iter().any(|outline| is_inside(outline, at))
     }
 
-    /// The plain's altitude by the towns around (inverse fourth power of the distance), and how far the next town is.
+    /// The plain's altitude, metres: the mean of the towns' by the inverse fourth power of their distance.
     fn plain(&self, at: DVec2) -> f64 {
         let (mut sum, mut total) = (0.0, 0.0);
         for (position, altitude_m) in &self.towns {

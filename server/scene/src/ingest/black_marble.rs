@@ -32,29 +32,18 @@ pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<Radian
         }
         // A file with one raster opens as that raster; its attributes tell its name.
         None => {
-            let band = container.rasterband(1).map_err(|e| refuse(gdal_reason(e)))?;
-            let owner = attribute_owner(&band.metadata_domain("").unwrap_or_default());
+            let attributes = attributes(&container).map_err(refuse)?;
+            let owner = attribute_owner(&attributes);
             let Some(band_name) = owner.or_else(|| options.band.clone()) else {
                 return Err(refuse(format!(
                     "its only dataset is neither {} nor {}; if it is radiance, give --band 1",
                     RADIANCE_NAMES[0], RADIANCE_NAMES[1]
                 )));
             };
-            drop(band);
             (container, band_name)
         }
     };
-    let band = dataset.rasterband(1).map_err(|e| refuse(gdal_reason(e)))?;
-    let known = RADIANCE_NAMES.contains(&short_name.as_str());
-    let attributes = band.metadata_domain("").unwrap_or_default();
-    let attribute = |suffix: &str| number(&attributes, &short_name, suffix);
-    let is_integer = !band.band_type().is_floating();
-    let scale = attribute("_scale_factor")
-        .or(band.scale().filter(|s| *s != 1.0))
-        .unwrap_or(if known && is_integer { DEFAULT_SCALE } else { 1.0 });
-    let offset = attribute("_add_offset").or(attribute("_offset")).or(band.offset()).unwrap_or(0.0);
-    let no_data =
-        attribute("__FillValue").or(band.no_data_value()).or((known && is_integer).then_some(DEFAULT_FILL));
+    let conversion = conversion(&dataset, &short_name).map_err(refuse)?;
     let (width, height) = dataset.raster_size();
     let place = tile(&dataset, options)
         .map(|(h, v)| {
@@ -73,8 +62,29 @@ pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<Radian
         ));
     };
     let (geotransform, crs) = place.map_err(|e| refuse(gdal_reason(e)))?;
-    drop(band);
-    finish(dataset, options, 1, short_name, (scale, offset, no_data), geotransform, crs)
+    finish(dataset, options, 1, short_name, conversion, geotransform, crs)
+}
+
+/// The attributes of a dataset's only band, as `key=value`.
+fn attributes(dataset: &Dataset) -> Result<Vec<String>, String> {
+    let band = dataset.rasterband(1).map_err(gdal_reason)?;
+    Ok(band.metadata_domain("").unwrap_or_default())
+}
+
+/// Scale, offset and fill value of a dataset: its attributes', else the product's.
+fn conversion(dataset: &Dataset, short_name: &str) -> Result<(f64, f64, Option<f64>), String> {
+    let band = dataset.rasterband(1).map_err(gdal_reason)?;
+    let attributes = attributes(dataset)?;
+    let attribute = |suffix: &str| number(&attributes, short_name, suffix);
+    let is_counts = RADIANCE_NAMES.contains(&short_name) && !band.band_type().is_floating();
+    let scale = attribute("_scale_factor").or(band.scale().filter(|s| *s != 1.0));
+    let offset = attribute("_add_offset").or(attribute("_offset")).or(band.offset());
+    let no_data = attribute("__FillValue").or(band.no_data_value());
+    Ok((
+        scale.unwrap_or(if is_counts { DEFAULT_SCALE } else { 1.0 }),
+        offset.unwrap_or(0.0),
+        no_data.or(is_counts.then_some(DEFAULT_FILL)),
+    ))
 }
 
 /// Bytes that are missing from the end of an HDF5 file, by its superblock. The library itself prints pages

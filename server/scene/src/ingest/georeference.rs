@@ -129,7 +129,8 @@ impl Georeference<'_> {
         let back = transform(&self.from_wgs84, &places);
         let g = self.transform;
         let pixel = (g[1] * g[5] - g[2] * g[4]).abs().sqrt();
-        let vector = |((point, place), back): ((&(f64, f64), &(f64, f64)), &(f64, f64))| {
+        let vector = |index: usize| {
+            let (point, place, back): (_, (f64, f64), _) = (points[index], places[index], back[index]);
             let miss = (point.0 - back.0).hypot(point.1 - back.1);
             // 360 degrees apart is the same meridian.
             let same = miss <= pixel || (miss - 360.0).abs() <= pixel;
@@ -138,7 +139,7 @@ impl Georeference<'_> {
             }
             GeoPoint::from_rad_unchecked(place.1.to_radians(), place.0.to_radians()).unit_vector()
         };
-        points.iter().zip(&places).zip(&back).map(vector).collect()
+        (0..points.len()).map(vector).collect()
     }
 
     fn nodes(&self, step: u32) -> Vec<DVec3> {

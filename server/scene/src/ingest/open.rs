@@ -156,6 +156,8 @@ fn choose_band(dataset: &Dataset, wanted: Option<&str>) -> Result<usize, String>
             .find(|&n| name(n) == text || text.parse() == Ok(n))
             .ok_or_else(|| format!("there is no band \"{text}\"; the raster has {}", listed())),
         None if count == 1 => Ok(1),
+        // Transparency beside the one band of measurements is a mask, and read as that.
+        None if count == 2 && is_alpha(dataset, 2) => Ok(1),
         None if count == 0 => Err("the raster has no bands".to_owned()),
         None => {
             let colours = is_colour_picture(dataset);
@@ -166,6 +168,10 @@ fn choose_band(dataset: &Dataset, wanted: Option<&str>) -> Result<usize, String>
             }
         }
     }
+}
+
+fn is_alpha(dataset: &Dataset, number: usize) -> bool {
+    dataset.rasterband(number).is_ok_and(|b| b.color_interpretation() == ColorInterpretation::AlphaBand)
 }
 
 fn is_colour_picture(dataset: &Dataset) -> bool {

@@ -9,6 +9,8 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// Unpacked tiles by level and number.
+type TileCache = HashMap<(usize, usize), Arc<Vec<f32>>>;
 /// Unpacked tiles kept, 64 kB each.
 const CACHED_TILES: usize = 512;
 
@@ -19,7 +21,7 @@ pub(crate) struct TerrainLayer {
     sample_size_m: f64,
     levels: Vec<LevelIndex>,
     blob: Vec<u8>,
-    cache: Mutex<HashMap<(usize, usize), Arc<Vec<f32>>>>,
+    cache: Mutex<TileCache>,
 }
 
 #[derive(Debug, Clone)]
@@ -61,7 +63,7 @@ impl TerrainLayer {
         value.is_finite().then_some(f64::from(value))
     }
 
-    fn lock(&self) -> MutexGuard<'_, HashMap<(usize, usize), Arc<Vec<f32>>>> {
+    fn lock(&self) -> MutexGuard<'_, TileCache> {
         // The map is valid whatever a panicking holder was doing.
         self.cache.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -178,7 +180,7 @@ impl LayerBuilder {
     pub(crate) fn push_row(&mut self, row: &[f32]) -> Result<(), std::io::Error> {
         self.rows.extend_from_slice(row);
         self.layer.levels[0].height += 1;
-        if self.layer.levels[0].height % SIDE == 0 { self.pack_rows() } else { Ok(()) }
+        if self.layer.levels[0].height.is_multiple_of(SIDE) { self.pack_rows() } else { Ok(()) }
     }
 
     fn pack_rows(&mut self) -> Result<(), std::io::Error> {

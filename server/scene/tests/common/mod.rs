@@ -41,7 +41,7 @@ impl TestRaster {
             let hash = (c as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
                 ^ (r as u64).wrapping_mul(0xd1b5_4a32_d192_ed03);
             let hash = (hash ^ (hash >> 31)).wrapping_mul(0x94d0_49bb_1331_11eb) >> 20;
-            if hash % 23 == 0 { 0.5 + (hash / 23 % 400) as f64 / 10.0 } else { 0.0 }
+            if hash.is_multiple_of(23) { 0.5 + (hash / 23 % 400) as f64 / 10.0 } else { 0.0 }
         })
     }
 
@@ -65,7 +65,6 @@ impl TestRaster {
         }
         let values = self.values.iter().map(|v| convert(*v)).collect();
         band.write((0, 0), self.size, &mut Buffer::new(self.size, values)).unwrap();
-        drop(band);
         dataset.close().unwrap();
     }
 
