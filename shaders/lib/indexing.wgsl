@@ -16,8 +16,8 @@ fn shape_texel(
   ring: u32,
   ring_count: u32,
   offset: u32,
-  quad: u32,
-  quad_count: u32,
+  octet: u32,
+  octet_count: u32,
 ) -> vec2<u32> {
-  return vec2<u32>(offset * quad_count + quad, (lobe * 3u + band) * ring_count + ring);
+  return vec2<u32>(offset * octet_count + octet, (lobe * 3u + band) * ring_count + ring);
 }

@@ -15,8 +15,8 @@ struct Frame {
   // Functions in use, and groups of four of them with full lanes.
   basis_count: u32,
   quad_count: u32,
-  // Groups of four functions in the pack's tables.
-  table_quad_count: u32,
+  // Groups of eight functions in the pack's tables.
+  table_octet_count: u32,
   ring_count: u32,
   offset_count: u32,
   // Where this pack's radiance goes, and how many packs are blended.

@@ -145,10 +145,9 @@ impl RenderPlan {
             let functions = pack.quad_count * 4;
             let lanes = groups(functions, FUNCTIONS_PER_LANE * LANES);
             let columns = groups(self.column_count, ROWS_PER_WORKGROUP);
-            let quads = groups(pack.quad_count, LANES);
             for (pass, workgroups) in [
                 (Pass::MixScale, [groups(self.node_count, WORKGROUP), bands, 1]),
-                (Pass::MixShape, [quads, groups(self.node_count, ROWS_PER_WORKGROUP), bands]),
+                (Pass::MixShape, [lanes, groups(self.node_count, ROWS_PER_WORKGROUP), bands]),
                 (Pass::CellWeights, [groups(self.cell_count, WORKGROUP), bands, 1]),
                 (Pass::Coefficients, [lanes, columns, bands]),
                 (Pass::AzimuthFft, [functions as u32 / 2, bands, requests]),

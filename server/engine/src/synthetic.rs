@@ -50,7 +50,7 @@ pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
             for band in 0..BAND_COUNT {
                 for distance_m in &ring_distances_m {
                     let axis = OffsetAxis::at_distance(*distance_m, OFFSET_COUNT);
-                    for offset_m in (0..OFFSET_COUNT).map(|node| axis.offset_m(node)) {
+                    for offset_m in (0..OFFSET_COUNT).map(|node| axis.offset_m(node as f64)) {
                         let reach_m = 30_000.0 * (1.0 + 0.3 * lobe as f64) / turbidity.sqrt();
                         log_scale.push(
                             (-18.0

@@ -1,6 +1,6 @@
 //! The resident packs as one interpolable set.
 
-use crate::error::EngineError;
+use crate::{error::EngineError, twin::natural_log};
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 use skyglow_tables::{
     OffsetAxis,
@@ -12,6 +12,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct TableSet {
     tables: Vec<Arc<ResidentTables>>,
+    rings: Vec<RingAxis>,
+}
+
+/// The offset axis of a ring as f32 needs it: position = zero node + asinh(Δ / L) / step.
+#[derive(Clone, Copy, Debug)]
+struct RingAxis {
+    per_scale_m: f32,
+    zero_node: f32,
+    per_step_below: f32,
+    per_step_above: f32,
 }
 
 impl TableSet {
@@ -42,7 +52,13 @@ impl TableSet {
                 return Err(refuse("this turbidity comes twice".into()));
             }
         }
-        Ok(Self { tables })
+        let rings = first.offset_axis.iter().map(|axis| RingAxis {
+            per_scale_m: (1.0 / axis.scale_m) as f32,
+            zero_node: axis.zero_node as f32,
+            per_step_below: (1.0 / axis.step_below) as f32,
+            per_step_above: (1.0 / axis.step_above) as f32,
+        });
+        Ok(Self { rings: rings.collect(), tables })
     }
 
     /// The packs, ascending in turbidity.
@@ -63,6 +79,16 @@ impl TableSet {
     /// Axis of the offset (source altitude − observer altitude) on every ring of every pack.
     pub fn offset_axis(&self) -> &[OffsetAxis] {
         &self.tables[0].offset_axis
+    }
+
+    /// [`OffsetAxis::position`] in f32 for the offset of a cell on a ring: fast, and right to about 2e-6 nodes.
+    pub fn position(&self, ring: usize, offset_m: f32) -> f32 {
+        let axis = self.rings[ring];
+        let x = offset_m * axis.per_scale_m;
+        let size = x.abs();
+        let asinh = natural_log(size + (size * size + 1.0).sqrt());
+        let from_zero = if x < 0.0 { -asinh * axis.per_step_below } else { asinh * axis.per_step_above };
+        (axis.zero_node + from_zero).clamp(0.0, (self.offset_count() - 1) as f32)
     }
 
     /// Nodes of the offset axis.
@@ -130,6 +156,19 @@ mod tests {
     fn packs_are_sorted_by_turbidity() {
         let set = TableSet::new(synthetic::table_set(&[3.0, 1.5, 2.0], 8)).unwrap();
         assert_eq!(set.turbidities(), [1.5, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn positions_on_the_offset_axis_are_those_of_the_pack() {
+        let set = TableSet::new(synthetic::table_set(&[2.0], 8)).unwrap();
+        let mut largest = 0f64;
+        for (ring, axis) in set.offset_axis().iter().enumerate() {
+            for offset_m in [-7000.0, -3333.0, -400.0, -20.0, 0.0, 0.3, 55.0, 900.0, 4321.0, 9000.0f32] {
+                let exact = axis.position(f64::from(offset_m));
+                largest = largest.max((f64::from(set.position(ring, offset_m)) - exact).abs());
+            }
+        }
+        assert!(largest < 5e-6, "{largest}");
     }
 
     #[test]

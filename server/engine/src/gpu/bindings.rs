@@ -83,10 +83,10 @@ impl Binding {
         const fn storage(access: Access) -> wgpu::BindingType {
             buffer(wgpu::BufferBindingType::Storage { read_only: matches!(access, Read) })
         }
-        const fn texture(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+        const fn float_texture() -> wgpu::BindingType {
             wgpu::BindingType::Texture {
                 sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension,
+                view_dimension: wgpu::TextureViewDimension::D2,
                 multisampled: false,
             }
         }
@@ -103,9 +103,13 @@ impl Binding {
             | Binding::Coefficients(access)
             | Binding::Sums(access)
             | Binding::Radiance(access) => storage(access),
-            Binding::Shape => texture(wgpu::TextureViewDimension::D2Array),
+            Binding::Shape => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: wgpu::TextureViewDimension::D2Array,
+                multisampled: false,
+            },
             Binding::Basis | Binding::Mixed(Read) | Binding::Weights(Read) | Binding::Spectra(Read) => {
-                texture(wgpu::TextureViewDimension::D2)
+                float_texture()
             }
             Binding::Mixed(Write) | Binding::Weights(Write) | Binding::Spectra(Write) => {
                 wgpu::BindingType::StorageTexture {

@@ -12,7 +12,7 @@ pub(crate) struct Frame {
     pub(crate) column_count: u32,
     pub(crate) basis_count: u32,
     pub(crate) quad_count: u32,
-    pub(crate) table_quad_count: u32,
+    pub(crate) table_octet_count: u32,
     pub(crate) ring_count: u32,
     pub(crate) offset_count: u32,
     pub(crate) pack_slot: u32,

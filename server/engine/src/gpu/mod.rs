@@ -3,8 +3,14 @@
 mod bindings;
 pub(crate) mod context;
 mod layout;
+#[cfg(test)]
+mod pass_tests;
 pub(crate) mod pipelines;
 mod resident;
+#[cfg(test)]
+mod shader_tests;
+#[cfg(test)]
+mod twin_tests;
 mod upload;
 mod workspace;
 
@@ -127,22 +133,16 @@ impl GpuExecutor {
     fn record(&self, plan: &RenderPlan) -> wgpu::CommandEncoder {
         let mut encoder =
             self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for (index, planned) in (0u32..).zip(&plan.passes) {
+        // Lavapipe was seen to stamp the beginning of a pass after its dispatch: only ends are taken, and
+        // the first counts from the end of an empty pass.
+        drop(encoder.begin_compute_pass(&self.pass_descriptor("start", 0)));
+        for (index, planned) in (1u32..).zip(&plan.passes) {
             if let (Pass::Coefficients, Some(slot)) = (planned.pass, planned.pack_slot) {
                 let functions = plan.packs[slot].quad_count * 4;
                 let bytes = plan.request_count * BAND_COUNT * functions * AZIMUTH_COUNT * 4;
                 encoder.clear_buffer(&self.workspace.coefficients, 0, Some(bytes as u64));
             }
-            let timestamp_writes =
-                self.workspace.timestamps.as_ref().map(|(query_set, _)| wgpu::ComputePassTimestampWrites {
-                    query_set,
-                    beginning_of_pass_write_index: Some(2 * index),
-                    end_of_pass_write_index: Some(2 * index + 1),
-                });
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(planned.pass.name()),
-                timestamp_writes,
-            });
+            let mut pass = encoder.begin_compute_pass(&self.pass_descriptor(planned.pass.name(), index));
             let [x, y, z] = planned.workgroups;
             pass.set_pipeline(&self.pipelines[planned.pass.index()].pipeline);
             pass.set_bind_group(0, self.groups.get(&group_key(plan, planned)), &[]);
@@ -153,12 +153,22 @@ impl GpuExecutor {
         let bytes = (plan.request_count * Panorama::LEN * 4) as u64;
         encoder.copy_buffer_to_buffer(result, 0, &work.read_back, 0, bytes);
         if let Some((query_set, resolved)) = &work.timestamps {
-            let count = 2 * plan.passes.len() as u32;
+            let count = plan.passes.len() as u32 + 1;
             encoder.resolve_query_set(query_set, 0..count, resolved, 0);
             let bytes = 8 * u64::from(count);
             encoder.copy_buffer_to_buffer(resolved, 0, &work.read_back, READ_BACK_PANORAMA_BYTES, bytes);
         }
         encoder
+    }
+
+    fn pass_descriptor<'a>(&'a self, label: &'a str, timestamp: u32) -> wgpu::ComputePassDescriptor<'a> {
+        let timestamp_writes =
+            self.workspace.timestamps.as_ref().map(|(query_set, _)| wgpu::ComputePassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: None,
+                end_of_pass_write_index: Some(timestamp),
+            });
+        wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes }
     }
 
     /// Waits for the submission and maps what came back.
@@ -195,7 +205,7 @@ impl GpuExecutor {
     fn pass_times(&self, plan: &RenderPlan, ticks: &[u64]) -> Vec<crate::request::PassTime> {
         let mut clock = PassClock::default();
         if let Some(nanoseconds) = self.context.nanoseconds_per_tick {
-            for (planned, ticks) in plan.passes.iter().zip(ticks.as_chunks::<2>().0) {
+            for (planned, ticks) in plan.passes.iter().zip(ticks.windows(2)) {
                 let elapsed = ticks[1].saturating_sub(ticks[0]) as f64 * nanoseconds;
                 clock.add(planned.pass, elapsed / 1000.0);
             }

@@ -2,14 +2,17 @@
 
 use super::context::Context;
 use crate::{error::EngineError, plan::FUNCTIONS_PER_LANE, table_set::TableSet};
+use half::f16;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
+use std::borrow::Cow;
 
 /// One pack as the passes bind it.
 pub(crate) struct ResidentPack {
     /// `[observer altitude][lobe][band][ring][offset]`.
     pub(crate) log_scale: wgpu::Buffer,
-    /// f16 as in the pack, four functions a texel.
+    /// f16 as in the pack, eight functions a texel of four words: software Vulkan fetches those ten times as
+    /// fast as half-float texels.
     pub(crate) shape: wgpu::TextureView,
     /// f32, four elevations a texel.
     pub(crate) basis: wgpu::TextureView,
@@ -18,7 +21,7 @@ pub(crate) struct ResidentPack {
 /// Width, height and layers of a pack's shape texture.
 fn shape_extent(tables: &ResidentTables) -> wgpu::Extent3d {
     wgpu::Extent3d {
-        width: (tables.offset_count * tables.basis_count / 4) as u32,
+        width: (tables.offset_count * tables.basis_count.div_ceil(FUNCTIONS_PER_LANE)) as u32,
         height: (LOBE_COUNT * BAND_COUNT * tables.ring_distance_m.len()) as u32,
         depth_or_array_layers: tables.observer_altitude_m.len() as u32,
     }
@@ -43,7 +46,7 @@ pub(crate) fn bytes(set: &TableSet) -> u64 {
         .iter()
         .map(|tables| {
             4 * tables.log_scale.len() as u64
-                + 8 * texels(shape_extent(tables))
+                + 16 * texels(shape_extent(tables))
                 + 16 * texels(basis_extent(tables))
         })
         .sum()
@@ -72,9 +75,9 @@ impl ResidentPack {
         let shape = upload_texture(
             context,
             "shape",
-            wgpu::TextureFormat::Rgba16Float,
+            wgpu::TextureFormat::Rgba32Uint,
             shape_extent(tables),
-            bytemuck::cast_slice(&tables.shape),
+            bytemuck::cast_slice(&whole_lanes(tables)),
         )?;
         let basis = upload_texture(
             context,
@@ -85,6 +88,17 @@ impl ResidentPack {
         )?;
         Ok(Self { log_scale, shape, basis })
     }
+}
+
+/// The shape table with each node's functions padded to whole lanes.
+fn whole_lanes(tables: &ResidentTables) -> Cow<'_, [f16]> {
+    let padded = tables.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
+    if padded == tables.basis_count {
+        return Cow::Borrowed(&tables.shape);
+    }
+    let zeros = vec![f16::ZERO; padded - tables.basis_count];
+    let rows = tables.shape.chunks_exact(tables.basis_count);
+    Cow::Owned(rows.flat_map(|row| row.iter().chain(&zeros)).copied().collect())
 }
 
 /// The basis as `[function][four elevations][frequency]` texels.

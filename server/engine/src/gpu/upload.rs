@@ -60,7 +60,7 @@ pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
         column_count: plan.column_count as u32,
         basis_count: pack.map_or(0, |pack| pack.basis_count) as u32,
         quad_count: pack.map_or(0, |pack| pack.quad_count) as u32,
-        table_quad_count: pack.map_or(0, |pack| set.tables()[pack.index].basis_count / 4) as u32,
+        table_octet_count: pack.map_or(0, |pack| set.tables()[pack.index].basis_count.div_ceil(8)) as u32,
         ring_count: set.ring_count() as u32,
         offset_count: set.offset_count() as u32,
         pack_slot: slot as u32,

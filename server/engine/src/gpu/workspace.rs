@@ -16,8 +16,8 @@ use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
 use skyglow_tables::resident::FREQUENCY_COUNT;
 use wgpu::{BufferUsages, TextureUsages};
 
-/// Timestamps a batch writes at most: before and after each pass of each pack.
-pub(crate) const TIMESTAMP_COUNT: u32 = 2 * (Taps::MAX * Pass::ALL.len()) as u32;
+/// Timestamps a batch writes at most: at the start, and after each pass of each pack.
+pub(crate) const TIMESTAMP_COUNT: u32 = (Taps::MAX * Pass::ALL.len()) as u32 + 1;
 
 /// A texture and its whole view.
 pub(crate) struct Texture {

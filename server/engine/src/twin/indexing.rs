@@ -15,7 +15,7 @@ pub fn mixed_texel(node: u32, band: u32, quad: u32, quad_count: u32) -> [u32; 2]
     [band * quad_count + quad, node]
 }
 
-/// Texel (x, y) of four consecutive shape coefficients in the layer of one observer altitude.
+/// Texel (x, y) of eight consecutive shape coefficients in the layer of one observer altitude.
 #[inline(always)]
 pub fn shape_texel(
     lobe: u32,
@@ -23,8 +23,8 @@ pub fn shape_texel(
     ring: u32,
     ring_count: u32,
     offset: u32,
-    quad: u32,
-    quad_count: u32,
+    octet: u32,
+    octet_count: u32,
 ) -> [u32; 2] {
-    [offset * quad_count + quad, (lobe * 3 + band) * ring_count + ring]
+    [offset * octet_count + octet, (lobe * 3 + band) * ring_count + ring]
 }

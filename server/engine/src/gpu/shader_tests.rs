@@ -1,0 +1,170 @@
+//! Shaders without a device: they validate, and what they declare is what the host has.
+
+use super::{
+    bindings::{Binding, bindings},
+    layout::{Cell, Column, Frame, Node, Request},
+};
+use crate::{
+    plan::{FUNCTIONS_PER_LANE, LANES, Pass, ROWS_PER_WORKGROUP, WORKGROUP},
+    shaders::{self, LIBRARY},
+    twin,
+};
+use naga::{AddressSpace, ImageClass, StorageAccess, TypeInner};
+use std::{collections::BTreeSet, mem::offset_of};
+
+fn parsed(pass: Pass) -> naga::Module {
+    let text = shaders::module_text(pass);
+    naga::front::wgsl::parse_str(&text)
+        .unwrap_or_else(|error| panic!("{}: {}", pass.name(), error.emit_to_string(&text)))
+}
+
+#[test]
+fn every_pass_validates_without_a_device() {
+    for pass in Pass::ALL {
+        let mut validator = naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::default(),
+        );
+        if let Err(error) = validator.validate(&parsed(pass)) {
+            panic!("{}: {}", pass.name(), error.emit_to_string(&shaders::module_text(pass)));
+        }
+    }
+}
+
+#[test]
+fn a_broken_shader_does_not_pass_for_valid() {
+    let text =
+        shaders::module_text(Pass::Blend).replace("blend_radiance(samples", "no_such_function(samples");
+    assert!(naga::front::wgsl::parse_str(&text).is_err());
+}
+
+#[test]
+fn every_wgsl_file_is_listed_and_no_library_file_binds_anything() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
+    let names = |sub: &str| -> BTreeSet<String> {
+        let files = std::fs::read_dir(folder.join(sub)).unwrap();
+        files.map(|file| file.unwrap().file_name().to_string_lossy().replace(".wgsl", "")).collect()
+    };
+    assert_eq!(names("lib"), LIBRARY.iter().map(|file| file.name.to_owned()).collect());
+    assert_eq!(names("passes"), Pass::ALL.iter().map(|pass| pass.name().to_owned()).collect());
+    for file in LIBRARY {
+        assert!(!file.text.contains("@group"), "{}", file.name);
+        assert!(!file.text.contains("@compute"), "{}", file.name);
+    }
+}
+
+#[test]
+fn passes_bind_what_the_host_binds() {
+    for pass in Pass::ALL {
+        let module = parsed(pass);
+        let mut declared: Vec<_> = module
+            .global_variables
+            .iter()
+            .filter_map(|(_, variable)| Some((variable.binding.as_ref()?.binding, variable)))
+            .collect();
+        declared.sort_by_key(|(number, _)| *number);
+        assert_eq!(declared.len(), bindings(pass).len(), "{}", pass.name());
+        for ((number, variable), (position, binding)) in
+            declared.into_iter().zip(bindings(pass).iter().enumerate())
+        {
+            assert_eq!(number as usize, position);
+            assert_eq!(variable.name.as_deref(), Some(binding.name()), "{}", pass.name());
+            let writes = match (&variable.space, &module.types[variable.ty].inner) {
+                (AddressSpace::Storage { access }, _) => access.contains(StorageAccess::STORE),
+                (_, TypeInner::Image { class: ImageClass::Storage { access, .. }, .. }) => {
+                    access.contains(StorageAccess::STORE)
+                }
+                _ => false,
+            };
+            assert_eq!(writes, host_writes(*binding), "{} {}", pass.name(), binding.name());
+        }
+    }
+}
+
+fn host_writes(binding: Binding) -> bool {
+    match binding.kind() {
+        wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { read_only }, .. } => !read_only,
+        wgpu::BindingType::StorageTexture { .. } => true,
+        _ => false,
+    }
+}
+
+#[test]
+fn workgroups_are_as_large_as_the_plan_takes_them_to_be() {
+    for pass in Pass::ALL {
+        let size = parsed(pass).entry_points[0].workgroup_size;
+        let expected = match pass {
+            Pass::MixShape | Pass::Coefficients | Pass::BasisSum => [LANES, ROWS_PER_WORKGROUP, 1],
+            _ => [WORKGROUP, 1, 1],
+        };
+        assert_eq!(size.map(|side| side as usize), expected, "{}", pass.name());
+    }
+    assert_eq!(FUNCTIONS_PER_LANE, 8);
+}
+
+macro_rules! assert_layout {
+    ($module:expr, $name:literal, $host:ty, [$($field:ident),*]) => {{
+        let module = $module;
+        let (_, found) = module.types.iter().find(|(_, found)| found.name.as_deref() == Some($name)).unwrap();
+        let TypeInner::Struct { members, span } = &found.inner else { panic!("{} is no struct", $name) };
+        assert_eq!(*span as usize, size_of::<$host>(), $name);
+        let declared: Vec<_> =
+            members.iter().map(|member| (member.name.clone().unwrap(), member.offset as usize)).collect();
+        let host = vec![$((stringify!($field).to_owned(), offset_of!($host, $field))),*];
+        assert_eq!(declared, host, $name);
+    }};
+}
+
+#[test]
+fn structures_lie_alike_on_both_sides() {
+    let module = naga::front::wgsl::parse_str(shaders::TYPES.text).unwrap();
+    assert_layout!(
+        &module,
+        "Frame",
+        Frame,
+        [
+            request_count,
+            node_count,
+            cell_count,
+            column_count,
+            basis_count,
+            quad_count,
+            table_octet_count,
+            ring_count,
+            offset_count,
+            pack_slot,
+            pack_count,
+            spare
+        ]
+    );
+    assert_layout!(
+        &module,
+        "Request",
+        Request,
+        [tap_layer, tap_weight, blend_weight, emission, tap_count, flux_per_dnb_flux, spare]
+    );
+    assert_layout!(&module, "Node", Node, [request, ring, offset]);
+    assert_layout!(&module, "Cell", Cell, [flux_dnb_w, lower_node, upper_node, upper_weight]);
+    assert_layout!(&module, "Column", Column, [request, azimuth, first_cell, end_cell]);
+}
+
+#[test]
+fn constants_are_the_same_on_both_sides() {
+    let constant = |file: shaders::LibraryFile, name: &str| -> f64 {
+        let start = file.text.find(&format!("const {name}:")).unwrap_or_else(|| panic!("{name} is missing"));
+        let line = file.text[start..].lines().next().unwrap();
+        line.split('=').nth(1).unwrap().trim().trim_end_matches(';').trim_end_matches('u').parse().unwrap()
+    };
+    for (name, value) in [
+        ("BAND_COUNT", skyglow_physics::BAND_COUNT),
+        ("LOBE_COUNT", skyglow_physics::LOBE_COUNT),
+        ("AZIMUTH_COUNT", skyglow_physics::AZIMUTH_COUNT),
+        ("ELEVATION_COUNT", skyglow_physics::ELEVATION_COUNT),
+        ("FREQUENCY_COUNT", skyglow_tables::resident::FREQUENCY_COUNT),
+    ] {
+        assert_eq!(constant(shaders::TYPES, name), value as f64, "{name}");
+    }
+    assert_eq!(constant(shaders::INDEXING, "CELLS_PER_ROW"), f64::from(twin::indexing::CELLS_PER_ROW));
+    let floor = constant(shaders::BLENDING, "RADIANCE_FLOOR_W_M2_SR");
+    assert_eq!(floor as f32, twin::RADIANCE_FLOOR_W_M2_SR);
+}

@@ -1,0 +1,225 @@
+//! The engine as a whole: queue, batches, losses, shutdown.
+
+mod common;
+
+use common::{engine, largest_error, request};
+use skyglow_engine::{
+    DeviceChoice, Engine, EngineConfig, EngineError, ExecutorKind, RenderRequest, TableSet, WorkCount,
+    prepare::Prepared, reference::render_f64, synthetic,
+};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+fn wait_until_ready(engine: &Engine) {
+    let start = Instant::now();
+    while !engine.is_ready() {
+        assert!(start.elapsed() < Duration::from_secs(60), "it never became ready");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Sends all requests at once and waits for all answers.
+fn render_all(
+    engine: &Arc<Engine>,
+    requests: Vec<RenderRequest>,
+) -> Vec<Result<skyglow_engine::Rendered, EngineError>> {
+    let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+    runtime.block_on(async {
+        let mut answers = Vec::new();
+        let tasks: Vec<_> = requests
+            .into_iter()
+            .map(|request| {
+                let engine = Arc::clone(engine);
+                tokio::spawn(async move { engine.render(request).await })
+            })
+            .collect();
+        for task in tasks {
+            answers.push(task.await.unwrap());
+        }
+        answers
+    })
+}
+
+#[test]
+fn lavapipe_and_cpu_agree_with_f64_at_and_between_turbidities() {
+    let engines = [
+        (engine(DeviceChoice::Lavapipe, &[1.5, 2.0, 3.0, 4.0], 16), ExecutorKind::Lavapipe),
+        (engine(DeviceChoice::Cpu, &[1.5, 2.0, 3.0, 4.0], 16), ExecutorKind::Cpu),
+    ];
+    let set = TableSet::new(engines[0].0.tables().to_vec()).unwrap();
+    for turbidity in [2.0, 2.3] {
+        for basis in [None, Some(5)] {
+            let mut request = request(synthetic::polar_grid(7, 3000), turbidity);
+            request.basis = basis;
+            let exact = render_f64(&Prepared::new(&request, &set).unwrap(), &set);
+            for (engine, kind) in &engines {
+                let rendered = engine.render_blocking(request.clone()).unwrap();
+                assert_eq!(rendered.executor, *kind);
+                let error = largest_error(rendered.panorama.samples(), &exact);
+                println!("{kind:?}, T = {turbidity}, basis {basis:?}: largest relative error {error:.1e}");
+                assert!(error < 1e-5, "{error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_changed_input_exceeds_the_tolerance_of_that_comparison() {
+    let engine = engine(DeviceChoice::Cpu, &[2.0], 16);
+    let set = TableSet::new(engine.tables().to_vec()).unwrap();
+    let unchanged = request(synthetic::polar_grid(7, 300), 2.0);
+    let exact = render_f64(&Prepared::new(&unchanged, &set).unwrap(), &set);
+    let changes: [fn(&mut RenderRequest); 4] = [
+        |request| request.observer_altitude_m += 1.0,
+        |request| request.basis = Some(15),
+        |request| request.flux_per_dnb_flux[2] *= 1.0001,
+        |request| Arc::make_mut(&mut request.polar).cells[0].altitude_m += 30.0,
+    ];
+    for change in changes {
+        let mut changed = unchanged.clone();
+        change(&mut changed);
+        let rendered = engine.render_blocking(changed).unwrap();
+        assert!(largest_error(rendered.panorama.samples(), &exact) > 1e-5);
+    }
+}
+
+#[test]
+fn requests_that_wait_together_are_rendered_together_and_come_out_as_alone() {
+    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+        let engine = Arc::new(engine(device, &[2.0, 3.0], 8));
+        wait_until_ready(&engine);
+        let requests: Vec<_> =
+            (0..12).map(|seed| request(synthetic::polar_grid(seed, 400 + 50 * seed as usize), 2.0)).collect();
+        let alone: Vec<_> = requests
+            .iter()
+            .map(|request| engine.render_blocking(request.clone()).unwrap().panorama)
+            .collect();
+        assert_eq!(engine.stats().largest_batch, 1);
+        let together = render_all(&engine, requests);
+        for (alone, together) in alone.iter().zip(together) {
+            assert_eq!(*alone, together.unwrap().panorama);
+        }
+        let stats = engine.stats();
+        assert!((2..=8).contains(&stats.largest_batch), "{}", stats.largest_batch);
+        assert!(stats.batches < 24);
+        assert_eq!(stats.queue_length, 0);
+    }
+}
+
+#[test]
+fn requests_of_different_turbidity_are_not_mixed_up() {
+    let engine = Arc::new(engine(DeviceChoice::Lavapipe, &[2.0, 3.0], 8));
+    let grid = synthetic::polar_grid(3, 500);
+    let requests: Vec<_> = (0..10).map(|i| request(grid.clone(), [2.0, 2.5, 3.0][i % 3])).collect();
+    let answers: Vec<_> = render_all(&engine, requests).into_iter().map(Result::unwrap).collect();
+    for (i, answer) in answers.iter().enumerate() {
+        assert_eq!(answer.panorama, answers[i % 3].panorama, "{i}");
+    }
+    assert_ne!(answers[0].panorama, answers[1].panorama);
+    assert_ne!(answers[0].panorama, answers[2].panorama);
+    assert_eq!(answers[1].work.packs, 2);
+}
+
+#[test]
+fn a_lost_device_comes_back_by_itself() {
+    let engine = Arc::new(engine(DeviceChoice::Lavapipe, &[2.0, 3.0], 8));
+    wait_until_ready(&engine);
+    let request = request(synthetic::polar_grid(5, 500), 2.5);
+    let before = engine.render_blocking(request.clone()).unwrap();
+    engine.lose_device().unwrap();
+    let after = engine.render_blocking(request.clone()).unwrap();
+    assert_eq!(before.panorama, after.panorama);
+    assert_eq!(engine.stats().device_losses, 1);
+    // Requests behind the loss in the queue are answered too.
+    engine.lose_device().unwrap();
+    for answer in render_all(&engine, vec![request; 5]) {
+        assert_eq!(answer.unwrap().panorama, before.panorama);
+    }
+    assert_eq!(engine.stats().device_losses, 2);
+    assert_eq!(engine.stats().failed, 0);
+}
+
+#[test]
+fn a_full_queue_is_said_to_be_busy() {
+    let tables = synthetic::table_set(&[2.0, 3.0], 64);
+    let config =
+        EngineConfig { device: DeviceChoice::Lavapipe, tables, queue_capacity: 2, ..Default::default() };
+    let engine = Arc::new(Engine::start(config).unwrap());
+    let answers = render_all(&engine, vec![request(synthetic::polar_grid(5, 20_000), 2.5); 60]);
+    let busy =
+        answers.iter().filter(|answer| matches!(answer, Err(EngineError::Busy { capacity: 2 }))).count();
+    let rendered = answers.iter().filter(|answer| answer.is_ok()).count();
+    assert_eq!(busy + rendered, 60);
+    assert!(busy > 0 && rendered > 0, "{busy} busy, {rendered} rendered");
+    assert_eq!(engine.stats().refused, busy as u64);
+}
+
+#[test]
+fn dark_parts_cost_nothing() {
+    let engine = engine(DeviceChoice::Lavapipe, &[2.0], 8);
+    wait_until_ready(&engine);
+    let before = engine.stats();
+    let dark = engine.render_blocking(request(synthetic::dark_grid(), 2.0)).unwrap();
+    assert!(dark.panorama.samples().iter().all(|value| *value == 0.0));
+    assert_eq!((dark.batch_size, dark.work), (0, WorkCount::default()));
+    assert_eq!((engine.stats().batches, engine.stats().dark_requests), (before.batches, 1));
+    let few = synthetic::polar_grid_of(&[(10, 3, 5e5, 100.0), (10, 80, 0.0, 100.0), (200, 80, 3e3, 900.0)]);
+    let rendered = engine.render_blocking(request(few, 2.0)).unwrap();
+    assert_eq!((rendered.work.lit_cells, rendered.work.lit_columns), (2, 2));
+    assert!((2..=4).contains(&rendered.work.mixed_nodes));
+    let after = engine.stats();
+    assert_eq!(after.lit_cells - before.lit_cells, 2);
+    assert_eq!(after.lit_columns - before.lit_columns, 2);
+    assert!(rendered.panorama.samples().iter().any(|value| *value > 0.0));
+}
+
+#[test]
+fn passes_are_timed_and_the_times_add_up_to_less_than_the_whole() {
+    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+        let engine = engine(device, &[2.0, 3.0], 16);
+        wait_until_ready(&engine);
+        let start = Instant::now();
+        let rendered = engine.render_blocking(request(synthetic::polar_grid(5, 5000), 2.5)).unwrap();
+        let whole = start.elapsed().as_secs_f64() * 1e6;
+        let names: Vec<_> = rendered.passes.iter().map(|time| time.name).collect();
+        assert_eq!(names, skyglow_engine::plan::Pass::ALL.map(skyglow_engine::plan::Pass::name));
+        let sum: f64 = rendered.passes.iter().map(|time| time.microseconds).sum();
+        assert!(sum > 0.2 * whole && sum < whole, "{sum} of {whole} µs");
+    }
+}
+
+#[test]
+fn a_dropped_engine_ends_its_thread_and_answers_what_it_took() {
+    let engine = Arc::new(engine(DeviceChoice::Lavapipe, &[2.0], 8));
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).build().unwrap();
+    let tasks: Vec<_> = (0..6)
+        .map(|seed| {
+            let (engine, request) = (Arc::clone(&engine), request(synthetic::polar_grid(seed, 500), 2.0));
+            runtime.spawn(async move { engine.render(request).await.is_ok() })
+        })
+        .collect();
+    drop(engine);
+    for task in tasks {
+        assert!(runtime.block_on(task).unwrap());
+    }
+}
+
+#[test]
+fn a_gpu_is_asked_for_in_vain_on_a_machine_without_one() {
+    let tables = synthetic::table_set(&[2.0], 8);
+    match Engine::start(EngineConfig {
+        device: DeviceChoice::Gpu,
+        tables: tables.clone(),
+        ..Default::default()
+    }) {
+        Err(EngineError::NoAdapter { wanted: "gpu", found }) => {
+            assert!(found.contains("llvmpipe"), "{found}")
+        }
+        Err(error) => panic!("{error}"),
+        Ok(engine) => assert_eq!(engine.info().executor, ExecutorKind::Gpu),
+    }
+    let auto = Engine::start(EngineConfig { tables, ..Default::default() }).unwrap();
+    assert_ne!(auto.info().executor, ExecutorKind::Cpu);
+}
