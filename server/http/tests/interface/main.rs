@@ -1,5 +1,7 @@
 //! The interface over real HTTP on loopback, with a program behind it that counts, waits, fails or panics as told.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
 mod caching;
 mod document;
 mod fake;
