@@ -15,6 +15,8 @@ pub(super) struct RadianceSource {
     pub(super) path: PathBuf,
     pub(super) band_number: usize,
     pub(super) band_name: String,
+    /// A band that is 0 where there is no data.
+    pub(super) alpha_band: Option<usize>,
     /// radiance = stored · scale + offset, nW cm⁻² sr⁻¹.
     pub(super) scale: f64,
     pub(super) offset: f64,
@@ -99,7 +101,9 @@ pub(super) fn radiance(options: &IngestOptions) -> Result<RadianceSource, SceneE
                 .to_owned(),
         )
     })?;
-    finish(container, options, band_number, name, (scale, offset, no_data), geotransform, crs)
+    let alpha_band = (1..=container.raster_count()).find(|&n| is_alpha(&container, n));
+    let source = finish(container, options, band_number, name, (scale, offset, no_data), geotransform, crs)?;
+    Ok(RadianceSource { alpha_band, ..source })
 }
 
 /// Puts a source together; the options' scale and unit win.
@@ -130,6 +134,7 @@ pub(super) fn finish(
         path,
         band_number,
         band_name,
+        alpha_band: None,
         scale,
         offset,
         no_data,

@@ -54,11 +54,12 @@ pub(super) fn read(
         .map_err(refuse)?;
     let band = source.dataset.rasterband(source.band_number).map_err(|e| refuse(gdal_reason(e)))?;
     let flags = band.mask_flags().map_err(|e| refuse(gdal_reason(e)))?;
-    let mask_band = if flags.is_per_dataset() && !flags.is_nodata() {
-        Some(band.open_mask_band().map_err(|e| refuse(gdal_reason(e)))?)
-    } else {
-        None
+    // GDAL itself takes no float band for a mask, so transparency is read as the band that it is.
+    let mask_band = match source.alpha_band {
+        Some(number) => Some(source.dataset.rasterband(number)),
+        None => (flags.is_per_dataset() && !flags.is_nodata()).then(|| band.open_mask_band()),
     };
+    let mask_band = mask_band.transpose().map_err(|e| refuse(gdal_reason(e)))?;
     let (width, height) = (grid.width as usize, grid.height as usize);
     let rows_at_once = (STRIP_VALUES / width).clamp(1, height.min(512));
     let mut values = vec![0f64; width * rows_at_once];
