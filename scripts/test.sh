@@ -30,6 +30,7 @@ part "lints" cargo clippy --release --workspace --all-targets -- -D warnings
 part "packs that are missing" scripts/make_packs.sh missing
 part "tests" cargo test --release --workspace
 part "viewer: packages" in_web npm ci --no-audit --no-fund
+part "viewer: API types fit the OpenAPI document" in_web node scripts/generate_api_types.mjs check
 part "viewer: types" in_web npm run typecheck
 part "viewer: unit tests" in_web npm run test:unit
 part "viewer: built form matches its sources" in_web npm run test:dist

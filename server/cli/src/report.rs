@@ -25,7 +25,7 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
     rows.add(
         "range",
         format!(
-            "{} to {} nW cm-2 sr-1, {:.3} in the mean over the lit",
+            "{:.3} to {:.3} nW cm-2 sr-1, {:.3} in the mean over the lit",
             report.minimum_nw_cm2_sr, report.maximum_nw_cm2_sr, report.lit_mean_nw_cm2_sr
         ),
     );
@@ -43,7 +43,7 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
             let range = format!("{:.0} to {:.0} m", terrain.minimum_m, terrain.maximum_m);
             rows.add(
                 "terrain",
-                format!("{} files, {range}, under {} lit pixels", terrain.files, terrain.covered),
+                format!("{range} in {} file(s), under {} lit pixels", terrain.files, terrain.covered),
             );
             rows.count("terrain near by", &terrain.nearest, true);
             rows.count("terrain missing", &terrain.missing, true);

@@ -19,7 +19,10 @@ use skyglow_http::{
     source::{RenderedSky, SkyQuery},
 };
 use skyglow_physics::{PhysicsError, Turbidity};
-use std::{io::Write, sync::Arc};
+use std::{
+    io::{ErrorKind, Write},
+    sync::Arc,
+};
 
 /// A command of the command line.
 #[derive(Debug, Subcommand)]
@@ -83,7 +86,10 @@ fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     print_line(&text)
 }
 
-/// Prints text and a line end; an error where standard output is gone (a closed pipe).
+/// Prints text and a line end. A reader that has gone away (`skyglow scenes | head`) has what it wanted.
 fn print_line(text: &str) -> Result<(), Failure> {
-    writeln!(std::io::stdout(), "{text}").map_err(Failure::work)
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::work(error)),
+        _ => Ok(()),
+    }
 }
