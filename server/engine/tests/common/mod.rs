@@ -7,13 +7,13 @@ use skyglow_scene::PolarGrid;
 use std::sync::Arc;
 
 /// An engine on made-up packs.
-pub fn engine(device: DeviceChoice, turbidities: &[f64], basis_count: usize) -> Engine {
+pub(crate) fn engine(device: DeviceChoice, turbidities: &[f64], basis_count: usize) -> Engine {
     let tables = synthetic::table_set(turbidities, basis_count);
     Engine::start(EngineConfig { device, tables, ..EngineConfig::default() }).unwrap()
 }
 
 /// A request for that light and turbidity, with an observer between the tables' altitudes.
-pub fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
+pub(crate) fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
     RenderRequest {
         polar: Arc::new(polar),
         observer_altitude_m: 1661.0,
@@ -25,7 +25,7 @@ pub fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
 }
 
 /// Largest |got − exact| / max(|exact|, floor) over the samples; the floor is a thousandth of the mean.
-pub fn largest_error(got: &[f32], exact: &[f64]) -> f64 {
+pub(crate) fn largest_error(got: &[f32], exact: &[f64]) -> f64 {
     assert_eq!(got.len(), exact.len());
     let floor = exact.iter().map(|value| value.abs()).sum::<f64>() / exact.len() as f64 * 1e-3;
     got.iter()

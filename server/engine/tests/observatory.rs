@@ -1,0 +1,134 @@
+//! From a place in a stored scene to its sky.
+
+mod common;
+
+use common::engine;
+use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
+use skyglow_engine::{DeviceChoice, EngineError, Observatory, ObserverHeight, SkyRequest};
+use skyglow_physics::{Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity};
+use skyglow_scene::{IngestOptions, SceneError, SceneId, SceneStore, ingest};
+use std::path::Path;
+
+/// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, and ground at 1000 m.
+fn store_town(data_dir: &Path, calibration: f64) {
+    let write = |name: &str, value: &dyn Fn(usize, usize) -> f32| {
+        let path = data_dir.join(name);
+        let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
+        let mut dataset = driver.create_with_band_type::<f32, _>(&path, 40, 40, 1).unwrap();
+        dataset.set_geo_transform(&[36.4, 0.01, 0.0, -1.2, 0.0, -0.01]).unwrap();
+        dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
+        let values = (0..40 * 40).map(|pixel| value(pixel / 40, pixel % 40)).collect();
+        let mut band = dataset.rasterband(1).unwrap();
+        band.write((0, 0), (40, 40), &mut Buffer::new((40, 40), values)).unwrap();
+        dataset.close().unwrap();
+        path
+    };
+    let near = |a: usize| (19..22).contains(&a);
+    let options = IngestOptions {
+        terrain: vec![write("terrain.tif", &|_, _| 1000.25)],
+        id: Some(town()),
+        calibration,
+        replace: true,
+        ..IngestOptions::new(write("lights.tif", &|row, column| {
+            if near(row) && near(column) { 25.5 } else { 0.0 }
+        }))
+    };
+    ingest(&SceneStore::new(data_dir), &options, &mut |_| {}).unwrap();
+}
+
+fn town() -> SceneId {
+    SceneId::parse("town").unwrap()
+}
+
+fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeight) -> SkyRequest {
+    SkyRequest {
+        scene: town(),
+        place: GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap(),
+        observer_height,
+        turbidity: Turbidity::new(2.5).unwrap(),
+        lamp: LampPreset::Mixed.lamp(),
+        emission: EmissionMix::garstang(),
+        basis: None,
+    }
+}
+
+fn observatory(data_dir: &Path) -> Observatory {
+    Observatory::new(engine(DeviceChoice::Cpu, &[2.0, 3.0], 8), Vec::new(), data_dir, 2)
+}
+
+#[test]
+fn a_place_gets_its_sky_with_everything_it_depends_on() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let observatory = observatory(data.path());
+    let request = request(-1.35, 36.5, ObserverHeight::AboveGround(2.0));
+    let answer = observatory.sky_blocking(&request).unwrap();
+    assert!((answer.observer.altitude_m - 1002.25).abs() < 0.01, "{:?}", answer.observer);
+    assert!((answer.observer.terrain_altitude_m.unwrap() - 1000.25).abs() < 0.01);
+    assert!(answer.flux_dnb_w > 0.0 && answer.coverage > 0.0 && answer.coverage < 0.1);
+    let atmosphere = Atmosphere::new(request.turbidity);
+    assert_eq!(answer.local_optical_depth, atmosphere.vertical_optical_depth(answer.observer.altitude_m));
+    // The town lies to the south-east: (0.105° east, 0.055° south).
+    assert!((answer.quantities.brightest_azimuth_deg - 118.0).abs() < 4.0);
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    let again = runtime.block_on(observatory.sky(request)).unwrap();
+    assert_eq!(again.rendered.panorama, answer.rendered.panorama);
+    assert_eq!(observatory.open_scene_count(), 1);
+}
+
+#[test]
+fn a_site_says_what_is_there() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let site = |latitude_deg, longitude_deg| {
+        observatory(data.path()).site(&town(), GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
+    };
+    assert_eq!(site(-1.405, 36.605).unwrap().radiance_nw_cm2_sr, Some(25.5));
+    assert_eq!(site(-1.3, 36.5).unwrap().radiance_nw_cm2_sr, Some(0.0));
+    match site(10.0, 36.5).unwrap_err() {
+        EngineError::OutsideScene { bounds: [west, south, east, north], scene, .. } => {
+            assert_eq!(scene, "town");
+            for (got, expected) in [(west, 36.4), (south, -1.6), (east, 36.8), (north, -1.2)] {
+                assert!((got - expected).abs() < 1e-9);
+            }
+        }
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn altitudes_too_high_and_unknown_scenes_are_named() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let observatory = observatory(data.path());
+    let error = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(9000.0))).unwrap_err();
+    assert_eq!(error.to_string(), "altitude is 9000 m; allowed is 0 to 6000 m");
+    let error = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveGround(5500.0)));
+    assert!(matches!(error, Err(EngineError::AltitudeOutOfRange { .. })));
+    let error = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(f64::NAN)));
+    assert!(matches!(error, Err(EngineError::AltitudeOutOfRange { .. })));
+    let below = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(-50.0))).unwrap();
+    assert_eq!(below.observer.altitude_m, 0.0);
+    let mut elsewhere = request(-1.3, 36.5, ObserverHeight::AboveSea(0.0));
+    elsewhere.scene = SceneId::parse("nowhere").unwrap();
+    let error = observatory.sky_blocking(&elsewhere).unwrap_err();
+    assert!(matches!(error, EngineError::Scene(SceneError::UnknownScene { .. })), "{error}");
+}
+
+#[test]
+fn a_scene_that_changes_on_disk_is_opened_again() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let observatory = observatory(data.path());
+    let request = request(-1.3, 36.5, ObserverHeight::AboveSea(1500.0));
+    let before = observatory.sky_blocking(&request).unwrap();
+    assert_eq!(observatory.scene(&town()).unwrap().metadata().version, before.scene.version);
+    store_town(data.path(), 2.0);
+    let after = observatory.sky_blocking(&request).unwrap();
+    assert_ne!(after.scene.version, before.scene.version);
+    assert!((after.flux_dnb_w / before.flux_dnb_w - 2.0).abs() < 1e-6);
+    assert_eq!(observatory.open_scene_count(), 1);
+    std::fs::remove_dir_all(data.path().join("scenes/town")).unwrap();
+    assert!(observatory.sky_blocking(&request).is_err());
+    assert_eq!(observatory.open_scene_count(), 0);
+}
