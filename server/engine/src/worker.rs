@@ -79,7 +79,7 @@ pub(crate) fn dark_sky(executor: ExecutorKind) -> Rendered {
 }
 
 /// True where a batch can take the ticket too.
-fn fits(batch: &[Box<Ticket>], ticket: &Ticket) -> bool {
+fn fits(batch: &[Ticket], ticket: &Ticket) -> bool {
     let nodes: usize = batch.iter().map(|other| other.prepared.nodes.len()).sum();
     nodes + ticket.prepared.nodes.len() <= crate::MAX_BATCH_NODES
         && ticket.prepared.is_compatible(&batch[0].prepared)
@@ -93,7 +93,7 @@ struct Worker {
     executor: Option<Box<dyn Executor>>,
     commands: Receiver<Command>,
     /// Requests taken from the queue that did not fit the batch in hand.
-    waiting: VecDeque<Box<Ticket>>,
+    waiting: VecDeque<Ticket>,
     /// Requests came together the last time: waiting for company pays.
     crowded: bool,
 }
@@ -133,13 +133,13 @@ impl Worker {
     }
 
     /// The next requests to render together; None when the engine is dropped and nothing waits.
-    fn next_batch(&mut self) -> Option<Vec<Box<Ticket>>> {
+    fn next_batch(&mut self) -> Option<Vec<Ticket>> {
         let first = loop {
             if let Some(ticket) = self.waiting.pop_front() {
                 break ticket;
             }
             match self.commands.recv().ok()? {
-                Command::Render(ticket) => break ticket,
+                Command::Render(ticket) => break *ticket,
                 Command::LoseDevice => self.lose(),
             }
         };
@@ -160,14 +160,14 @@ impl Worker {
     }
 
     /// Adds compatible requests from the queue: those there, and while crowded those of the next moments.
-    fn collect(&mut self, batch: &mut Vec<Box<Ticket>>, limit: usize) {
+    fn collect(&mut self, batch: &mut Vec<Ticket>, limit: usize) {
         let window = if self.crowded { self.config.batch_window } else { Duration::ZERO };
         let deadline = Instant::now() + window;
         while batch.len() < limit && self.waiting.len() < limit {
             let left = deadline.saturating_duration_since(Instant::now());
             match self.commands.recv_timeout(left) {
-                Ok(Command::Render(ticket)) if fits(batch, &ticket) => batch.push(ticket),
-                Ok(Command::Render(ticket)) => self.waiting.push_back(ticket),
+                Ok(Command::Render(ticket)) if fits(batch, &ticket) => batch.push(*ticket),
+                Ok(Command::Render(ticket)) => self.waiting.push_back(*ticket),
                 Ok(Command::LoseDevice) => self.lose(),
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return,
             }
@@ -180,7 +180,7 @@ impl Worker {
         }
     }
 
-    fn answer(&mut self, mut batch: Vec<Box<Ticket>>) {
+    fn answer(&mut self, mut batch: Vec<Ticket>) {
         self.stats.queued.fetch_sub(batch.len() as u64, Ordering::Relaxed);
         // Nobody waits for an answer whose receiver is gone.
         batch.retain(|ticket| !ticket.answer.is_closed());
@@ -199,7 +199,7 @@ impl Worker {
         }
     }
 
-    fn answer_rendered(&self, batch: Vec<Box<Ticket>>, output: BatchOutput) {
+    fn answer_rendered(&self, batch: Vec<Ticket>, output: BatchOutput) {
         let batch_size = batch.len();
         let executor = self.executor.as_ref().map_or(ExecutorKind::Cpu, |executor| executor.kind());
         self.stats.count_batch(batch_size, &output.passes);

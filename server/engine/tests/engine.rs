@@ -1,4 +1,5 @@
 //! The engine as a whole: queue, batches, losses, shutdown.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
 mod common;
 

@@ -112,10 +112,10 @@ impl GpuExecutor {
                     Binding::Shape => view(&pack.shape),
                     Binding::Basis => view(&pack.basis),
                     Binding::Scales(_) => work.scales.as_entire_binding(),
-                    Binding::Mixed(_) => view(&work.mixed.view),
-                    Binding::Weights(_) => view(&work.weights.view),
+                    Binding::Mixed(_) => view(&work.mixed),
+                    Binding::Weights(_) => view(&work.weights),
                     Binding::Coefficients(_) => work.coefficients.as_entire_binding(),
-                    Binding::Spectra(_) => view(&work.spectra.view),
+                    Binding::Spectra(_) => view(&work.spectra),
                     Binding::Sums(_) => work.sums.as_entire_binding(),
                     Binding::Radiance(_) => work.radiance.as_entire_binding(),
                     Binding::Blended => work.blended.as_entire_binding(),
@@ -193,7 +193,7 @@ impl GpuExecutor {
         let radiance_w_m2_sr = panoramas
             .chunks_exact(Panorama::LEN * 4)
             .take(plan.request_count)
-            .map(|bytes| bytemuck::pod_collect_to_vec(bytes))
+            .map(bytemuck::pod_collect_to_vec)
             .collect();
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(ticks);
         debug_assert_eq!(ticks.len(), TIMESTAMP_COUNT as usize);

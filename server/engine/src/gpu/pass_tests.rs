@@ -1,6 +1,6 @@
 //! Each pass on lavapipe against the same pass of the CPU executor, fed with what the device itself had before it.
 
-use super::{GpuExecutor, context::Context, workspace::Texture};
+use super::{GpuExecutor, context::Context};
 use crate::{
     cpu::{
         basis_sum::{self, BLOCK, BlockedBasis},
@@ -92,12 +92,12 @@ impl Rig {
     }
 
     /// The top rows of a texture as `[row][column]` texels.
-    fn texture(&self, source: &Texture, width: usize, height: usize) -> Vec<Vec<[f32; 4]>> {
+    fn texture(&self, source: &wgpu::TextureView, width: usize, height: usize) -> Vec<Vec<[f32; 4]>> {
         let row_bytes = (16 * width).next_multiple_of(256);
         let target = self.read_back_buffer((row_bytes * height) as u64);
         let mut encoder = self.executor.context.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
-            source.texture.as_image_copy(),
+            source.texture().as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &target,
                 layout: wgpu::TexelCopyBufferLayout {
@@ -180,10 +180,10 @@ impl Rig {
         for band in 0..BAND_COUNT {
             for k in 0..2 * pairs {
                 let row = &rows[(request * BAND_COUNT + band) * pairs + k / 2];
-                for f in 0..FREQUENCY_COUNT {
+                for (f, texel) in row.iter().enumerate() {
                     let start = (band * padded + k) * 2 * PADDED + f;
-                    values[start] = row[f][2 * (k % 2)];
-                    values[start + PADDED] = row[f][2 * (k % 2) + 1];
+                    values[start] = texel[2 * (k % 2)];
+                    values[start + PADDED] = texel[2 * (k % 2) + 1];
                 }
             }
         }

@@ -19,12 +19,6 @@ use wgpu::{BufferUsages, TextureUsages};
 /// Timestamps a batch writes at most: at the start, and after each pass of each pack.
 pub(crate) const TIMESTAMP_COUNT: u32 = (Taps::MAX * Pass::ALL.len()) as u32 + 1;
 
-/// A texture and its whole view.
-pub(crate) struct Texture {
-    pub(crate) texture: wgpu::Texture,
-    pub(crate) view: wgpu::TextureView,
-}
-
 /// Everything between the packs and the panorama.
 pub(crate) struct Workspace {
     pub(crate) frames: Vec<wgpu::Buffer>,
@@ -34,10 +28,10 @@ pub(crate) struct Workspace {
     pub(crate) columns: wgpu::Buffer,
     pub(crate) twiddles: wgpu::Buffer,
     pub(crate) scales: wgpu::Buffer,
-    pub(crate) mixed: Texture,
-    pub(crate) weights: Texture,
+    pub(crate) mixed: wgpu::TextureView,
+    pub(crate) weights: wgpu::TextureView,
     pub(crate) coefficients: wgpu::Buffer,
-    pub(crate) spectra: Texture,
+    pub(crate) spectra: wgpu::TextureView,
     pub(crate) sums: wgpu::Buffer,
     pub(crate) radiance: wgpu::Buffer,
     pub(crate) blended: wgpu::Buffer,
@@ -143,8 +137,7 @@ impl Workspace {
                     | TextureUsages::COPY_SRC,
                 view_formats: &[],
             });
-            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-            Ok::<_, EngineError>(Texture { texture, view })
+            Ok::<_, EngineError>(texture.create_view(&wgpu::TextureViewDescriptor::default()))
         };
         let twiddles = buffer("twiddles", AZIMUTH_COUNT * 8, input)?;
         let table: Vec<[f32; 2]> = (0..AZIMUTH_COUNT).map(twiddle).collect();
