@@ -22,8 +22,8 @@ pub const DEMO_ID: &str = "demo";
 
 /// West, south, east, north of the demo, degrees.
 const BOUNDS_DEG: [f64; 4] = [4.0, 42.5, 15.0, 49.0];
-/// Light pixels a degree, as the VIIRS products have it (15″).
-const LIGHT_PER_DEG: f64 = 240.0;
+/// Light pixels a degree (30″, two of the VIIRS products' pixels): a demo need not be finer.
+const LIGHT_PER_DEG: f64 = 120.0;
 /// Terrain samples a degree (30″).
 const TERRAIN_PER_DEG: f64 = 120.0;
 

@@ -15,7 +15,7 @@ use skyglow_physics::geometry::LocalFrame;
 const SMALL_TOWN_PEAK_NW_CM2_SR: f64 = 20.0;
 const SMALL_TOWN_RADIUS_KM: f64 = 1.2;
 /// Below this a satellite sees nothing, nW cm⁻² sr⁻¹.
-const DETECTION_NW_CM2_SR: f64 = 0.3;
+const DETECTION_NW_CM2_SR: f64 = 0.8;
 /// Brightest the centre of a town gets, nW cm⁻² sr⁻¹.
 const BRIGHTEST_NW_CM2_SR: f64 = 110.0;
 /// The skirt's part of the peak, and its radius in radii of the core.
