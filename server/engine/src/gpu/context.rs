@@ -71,7 +71,11 @@ impl Context {
 
     fn open_adapter(adapter: &wgpu::Adapter) -> Result<Self, EngineError> {
         let info = adapter.get_info();
-        let timestamps = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        // Lavapipe's timestamps do not say when a pass began or ended.
+        let timestamps = match kind_of(&info) {
+            ExecutorKind::Gpu => adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            ExecutorKind::Lavapipe | ExecutorKind::Cpu => wgpu::Features::empty(),
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("skyglow"),
             required_features: timestamps,

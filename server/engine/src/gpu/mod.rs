@@ -20,7 +20,7 @@ use crate::{
     plan::Pass,
     plan::{PlannedPass, RenderPlan},
     prepare::Prepared,
-    request::ExecutorKind,
+    request::{ExecutorKind, PassTime},
     table_set::TableSet,
 };
 use bindings::{Binding, bindings};
@@ -130,24 +130,57 @@ impl GpuExecutor {
         })
     }
 
-    fn record(&self, plan: &RenderPlan) -> wgpu::CommandEncoder {
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        // Lavapipe was seen to stamp the beginning of a pass after its dispatch: only ends are taken, and
-        // the first counts from the end of an empty pass.
-        drop(encoder.begin_compute_pass(&self.pass_descriptor("start", 0)));
-        for (index, planned) in (1u32..).zip(&plan.passes) {
-            if let (Pass::Coefficients, Some(slot)) = (planned.pass, planned.pack_slot) {
-                let functions = plan.packs[slot].quad_count * 4;
-                let bytes = plan.request_count * BAND_COUNT * functions * AZIMUTH_COUNT * 4;
-                encoder.clear_buffer(&self.workspace.coefficients, 0, Some(bytes as u64));
-            }
-            let mut pass = encoder.begin_compute_pass(&self.pass_descriptor(planned.pass.name(), index));
-            let [x, y, z] = planned.workgroups;
-            pass.set_pipeline(&self.pipelines[planned.pass.index()].pipeline);
-            pass.set_bind_group(0, self.groups.get(&group_key(plan, planned)), &[]);
-            pass.dispatch_workgroups(x, y, z);
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Runs a plan and answers the passes' times where the device cannot tell them itself: lavapipe stamps a
+    /// pass's beginning after its work as often as before, so there each pass is submitted and waited for.
+    fn run(&self, plan: &RenderPlan) -> Result<PassClock, DeviceFault> {
+        let mut clock = PassClock::default();
+        let mut encoder = self.encoder();
+        let stepwise = self.workspace.timestamps.is_none();
+        if stepwise {
+            self.context.queue.submit([]);
+            self.wait()?;
+        } else {
+            drop(encoder.begin_compute_pass(&self.pass_descriptor("start", 0)));
         }
+        for (index, planned) in (1u32..).zip(&plan.passes) {
+            self.record_pass(&mut encoder, plan, planned, index);
+            if stepwise {
+                let step = std::mem::replace(&mut encoder, self.encoder());
+                clock.time(planned.pass, || {
+                    self.context.queue.submit([step.finish()]);
+                    self.wait()
+                })?;
+            }
+        }
+        self.record_read_back(&mut encoder, plan);
+        self.context.queue.submit([encoder.finish()]);
+        Ok(clock)
+    }
+
+    fn record_pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        plan: &RenderPlan,
+        planned: &PlannedPass,
+        timestamp: u32,
+    ) {
+        if let (Pass::Coefficients, Some(slot)) = (planned.pass, planned.pack_slot) {
+            let functions = plan.packs[slot].quad_count * 4;
+            let bytes = plan.request_count * BAND_COUNT * functions * AZIMUTH_COUNT * 4;
+            encoder.clear_buffer(&self.workspace.coefficients, 0, Some(bytes as u64));
+        }
+        let mut pass = encoder.begin_compute_pass(&self.pass_descriptor(planned.pass.name(), timestamp));
+        let [x, y, z] = planned.workgroups;
+        pass.set_pipeline(&self.pipelines[planned.pass.index()].pipeline);
+        pass.set_bind_group(0, self.groups.get(&group_key(plan, planned)), &[]);
+        pass.dispatch_workgroups(x, y, z);
+    }
+
+    fn record_read_back(&self, encoder: &mut wgpu::CommandEncoder, plan: &RenderPlan) {
         let work = &self.workspace;
         let result = if plan.packs.len() > 1 { &work.blended } else { &work.radiance };
         let bytes = (plan.request_count * Panorama::LEN * 4) as u64;
@@ -158,7 +191,16 @@ impl GpuExecutor {
             let bytes = 8 * u64::from(count);
             encoder.copy_buffer_to_buffer(resolved, 0, &work.read_back, READ_BACK_PANORAMA_BYTES, bytes);
         }
-        encoder
+    }
+
+    /// Waits until all that was submitted is done.
+    fn wait(&self) -> Result<(), DeviceFault> {
+        let waited = self
+            .context
+            .device
+            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) });
+        self.context.check()?;
+        waited.map(drop).map_err(|error| DeviceFault::Lost(error.to_string()))
     }
 
     fn pass_descriptor<'a>(&'a self, label: &'a str, timestamp: u32) -> wgpu::ComputePassDescriptor<'a> {
@@ -172,18 +214,13 @@ impl GpuExecutor {
     }
 
     /// Waits for the submission and maps what came back.
-    fn read_back(&self, plan: &RenderPlan) -> Result<BatchOutput, DeviceFault> {
+    fn read_back(&self, plan: &RenderPlan, clock: PassClock) -> Result<BatchOutput, DeviceFault> {
         let buffer = &self.workspace.read_back;
         let (sender, receiver) = channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
             let _ = sender.send(result);
         });
-        let waited = self
-            .context
-            .device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) });
-        self.context.check()?;
-        waited.map_err(|error| DeviceFault::Lost(error.to_string()))?;
+        self.wait()?;
         receiver
             .try_recv()
             .map_err(|error| DeviceFault::Lost(format!("no answer came: {error}")))?
@@ -199,11 +236,10 @@ impl GpuExecutor {
         debug_assert_eq!(ticks.len(), TIMESTAMP_COUNT as usize);
         drop(view);
         buffer.unmap();
-        Ok(BatchOutput { radiance_w_m2_sr, passes: self.pass_times(plan, &ticks) })
+        Ok(BatchOutput { radiance_w_m2_sr, passes: self.pass_times(plan, clock, &ticks) })
     }
 
-    fn pass_times(&self, plan: &RenderPlan, ticks: &[u64]) -> Vec<crate::request::PassTime> {
-        let mut clock = PassClock::default();
+    fn pass_times(&self, plan: &RenderPlan, mut clock: PassClock, ticks: &[u64]) -> Vec<PassTime> {
         if let Some(nanoseconds) = self.context.nanoseconds_per_tick {
             for (planned, ticks) in plan.passes.iter().zip(ticks.windows(2)) {
                 let elapsed = ticks[1].saturating_sub(ticks[0]) as f64 * nanoseconds;
@@ -236,9 +272,8 @@ impl Executor for GpuExecutor {
         let plan = RenderPlan::of(batch, &self.set);
         self.upload(batch, &plan);
         self.make_groups(&plan);
-        let encoder = self.record(&plan);
-        self.context.queue.submit([encoder.finish()]);
-        self.read_back(&plan)
+        let clock = self.run(&plan)?;
+        self.read_back(&plan, clock)
     }
 
     fn lose(&mut self) {
