@@ -106,8 +106,7 @@ pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
         .route("/", get(viewer::get_viewer))
         .route("/index.html", get(viewer::get_viewer))
         .route("/assets/{*file}", get(viewer::get_viewer))
-        .fallback(not_found)
-        .method_not_allowed_fallback(method_not_allowed);
+        .fallback(not_found);
     all.layer(CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(worth_compressing()))
         .layer(from_fn(tag_encodings))
         .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
@@ -120,10 +119,6 @@ pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
 
 async fn not_found() -> ApiError {
     ApiError::NotFound
-}
-
-async fn method_not_allowed() -> ApiError {
-    ApiError::MethodNotAllowed
 }
 
 /// Text is compressed, pictures are already.

@@ -52,3 +52,47 @@ pub async fn get_problem(Path(kind): Path<String>, headers: HeaderMap) -> Result
     let text = format!("{name}\n\n{words}\n");
     bytes_by_content(&headers, Keep::Minutes, "text/plain; charset=utf-8", text.into_bytes())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{FieldError, Mistake};
+
+    #[test]
+    fn every_kind_that_the_table_of_status_codes_has_is_explained() {
+        let wrong = |code: Mistake| {
+            ApiError::Parameters(vec![FieldError {
+                parameter: String::new(),
+                value: None,
+                allowed: String::new(),
+                message: String::new(),
+                code,
+            }])
+        };
+        let errors = [
+            wrong(Mistake::UnknownParameter),
+            wrong(Mistake::Malformed),
+            wrong(Mistake::OutOfRange),
+            wrong(Mistake::NotResident),
+            wrong(Mistake::NotSupportedYet),
+            ApiError::UnknownScene { id: String::new() },
+            ApiError::OutsideScene { latitude_deg: 0.0, longitude_deg: 0.0, bounds: [0.0; 4] },
+            ApiError::UnknownTile { reason: String::new() },
+            ApiError::NotFound,
+            ApiError::MethodNotAllowed,
+            ApiError::NotAcceptable { offered: "" },
+            ApiError::BodyTooLong { limit_bytes: 1 },
+            ApiError::Unreadable(400),
+            ApiError::TooManyRequests { retry_after_s: 1 },
+            ApiError::Busy { retry_after_s: 1 },
+            ApiError::Timeout { limit_s: 1.0 },
+            ApiError::EngineDown,
+            ApiError::internal(""),
+        ];
+        let mut kinds: Vec<&str> = errors.iter().map(|error| error.row().1).collect();
+        let mut explained: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
+        kinds.sort_unstable();
+        explained.sort_unstable();
+        assert_eq!(kinds, explained);
+    }
+}
