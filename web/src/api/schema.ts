@@ -1,494 +1,856 @@
-// Made from server/http/openapi.json by scripts/generate_api_types.mjs; do not edit.
+// Made from the OpenAPI document by scripts/generate_api_types.mjs; do not edit.
 
+/** What every number depends on. */
 export type Assumptions = {
-  scene: SceneReference;
-  observer: ObserverAnswer;
-  /** Covered share of the disc of 300 km around the place; light outside the raster is unknown, not absent. */
-  coverage: number;
-  /** Factor on the raster's radiances. */
-  calibration: number;
-  /** Turbidity at sea level. */
-  turbidity: number;
-  /** Vertical optical depth above the observer in R, G, B. */
-  local_optical_depth: [number, number, number];
-  /** `single` or `multiple`. */
-  scattering: string;
-  lamp: LampAnswer;
-  emission: EmissionAnswer;
-  /** `none`: clouds are not modelled yet. */
-  clouds: string;
-  /** Whether terrain hides lights and sky: not yet. */
-  terrain_occlusion: boolean;
-  /** Upward flux within 300 km, DNB watts, calibration included. */
-  flux_dnb_w: number;
   /** Basis functions used. */
   basis_count: number;
+  /** Factor on the raster's radiances. */
+  calibration: number;
+  /** `none`: clouds are not modelled yet. */
+  clouds: string;
+  /** Covered share of the disc of 300 km around the place; light outside the raster is unknown, not absent. */
+  coverage: number;
+  /** The emission. */
+  emission: EmissionAnswer;
   /** What rendered: `gpu`, `lavapipe` or `cpu`. */
   executor: string;
-};
-
-export type AtmosphereAnswer = {
-  /** Its turbidity. */
-  turbidity: number;
+  /** Upward flux within 300 km, DNB watts, calibration included. */
+  flux_dnb_w: number;
+  /** The lamp. */
+  lamp: LampAnswer;
+  /** Vertical optical depth above the observer in R, G, B. */
+  local_optical_depth: number[];
+  /** Where the observer is. */
+  observer: ObserverAnswer;
   /** `single` or `multiple`. */
   scattering: string;
+  /** The scene. */
+  scene: SceneReference;
+  /** Whether terrain hides lights and sky: not yet. */
+  terrain_occlusion: boolean;
+  /** Turbidity at sea level. */
+  turbidity: number;
+};
+
+/** A resident table pack. */
+export type AtmosphereAnswer = {
   /** Wavelengths of the bands, nm. */
   bands_nm: number[];
-  /** Lowest and highest observer altitude, metres. */
-  observer_altitude_m: [number, number];
-  /** Lowest and highest source altitude, metres. */
-  source_altitude_m: [number, number];
-  /** Nearest and farthest source, metres. */
-  distance_m: [number, number];
   /** Basis functions. */
   basis_count: number;
   /** Checksum of the pack. */
   checksum: string;
+  /** Nearest and farthest source, metres. */
+  distance_m: number[];
   /** Measured relative error of the images of single sources. */
   measured_error?: Record<string, unknown> | null;
+  /** Lowest and highest observer altitude, metres. */
+  observer_altitude_m: number[];
+  /** `single` or `multiple`. */
+  scattering: string;
+  /** Lowest and highest source altitude, metres. */
+  source_altitude_m: number[];
+  /** Its turbidity. */
+  turbidity: number;
 };
 
+/** Weights of the emission lobes; they sum to 1. */
 export type EmissionAnswer = {
-  /** cos ψ / π. */
-  lambert: number;
   /** Garstang's low-angle term. */
   horizon: number;
+  /** cos ψ / π. */
+  lambert: number;
   /** Falchi's third function. */
   oblique: number;
 };
 
+/** One bad parameter. */
 export type FieldError = {
+  /** What is allowed. */
+  allowed: string;
+  /** The kind of mistake. */
+  code: Mistake;
+  /** What is wrong with it. */
+  message: string;
   /** Its name. */
   parameter: string;
   /** Its value as it came; absent where the parameter is missing. */
   value?: string | null;
-  /** What is allowed. */
-  allowed: string;
-  /** What is wrong with it. */
-  message: string;
-  code: Mistake;
 };
 
+/** A raster's grid. */
 export type GridAnswer = {
-  /** Columns. */
-  width: number;
-  /** Rows. */
-  height: number;
-  /** GDAL's six coefficients. */
-  geotransform: [number, number, number, number, number, number];
   /** The CRS as WKT. */
   crs_wkt: string;
+  /** GDAL's six coefficients. */
+  geotransform: number[];
+  /** Rows. */
+  height: number;
+  /** Columns. */
+  width: number;
 };
 
+/** Whether the server lives or is ready. */
 export type HealthAnswer = {
-  /** `ok`, or `starting` while tables or device are not ready. */
-  status: string;
   /** What renders: `gpu`, `lavapipe` or `cpu`. */
   executor?: string | null;
+  /** `ok`, or `starting` while tables or device are not ready. */
+  status: string;
 };
 
+/** A lamp. */
 export type LampAnswer = {
+  /** Flux in R, G, B per flux weighted by the satellite's response. A satellite sees no blue: the lamp is an assumption. */
+  flux_per_dnb_flux: number[];
   /** The preset's name, or null for a custom lamp. */
   preset?: string | null;
-  /** Flux in R, G, B per flux weighted by the satellite's response. A satellite sees no blue: the lamp is an assumption. */
-  flux_per_dnb_flux: [number, number, number];
 };
 
+/** Which light. */
 export type Light = "artificial" | "total";
 
+/** Kinds of mistakes in parameters. */
 export type Mistake = "unknown_parameter" | "missing" | "repeated" | "malformed" | "not_allowed" | "conflict" | "out_of_range" | "not_resident" | "not_supported_yet";
 
+/** Where the observer is. */
 export type ObserverAnswer = {
+  /** Altitude of the eye above sea level, metres. */
+  altitude_m: number;
   /** Degrees north. */
   latitude_deg: number;
   /** Degrees east. */
   longitude_deg: number;
-  /** Altitude of the eye above sea level, metres. */
-  altitude_m: number;
   /** Altitude of the ground, metres; null without terrain. */
   terrain_altitude_m?: number | null;
 };
 
+/** A panorama's samples and numbers. */
 export type PanoramaAnswer = Assumptions & {
-  grid: PanoramaGrid;
   /** Wavelengths of the bands R, G, B, nm. */
-  bands_nm: [number, number, number];
-  /** Unit of the samples. */
-  unit: string;
+  bands_nm: number[];
+  /** Where the samples are. */
+  grid: PanoramaGrid;
+  /** Elevation below which the terrain hides the sky, by column, degrees: 0 everywhere while `terrain_occlusion` is false. */
+  horizon_deg: number[];
+  /** Which light the samples hold: `artificial` or `total`. */
   light: Light;
   /** `radiance[band][row][column]`. */
   radiance: number[][][];
-  /** Elevation below which the terrain hides the sky, by column, degrees: 0 everywhere while `terrain_occlusion` is false. */
-  horizon_deg: number[];
+  /** The numbers. */
   sky: QuantitiesAnswer;
+  /** Unit of the samples. */
+  unit: string;
 };
 
+/** The grid of a panorama. */
 export type PanoramaGrid = {
   /** Columns. */
   azimuth_count: number;
-  /** Rows. */
-  elevation_count: number;
   /** Azimuth of column 0, degrees clockwise from north. */
   azimuth_first_deg: number;
   /** Degrees from column to column. */
   azimuth_step_deg: number;
+  /** Rows. */
+  elevation_count: number;
   /** Elevation of row 0, the lowest, degrees. */
   elevation_first_deg: number;
   /** Degrees from row to row. */
   elevation_step_deg: number;
 };
 
+/** A named place. */
 export type PlaceAnswer = {
-  /** Its name. */
-  name: string;
   /** Degrees north. */
   latitude_deg: number;
   /** Degrees east, −180..180. */
   longitude_deg: number;
+  /** Its name. */
+  name: string;
   /** Inhabitants, where known. */
   population?: number | null;
 };
 
+/** Why a request was not answered as asked (RFC 9457). */
 export type Problem = {
-  /** Stable name of the kind of problem, such as `/problems/unknown-parameter`. */
-  type: string;
-  /** The kind in words. */
-  title: string;
-  /** The status code. */
-  status: number;
+  /** West, south, east, north of the scene, degrees, where the place lies outside it. */
+  bounds?: number[] | null;
   /** What is wrong with this request, and what would help. */
   detail: string;
   /** Every bad parameter. */
-  errors: FieldError[];
-  /** West, south, east, north of the scene, degrees, where the place lies outside it. */
-  bounds?: [number, number, number, number] | null;
+  errors?: FieldError[];
+  /** The status code. */
+  status: number;
+  /** The kind in words. */
+  title: string;
+  /** Stable name of the kind of problem, such as `/problems/unknown-parameter`. */
+  type: string;
 };
 
+/** The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. */
 export type QuantitiesAnswer = {
-  /** Mean within 5° of the zenith, cd m⁻². */
-  zenith_luminance_cd_m2: number;
-  /** The same, mag arcsec⁻². */
-  zenith_brightness_mag_arcsec2?: number | null;
-  /** With the natural sky, cd m⁻². */
-  zenith_total_luminance_cd_m2: number;
-  /** With the natural sky, mag arcsec⁻². */
-  zenith_total_brightness_mag_arcsec2: number;
+  /** Bortle class of the total at the zenith, 1..=9. */
+  bortle_class: number;
+  /** Its azimuth, degrees clockwise from north. */
+  brightest_azimuth_deg: number;
+  /** Its elevation, degrees. */
+  brightest_elevation_deg: number;
+  /** Largest luminance, cd m⁻². */
+  brightest_luminance_cd_m2: number;
+  /** Horizontal illuminance, lx. */
+  horizontal_illuminance_lx: number;
+  /** With the natural sky, lx. */
+  horizontal_total_illuminance_lx: number;
+  /** Mean over the upper hemisphere, cd m⁻². */
+  mean_luminance_cd_m2: number;
+  /** Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2). */
+  naked_eye_limit_mag: number;
   /** Artificial over natural luminance at the zenith. */
   ratio_to_natural: number;
   /** As a Sky Quality Meter at the zenith sees it (Gaussian, FWHM 20°), cd m⁻². */
   sqm_luminance_cd_m2: number;
   /** What such a meter reads with the natural sky, mag arcsec⁻². */
   sqm_total_brightness_mag_arcsec2: number;
-  /** Mean over the upper hemisphere, cd m⁻². */
-  mean_luminance_cd_m2: number;
-  /** Horizontal illuminance, lx. */
-  horizontal_illuminance_lx: number;
-  /** With the natural sky, lx. */
-  horizontal_total_illuminance_lx: number;
-  /** Largest luminance, cd m⁻². */
-  brightest_luminance_cd_m2: number;
-  /** Its azimuth, degrees clockwise from north. */
-  brightest_azimuth_deg: number;
-  /** Its elevation, degrees. */
-  brightest_elevation_deg: number;
-  /** Bortle class of the total at the zenith, 1..=9. */
-  bortle_class: number;
-  /** Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2). */
-  naked_eye_limit_mag: number;
+  /** The same, mag arcsec⁻². */
+  zenith_brightness_mag_arcsec2?: number | null;
+  /** Mean within 5° of the zenith, cd m⁻². */
+  zenith_luminance_cd_m2: number;
   /** Radiance at the zenith in R, G, B, W m⁻² sr⁻¹. */
-  zenith_radiance_w_m2_sr: [number, number, number];
+  zenith_radiance_w_m2_sr: number[];
+  /** With the natural sky, mag arcsec⁻². */
+  zenith_total_brightness_mag_arcsec2: number;
+  /** With the natural sky, cd m⁻². */
+  zenith_total_luminance_cd_m2: number;
 };
 
+/** A scene. */
 export type SceneAnswer = {
-  /** Its name in URLs. */
-  id: string;
-  /** Its name for people. */
-  title: string;
-  /** West, south, east, north, degrees; west > east across the antimeridian. */
-  bounds: [number, number, number, number];
-  grid: GridAnswer;
-  /** Short name of the CRS. */
-  crs: string;
-  /** Factor on the raster's radiances. */
-  calibration: number;
-  /** What the ingest saw: counts of lit, zero, negative, NaN, no-data and capped pixels with examples, the range, terrain under the lights, warnings. */
-  report: Record<string, unknown>;
-  /** Side of a square with the area of the middle pixel, metres. */
-  pixel_size_m: number;
-  /** Pixels with light. */
-  lit_pixels: number;
-  /** When the radiances were taken. */
-  date?: string | null;
   /** Whom to credit. */
   attribution?: string | null;
+  /** West, south, east, north, degrees; west > east across the antimeridian. */
+  bounds: number[];
+  /** Factor on the raster's radiances. */
+  calibration: number;
+  /** Short name of the CRS. */
+  crs: string;
+  /** When the radiances were taken. */
+  date?: string | null;
+  /** The raster's own grid. */
+  grid: GridAnswer;
+  /** Its name in URLs. */
+  id: string;
   /** True for made-up light that only shows what the program does. */
   illustrative: boolean;
-  /** Whether the scene has terrain. */
-  terrain: boolean;
+  /** Pixels with light. */
+  lit_pixels: number;
+  /** Side of a square with the area of the middle pixel, metres. */
+  pixel_size_m: number;
   /** Number of named places. */
   places_count: number;
+  /** What the ingest saw: counts of lit, zero, negative, NaN, no-data and capped pixels with examples, the range, terrain under the lights, warnings. */
+  report: Record<string, unknown>;
+  /** Whether the scene has terrain. */
+  terrain: boolean;
+  /** Its name for people. */
+  title: string;
   /** Hash over all that the scene holds. */
   version: string;
 };
 
+/** The scene that an answer was made from. */
 export type SceneReference = {
-  /** Its name in URLs. */
-  id: string;
-  /** Hash over all that it holds. */
-  version: string;
-  /** True for made-up light. */
-  illustrative: boolean;
   /** Whom to credit. */
   attribution?: string | null;
+  /** Its name in URLs. */
+  id: string;
+  /** True for made-up light. */
+  illustrative: boolean;
+  /** Hash over all that it holds. */
+  version: string;
 };
 
+/** What is at a place. */
 export type SiteAnswer = {
-  scene: SceneReference;
+  /** West, south, east, north of the scene, degrees. */
+  bounds: number[];
+  /** Factor on the raster's radiances (not in `radiance_nw_cm2_sr`). */
+  calibration: number;
   /** Degrees north. */
   latitude_deg: number;
   /** Degrees east. */
   longitude_deg: number;
-  /** Altitude of the ground, metres, at least 0; null without terrain. */
-  terrain_altitude_m?: number | null;
   /** Radiance of the raster's pixel there, nW cm⁻² sr⁻¹; 0 where dark, null without data. */
   radiance_nw_cm2_sr?: number | null;
-  /** Factor on the raster's radiances (not in `radiance_nw_cm2_sr`). */
-  calibration: number;
-  /** West, south, east, north of the scene, degrees. */
-  bounds: [number, number, number, number];
+  /** The scene. */
+  scene: SceneReference;
+  /** Altitude of the ground, metres, at least 0; null without terrain. */
+  terrain_altitude_m?: number | null;
 };
 
+/** The numbers alone. */
 export type SkyAnswer = Assumptions & {
+  /** The numbers. */
   sky: QuantitiesAnswer;
 };
 
+/** TileJSON 3.0. */
 export type TileJson = {
-  /** `3.0.0`. */
-  tilejson: string;
-  /** The layer. */
-  name: string;
-  /** What the colours mean. */
-  description: string;
   /** Whom to credit. */
   attribution?: string | null;
-  /** The scene's version. */
-  version: string;
-  /** `xyz`. */
-  scheme: string;
-  /** URL templates with `{z}`, `{x}`, `{y}`. */
-  tiles: string[];
-  /** Lowest zoom level. */
-  minzoom: number;
+  /** West, south, east, north, degrees. */
+  bounds: number[];
+  /** Longitude, latitude and zoom level to start at. */
+  center: number[];
+  /** What the colours mean. */
+  description: string;
   /** Highest zoom level with detail of its own. */
   maxzoom: number;
-  /** West, south, east, north, degrees. */
-  bounds: [number, number, number, number];
-  /** Longitude, latitude and zoom level to start at. */
-  center: [number, number, number];
+  /** Lowest zoom level. */
+  minzoom: number;
+  /** The layer. */
+  name: string;
+  /** `xyz`. */
+  scheme: string;
+  /** `3.0.0`. */
+  tilejson: string;
+  /** URL templates with `{z}`, `{x}`, `{y}`. */
+  tiles: string[];
+  /** The scene's version. */
+  version: string;
 };
 
 /** Everything that GET answers: by path, what it takes and what comes back. */
 export interface Gets {
+  /** A page to read and try the interface. */
   "/api/docs": {
     path: Record<string, never>;
     query: Record<string, never>;
     answer: Blob;
   };
+  /** Lists the resident table packs, ascending in turbidity. */
   "/api/v1/atmospheres": {
     path: Record<string, never>;
     query: Record<string, never>;
     answer: AtmosphereAnswer[];
   };
+  /** The OpenAPI document. */
+  "/api/v1/openapi.json": {
+    path: Record<string, never>;
+    query: Record<string, never>;
+    answer: Record<string, unknown>;
+  };
+  /** Lists the scenes. */
   "/api/v1/scenes": {
     path: Record<string, never>;
     query: Record<string, never>;
     answer: SceneAnswer[];
   };
-  "/api/v1/scenes/{scene}/panorama.exr": {
+  /** Describes a scene. */
+  "/api/v1/scenes/{scene}": {
     path: {
+      /** The scene's id */
       scene: string;
     };
-    query: {
-      lat: number;
-      lon: number;
-      height?: number;
-      altitude?: number;
-      turbidity?: number;
-      scattering?: "single" | "multiple";
-      lamp?: string;
-      emission?: string;
-      basis?: number;
-      clouds?: string;
-      terrain?: "on" | "off";
-      tolerance?: string;
-      sky?: "artificial" | "total";
-      scenario?: string;
-      projection?: "equirectangular" | "fisheye" | "perspective";
-      azimuth?: number;
-      elevation?: number;
-      fov?: number;
-      style?: "false_colour" | "realistic";
-      colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
-      scale?: "luminance" | "magnitude";
-      min?: string;
-      max?: string;
-      exposure?: number;
-      width?: number;
-      height_px?: number;
-      legend?: "on" | "off";
-    };
-    answer: Blob;
+    query: Record<string, never>;
+    answer: SceneAnswer;
   };
-  "/api/v1/scenes/{scene}/panorama.json": {
+  /** The sky in the format that the Accept header prefers; PNG if it takes anything. */
+  "/api/v1/scenes/{scene}/panorama": {
     path: {
+      /** The scene's id */
       scene: string;
     };
     query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
       lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
+      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
       height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
       altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
+      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
+      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
       basis?: number;
+      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
+      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
       terrain?: "on" | "off";
+      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
+      /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
+      /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
+      /** Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
       azimuth?: number;
+      /** Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
       elevation?: number;
+      /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
       fov?: number;
+      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
       style?: "false_colour" | "realistic";
+      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
       colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
+      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
       scale?: "luminance" | "magnitude";
+      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
       min?: string;
+      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
       max?: string;
+      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
       exposure?: number;
+      /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
+      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
       legend?: "on" | "off";
     };
     answer: PanoramaAnswer;
   };
+  /** Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats; A says where sky is. */
+  "/api/v1/scenes/{scene}/panorama.exr": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      basis?: number;
+      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      clouds?: string;
+      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
+      tolerance?: string;
+      /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+      sky?: "artificial" | "total";
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
+      projection?: "equirectangular" | "fisheye" | "perspective";
+      /** Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+      azimuth?: number;
+      /** Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+      elevation?: number;
+      /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+      fov?: number;
+      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
+      style?: "false_colour" | "realistic";
+      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
+      colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
+      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
+      scale?: "luminance" | "magnitude";
+      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
+      min?: string;
+      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
+      max?: string;
+      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
+      exposure?: number;
+      /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      width?: number;
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      height_px?: number;
+      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
+      legend?: "on" | "off";
+    };
+    answer: Blob;
+  };
+  /** The raw grid with its numbers; projection and style change nothing here. */
+  "/api/v1/scenes/{scene}/panorama.json": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      basis?: number;
+      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      clouds?: string;
+      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
+      tolerance?: string;
+      /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+      sky?: "artificial" | "total";
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
+      projection?: "equirectangular" | "fisheye" | "perspective";
+      /** Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+      azimuth?: number;
+      /** Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+      elevation?: number;
+      /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+      fov?: number;
+      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
+      style?: "false_colour" | "realistic";
+      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
+      colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
+      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
+      scale?: "luminance" | "magnitude";
+      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
+      min?: string;
+      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
+      max?: string;
+      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
+      exposure?: number;
+      /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      width?: number;
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      height_px?: number;
+      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
+      legend?: "on" | "off";
+    };
+    answer: PanoramaAnswer;
+  };
+  /** The sky as PNG, with its legend. */
   "/api/v1/scenes/{scene}/panorama.png": {
     path: {
+      /** The scene's id */
       scene: string;
     };
     query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
       lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
+      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
       height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
       altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
+      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
+      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
       basis?: number;
+      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
+      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
       terrain?: "on" | "off";
+      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
+      /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
+      /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
+      /** Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
       azimuth?: number;
+      /** Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
       elevation?: number;
+      /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
       fov?: number;
+      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
       style?: "false_colour" | "realistic";
+      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
       colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
+      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
       scale?: "luminance" | "magnitude";
+      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
       min?: string;
+      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
       max?: string;
+      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
       exposure?: number;
+      /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
+      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
       legend?: "on" | "off";
     };
     answer: Blob;
   };
+  /** Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; NaN where there is no sky. */
   "/api/v1/scenes/{scene}/panorama.tif": {
     path: {
+      /** The scene's id */
       scene: string;
     };
     query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
       lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
+      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
       height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
       altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
+      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
+      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
       basis?: number;
+      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
+      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
       terrain?: "on" | "off";
+      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
+      /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
+      /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
+      /** Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
       azimuth?: number;
+      /** Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
       elevation?: number;
+      /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
       fov?: number;
+      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
       style?: "false_colour" | "realistic";
+      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
       colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
+      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
       scale?: "luminance" | "magnitude";
+      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
       min?: string;
+      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
       max?: string;
+      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
       exposure?: number;
+      /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
+      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
       legend?: "on" | "off";
     };
     answer: Blob;
   };
+  /** The sky as lossless WebP, with its legend. */
+  "/api/v1/scenes/{scene}/panorama.webp": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      basis?: number;
+      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      clouds?: string;
+      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
+      tolerance?: string;
+      /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+      sky?: "artificial" | "total";
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
+      projection?: "equirectangular" | "fisheye" | "perspective";
+      /** Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+      azimuth?: number;
+      /** Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+      elevation?: number;
+      /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+      fov?: number;
+      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
+      style?: "false_colour" | "realistic";
+      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
+      colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
+      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
+      scale?: "luminance" | "magnitude";
+      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
+      min?: string;
+      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
+      max?: string;
+      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
+      exposure?: number;
+      /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      width?: number;
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      height_px?: number;
+      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
+      legend?: "on" | "off";
+    };
+    answer: Blob;
+  };
+  /** Lists the named places of a scene, the most populous first. */
   "/api/v1/scenes/{scene}/places": {
     path: {
+      /** The scene's id */
       scene: string;
     };
     query: Record<string, never>;
     answer: PlaceAnswer[];
   };
+  /** Says what is at a place. */
   "/api/v1/scenes/{scene}/site": {
     path: {
+      /** The scene's id */
       scene: string;
     };
     query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
       lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
     };
     answer: SiteAnswer;
   };
+  /** The numbers of the sky at a place. */
   "/api/v1/scenes/{scene}/sky": {
     path: {
+      /** The scene's id */
       scene: string;
     };
     query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
       lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
+      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
       height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
       altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
+      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
+      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
       basis?: number;
+      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
+      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
       terrain?: "on" | "off";
+      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
+      /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
     };
     answer: SkyAnswer;
   };
+  /** Describes a layer of tiles (TileJSON 3.0). */
   "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json": {
     path: {
+      /** The scene's id */
       scene: string;
+      /** `radiance` or `elevation` */
       layer: string;
     };
     query: Record<string, never>;
     answer: TileJson;
+  };
+  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading. */
+  "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png": {
+    path: {
+      /** The scene's id */
+      scene: string;
+      /** `radiance` or `elevation` */
+      layer: string;
+      /** Zoom level */
+      z: number;
+      /** Column, from 180° west */
+      x: number;
+      /** Row, from the north */
+      y: number;
+    };
+    query: Record<string, never>;
+    answer: Blob;
+  };
+  /** Answers while the server lives. */
+  "/healthz": {
+    path: Record<string, never>;
+    query: Record<string, never>;
+    answer: HealthAnswer;
+  };
+  /** Counters for Prometheus, in the OpenMetrics text format. */
+  "/metrics": {
+    path: Record<string, never>;
+    query: Record<string, never>;
+    answer: Blob;
+  };
+  /** Explains a kind of problem. */
+  "/problems/{kind}": {
+    path: {
+      /** The last part of a problem's `type` */
+      kind: string;
+    };
+    query: Record<string, never>;
+    answer: Blob;
+  };
+  /** Answers 200 once tables are resident and the device answers. */
+  "/readyz": {
+    path: Record<string, never>;
+    query: Record<string, never>;
+    answer: HealthAnswer;
   };
 }

@@ -7,5 +7,5 @@ export type Scene = SceneAnswer;
 export type NamedPlace = PlaceAnswer;
 export type Site = SiteAnswer;
 export type SkyQuantities = QuantitiesAnswer;
-/** [west, south, east, north] in degrees; west > east across the antimeridian. */
+/** Four numbers, [west, south, east, north] in degrees; west > east across the antimeridian. */
 export type Bounds = SceneAnswer["bounds"];

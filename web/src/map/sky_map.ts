@@ -34,7 +34,7 @@ function reachable(address: string): string {
 const EDGE_PX = 40;
 
 /** Continuous across the antimeridian: east is never less than west. */
-function unwrapped([west, south, east, north]: Bounds): Bounds {
+function unwrapped([west = -180, south = -90, east = 180, north = 90]: Bounds): [number, number, number, number] {
   return [west, south, east < west ? east + 360 : east, north];
 }
 

@@ -101,7 +101,10 @@ export class Controls {
 
   set_scenes(scenes: readonly Scene[]): void {
     this.scene.replaceChildren(
-      ...scenes.map((scene) => new Option(scene.illustrative ? `${scene.title} (illustrative)` : scene.title, scene.id)),
+      ...scenes.map(({ id, title, illustrative }) => {
+        const said = !illustrative || /illustrative/i.test(title);
+        return new Option(said ? title : `${title} (illustrative)`, id);
+      }),
     );
     this.scene.disabled = scenes.length === 0;
   }
