@@ -17,16 +17,20 @@ pub fn code_spans(document: &str) -> Vec<&str> {
     spans
 }
 
-/// Every `make TARGET` in a document, fenced blocks included, in order, once each.
+/// Every `make TARGET` in a document, fenced blocks included, in order, once each. A command starts a line or a
+/// code span, and ends it or is followed by a comment.
 pub fn make_targets(document: &str) -> Vec<&str> {
     let mut targets: Vec<&str> = Vec::new();
-    for rest in document.split("make ").skip(1) {
-        let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(rest.len());
-        let (target, after) = rest.split_at(end);
-        // A command stands alone: the end of a code span, a line, or a comment behind it.
-        let is_command = after.starts_with(['`', '\n']) || after.trim_start().starts_with('#');
-        if !target.is_empty() && is_command && !targets.contains(&target) {
-            targets.push(target);
+    for line in document.lines() {
+        for (start, found) in line.match_indices("make ") {
+            let (before, rest) = (&line[..start], &line[start + found.len()..]);
+            let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(rest.len());
+            let (target, after) = rest.split_at(end);
+            let starts = before.trim().is_empty() || before.ends_with('`');
+            let ends = after.is_empty() || after.starts_with('`') || after.trim_start().starts_with('#');
+            if starts && ends && !target.is_empty() && !targets.contains(&target) {
+                targets.push(target);
+            }
         }
     }
     targets

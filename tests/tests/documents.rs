@@ -20,7 +20,8 @@ fn make_commands_of_the_documents_are_in_the_makefile() {
 
 #[test]
 fn a_command_that_the_makefile_lacks_is_seen() {
-    let document = "Run `make serve`, then\n```\nmake tea   # hot\nmake serve\n```\nto make packs of it.\n";
+    let document =
+        "Run `make serve`, then\n```\nmake tea   # hot\nmake serve\n```\nthen make packs\nof it.\n";
     assert_eq!(make_targets(document), ["serve", "tea"]);
     assert_eq!(missing_targets(document, "serve: build\n\tskyglow serve\n"), ["tea"]);
 }

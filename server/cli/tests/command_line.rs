@@ -60,7 +60,6 @@ fn failed_work_is_status_1_with_one_line_that_says_why() {
     let nowhere = text(&folder.path().join("nowhere")).to_owned();
     let failing: &[(&[&str], &str)] = &[
         (&["ingest", &nowhere, "--data", data], "nowhere"),
-        (&["sky", "--scene", "atlantis", "--lat", "46", "--lon", "8", "--data", data], "atlantis"),
         (&["packs", "--packs", &nowhere], "nowhere"),
         (&["config", "check", "--config", &nowhere], "nowhere"),
     ];

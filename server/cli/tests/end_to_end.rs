@@ -202,10 +202,14 @@ fn the_command_line_gives_the_numbers_of_the_api() {
         println!("{}: {}", arguments.join(" "), refused.stderr.trim_end());
         assert!(refused.stderr.contains(word), "{arguments:?}: {}", refused.stderr);
     }
-    let outside = ["sky", "--scene", "demo", "--lat", "-1.3", "--lon", "36.8", "--data", text(&data)];
-    let refused = skyglow(&[&outside[..], &engine[..]].concat()).expect_status(1);
-    println!("place outside: {}", refused.stderr.trim_end());
-    assert!(refused.stderr.contains("outside"), "{}", refused.stderr);
+    for (scene, lat, lon, word) in
+        [("demo", "-1.3", "36.8", "outside"), ("atlantis", "46.2", "8.8", "atlantis")]
+    {
+        let asked = ["sky", "--scene", scene, "--lat", lat, "--lon", lon, "--data", text(&data)];
+        let refused = skyglow(&[&asked[..], &engine[..]].concat()).expect_status(1);
+        println!("{scene} {lat} {lon}: {}", refused.stderr.trim_end());
+        assert!(refused.stderr.contains(word), "{}", refused.stderr);
+    }
 }
 
 #[test]

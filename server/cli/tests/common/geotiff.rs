@@ -8,7 +8,7 @@ use tiff::{
 
 /// How a raster lies on the Earth.
 #[derive(Clone, Copy, Debug)]
-pub enum Crs {
+pub(crate) enum Crs {
     /// No geo keys and no position at all.
     None,
     /// A position without a coordinate reference system.
@@ -20,14 +20,14 @@ pub enum Crs {
 }
 
 /// Side of every raster, pixels.
-pub const SIDE: u32 = 40;
+pub(crate) const SIDE: u32 = 40;
 /// Degrees a pixel: 15 arc seconds, as the satellite's products have.
-pub const STEP_DEG: f64 = 1.0 / 240.0;
+pub(crate) const STEP_DEG: f64 = 1.0 / 240.0;
 /// Longitude of the western edge and latitude of the northern edge, degrees.
-pub const CORNER_DEG: (f64, f64) = (36.75, -1.2);
+pub(crate) const CORNER_DEG: (f64, f64) = (36.75, -1.2);
 
 /// Radiance of a small town in the middle and darkness around it, nW cm⁻² sr⁻¹.
-pub fn town() -> Vec<f32> {
+pub(crate) fn town() -> Vec<f32> {
     let middle = f64::from(SIDE) / 2.0;
     (0..SIDE * SIDE)
         .map(|index| {
@@ -39,7 +39,7 @@ pub fn town() -> Vec<f32> {
 }
 
 /// Writes radiances as a one-band float GeoTIFF with no-data −999.
-pub fn write_radiance(path: &Path, crs: Crs, radiance_nw_cm2_sr: &[f32]) {
+pub(crate) fn write_radiance(path: &Path, crs: Crs, radiance_nw_cm2_sr: &[f32]) {
     let mut encoder = TiffEncoder::new(File::create(path).unwrap()).unwrap();
     let mut image = encoder.new_image::<colortype::Gray32Float>(SIDE, SIDE).unwrap();
     write_position(image.encoder(), crs);
@@ -48,7 +48,7 @@ pub fn write_radiance(path: &Path, crs: Crs, radiance_nw_cm2_sr: &[f32]) {
 }
 
 /// Writes an eight-bit grey picture, as a map rendered for the eye is.
-pub fn write_picture(path: &Path) {
+pub(crate) fn write_picture(path: &Path) {
     let mut encoder = TiffEncoder::new(File::create(path).unwrap()).unwrap();
     let mut image = encoder.new_image::<colortype::Gray8>(SIDE, SIDE).unwrap();
     write_position(image.encoder(), Crs::Geographic);

@@ -1,8 +1,8 @@
 //! The built program from outside: command line, rasters to feed it, a running server.
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
-pub mod geotiff;
-pub mod server;
+pub(crate) mod geotiff;
+pub(crate) mod server;
 
 use std::{
     path::{Path, PathBuf},
@@ -11,7 +11,7 @@ use std::{
 
 /// What a finished command left.
 #[derive(Debug)]
-pub struct Finished {
+pub(crate) struct Finished {
     /// Exit status.
     pub status: i32,
     /// Standard output.
@@ -21,7 +21,7 @@ pub struct Finished {
 }
 
 /// The program, with none of the caller's settings.
-pub fn command() -> Command {
+pub(crate) fn command() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_skyglow"));
     for (name, _) in std::env::vars_os() {
         if name.to_string_lossy().starts_with("SKYGLOW_") {
@@ -33,7 +33,7 @@ pub fn command() -> Command {
 }
 
 /// Runs the program to its end.
-pub fn skyglow(arguments: &[&str]) -> Finished {
+pub(crate) fn skyglow(arguments: &[&str]) -> Finished {
     let output = command().args(arguments).output().unwrap();
     Finished {
         status: output.status.code().expect("ended by a signal"),
@@ -44,24 +44,24 @@ pub fn skyglow(arguments: &[&str]) -> Finished {
 
 impl Finished {
     /// Panics with all output unless the status is the one given.
-    pub fn expect_status(self, status: i32) -> Self {
+    pub(crate) fn expect_status(self, status: i32) -> Self {
         assert_eq!(self.status, status, "{self:?}");
         self
     }
 
     /// Standard output as JSON.
-    pub fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {self:?}"))
     }
 }
 
 /// A path as an argument.
-pub fn text(path: &Path) -> &str {
+pub(crate) fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
 /// The table packs that come with the project.
-pub fn packs() -> PathBuf {
+pub(crate) fn packs() -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
     folder.canonicalize().unwrap()
 }
