@@ -80,8 +80,8 @@ impl ChapmanTable {
             .map(|i| {
                 let s = i as f64 / INTERVALS as f64;
                 if i == 0 {
-                    // p → ∞: (1 + p)·J_n → ∫ e^{−y}·polynomial dy.
-                    return [1.0 + e + e * e * (24.0 / 8.0 - 6.0 / 2.0), 1.0];
+                    // p → ∞: (1 + p)·J_n → ∫ e^{−y}·polynomial dy = 1, 1, 0, …
+                    return [1.0 + e, 1.0];
                 }
                 let p = 1.0 / s - 1.0;
                 let j = moments(p, &nodes);
@@ -98,7 +98,8 @@ impl ChapmanTable {
                 0 => (-25.0 * v(0) + 48.0 * v(1) - 36.0 * v(2) + 16.0 * v(3) - 3.0 * v(4)) / 12.0,
                 1 => (-3.0 * v(0) - 10.0 * v(1) + 18.0 * v(2) - 6.0 * v(3) + v(4)) / 12.0,
                 i if i == INTERVALS => {
-                    (25.0 * v(i) - 48.0 * v(i - 1) + 36.0 * v(i - 2) - 16.0 * v(i - 3) + 3.0 * v(i - 4)) / 12.0
+                    (25.0 * v(i) - 48.0 * v(i - 1) + 36.0 * v(i - 2) - 16.0 * v(i - 3) + 3.0 * v(i - 4))
+                        / 12.0
                 }
                 i if i == INTERVALS - 1 => {
                     (3.0 * v(i + 1) + 10.0 * v(i) - 18.0 * v(i - 1) + 6.0 * v(i - 2) - v(i - 3)) / 12.0

@@ -116,12 +116,7 @@ impl Lamp {
                 reason: "all three fluxes are zero; at least one must be positive".to_owned(),
             });
         }
-        Ok(Self {
-            flux_per_dnb_flux,
-            lumens_per_dnb_watt: None,
-            scotopic_photopic_ratio: None,
-            preset: None,
-        })
+        Ok(Self { flux_per_dnb_flux, lumens_per_dnb_watt: None, scotopic_photopic_ratio: None, preset: None })
     }
 }
 

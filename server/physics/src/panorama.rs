@@ -99,8 +99,7 @@ mod tests {
 
     #[test]
     fn solid_angles_cover_the_hemisphere() {
-        let total: f64 =
-            (0..ELEVATION_COUNT).map(|row| solid_angle_sr(row) * AZIMUTH_COUNT as f64).sum();
+        let total: f64 = (0..ELEVATION_COUNT).map(|row| solid_angle_sr(row) * AZIMUTH_COUNT as f64).sum();
         assert!((total - std::f64::consts::TAU).abs() < 1e-12);
     }
 

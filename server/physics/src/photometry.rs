@@ -72,8 +72,18 @@ mod tests {
 
     #[test]
     fn bortle_classes_end_where_the_model_says() {
-        let cases =
-            [(22.0, 1), (21.99, 2), (21.8, 3), (21.0, 4), (20.0, 5), (19.0, 6), (18.5, 7), (18.0, 8), (17.8, 8), (17.79, 9)];
+        let cases = [
+            (22.0, 1),
+            (21.99, 2),
+            (21.8, 3),
+            (21.0, 4),
+            (20.0, 5),
+            (19.0, 6),
+            (18.5, 7),
+            (18.0, 8),
+            (17.8, 8),
+            (17.79, 9),
+        ];
         for (mag, class) in cases {
             assert_eq!(bortle_class(mag), class, "{mag}");
         }

@@ -52,12 +52,8 @@ const KRONROD_W: [f64; 8] = [
     0.204_432_940_075_298_9,
     0.209_482_141_084_727_82,
 ];
-const GAUSS_W: [f64; 4] = [
-    0.129_484_966_168_869_7,
-    0.279_705_391_489_276_64,
-    0.381_830_050_505_118_93,
-    0.417_959_183_673_469_4,
-];
+const GAUSS_W: [f64; 4] =
+    [0.129_484_966_168_869_7, 0.279_705_391_489_276_64, 0.381_830_050_505_118_9, 0.417_959_183_673_469_4];
 
 /// Kronrod value and error estimate of N integrals over low..high.
 fn kronrod<const N: usize>(
@@ -94,6 +90,15 @@ fn kronrod<const N: usize>(
     (fine, error)
 }
 
+/// A part of the range with its Kronrod values and error estimates.
+struct Part<const N: usize> {
+    low: f64,
+    high: f64,
+    value: [f64; N],
+    error: [f64; N],
+    depth: u32,
+}
+
 /// N integrals at once over low..high, bisecting until for each of them the estimated error of a part is
 /// below `tolerance` times its share of max(|its whole|, `floor`). At most 40 levels deep.
 pub fn integrate_adaptive<const N: usize>(
@@ -113,7 +118,7 @@ pub fn integrate_pieces<const N: usize>(
     floor: f64,
     integrand: &mut impl FnMut(f64) -> [f64; N],
 ) -> [f64; N] {
-    let mut parts: Vec<(f64, f64, [f64; N], [f64; N], u32)> = Vec::with_capacity(32);
+    let mut parts: Vec<Part<N>> = Vec::with_capacity(32);
     let mut total = [0.0; N];
     for pair in edges.windows(2) {
         if pair[1] > pair[0] {
@@ -121,12 +126,12 @@ pub fn integrate_pieces<const N: usize>(
             for k in 0..N {
                 total[k] += value[k];
             }
-            parts.push((pair[0], pair[1], value, error, 0));
+            parts.push(Part { low: pair[0], high: pair[1], value, error, depth: 0 });
         }
     }
     // Depth first; `total` always holds the best values of all parts, so the criterion sharpens as it goes.
     let mut sum = [0.0; N];
-    while let Some((low, high, value, error, depth)) = parts.pop() {
+    while let Some(Part { low, high, value, error, depth }) = parts.pop() {
         // Errors of the parts add up: a few dozen parts at most, each allowed a tenth.
         let good = (0..N).all(|k| error[k] <= 0.1 * tolerance * total[k].abs().max(floor));
         if good || depth >= 40 {
@@ -141,7 +146,7 @@ pub fn integrate_pieces<const N: usize>(
             for k in 0..N {
                 total[k] += half_value[k];
             }
-            parts.push((a, b, half_value, half_error, depth + 1));
+            parts.push(Part { low: a, high: b, value: half_value, error: half_error, depth: depth + 1 });
         }
         for k in 0..N {
             total[k] -= value[k];

@@ -126,11 +126,11 @@ impl SourceRay {
     pub fn point(&self, path_m: f64) -> RayPoint {
         let observer_radius = self.observer_radius_m;
         let along = observer_radius * self.view.z + path_m;
-        let radius =
-            (observer_radius * observer_radius + path_m * (2.0 * observer_radius * self.view.z + path_m)).sqrt();
+        let radius = (observer_radius * observer_radius
+            + path_m * (2.0 * observer_radius * self.view.z + path_m))
+            .sqrt();
         // r − r_o = (2 r_o u sin φ + u²)/(r + r_o): no cancellation.
-        let climb =
-            path_m * (2.0 * observer_radius * self.view.z + path_m) / (radius + observer_radius);
+        let climb = path_m * (2.0 * observer_radius * self.view.z + path_m) / (radius + observer_radius);
         let from_source = self.view * path_m - self.source;
         let distance2 = from_source.length_squared();
         let distance = distance2.sqrt();
@@ -320,8 +320,8 @@ impl<'a> Scattering<'a> {
             let from_source =
                 table.column_m(self.source_altitude_m, p.cos_zenith_at_source, self.source_density[species])
                     - table.column_m(p.altitude_m, p.cos_zenith_of_light, here);
-            let to_observer = self.observer_column_m[species]
-                - table.column_m(p.altitude_m, p.cos_zenith_of_view, here);
+            let to_observer =
+                self.observer_column_m[species] - table.column_m(p.altitude_m, p.cos_zenith_of_view, here);
             (from_source + to_observer).max(0.0)
         };
         let path_molecules_m = column(0, chapman::molecules());
@@ -372,7 +372,8 @@ pub fn radiance_per_watt_fixed<const N: usize>(
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
     let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad).integrate_fixed(nodes, |p| scattering.by_lobe(p))
+    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
+        .integrate_fixed(nodes, |p| scattering.by_lobe(p))
 }
 
 /// Sky radiance per watt of a source with a mix of lobes, m⁻² sr⁻¹, `[atmosphere][band]`, to a relative

@@ -115,9 +115,8 @@ mod tests {
 
     fn square_pixel(center: GeoPoint, side_m: f64) -> SourcePixel {
         let half = side_m / 2f64.sqrt();
-        let corner = |k: f64| {
-            center.destination(std::f64::consts::FRAC_PI_4 * (2.0 * k + 1.0), half).unit_vector()
-        };
+        let corner =
+            |k: f64| center.destination(std::f64::consts::FRAC_PI_4 * (2.0 * k + 1.0), half).unit_vector();
         SourcePixel {
             corners: [corner(0.0), corner(1.0), corner(2.0), corner(3.0)],
             flux_dnb_w: 7.0,

@@ -88,11 +88,7 @@ impl TableAxes {
 
     /// Few points, made in seconds: for tests of everything but accuracy.
     pub fn coarse() -> Self {
-        Self {
-            distance_m: logarithmic(10),
-            observer_altitude_m: vec![0.0, 6_000.0],
-            offset_count: 4,
-        }
+        Self { distance_m: logarithmic(10), observer_altitude_m: vec![0.0, 6_000.0], offset_count: 4 }
     }
 
     /// Source altitude of a node, metres; clamped to −1 500 … 6 000 m (nodes outside repeat the last one

@@ -16,8 +16,12 @@ impl Checkpoint {
     pub(crate) fn open(out: &Path, parameters: &PackParameters) -> Result<Self, TablesError> {
         let folder = out.join(format!(".turbidity-{:.2}-single.partial", parameters.turbidity));
         let description = folder.join("parameters.json");
-        let json = serde_json::to_vec(&(parameters, crate::manifest::MODEL_VERSION, env!("CARGO_PKG_VERSION")))
-            .map_err(|error| TablesError::Manifest { path: description.clone(), reason: error.to_string() })?;
+        let json =
+            serde_json::to_vec(&(parameters, crate::manifest::MODEL_VERSION, env!("CARGO_PKG_VERSION")))
+                .map_err(|error| TablesError::Manifest {
+                    path: description.clone(),
+                    reason: error.to_string(),
+                })?;
         if folder.exists() && std::fs::read(&description).ok().as_deref() != Some(&json) {
             std::fs::remove_dir_all(&folder).map_err(TablesError::io(&folder))?;
         }

@@ -63,9 +63,8 @@ impl Projector {
     pub fn project(&self, weights: &[f32], shapes: &[&[f32]]) -> Result<Vec<Vec<f64>>, TablesError> {
         let count = self.basis.ncols();
         let weighted = Mat::from_fn(PIXEL_COUNT, count, |p, k| f64::from(weights[p]) * self.basis[(p, k)]);
-        let targets = Mat::from_fn(PIXEL_COUNT, shapes.len(), |p, n| {
-            f64::from(weights[p]) * f64::from(shapes[n][p])
-        });
+        let targets =
+            Mat::from_fn(PIXEL_COUNT, shapes.len(), |p, n| f64::from(weights[p]) * f64::from(shapes[n][p]));
         let solution = solve_normal_equations(weighted, targets, "projection")?;
         Ok((0..shapes.len()).map(|n| (0..count).map(|k| solution[(k, n)]).collect()).collect())
     }
@@ -82,9 +81,8 @@ fn solve_normal_equations(a: Mat<f64>, y: Mat<f64>, stage: &'static str) -> Resu
     for k in 0..count {
         normal[(k, k)] += ridge;
     }
-    let factor = normal
-        .llt(Side::Lower)
-        .map_err(|error| TablesError::Fit { stage, reason: format!("{error:?}") })?;
+    let factor =
+        normal.llt(Side::Lower).map_err(|error| TablesError::Fit { stage, reason: format!("{error:?}") })?;
     Ok(factor.solve(&right))
 }
 
@@ -114,8 +112,10 @@ pub fn fit_basis(
         let columns: Vec<Vec<f64>> = (0..PIXEL_COUNT)
             .into_par_iter()
             .map(|p| {
-                let a = Mat::from_fn(shapes.len(), count, |n, k| f64::from(weights[n][p]) * coefficients[n][k]);
-                let y = Mat::from_fn(shapes.len(), 1, |n, _| f64::from(weights[n][p]) * f64::from(shapes[n][p]));
+                let a =
+                    Mat::from_fn(shapes.len(), count, |n, k| f64::from(weights[n][p]) * coefficients[n][k]);
+                let y =
+                    Mat::from_fn(shapes.len(), 1, |n, _| f64::from(weights[n][p]) * f64::from(shapes[n][p]));
                 let x = solve_normal_equations(a, y, "basis functions")?;
                 Ok((0..count).map(|k| x[(k, 0)]).collect())
             })
@@ -194,10 +194,9 @@ fn order_by_use(
     let c = Mat::from_fn(shapes.len(), count, |n, k| coefficients[n][k]);
     let mut covariance = Mat::<f64>::zeros(count, count);
     matmul(&mut covariance, Accum::Replace, c.transpose(), &c, 1.0, Par::Seq);
-    let eigen = covariance.self_adjoint_eigen(Side::Lower).map_err(|error| TablesError::Fit {
-        stage: "ordering",
-        reason: format!("{error:?}"),
-    })?;
+    let eigen = covariance
+        .self_adjoint_eigen(Side::Lower)
+        .map_err(|error| TablesError::Fit { stage: "ordering", reason: format!("{error:?}") })?;
     let axes = eigen.U();
     // Eigenvalues ascend.
     let axis = |k: usize, j: usize| axes[(j, count - 1 - k)];

@@ -55,16 +55,19 @@ fn scale_weights() -> Vec<f64> {
     weights
 }
 
-/// The images at one node of the axes.
+/// Most turbidities computed together.
+pub const MAX_TOGETHER: usize = 6;
+
+/// The images at one node of the axes, one set for each atmosphere.
 pub fn images_at_node(
-    atmosphere: &Atmosphere,
+    atmospheres: &[Atmosphere],
     axes: &TableAxes,
     observer_altitude: usize,
     distance: usize,
     offset: usize,
-) -> SourceImages {
+) -> Vec<SourceImages> {
     images_of(
-        atmosphere,
+        atmospheres,
         &SourceGeometry {
             distance_m: axes.distance_m[distance],
             source_altitude_m: axes.source_altitude_m(observer_altitude, distance, offset),
@@ -73,41 +76,71 @@ pub fn images_at_node(
     )
 }
 
-/// The images of any geometry.
-pub fn images_of(atmosphere: &Atmosphere, geometry: &SourceGeometry) -> SourceImages {
+/// The images of any geometry, one set for each atmosphere. Several cost little more than one: rays, columns
+/// and angles are shared.
+pub fn images_of(atmospheres: &[Atmosphere], geometry: &SourceGeometry) -> Vec<SourceImages> {
+    match atmospheres.len() {
+        0 => Vec::new(),
+        1 => images_together::<OUTPUT_COUNT>(atmospheres, geometry),
+        2 => images_together::<{ 2 * OUTPUT_COUNT }>(atmospheres, geometry),
+        3 => images_together::<{ 3 * OUTPUT_COUNT }>(atmospheres, geometry),
+        4 => images_together::<{ 4 * OUTPUT_COUNT }>(atmospheres, geometry),
+        5 => images_together::<{ 5 * OUTPUT_COUNT }>(atmospheres, geometry),
+        MAX_TOGETHER => images_together::<{ MAX_TOGETHER * OUTPUT_COUNT }>(atmospheres, geometry),
+        _ => {
+            let (first, rest) = atmospheres.split_at(MAX_TOGETHER);
+            let mut images = images_of(first, geometry);
+            images.extend(images_of(rest, geometry));
+            images
+        }
+    }
+}
+
+/// `N` is the number of atmospheres times [`OUTPUT_COUNT`].
+fn images_together<const N: usize>(
+    atmospheres: &[Atmosphere],
+    geometry: &SourceGeometry,
+) -> Vec<SourceImages> {
     let nodes = gauss_legendre(NODES_PER_PIECE);
     let weights = scale_weights();
-    let mut values = vec![0.0f64; IMAGE_COUNT * PIXEL_COUNT];
-    let mut mean = [0.0f64; IMAGE_COUNT];
+    // [atmosphere][lobe][band][row][column]
+    let mut values = vec![0.0f64; N * PIXEL_COUNT];
+    let mut mean = [0.0f64; N];
     for row in 0..ELEVATION_COUNT {
         for column in 0..HALF_COLUMN_COUNT {
-            let radiance: [f64; OUTPUT_COUNT] = radiance_per_watt_fixed(
-                std::slice::from_ref(atmosphere),
+            let radiance: [f64; N] = radiance_per_watt_fixed(
+                atmospheres,
                 geometry,
                 azimuth_rad(column),
                 elevation_rad(row),
                 &nodes,
             );
-            for band in 0..BAND_COUNT {
-                for lobe in 0..LOBE_COUNT {
-                    let image = image_index(lobe, band);
-                    let value = radiance[band * LOBE_COUNT + lobe];
-                    values[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column] = value;
-                    mean[image] += weights[row * HALF_COLUMN_COUNT + column] * value;
-                }
+            let pixel = row * HALF_COLUMN_COUNT + column;
+            for (slot, value) in radiance.into_iter().enumerate() {
+                // Slots are [atmosphere][band][lobe].
+                let (atmosphere, rest) = (slot / OUTPUT_COUNT, slot % OUTPUT_COUNT);
+                let image = atmosphere * IMAGE_COUNT + image_index(rest % LOBE_COUNT, rest / LOBE_COUNT);
+                values[image * PIXEL_COUNT + pixel] = value;
+                mean[image] += weights[pixel] * value;
             }
         }
     }
     let lit = |mean: f64| mean > DARK_LOG_SCALE.exp();
-    let shape = values
-        .chunks_exact(PIXEL_COUNT)
-        .zip(mean)
-        .flat_map(|(image, mean)| {
-            let factor = if lit(mean) { 1.0 / mean } else { 0.0 };
-            image.iter().map(move |value| (value * factor) as f32)
+    (0..atmospheres.len())
+        .map(|atmosphere| {
+            let first = atmosphere * IMAGE_COUNT;
+            let mean: [f64; IMAGE_COUNT] = std::array::from_fn(|image| mean[first + image]);
+            let shape = values[first * PIXEL_COUNT..][..IMAGE_COUNT * PIXEL_COUNT]
+                .chunks_exact(PIXEL_COUNT)
+                .zip(mean)
+                .flat_map(|(image, mean)| {
+                    let factor = if lit(mean) { 1.0 / mean } else { 0.0 };
+                    image.iter().map(move |value| (value * factor) as f32)
+                })
+                .collect();
+            SourceImages { log_scale: mean.map(|m| if lit(m) { m.ln() } else { DARK_LOG_SCALE }), shape }
         })
-        .collect();
-    SourceImages { log_scale: mean.map(|m| if lit(m) { m.ln() } else { DARK_LOG_SCALE }), shape }
+        .collect()
 }
 
 #[cfg(test)]
@@ -118,10 +151,14 @@ mod tests {
     #[test]
     fn an_image_over_its_mean_has_mean_one_and_is_brightest_towards_its_source() {
         let atmosphere = Atmosphere::new(Turbidity::default());
-        let geometry = SourceGeometry { distance_m: 20_000.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
-        let images = images_of(&atmosphere, &geometry);
+        let geometry =
+            SourceGeometry { distance_m: 20_000.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
+        let images = &images_of(&[atmosphere], &geometry)[0];
         let mean: f64 = scale_weights().iter().zip(&images.shape).map(|(w, &x)| w * f64::from(x)).sum();
         assert!((mean - 1.0).abs() < 1e-6);
+        // Two atmospheres at once give the same as each alone.
+        let clean = Atmosphere::new(Turbidity::new(1.0).unwrap());
+        assert_eq!(images_of(&[clean, atmosphere], &geometry)[1].shape, images.shape);
         let low_row = 2 * HALF_COLUMN_COUNT;
         assert!(images.shape[low_row] > 10.0 * images.shape[low_row + HALF_COLUMN_COUNT - 1]);
     }

@@ -19,5 +19,5 @@ pub use axes::{OffsetAxis, TableAxes, lagrange_taps};
 pub use error::TablesError;
 pub use manifest::Manifest;
 pub use pack::{Pack, packs_in};
-pub use precompute::{PrecomputeOptions, Progress, Silent, precompute};
+pub use precompute::{PrecomputeOptions, Progress, Silent, precompute, precompute_together};
 pub use resident::ResidentTables;

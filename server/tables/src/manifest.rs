@@ -36,6 +36,11 @@ pub struct MeasuredError {
     pub zenith_mean: f64,
 }
 
+impl MeasuredError {
+    /// Nothing measured yet.
+    pub const NONE: Self = Self { sources: 0, samples: 0, mean: 0.0, p99: 0.0, zenith_mean: 0.0 };
+}
+
 /// What a pack is; enough to read its data and to make it again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {

@@ -39,7 +39,8 @@ fn coefficients(tables: &ResidentTables, observer_altitude_m: f64, offset_m: f64
                 let shape: f64 = taps
                     .iter()
                     .map(|&(o, w)| {
-                        let value = |side| f64::from(tables.shape[node(o, side) * tables.basis_count + k].to_f32());
+                        let value =
+                            |side| f64::from(tables.shape[node(o, side) * tables.basis_count + k].to_f32());
                         w * (value(0) * (1.0 - t) + value(1) * t)
                     })
                     .sum();
@@ -59,7 +60,7 @@ pub(crate) fn measure_error(
 ) -> MeasuredError {
     let manifest = pack.manifest();
     let Ok(turbidity) = Turbidity::new(manifest.turbidity) else {
-        return MeasuredError { sources: 0, samples: 0, mean: 0.0, p99: 0.0, zenith_mean: 0.0 };
+        return MeasuredError::NONE;
     };
     let atmosphere = Atmosphere::new(turbidity);
     let per_source: Vec<(Vec<f64>, Vec<f64>)> = (1..=sources)
@@ -85,7 +86,11 @@ pub(crate) fn measure_error(
             let zenith = truth(ELEVATION_COUNT - 1, 64);
             let (mut errors, mut zenith_errors) = (Vec::new(), Vec::new());
             for direction in 0..40usize {
-                let row = if direction < 4 { ELEVATION_COUNT - 1 } else { (direction * 25 + i * 7) % ELEVATION_COUNT };
+                let row = if direction < 4 {
+                    ELEVATION_COUNT - 1
+                } else {
+                    (direction * 25 + i * 7) % ELEVATION_COUNT
+                };
                 let column = (direction * 53 + i * 31) % HALF_COLUMN_COUNT;
                 let exact = truth(row, column);
                 for band in 0..BAND_COUNT {
@@ -98,7 +103,8 @@ pub(crate) fn measure_error(
                         let start = (band * LOBE_COUNT + lobe) * basis.count;
                         let value: f64 = (0..basis.count)
                             .map(|k| {
-                                let sample = basis.functions[k * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
+                                let sample =
+                                    basis.functions[k * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
                                 c[start + k] * f64::from(sample)
                             })
                             .sum();

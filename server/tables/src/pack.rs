@@ -171,9 +171,8 @@ impl Pack {
                 manifest.format_version, manifest.model_version
             )));
         }
-        let nodes = manifest.axes.observer_altitude_m.len()
-            * IMAGE_COUNT
-            * manifest.axes.geometries_per_observer();
+        let nodes =
+            manifest.axes.observer_altitude_m.len() * IMAGE_COUNT * manifest.axes.geometries_per_observer();
         let mut section = |what: &str, count: usize, width: usize| -> Result<Vec<u8>, TablesError> {
             let raw = zstd::bulk::decompress(take(what)?, count * width)
                 .map_err(|error| refused(format!("{what} cannot be unpacked: {error}")))?;
@@ -183,9 +182,11 @@ impl Pack {
             Ok(unshuffle(&raw, width))
         };
         let log_scale = bytemuck::pod_collect_to_vec::<u8, _>(&section("log_scale", nodes, 4)?);
-        let shape = bytemuck::pod_collect_to_vec::<u8, _>(&section("shape", nodes * manifest.basis_count, 2)?);
+        let shape =
+            bytemuck::pod_collect_to_vec::<u8, _>(&section("shape", nodes * manifest.basis_count, 2)?);
         let spectrum_len = manifest.basis_count * ELEVATION_COUNT * FREQUENCY_COUNT;
-        let basis_spectrum = bytemuck::pod_collect_to_vec::<u8, _>(&section("basis_spectrum", spectrum_len, 4)?);
+        let basis_spectrum =
+            bytemuck::pod_collect_to_vec::<u8, _>(&section("basis_spectrum", spectrum_len, 4)?);
         let checksum = manifest.checksum.clone();
         let pack = Self::from_parts(manifest, log_scale, shape, basis_spectrum);
         if pack.manifest.checksum != checksum {
@@ -221,10 +222,8 @@ impl Pack {
             });
         let row = offsets * count;
         let mut shape = vec![f16::ZERO; self.shape.len() / distances * rings];
-        shape
-            .par_chunks_exact_mut(rings * row)
-            .zip(self.shape.par_chunks_exact(distances * row))
-            .for_each(|(out, table)| {
+        shape.par_chunks_exact_mut(rings * row).zip(self.shape.par_chunks_exact(distances * row)).for_each(
+            |(out, table)| {
                 let table: Vec<f32> = table.iter().map(|v| v.to_f32()).collect();
                 let mut sum = vec![0.0f32; row];
                 for (ring, taps) in taps.iter().enumerate() {
@@ -239,7 +238,8 @@ impl Pack {
                         *out = f16::from_f32(sum);
                     }
                 }
-            });
+            },
+        );
         ResidentTables {
             turbidity: self.manifest.turbidity,
             checksum: self.manifest.checksum.clone(),

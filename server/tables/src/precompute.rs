@@ -82,9 +82,9 @@ impl PrecomputeOptions {
         }
     }
 
-    fn parameters(&self) -> PackParameters {
+    fn parameters(&self, turbidity: Turbidity) -> PackParameters {
         PackParameters {
-            turbidity: self.turbidity.value(),
+            turbidity: turbidity.value(),
             scattering: Scattering::Single,
             axes: self.axes.clone(),
             basis_count: self.basis_count,
@@ -103,24 +103,47 @@ pub fn precompute(
     out: &Path,
     progress: &dyn Progress,
 ) -> Result<PathBuf, TablesError> {
+    let mut paths = precompute_together(std::slice::from_ref(&options.turbidity), options, out, progress)?;
+    Ok(paths.remove(0))
+}
+
+/// Makes packs of several turbidities (in place of the one in `options`) and returns their paths. The same
+/// packs as one by one, in much less time: their images share all geometry.
+///
+/// # Errors
+/// [`TablesError`] naming the file or the step.
+pub fn precompute_together(
+    turbidities: &[Turbidity],
+    options: &PrecomputeOptions,
+    out: &Path,
+    progress: &dyn Progress,
+) -> Result<Vec<PathBuf>, TablesError> {
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
-    let parameters = options.parameters();
-    let checkpoint = Checkpoint::open(out, &parameters)?;
-    let atmosphere = Atmosphere::new(options.turbidity);
-    let basis = make_basis(options, &atmosphere, &checkpoint, progress)?;
-    let projector = Projector::new(&basis);
+    let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| Atmosphere::new(t)).collect();
+    let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
+    let checkpoints: Vec<Checkpoint> =
+        parameters.iter().map(|p| Checkpoint::open(out, p)).collect::<Result<_, _>>()?;
+    let bases = make_bases(options, &atmospheres, &checkpoints, progress)?;
+    let projectors: Vec<Projector> = bases.iter().map(Projector::new).collect();
     let (observers, distances) = (options.axes.observer_altitude_m.len(), options.axes.distance_m.len());
     progress.begin("sky images", (observers * distances) as u64);
-    let parts: Vec<Vec<f32>> = (0..observers * distances)
+    // [part][turbidity]
+    let parts: Vec<Vec<Vec<f32>>> = (0..observers * distances)
         .into_par_iter()
         .map(|part| {
             let (observer, distance) = (part / distances, part % distances);
             let name = format!("part-{observer:02}-{distance:03}");
-            let values = match checkpoint.load(&name) {
-                Some(values) if values.len() == part_len(options) => values,
-                _ => {
-                    let values = make_part(options, &atmosphere, &projector, observer, distance)?;
-                    checkpoint.store(&name, &values)?;
+            let stored: Option<Vec<Vec<f32>>> = checkpoints
+                .iter()
+                .map(|checkpoint| checkpoint.load(&name).filter(|v| v.len() == part_len(options)))
+                .collect();
+            let values = match stored {
+                Some(values) => values,
+                None => {
+                    let values = make_part(options, &atmospheres, &projectors, observer, distance)?;
+                    for (checkpoint, values) in checkpoints.iter().zip(&values) {
+                        checkpoint.store(&name, values)?;
+                    }
                     values
                 }
             };
@@ -128,20 +151,24 @@ pub fn precompute(
             Ok(values)
         })
         .collect::<Result<_, TablesError>>()?;
-    let (log_scale, shape) = arrange(options, &parts);
-    let none = MeasuredError { sources: 0, samples: 0, mean: 0.0, p99: 0.0, zenith_mean: 0.0 };
-    let mut pack = Pack::from_parts(
-        parameters.manifest(none, String::new()),
-        log_scale,
-        shape,
-        even_spectrum(&basis.functions),
-    );
-    progress.begin("measuring the error", options.error_sources as u64);
-    let measured = measure_error(&pack, &basis, options.error_sources, &|| progress.advance(1));
-    pack.manifest_mut().measured_error = measured;
-    let path = pack.write(out)?;
-    checkpoint.finish()?;
-    Ok(path)
+    progress.begin("measuring the error", (options.error_sources * turbidities.len()) as u64);
+    let mut paths = Vec::with_capacity(turbidities.len());
+    for (index, (parameters, basis)) in parameters.iter().zip(&bases).enumerate() {
+        let (log_scale, shape) = arrange(options, &parts, index);
+        let mut pack = Pack::from_parts(
+            parameters.manifest(MeasuredError::NONE, String::new()),
+            log_scale,
+            shape,
+            even_spectrum(&basis.functions),
+        );
+        pack.manifest_mut().measured_error =
+            measure_error(&pack, basis, options.error_sources, &|| progress.advance(1));
+        paths.push(pack.write(out)?);
+    }
+    for checkpoint in checkpoints {
+        checkpoint.finish()?;
+    }
+    Ok(paths)
 }
 
 /// Node geometries spread evenly over the axes (additive recurrence). Sources below the sea, above the highest
@@ -152,8 +179,10 @@ fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
     let mut nodes = Vec::with_capacity(options.training_geometries);
     for i in 1..100 * options.training_geometries {
         // Powers of 1/1.2207…, the three-dimensional golden ratio.
-        let spread =
-            |k: usize| ((i as f64 * [0.819_172_5, 0.671_043_6, 0.549_700_5][k] + 0.3).fract() * counts[k] as f64) as usize;
+        let spread = |k: usize| {
+            ((i as f64 * [0.819_172_5, 0.671_043_6, 0.549_700_5][k] + 0.3).fract() * counts[k] as f64)
+                as usize
+        };
         let node = (spread(0), spread(1), spread(2));
         let altitude_m = axes.source_altitude_m(node.0, node.1, node.2);
         let offset_m = altitude_m - axes.observer_altitude_m[node.0];
@@ -168,33 +197,45 @@ fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
     nodes
 }
 
-fn make_basis(
+fn make_bases(
     options: &PrecomputeOptions,
-    atmosphere: &Atmosphere,
-    checkpoint: &Checkpoint,
+    atmospheres: &[Atmosphere],
+    checkpoints: &[Checkpoint],
     progress: &dyn Progress,
-) -> Result<Basis, TablesError> {
+) -> Result<Vec<Basis>, TablesError> {
     let count = options.basis_count;
-    if let Some(functions) = checkpoint.load("basis").filter(|f| f.len() == count * PIXEL_COUNT) {
-        return Ok(Basis { count, functions });
+    let load = |checkpoint: &Checkpoint| {
+        let functions = checkpoint.load("basis").filter(|f| f.len() == count * PIXEL_COUNT)?;
+        Some(Basis { count, functions })
+    };
+    if let Some(bases) = checkpoints.iter().map(load).collect() {
+        return Ok(bases);
     }
     let nodes = training_nodes(options);
     progress.begin("training images", nodes.len() as u64);
-    let shapes: Vec<Vec<f32>> = nodes
+    // [node][turbidity]
+    let images: Vec<Vec<SourceImages>> = nodes
         .par_iter()
         .map(|&(observer, distance, offset)| {
-            let images = images_at_node(atmosphere, &options.axes, observer, distance, offset);
+            let images = images_at_node(atmospheres, &options.axes, observer, distance, offset);
             progress.advance(1);
             images
         })
-        .collect::<Vec<SourceImages>>()
-        .into_iter()
-        .flat_map(|images| images.shape.chunks_exact(PIXEL_COUNT).map(<[f32]>::to_vec).collect::<Vec<_>>())
         .collect();
-    progress.begin("basis fit", options.fit_iterations as u64 + 1);
-    let basis = fit_basis(&shapes, count, options.fit_iterations, &|| progress.advance(1))?;
-    checkpoint.store("basis", &basis.functions)?;
-    Ok(basis)
+    progress.begin("basis fit", (options.fit_iterations as u64 + 1) * atmospheres.len() as u64);
+    checkpoints
+        .iter()
+        .enumerate()
+        .map(|(index, checkpoint)| {
+            let shapes: Vec<Vec<f32>> = images
+                .iter()
+                .flat_map(|sets| sets[index].shape.chunks_exact(PIXEL_COUNT).map(<[f32]>::to_vec))
+                .collect();
+            let basis = fit_basis(&shapes, count, options.fit_iterations, &|| progress.advance(1))?;
+            checkpoint.store("basis", &basis.functions)?;
+            Ok(basis)
+        })
+        .collect()
 }
 
 /// Numbers of one part: for each offset and image a log scale and M coefficients.
@@ -202,44 +243,48 @@ fn part_len(options: &PrecomputeOptions) -> usize {
     options.axes.offset_count * IMAGE_COUNT * (1 + options.basis_count)
 }
 
-/// One part, `[offset][lobe][band][1 + basis]`.
+/// One part of every turbidity, each `[offset][lobe][band][1 + basis]`.
 fn make_part(
     options: &PrecomputeOptions,
-    atmosphere: &Atmosphere,
-    projector: &Projector,
+    atmospheres: &[Atmosphere],
+    projectors: &[Projector],
     observer: usize,
     distance: usize,
-) -> Result<Vec<f32>, TablesError> {
-    let mut values = Vec::with_capacity(part_len(options));
-    let mut previous: Option<(f64, Vec<f32>)> = None;
+) -> Result<Vec<Vec<f32>>, TablesError> {
+    let mut parts = vec![Vec::with_capacity(part_len(options)); atmospheres.len()];
+    let record = IMAGE_COUNT * (1 + options.basis_count);
+    let mut previous_altitude_m = f64::NAN;
     for offset in 0..options.axes.offset_count {
         // Nodes outside the range of source altitudes repeat the last one inside.
         let altitude_m = options.axes.source_altitude_m(observer, distance, offset);
-        if let Some((_, same)) = previous.as_ref().filter(|(other, _)| *other == altitude_m) {
-            values.extend_from_slice(same);
+        if altitude_m == previous_altitude_m {
+            for part in &mut parts {
+                part.extend_from_within(part.len() - record..);
+            }
             continue;
         }
-        let images = images_at_node(atmosphere, &options.axes, observer, distance, offset);
-        let start = values.len();
-        for lobe in 0..LOBE_COUNT {
-            let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
-            // The green image's weights serve all three bands: a third of the normal equations, and the mean
-            // error rises by a tenth of itself.
-            let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
-            let rows = projector.project(&sample_weights(shapes[1]), &shapes)?;
-            for (band, row) in rows.into_iter().enumerate() {
-                values.push(images.log_scale[image_index(lobe, band)] as f32);
-                values.extend(row.into_iter().map(|c| c as f32));
+        previous_altitude_m = altitude_m;
+        let images = images_at_node(atmospheres, &options.axes, observer, distance, offset);
+        for ((part, images), projector) in parts.iter_mut().zip(&images).zip(projectors) {
+            for lobe in 0..LOBE_COUNT {
+                let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
+                // The green image's weights serve all three bands: a third of the normal equations, and the
+                // mean error rises by a tenth of itself.
+                let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
+                let rows = projector.project(&sample_weights(shapes[1]), &shapes)?;
+                for (band, row) in rows.into_iter().enumerate() {
+                    part.push(images.log_scale[image_index(lobe, band)] as f32);
+                    part.extend(row.into_iter().map(|c| c as f32));
+                }
             }
         }
-        previous = Some((altitude_m, values[start..].to_vec()));
     }
-    Ok(values)
+    Ok(parts)
 }
 
-/// Parts `[observer][distance]` of `[offset][image][1 + basis]` → pack sections
+/// Parts `[observer][distance]` of `[turbidity][offset][image][1 + basis]` → sections of one turbidity's pack,
 /// `[observer][image][distance][offset]` and the same with `[basis]`.
-fn arrange(options: &PrecomputeOptions, parts: &[Vec<f32>]) -> (Vec<f32>, Vec<f16>) {
+fn arrange(options: &PrecomputeOptions, parts: &[Vec<Vec<f32>>], turbidity: usize) -> (Vec<f32>, Vec<f16>) {
     let (distances, offsets) = (options.axes.distance_m.len(), options.axes.offset_count);
     let record = 1 + options.basis_count;
     let mut log_scale = Vec::new();
@@ -249,7 +294,7 @@ fn arrange(options: &PrecomputeOptions, parts: &[Vec<f32>]) -> (Vec<f32>, Vec<f1
             for distance in 0..distances {
                 for offset in 0..offsets {
                     let start = (offset * IMAGE_COUNT + image) * record;
-                    let values = &parts[observer * distances + distance][start..start + record];
+                    let values = &parts[observer * distances + distance][turbidity][start..start + record];
                     log_scale.push(values[0]);
                     shape.extend(values[1..].iter().map(|&c| f16::from_f32(c)));
                 }

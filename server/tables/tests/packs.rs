@@ -64,9 +64,8 @@ impl Progress for StopAfter {
 fn a_killed_run_goes_on_and_ends_with_the_same_bytes_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     // 12 training images + 2 fit steps, then some of the 20 parts.
-    let stopped = std::panic::catch_unwind(|| {
-        precompute(&options(), folder.path(), &StopAfter(AtomicU64::new(0), 22))
-    });
+    let stopped =
+        std::panic::catch_unwind(|| precompute(&options(), folder.path(), &StopAfter(AtomicU64::new(0), 22)));
     assert!(stopped.is_err());
     let partial = folder.path().join(".turbidity-2.00-single.partial");
     let parts = || {
@@ -110,7 +109,10 @@ fn truncated_altered_and_foreign_packs_are_refused_by_name() {
         altered[position] ^= 0x10;
         assert!(refusal(&altered).contains("truncated or altered"));
     }
-    assert!(refusal(b"GIF89a, and then some more bytes to be long enough for a header").contains("not a skyglow pack"));
+    assert!(
+        refusal(b"GIF89a, and then some more bytes to be long enough for a header")
+            .contains("not a skyglow pack")
+    );
 }
 
 #[test]
@@ -118,7 +120,8 @@ fn a_manifest_beside_a_pack_that_is_not_its_own_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (pack, manifest) = pack_bytes();
     let path = place(folder.path(), pack);
-    let other = String::from_utf8(manifest.clone()).unwrap().replace("\"turbidity\": 2.0", "\"turbidity\": 3.0");
+    let other =
+        String::from_utf8(manifest.clone()).unwrap().replace("\"turbidity\": 2.0", "\"turbidity\": 3.0");
     std::fs::write(path.with_extension("json"), other).unwrap();
     assert!(Pack::open(&path).unwrap_err().to_string().contains("another pack"));
 }

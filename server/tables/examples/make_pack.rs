@@ -1,5 +1,0 @@
-//! Makes one full pack: `make_pack TURBIDITY OUT`.
-use skyglow_tables::*; use std::sync::atomic::*; use std::time::Instant;
-struct P(Instant, AtomicU64);
-impl Progress for P { fn begin(&self,s:&str,n:u64){ println!("{:.1}s {s} {n}",self.0.elapsed().as_secs_f64()); self.1.store(0,Ordering::Relaxed);} fn advance(&self,n:u64){ let d=self.1.fetch_add(n,Ordering::Relaxed); if d%50==0 {println!("  {:.1}s {d}",self.0.elapsed().as_secs_f64());} } }
-fn main(){ let a:Vec<String>=std::env::args().collect(); let o=PrecomputeOptions::full(skyglow_physics::Turbidity::new(a[1].parse().unwrap()).unwrap()); let p=precompute(&o,std::path::Path::new(&a[2]),&P(Instant::now(),AtomicU64::new(0))).unwrap(); let s=Instant::now(); let k=Pack::open(&p).unwrap(); println!("{:?} open {:.3}s {} bytes",k.manifest().measured_error,s.elapsed().as_secs_f64(),std::fs::metadata(&p).unwrap().len()); let s=Instant::now(); let rings:Vec<f64>=(0..192).map(|i|250.0*1200f64.powf(i as f64/191.0)).collect(); let r=k.resident(&rings); println!("resident {:.3}s {}",s.elapsed().as_secs_f64(),r.shape.len()); }
