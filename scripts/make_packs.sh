@@ -16,10 +16,13 @@ have() { # have TURBIDITY
     return 1
 }
 
-grep -v '^ *\(#\|$\)' precomputed/turbidities.txt | while read -r turbidity; do
+wanted=""
+for turbidity in $(grep -v '^ *\(#\|$\)' precomputed/turbidities.txt); do
     if [ "$which" = missing ] && have "$turbidity"; then
         continue
     fi
-    echo "precomputed/: making the pack for turbidity $turbidity" >&2
-    "$skyglow" precompute --turbidity "$turbidity" --out precomputed
+    wanted="${wanted:+$wanted,}$turbidity"
 done
+[ -n "$wanted" ] || exit 0
+echo "precomputed/: making the packs for turbidity $wanted" >&2
+"$skyglow" precompute --turbidity "$wanted" --out precomputed

@@ -1,18 +1,27 @@
-//! `skyglow precompute`: a table pack for one turbidity.
+//! `skyglow precompute`: the table pack of one turbidity, or of several at once.
 
 use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
 use skyglow_physics::Turbidity;
-use skyglow_tables::{PrecomputeOptions, precompute};
+use skyglow_tables::{PrecomputeOptions, precompute_together};
 use std::path::PathBuf;
 
-/// Make the table pack of one turbidity (minutes; goes on where a killed run stopped)
+/// Make the table pack of one turbidity, or of several at once (minutes; goes on where a killed run stopped)
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs")]
+#[command(
+    after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs\n  skyglow precompute --turbidity 1.5,2.5,6 --out packs   (shares most of the work)"
+)]
 pub(crate) struct Precompute {
-    /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 thick haze
-    #[arg(long, env = "SKYGLOW_TURBIDITY", value_name = "T", value_parser = super::turbidity)]
-    turbidity: Turbidity,
+    /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 thick haze; several with commas
+    #[arg(
+        long,
+        env = "SKYGLOW_TURBIDITY",
+        value_name = "T",
+        value_parser = super::turbidity,
+        value_delimiter = ',',
+        required = true
+    )]
+    turbidity: Vec<Turbidity>,
     /// Orders of scattering
     #[arg(long, env = "SKYGLOW_SCATTERING", value_enum, default_value = "single")]
     scattering: Scattering,
@@ -42,9 +51,14 @@ impl Precompute {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let Scattering::Single = self.scattering;
         let out = self.out.unwrap_or_else(folders::packs_folder_in_force);
-        let mut options = PrecomputeOptions::full(self.turbidity);
+        let first = self.turbidity.first().copied().unwrap_or_default();
+        let mut options = PrecomputeOptions::full(first);
         options.basis_count = self.basis.unwrap_or(options.basis_count);
-        let path = precompute(&options, &out, &Stages::new()).map_err(Failure::work)?;
-        super::print_line(&path.display().to_string())
+        let paths =
+            precompute_together(&self.turbidity, &options, &out, &Stages::new()).map_err(Failure::work)?;
+        for path in paths {
+            super::print_line(&path.display().to_string())?;
+        }
+        Ok(())
     }
 }
