@@ -1,4 +1,5 @@
 //! Nothing lies in precomputed/ without a manifest that rebuilds it.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 use skyglow_tests::{
     packs::{Entry, LARGEST_TOTAL_BYTES, listed_turbidities, violations},

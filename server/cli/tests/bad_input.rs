@@ -1,4 +1,5 @@
 //! What a user is told about a raster that is wrong, or odd: exit status, one line, nothing left behind.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 mod common;
 
@@ -33,6 +34,9 @@ impl Bench {
     }
 }
 
+/// Name, how the raster is written, and a part of what is said.
+type Case = (&'static str, Box<dyn Fn(&Path)>, &'static str);
+
 fn with_crs(crs: Crs) -> impl Fn(&Path) {
     move |path| write_radiance(path, crs, &town())
 }
@@ -52,7 +56,7 @@ fn truncated(path: &Path) {
 
 #[test]
 fn a_raster_that_cannot_be_meant_is_refused_in_one_line_and_nothing_is_left() {
-    let cases: Vec<(&str, Box<dyn Fn(&Path)>, &str)> = vec![
+    let cases: Vec<Case> = vec![
         ("wrong CRS", Box::new(with_crs(Crs::Projected(32637))), "cannot be meant"),
         ("no CRS", Box::new(with_crs(Crs::PositionOnly)), "no coordinate reference system"),
         ("no position", Box::new(with_crs(Crs::None)), "no "),

@@ -1,4 +1,5 @@
 //! Exit status, streams and help of the built program.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 mod common;
 

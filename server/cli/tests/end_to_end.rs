@@ -1,4 +1,5 @@
 //! The built program as a server: the demo scene, packs made here, lavapipe, HTTP on a port of its own.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 mod common;
 

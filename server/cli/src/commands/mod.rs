@@ -26,7 +26,6 @@ use std::{
 
 /// A command of the command line.
 #[derive(Debug, Subcommand)]
-#[expect(clippy::large_enum_variant, reason = "there is one value in a run of the program")]
 pub(crate) enum Command {
     Serve(serve::Serve),
     Ingest(ingest::Ingest),

@@ -4,10 +4,7 @@
 pub(crate) mod geotiff;
 pub(crate) mod server;
 
-use std::{
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::{path::Path, process::Command};
 
 /// What a finished command left.
 #[derive(Debug)]
@@ -58,10 +55,4 @@ impl Finished {
 /// A path as an argument.
 pub(crate) fn text(path: &Path) -> &str {
     path.to_str().unwrap()
-}
-
-/// The table packs that come with the project.
-pub(crate) fn packs() -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
-    folder.canonicalize().unwrap()
 }
