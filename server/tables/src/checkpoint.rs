@@ -12,21 +12,20 @@ pub(crate) struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Opens or starts the checkpoint of these parameters in `out`; parts of other parameters are discarded.
+    /// Opens or starts the checkpoint of these parameters in `out`. The folder's name holds their hash, so runs
+    /// with other parameters do not touch it.
     pub(crate) fn open(out: &Path, parameters: &PackParameters) -> Result<Self, TablesError> {
-        let folder = out.join(format!(".turbidity-{:.2}-single.partial", parameters.turbidity));
-        let description = folder.join("parameters.json");
-        let json =
-            serde_json::to_vec(&(parameters, crate::manifest::MODEL_VERSION, env!("CARGO_PKG_VERSION")))
-                .map_err(|error| TablesError::Manifest {
-                    path: description.clone(),
-                    reason: error.to_string(),
-                })?;
-        if folder.exists() && std::fs::read(&description).ok().as_deref() != Some(&json) {
-            std::fs::remove_dir_all(&folder).map_err(TablesError::io(&folder))?;
-        }
+        let description = (parameters, crate::manifest::MODEL_VERSION, env!("CARGO_PKG_VERSION"));
+        let json = serde_json::to_vec(&description)
+            .map_err(|error| TablesError::Manifest { path: out.to_owned(), reason: error.to_string() })?;
+        let hash = blake3::hash(&json).to_hex();
+        let folder = out.join(format!(
+            ".turbidity-{:.2}-single-{}.partial",
+            parameters.turbidity,
+            &hash.as_str()[..8]
+        ));
         std::fs::create_dir_all(&folder).map_err(TablesError::io(&folder))?;
-        write_atomically(&description, &json)?;
+        write_atomically(&folder.join("parameters.json"), &json)?;
         Ok(Self { folder })
     }
 
