@@ -21,24 +21,37 @@ pub enum Scattering {
     Single,
 }
 
-/// Error of a pack against the converged f64 integral, on single sources between its sample points.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Error of a pack against the converged f64 integral, on single sources between its sample points: distance,
+/// offset and observer altitude all interpolated, sources from sea level to a slope of one half above the
+/// observer.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct MeasuredError {
-    /// Sources tried (distance, offset and observer altitude between the nodes).
+    /// Sources tried.
     pub sources: usize,
-    /// Directions, bands and lobes tried in all.
-    pub samples: usize,
-    /// Mean of |b − truth|/max(truth, a thousandth of the source's zenith value).
-    pub mean: f64,
-    /// Its 99th percentile.
-    pub p99: f64,
-    /// Mean at the highest row.
-    pub zenith_mean: f64,
+    /// What the error is relative to.
+    pub relative_to: String,
+    /// For each lobe, all bands together.
+    pub lobes: Vec<LobeError>,
 }
 
-impl MeasuredError {
-    /// Nothing measured yet.
-    pub const NONE: Self = Self { sources: 0, samples: 0, mean: 0.0, p99: 0.0, zenith_mean: 0.0 };
+/// Error of one lobe; see [`MeasuredError`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LobeError {
+    /// Name of the lobe.
+    pub lobe: String,
+    /// Directions times bands tried.
+    pub samples: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Median.
+    pub median: f64,
+    /// 90th percentile.
+    pub p90: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// Median at the highest row.
+    pub zenith_median: f64,
 }
 
 /// What a pack is; enough to read its data and to make it again.

@@ -3,16 +3,14 @@
 
 use crate::{
     axes::lagrange_taps,
-    fit::Basis,
-    images::{HALF_COLUMN_COUNT, PIXEL_COUNT},
-    manifest::MeasuredError,
+    images::HALF_COLUMN_COUNT,
+    manifest::{LobeError, MeasuredError},
     pack::Pack,
-    precompute::offset_axis,
-    resident::ResidentTables,
+    resident::{FREQUENCY_COUNT, ResidentTables},
 };
 use rayon::prelude::*;
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Turbidity,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Lobe, Turbidity,
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
@@ -51,81 +49,122 @@ fn coefficients(tables: &ResidentTables, observer_altitude_m: f64, offset_m: f64
     out
 }
 
+/// B_k at a row and column from its spectrum: (1/256)·Σ_f F[f]·cos(fθ) over both signs of f.
+fn basis_sample(tables: &ResidentTables, k: usize, row: usize, column: usize) -> f64 {
+    let spectrum = &tables.basis_spectrum[tables.spectrum_index(k, row, 0)..][..FREQUENCY_COUNT];
+    let theta = azimuth_rad(column);
+    let sum: f64 = spectrum
+        .iter()
+        .enumerate()
+        .map(|(f, &value)| {
+            let copies = if f == 0 || f == FREQUENCY_COUNT - 1 { 1.0 } else { 2.0 };
+            copies * f64::from(value) * (f as f64 * theta).cos()
+        })
+        .sum();
+    sum / AZIMUTH_COUNT as f64
+}
+
+/// Directions tried a source, the first four of them in the highest row.
+const DIRECTION_COUNT: usize = 40;
+const ZENITH_DIRECTIONS: usize = 4;
+/// Errors are relative to at least this part of the source's mean radiance over the directions tried.
+const FLOOR_OVER_MEAN: f64 = 1e-3;
+/// Below this [m⁻² sr⁻¹] a source of a gigawatt is invisible.
+const INVISIBLE_PER_M2_SR: f64 = 1e-22;
+
+/// Errors of one source, `[lobe]`: away from the zenith, and at it.
+type SourceErrors = [(Vec<f64>, Vec<f64>); LOBE_COUNT];
+
 /// Measures a pack on `sources` single sources, each in 40 directions, all bands and lobes that carry light.
-pub(crate) fn measure_error(
-    pack: &Pack,
-    basis: &Basis,
-    sources: usize,
-    advance: &(dyn Fn() + Sync),
-) -> MeasuredError {
-    let manifest = pack.manifest();
-    let Ok(turbidity) = Turbidity::new(manifest.turbidity) else {
-        return MeasuredError::NONE;
-    };
+pub(crate) fn measure_error(pack: &Pack, sources: usize, advance: &(dyn Fn() + Sync)) -> MeasuredError {
+    let Ok(turbidity) = Turbidity::new(pack.manifest().turbidity) else { return MeasuredError::default() };
     let atmosphere = Atmosphere::new(turbidity);
-    let per_source: Vec<(Vec<f64>, Vec<f64>)> = (1..=sources)
+    let every: Vec<SourceErrors> = (1..=sources)
         .into_par_iter()
         .map(|i| {
-            let spread = |ratio: f64| (i as f64 * ratio).fract();
-            let distance_m = 250.0 * 1_200f64.powf(spread(0.819_172_5));
-            let observer_altitude_m = 6_000.0 * spread(0.671_043_6).powi(2);
-            // Sources from sea level to a slope of one half above the observer.
-            let highest_m = (0.5 * distance_m).min(6_000.0 - observer_altitude_m);
-            let offset_m = -observer_altitude_m + (observer_altitude_m + highest_m) * spread(0.549_700_5);
-            let tables = pack.resident(&[distance_m]);
-            debug_assert_eq!(tables.offset_axis[0], offset_axis(&manifest.axes, distance_m));
-            let c = coefficients(&tables, observer_altitude_m, offset_m);
-            let geometry = SourceGeometry {
-                distance_m,
-                source_altitude_m: observer_altitude_m + offset_m,
-                observer_altitude_m,
-            };
-            let truth = |row, column| {
-                radiance_per_watt_of(&atmosphere, &geometry, azimuth_rad(column), elevation_rad(row), 1e-6)
-            };
-            let zenith = truth(ELEVATION_COUNT - 1, 64);
-            let (mut errors, mut zenith_errors) = (Vec::new(), Vec::new());
-            for direction in 0..40usize {
-                let row = if direction < 4 {
-                    ELEVATION_COUNT - 1
-                } else {
-                    (direction * 25 + i * 7) % ELEVATION_COUNT
-                };
-                let column = (direction * 53 + i * 31) % HALF_COLUMN_COUNT;
-                let exact = truth(row, column);
-                for band in 0..BAND_COUNT {
-                    for lobe in 0..LOBE_COUNT {
-                        let floor = exact[band][lobe].max(1e-3 * zenith[band][lobe]);
-                        // Below this a source of a gigawatt is invisible.
-                        if floor < 1e-22 {
-                            continue;
-                        }
-                        let start = (band * LOBE_COUNT + lobe) * basis.count;
-                        let value: f64 = (0..basis.count)
-                            .map(|k| {
-                                let sample =
-                                    basis.functions[k * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
-                                c[start + k] * f64::from(sample)
-                            })
-                            .sum();
-                        let error = (value.max(0.0) - exact[band][lobe]).abs() / floor;
-                        if direction < 4 { zenith_errors.push(error) } else { errors.push(error) }
-                    }
-                }
-            }
+            let errors = source_errors(pack, &atmosphere, i);
             advance();
-            (errors, zenith_errors)
+            errors
         })
         .collect();
-    let mut errors: Vec<f64> = per_source.iter().flat_map(|(errors, _)| errors.iter().copied()).collect();
-    let zenith: Vec<f64> = per_source.iter().flat_map(|(_, zenith)| zenith.iter().copied()).collect();
-    errors.sort_by(f64::total_cmp);
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let lobes = Lobe::ALL
+        .iter()
+        .map(|lobe| {
+            let collect = |zenith: bool| {
+                let mut values: Vec<f64> = every
+                    .iter()
+                    .flat_map(|errors| {
+                        let (away, at) = &errors[lobe.index()];
+                        if zenith { at.clone() } else { away.clone() }
+                    })
+                    .collect();
+                values.sort_by(f64::total_cmp);
+                values
+            };
+            let (away, at) = (collect(false), collect(true));
+            let rank = |values: &[f64], part: f64| {
+                values.get((values.len() as f64 * part) as usize).copied().unwrap_or(0.0)
+            };
+            LobeError {
+                lobe: lobe.name().to_owned(),
+                samples: away.len() + at.len(),
+                mean: away.iter().sum::<f64>() / away.len().max(1) as f64,
+                median: rank(&away, 0.5),
+                p90: rank(&away, 0.9),
+                p99: rank(&away, 0.99),
+                zenith_median: rank(&at, 0.5),
+            }
+        })
+        .collect();
     MeasuredError {
         sources,
-        samples: errors.len() + zenith.len(),
-        mean: mean(&errors),
-        p99: errors.get(errors.len() * 99 / 100).copied().unwrap_or(0.0),
-        zenith_mean: mean(&zenith),
+        relative_to: "max(truth, a thousandth of the mean over the directions tried)".to_owned(),
+        lobes,
     }
+}
+
+/// Source `i` of an even spread over distance, observer altitude and offset.
+fn source_errors(pack: &Pack, atmosphere: &Atmosphere, i: usize) -> SourceErrors {
+    let spread = |ratio: f64| (i as f64 * ratio).fract();
+    let distance_m = 250.0 * 1_200f64.powf(spread(0.819_172_5));
+    let observer_altitude_m = 6_000.0 * spread(0.671_043_6).powi(2);
+    let highest_m = (0.5 * distance_m).min(6_000.0 - observer_altitude_m);
+    let offset_m = -observer_altitude_m + (observer_altitude_m + highest_m) * spread(0.549_700_5);
+    let tables = pack.resident(&[distance_m]);
+    let c = coefficients(&tables, observer_altitude_m, offset_m);
+    let geometry =
+        SourceGeometry { distance_m, source_altitude_m: observer_altitude_m + offset_m, observer_altitude_m };
+    let directions: Vec<(usize, usize)> = (0..DIRECTION_COUNT)
+        .map(|d| {
+            let row =
+                if d < ZENITH_DIRECTIONS { ELEVATION_COUNT - 1 } else { (d * 25 + i * 7) % ELEVATION_COUNT };
+            (row, (d * 53 + i * 31) % HALF_COLUMN_COUNT)
+        })
+        .collect();
+    let truth: Vec<_> = directions
+        .iter()
+        .map(|&(row, column)| {
+            radiance_per_watt_of(atmosphere, &geometry, azimuth_rad(column), elevation_rad(row), 1e-6)
+        })
+        .collect();
+    let mut errors: SourceErrors = Default::default();
+    for band in 0..BAND_COUNT {
+        for lobe in 0..LOBE_COUNT {
+            let mean = truth.iter().map(|t| t[band][lobe]).sum::<f64>() / DIRECTION_COUNT as f64;
+            if mean < INVISIBLE_PER_M2_SR {
+                continue;
+            }
+            let start = (band * LOBE_COUNT + lobe) * tables.basis_count;
+            for (d, &(row, column)) in directions.iter().enumerate() {
+                let value: f64 = (0..tables.basis_count)
+                    .map(|k| c[start + k] * basis_sample(&tables, k, row, column))
+                    .sum();
+                let exact = truth[d][band][lobe];
+                let error = (value.max(0.0) - exact).abs() / exact.max(FLOOR_OVER_MEAN * mean);
+                let (away, at) = &mut errors[lobe];
+                if d < ZENITH_DIRECTIONS { at.push(error) } else { away.push(error) }
+            }
+        }
+    }
+    errors
 }

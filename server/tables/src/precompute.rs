@@ -5,7 +5,7 @@
 //! is computed by one thread in a fixed order).
 
 use crate::{
-    axes::{OffsetAxis, TableAxes},
+    axes::TableAxes,
     checkpoint::Checkpoint,
     error::TablesError,
     fit::{Basis, Projector, fit_basis, sample_weights},
@@ -156,13 +156,13 @@ pub fn precompute_together(
     for (index, (parameters, basis)) in parameters.iter().zip(&bases).enumerate() {
         let (log_scale, shape) = arrange(options, &parts, index);
         let mut pack = Pack::from_parts(
-            parameters.manifest(MeasuredError::NONE, String::new()),
+            parameters.manifest(MeasuredError::default(), String::new()),
             log_scale,
             shape,
             even_spectrum(&basis.functions),
         );
         pack.manifest_mut().measured_error =
-            measure_error(&pack, basis, options.error_sources, &|| progress.advance(1));
+            measure_error(&pack, options.error_sources, &|| progress.advance(1));
         paths.push(pack.write(out)?);
     }
     for checkpoint in checkpoints {
@@ -302,9 +302,4 @@ fn arrange(options: &PrecomputeOptions, parts: &[Vec<Vec<f32>>], turbidity: usiz
         }
     }
     (log_scale, shape)
-}
-
-/// The offset axis of a pack's distance, for checks.
-pub(crate) fn offset_axis(axes: &TableAxes, distance_m: f64) -> OffsetAxis {
-    OffsetAxis::at_distance(distance_m, axes.offset_count)
 }

@@ -42,7 +42,8 @@ fn a_pack_reads_back_and_says_what_it_is() {
     let pack = Pack::open(&path).unwrap();
     assert_eq!(pack.manifest().turbidity, 2.0);
     assert_eq!(pack.manifest().bands_nm, vec![680.0, 550.0, 440.0]);
-    assert!(pack.manifest().measured_error.samples > 100);
+    assert_eq!(pack.manifest().measured_error.lobes.len(), 3);
+    assert!(pack.manifest().measured_error.lobes[0].samples > 100);
     let rings = [250.0, 1_000.0, 77_000.0, 300_000.0];
     let tables = pack.resident(&rings);
     assert_eq!(tables.log_scale.len() * tables.basis_count, tables.shape.len());

@@ -7,7 +7,7 @@ use crate::{
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
-use skyglow_tables::{Manifest, Pack, TablesError, packs_in};
+use skyglow_tables::{Manifest, Pack, TablesError, manifest::LobeError, packs_in};
 use std::path::{Path, PathBuf};
 
 /// List the table packs: turbidity, checksum, measured error
@@ -93,8 +93,14 @@ fn described(path: &Path) -> Result<Manifest, TablesError> {
     }
 }
 
+/// An error of the worst lobe.
+fn percent(manifest: &Manifest, error: impl Fn(&LobeError) -> f64) -> String {
+    let worst = manifest.measured_error.lobes.iter().map(error).fold(0.0, f64::max);
+    format!("{:.2} %", 100.0 * worst)
+}
+
 fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
-    let head = ["pack", "MB", "turbidity", "scattering", "basis", "mean error", "99 %", "checksum"];
+    let head = ["pack", "MB", "turbidity", "scattering", "basis", "error (median)", "(90 %)", "checksum"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for entry in entries {
         let name = entry.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -104,8 +110,8 @@ fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
                 manifest.turbidity.to_string(),
                 format!("{:?}", manifest.scattering).to_lowercase(),
                 manifest.basis_count.to_string(),
-                format!("{:.2} %", 100.0 * manifest.measured_error.mean),
-                format!("{:.2} %", 100.0 * manifest.measured_error.p99),
+                percent(manifest, |lobe| lobe.median),
+                percent(manifest, |lobe| lobe.p90),
                 manifest.checksum.chars().take(16).collect(),
             ]),
             None => row.push("refused".to_owned()),
