@@ -12,7 +12,8 @@ use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
 
 /// Highest observer and source altitude of a pack, metres.
 pub const HIGHEST_ALTITUDE_M: f64 = 6_000.0;
-/// Sources lower than this below sea level are not computed: the model has none below 0.
+/// Lowest source of a node, metres: the model has none below 0, but interpolation at a low observer reaches for
+/// the next node down.
 const LOWEST_SOURCE_M: f64 = -1_500.0;
 
 /// The sample points of a pack.
@@ -91,8 +92,8 @@ impl TableAxes {
         Self { distance_m: logarithmic(10), observer_altitude_m: vec![0.0, 6_000.0], offset_count: 4 }
     }
 
-    /// Source altitude of a node, metres; clamped to −1 500 … 6 000 m (nodes outside repeat the last one
-    /// inside, no source of the model lies there).
+    /// Source altitude of a node, metres; clamped to −1 500 … 7 500 m (nodes outside repeat the last one
+    /// inside; no source of the model lies there, but interpolation reaches a little beyond 0 and 6 000 m).
     pub fn source_altitude_m(&self, observer_altitude: usize, distance: usize, offset: usize) -> f64 {
         let axis = OffsetAxis::at_distance(self.distance_m[distance], self.offset_count);
         (self.observer_altitude_m[observer_altitude] + axis.offset_m(offset as f64))

@@ -30,6 +30,12 @@ pub enum TablesError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A turbidity that two packs of one folder could not be told apart by.
+    #[error("turbidity is {turbidity}; allowed are two decimals at most, since packs are named by them")]
+    TooManyDecimals {
+        /// The turbidity.
+        turbidity: f64,
+    },
     /// A parameter outside its range.
     #[error(transparent)]
     Parameter(#[from] skyglow_physics::PhysicsError),

@@ -107,8 +107,8 @@ pub fn precompute(
     Ok(paths.remove(0))
 }
 
-/// Makes packs of several turbidities (in place of the one in `options`) and returns their paths. The same
-/// packs as one by one, in much less time: their images share all geometry.
+/// Makes packs of several turbidities (in place of the one in `options`; repetitions count once) and returns
+/// their paths in ascending order. The same packs as one by one, in much less time: their images share all geometry.
 ///
 /// # Errors
 /// [`TablesError`] naming the file or the step.
@@ -118,6 +118,15 @@ pub fn precompute_together(
     out: &Path,
     progress: &dyn Progress,
 ) -> Result<Vec<PathBuf>, TablesError> {
+    let mut turbidities = turbidities.to_vec();
+    turbidities.sort_by(|a, b| a.value().total_cmp(&b.value()));
+    turbidities.dedup();
+    for turbidity in turbidities.iter().map(|t| t.value()) {
+        // A pack's file is named by two decimals.
+        if (turbidity * 100.0 - (turbidity * 100.0).round()).abs() > 1e-9 {
+            return Err(TablesError::TooManyDecimals { turbidity });
+        }
+    }
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
     let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| Atmosphere::new(t)).collect();
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();

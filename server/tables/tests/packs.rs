@@ -132,3 +132,14 @@ fn a_manifest_beside_a_pack_that_is_not_its_own_is_refused() {
     std::fs::write(path.with_extension("json"), other).unwrap();
     assert!(Pack::open(&path).unwrap_err().to_string().contains("another pack"));
 }
+
+#[test]
+fn a_turbidity_that_would_take_anothers_name_is_refused_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let error =
+        precompute(&PrecomputeOptions::coarse(Turbidity::new(2.004).unwrap()), folder.path(), &Silent)
+            .unwrap_err()
+            .to_string();
+    assert!(error.contains("2.004") && error.contains("two decimals"), "{error}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
