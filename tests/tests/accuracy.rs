@@ -79,12 +79,12 @@ fn skies_of_the_demo_are_within_seven_per_cent_of_the_direct_sum_in_the_mean() {
             &directions,
             &|| (),
         );
-        for turbidity in 0..TURBIDITIES.len() {
+        for (turbidity, value) in TURBIDITIES.into_iter().enumerate() {
             let right = error(&engine, &scene, place, turbidity, observer_altitude_m, &truth);
             println!(
                 "{latitude_deg} {longitude_deg}, {} sources, turbidity {}: {right:?}",
                 sources.len(),
-                TURBIDITIES[turbidity]
+                value
             );
             assert!(right.mean < LARGEST_MEAN, "{latitude_deg} {longitude_deg}: {right:?}");
             // The check can fail: an observer 1500 m higher has another sky.
