@@ -11,8 +11,8 @@ use std::borrow::Cow;
 pub(crate) struct ResidentPack {
     /// `[observer altitude][lobe][band][ring][offset]`.
     pub(crate) log_scale: wgpu::Buffer,
-    /// f16 as in the pack, eight functions a texel of four words: software Vulkan fetches those ten times as
-    /// fast as half-float texels.
+    /// f16 as in the pack, eight functions a texel of four words: on software Vulkan the pass then takes
+    /// half the processor time that it takes with half-float texels.
     pub(crate) shape: wgpu::TextureView,
     /// f32, four elevations a texel.
     pub(crate) basis: wgpu::TextureView,
