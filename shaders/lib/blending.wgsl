@@ -1,6 +1,6 @@
 // Requires elementary. Derivations: server/engine/src/twin/blending.rs
 
-const RADIANCE_FLOOR_W_M2_SR: f32 = 3e-11;
+const RADIANCE_FLOOR_W_M2_SR: f32 = 1e-13;
 
 fn blend_radiance(radiance_w_m2_sr: vec4<f32>, weight: vec4<f32>) -> f32 {
   let log_floor = natural_log(RADIANCE_FLOOR_W_M2_SR);

@@ -74,7 +74,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let resident: Vec<f64> = tables.iter().map(|t| t.turbidity).collect();
     let engine = Engine::start(EngineConfig { device, tables, ..EngineConfig::default() })?;
     println!("executor {:?}, packs {resident:?}", engine.info().executor);
-    println!("place turbidity flux_dnb_w zenith_cd_m2 mean p99 max zenith_error horizontal_error");
+    println!(
+        "place latitude longitude turbidity flux_dnb_w zenith_cd_m2 mean p99 max zenith_error horizontal_error"
+    );
     let store = SceneStore::new(data);
     let mut every: Vec<f64> = Vec::new();
     let mut worst_mean: f64 = 0.0;
@@ -110,8 +112,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             let (true_zenith, true_horizontal) = zenith_and_horizontal(&truth.samples, &exact);
             let statistics = ErrorStatistics::of(errors.iter().copied()).ok_or("no directions")?;
             println!(
-                "{} {turbidity} {:.3e} {true_zenith:.3e} {:.4} {:.4} {:.3} {:+.4} {:+.4}",
+                "{} {:.4} {:.4} {turbidity} {:.3e} {true_zenith:.3e} {:.4} {:.4} {:.3} {:+.4} {:+.4}",
                 Path::new(file).file_stem().unwrap_or_default().to_string_lossy(),
+                truth.place.latitude_deg(),
+                truth.place.longitude_deg(),
                 truth.flux_dnb_w,
                 statistics.mean,
                 statistics.p99,

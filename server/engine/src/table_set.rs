@@ -15,11 +15,14 @@ pub struct TableSet {
     rings: Vec<RingAxis>,
 }
 
-/// The offset axis of a ring as f32 needs it: position = zero node + asinh(Δ / L) / step.
+/// The offset axis of a ring as f32 needs it: position = bend node + asinh((Δ − Δ₀)/L)/step, L and step of the
+/// side of the bend.
 #[derive(Clone, Copy, Debug)]
 struct RingAxis {
-    per_scale_m: f32,
-    zero_node: f32,
+    bend_m: f32,
+    bend_node: f32,
+    per_scale_below_m: f32,
+    per_scale_above_m: f32,
     per_step_below: f32,
     per_step_above: f32,
 }
@@ -53,8 +56,10 @@ impl TableSet {
             }
         }
         let rings = first.offset_axis.iter().map(|axis| RingAxis {
-            per_scale_m: (1.0 / axis.scale_m) as f32,
-            zero_node: axis.zero_node as f32,
+            bend_m: axis.bend_m as f32,
+            bend_node: axis.bend_node as f32,
+            per_scale_below_m: (1.0 / axis.scale_below_m) as f32,
+            per_scale_above_m: (1.0 / axis.scale_above_m) as f32,
             per_step_below: (1.0 / axis.step_below) as f32,
             per_step_above: (1.0 / axis.step_above) as f32,
         });
@@ -84,11 +89,15 @@ impl TableSet {
     /// [`OffsetAxis::position`] in f32 for the offset of a cell on a ring: fast, and right to about 2e-6 nodes.
     pub fn position(&self, ring: usize, offset_m: f32) -> f32 {
         let axis = self.rings[ring];
-        let x = offset_m * axis.per_scale_m;
-        let size = x.abs();
-        let asinh = natural_log(size + (size * size + 1.0).sqrt());
-        let from_zero = if x < 0.0 { -asinh * axis.per_step_below } else { asinh * axis.per_step_above };
-        (axis.zero_node + from_zero).clamp(0.0, (self.offset_count() - 1) as f32)
+        let above_m = offset_m - axis.bend_m;
+        let (per_scale_m, per_step) = if above_m < 0.0 {
+            (axis.per_scale_below_m, -axis.per_step_below)
+        } else {
+            (axis.per_scale_above_m, axis.per_step_above)
+        };
+        let size = above_m.abs() * per_scale_m;
+        let from_bend = per_step * natural_log(size + (size * size + 1.0).sqrt());
+        (axis.bend_node + from_bend).clamp(0.0, (self.offset_count() - 1) as f32)
     }
 
     /// Nodes of the offset axis.
@@ -180,7 +189,7 @@ mod tests {
             TableSet::new(tables).unwrap_err().to_string()
         };
         assert!(refusal(|pack| pack.turbidity = 2.0).contains("twice"));
-        assert!(refusal(|pack| pack.offset_axis[1].scale_m += 1.0).contains("offset axes differ"));
+        assert!(refusal(|pack| pack.offset_axis[1].bend_m += 1.0).contains("offset axes differ"));
         assert!(refusal(|pack| pack.log_scale.truncate(5)).contains("log_scale has"));
         assert!(refusal(|pack| pack.basis_spectrum[3] = f32::NAN).contains("not finite"));
         assert!(refusal(|pack| pack.basis_count = 7).contains("multiple of 4"));

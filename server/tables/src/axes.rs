@@ -3,11 +3,13 @@
 //! The third axis is not the source's altitude h_c but its offset Δ = h_c − h_o. Shifting observer and source
 //! up together changes only densities, which the logarithm of the scale follows well, while Δ against distance
 //! decides the shape: a source 100 m up and 300 m away is another sky than one 100 m up and 30 km away. The
-//! nodes are even in asinh(Δ/L) with L = 1/(4/r + 1/1500 m): proportional to r near the observer, some hundred
-//! metres apart far away. One node is Δ = 0, where the sky bends: low rays towards a source above the observer
-//! start in the Earth's shadow, those towards one below start in its light.
+//! nodes are even in asinh((Δ − Δ₀)/L), about proportional to r near the observer, some hundred metres apart
+//! far away. One node is Δ₀ = −r²/2R, where the sky bends: a source higher than that has the observer, and the
+//! lowest part of every ray, below its horizontal plane, in the Earth's shadow. Low rays lose their light within
+//! some hundred metres above Δ₀, so nodes are closest there.
 
 use serde::{Deserialize, Serialize};
+use skyglow_physics::geometry::EARTH_RADIUS_M;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
 
 /// Highest observer and source altitude of a pack, metres.
@@ -15,6 +17,9 @@ pub const HIGHEST_ALTITUDE_M: f64 = 6_000.0;
 /// Lowest source of a node, metres: the model has none below 0, but interpolation at a low observer reaches for
 /// the next node down.
 const LOWEST_SOURCE_M: f64 = -1_500.0;
+
+/// The bend Δ₀ is followed down to about this offset, metres; below, hardly any source is.
+const LOWEST_BEND_M: f64 = -3_000.0;
 
 /// The sample points of a pack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,48 +32,67 @@ pub struct TableAxes {
     pub offset_count: usize,
 }
 
-/// The offset axis at one distance, from −6 000 m through 0 to about min(1.5 r, 6 000 m): nodes even in
-/// asinh(Δ/L) below zero and, with another step, above it.
+/// The offset axis at one distance, from −6 000 m through the bend Δ₀ to about min(1.5 r, 6 000 m): nodes even in
+/// asinh((Δ − Δ₀)/L), with another L and another step on each side of the bend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetAxis {
-    /// L, metres.
-    pub scale_m: f64,
-    /// Step in asinh(Δ/L) below zero.
+    /// Δ₀, metres: −r²/2R, held above −3 000 m.
+    pub bend_m: f64,
+    /// L below the bend, metres.
+    pub scale_below_m: f64,
+    /// L above the bend, metres.
+    pub scale_above_m: f64,
+    /// Step in asinh((Δ − Δ₀)/L) below the bend.
     pub step_below: f64,
-    /// Step in asinh(Δ/L) above zero.
+    /// Step in asinh((Δ − Δ₀)/L) above the bend.
     pub step_above: f64,
-    /// The node of Δ = 0.
-    pub zero_node: usize,
+    /// The node of Δ₀.
+    pub bend_node: usize,
     /// Number of nodes.
     pub count: usize,
 }
 
 impl OffsetAxis {
-    /// The axis at a distance with `count` ≥ 3 nodes, three fifths of them below zero.
+    /// The axis at a distance with `count` ≥ 3 nodes, two fifths of them below the bend.
     pub fn at_distance(distance_m: f64, count: usize) -> Self {
-        let scale_m = 1.0 / (4.0 / distance_m + 1.0 / 1_500.0);
+        // The fourth-power means keep the axis smooth along the distance, which is interpolated at constant node.
+        let drop_m = distance_m * distance_m / (2.0 * EARTH_RADIUS_M);
+        let bend_m = -(drop_m.powi(-4) + LOWEST_BEND_M.powi(-4)).powf(-0.25);
+        let scale_below_m = 1.0 / (4.0 / distance_m + 1.0 / 1_500.0);
+        let scale_above_m = 0.25 * scale_below_m * (1.0 - bend_m / 500.0);
         let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / HIGHEST_ALTITUDE_M);
-        let zero_node = ((count - 1) * 3 / 5).max(1);
+        let bend_node = (((count - 1) as f64 * 0.4).round() as usize).max(1);
         Self {
-            scale_m,
-            step_below: (HIGHEST_ALTITUDE_M / scale_m).asinh() / zero_node as f64,
-            step_above: (highest_m / scale_m).asinh() / (count - 1 - zero_node) as f64,
-            zero_node,
+            bend_m,
+            scale_below_m,
+            scale_above_m,
+            step_below: ((HIGHEST_ALTITUDE_M + bend_m) / scale_below_m).asinh() / bend_node as f64,
+            step_above: ((highest_m - bend_m) / scale_above_m).asinh() / (count - 1 - bend_node) as f64,
+            bend_node,
             count,
         }
     }
 
     /// Δ at a fractional node, metres.
     pub fn offset_m(&self, position: f64) -> f64 {
-        let from_zero = position - self.zero_node as f64;
-        let step = if from_zero < 0.0 { self.step_below } else { self.step_above };
-        self.scale_m * (from_zero * step).sinh()
+        let from_bend = position - self.bend_node as f64;
+        let (scale_m, step) = if from_bend < 0.0 {
+            (self.scale_below_m, self.step_below)
+        } else {
+            (self.scale_above_m, self.step_above)
+        };
+        self.bend_m + scale_m * (from_bend * step).sinh()
     }
 
     /// Fractional node of an offset, clamped to 0..=count − 1.
     pub fn position(&self, offset_m: f64) -> f64 {
-        let step = if offset_m < 0.0 { self.step_below } else { self.step_above };
-        (self.zero_node as f64 + (offset_m / self.scale_m).asinh() / step).clamp(0.0, (self.count - 1) as f64)
+        let above_m = offset_m - self.bend_m;
+        let (scale_m, step) = if above_m < 0.0 {
+            (self.scale_below_m, self.step_below)
+        } else {
+            (self.scale_above_m, self.step_above)
+        };
+        (self.bend_node as f64 + (above_m / scale_m).asinh() / step).clamp(0.0, (self.count - 1) as f64)
     }
 }
 
@@ -83,7 +107,7 @@ impl TableAxes {
         Self {
             distance_m: logarithmic(56),
             observer_altitude_m: vec![0.0, 300.0, 700.0, 1_200.0, 1_900.0, 2_900.0, 4_200.0, 6_000.0],
-            offset_count: 17,
+            offset_count: 23,
         }
     }
 
@@ -131,16 +155,18 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn the_offset_axis_spans_its_range_and_has_a_node_at_zero_at_every_distance() {
-        for distance_m in [250.0, 3_000.0, 300_000.0] {
-            let axis = OffsetAxis::at_distance(distance_m, 17);
+    fn the_offset_axis_spans_its_range_and_has_a_node_at_the_bend_at_every_distance() {
+        for distance_m in [250.0, 3_000.0, 50_000.0, 300_000.0] {
+            let axis = OffsetAxis::at_distance(distance_m, 23);
             assert!((axis.offset_m(0.0) + 6_000.0).abs() < 1e-6);
-            assert!(axis.offset_m(16.0) > 0.5 * (1.5 * distance_m).min(6_000.0));
-            assert_eq!(axis.position(0.0), axis.zero_node as f64);
-            for position in [0.3, 7.0, 8.9, 9.1, 15.99] {
+            assert!(axis.offset_m(22.0) > 0.5 * (1.5 * distance_m).min(6_000.0));
+            assert_eq!(axis.position(axis.bend_m), axis.bend_node as f64);
+            for position in [0.3, 7.0, 8.9, 9.1, 21.99] {
                 assert!((axis.position(axis.offset_m(position)) - position).abs() < 1e-9);
             }
         }
+        // At 50 km the plane through the source falls 196 m below the sphere's tangent.
+        assert!((OffsetAxis::at_distance(50_000.0, 23).bend_m + 196.2).abs() < 0.1);
     }
 
     proptest! {

@@ -15,7 +15,12 @@ impl Checkpoint {
     /// Opens or starts the checkpoint of these parameters in `out`. The folder's name holds their hash, so runs
     /// with other parameters do not touch it.
     pub(crate) fn open(out: &Path, parameters: &PackParameters) -> Result<Self, TablesError> {
-        let description = (parameters, crate::manifest::MODEL_VERSION, env!("CARGO_PKG_VERSION"));
+        let description = (
+            parameters,
+            crate::manifest::FORMAT_VERSION,
+            crate::manifest::MODEL_VERSION,
+            env!("CARGO_PKG_VERSION"),
+        );
         let json = serde_json::to_vec(&description)
             .map_err(|error| TablesError::Manifest { path: out.to_owned(), reason: error.to_string() })?;
         let hash = blake3::hash(&json).to_hex();

@@ -5,6 +5,9 @@
 //! its zenith: nearly relative error, without wasting functions on what is too dim to see. Elementwise
 //! weights have no closed form; alternating least squares starts from a PCA of pixel-weighted images and solves
 //! coefficients and functions in turn. One basis serves all bands, lobes and altitudes.
+//!
+//! Coefficients are stored in half precision, so each least-squares step expects that rounding: see
+//! [`ROUNDING_VARIANCE`]. Without it, directions where large terms cancel come out wrong by many times their value.
 
 use crate::{
     error::TablesError,
@@ -13,13 +16,31 @@ use crate::{
 use faer::{Accum, Mat, Par, Side, linalg::matmul::matmul, linalg::solvers::Solve};
 use rayon::prelude::*;
 use skyglow_physics::ELEVATION_COUNT;
+use std::sync::LazyLock;
 
 /// Exponent q of the weights: 1 would be pure relative error; slightly less keeps the bright part honest.
 pub const WEIGHT_EXPONENT: f64 = 0.85;
 /// δ over the image's zenith value.
 const DIM_OVER_ZENITH: f32 = 1e-3;
+/// A steeply raised source leaves low rows in the Earth's shadow: black to a thousandth of the zenith, which no
+/// smooth basis is. δ grows by up to this factor, for else the fit gives the whole image up to keep them black.
+const RAISED_DIM_FACTOR: f64 = 100.0;
+/// Elevation of the source at which half of that factor counts, degrees.
+const RAISED_DEG: f64 = 6.0;
 /// δ over the image's mean at the least, for images that are dark overhead.
 const DIM_OVER_MEAN: f32 = 1e-4;
+
+/// Variance of a coefficient's rounding error relative to its square, about that of half precision
+/// ((2⁻¹¹)²/3). Rounding c_k adds Σ_p w_p² B_k(p)² c_k² · variance to the expected squared error: a ridge in
+/// proportion to the diagonal of the normal equations.
+pub const ROUNDING_VARIANCE: f64 = 1e-7;
+/// How much more the lowest row towards the source weighs (w, not w²): few samples, but where a city's light
+/// is brightest.
+const LOW_ROW_BOOST: f64 = 1.0;
+/// Rows over which that falls to 1/e.
+const LOW_ROW_COUNT: f64 = 1.5;
+/// Columns over which that falls to 1/e.
+const LOW_COLUMN_COUNT: f64 = 3.0;
 
 /// Basis functions B_k sampled on half a panorama.
 #[derive(Clone, Debug)]
@@ -30,12 +51,34 @@ pub struct Basis {
     pub functions: Vec<f32>,
 }
 
-/// Weights w of one image (over its mean), one a sample.
-pub fn sample_weights(shape: &[f32]) -> Vec<f32> {
+/// What a sample's place adds to its weight.
+static PLACE_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
+    (0..PIXEL_COUNT)
+        .map(|p| {
+            let (row, column) = ((p / HALF_COLUMN_COUNT) as f64, (p % HALF_COLUMN_COUNT) as f64);
+            1.0 + LOW_ROW_BOOST * (-row / LOW_ROW_COUNT - column / LOW_COLUMN_COUNT).exp()
+        })
+        .collect()
+});
+
+/// How far a source stands above the observer's horizontal plane, as a share 0..1 that is ½ at 6°; 0 for one that does
+/// not. `offset_m` is source altitude − observer altitude.
+pub fn raised_share(offset_m: f64, distance_m: f64) -> f64 {
+    let raised = (offset_m.max(0.0) / distance_m).atan().to_degrees() / RAISED_DEG;
+    raised * raised / (1.0 + raised * raised)
+}
+
+/// Weights w of one image (over its mean), one a sample, for a source of that [`raised_share`].
+pub fn sample_weights(shape: &[f32], raised_share: f64) -> Vec<f32> {
     let zenith_row = &shape[(ELEVATION_COUNT - 1) * HALF_COLUMN_COUNT..];
     let zenith = zenith_row.iter().sum::<f32>() / zenith_row.len() as f32;
-    let dim = (DIM_OVER_ZENITH * zenith).max(DIM_OVER_MEAN);
-    shape.iter().map(|&x| f64::from(x.max(dim)).powf(-WEIGHT_EXPONENT) as f32).collect()
+    let dim_over_zenith = DIM_OVER_ZENITH * (1.0 + RAISED_DIM_FACTOR * raised_share) as f32;
+    let dim = (dim_over_zenith * zenith).max(DIM_OVER_MEAN);
+    shape
+        .iter()
+        .zip(PLACE_WEIGHTS.iter())
+        .map(|(&x, &place)| (f64::from(x.max(dim)).powf(-WEIGHT_EXPONENT) * place) as f32)
+        .collect()
 }
 
 /// Least squares with one weight a sample: argmin_c Σ_p w_p²(x_p − Σ_k c_k B_k(p))².
@@ -70,37 +113,55 @@ impl Projector {
     }
 }
 
-/// argmin ‖A·X − Y‖², with a ridge of 1e-12 of the mean diagonal.
+/// argmin ‖A·X − Y‖² + [`ROUNDING_VARIANCE`] · Σ_k ‖A_k‖²‖X_k‖², over columns A_k and rows X_k. Columns are brought
+/// to length 1 first, so that functions of very different size do not spoil one another.
 fn solve_normal_equations(a: Mat<f64>, y: Mat<f64>, stage: &'static str) -> Result<Mat<f64>, TablesError> {
     let count = a.ncols();
     let mut normal = Mat::<f64>::zeros(count, count);
     matmul(&mut normal, Accum::Replace, a.transpose(), &a, 1.0, Par::Seq);
     let mut right = Mat::<f64>::zeros(count, y.ncols());
     matmul(&mut right, Accum::Replace, a.transpose(), &y, 1.0, Par::Seq);
-    let ridge = 1e-12 * (0..count).map(|k| normal[(k, k)]).sum::<f64>() / count as f64 + f64::MIN_POSITIVE;
-    for k in 0..count {
-        normal[(k, k)] += ridge;
-    }
+    let per_length: Vec<f64> =
+        (0..count).map(|k| 1.0 / normal[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
+    let normal = Mat::from_fn(count, count, |i, j| {
+        let ridge = if i == j { ROUNDING_VARIANCE } else { 0.0 };
+        normal[(i, j)] * per_length[i] * per_length[j] + ridge
+    });
+    let right = Mat::from_fn(count, y.ncols(), |i, n| right[(i, n)] * per_length[i]);
     let factor =
         normal.llt(Side::Lower).map_err(|error| TablesError::Fit { stage, reason: format!("{error:?}") })?;
-    Ok(factor.solve(&right))
+    let scaled = factor.solve(&right);
+    Ok(Mat::from_fn(count, y.ncols(), |i, n| scaled[(i, n)] * per_length[i]))
 }
 
-/// A basis of `count` functions for `shapes` (each [`PIXEL_COUNT`] samples, image over its mean).
+/// One image of the training set.
+#[derive(Clone, Debug)]
+pub struct TrainingImage {
+    /// Image over its mean, [`PIXEL_COUNT`] samples.
+    pub shape: Vec<f32>,
+    /// [`raised_share`] of its source.
+    pub raised_share: f64,
+    /// Factor on w.
+    pub importance: f64,
+}
+
+/// A basis of `count` functions for a training set.
 /// `advance` is called once an iteration.
 ///
 /// # Errors
 /// [`TablesError::Fit`] when a least-squares step breaks down.
 pub fn fit_basis(
-    shapes: &[Vec<f32>],
+    images: &[TrainingImage],
     count: usize,
     iterations: usize,
     advance: &(dyn Fn() + Sync),
 ) -> Result<Basis, TablesError> {
     faer::set_global_parallelism(Par::Seq);
-    let weights: Vec<Vec<f32>> = shapes.par_iter().map(|shape| sample_weights(shape)).collect();
-    let rms = pixel_rms(shapes);
-    let mut basis = orthonormal(start_by_pca(shapes, &rms, count), &rms)?;
+    let shapes: Vec<&[f32]> = images.iter().map(|image| image.shape.as_slice()).collect();
+    let weights: Vec<Vec<f32>> =
+        images.par_iter().map(|image| sample_weights(&image.shape, image.raised_share)).collect();
+    let rms = pixel_rms(&shapes);
+    let mut basis = orthonormal(start_by_pca(&shapes, &rms, count), &rms)?;
     advance();
     for _ in 0..iterations {
         let projector = Projector::new(&basis);
@@ -112,10 +173,9 @@ pub fn fit_basis(
         let columns: Vec<Vec<f64>> = (0..PIXEL_COUNT)
             .into_par_iter()
             .map(|p| {
-                let a =
-                    Mat::from_fn(shapes.len(), count, |n, k| f64::from(weights[n][p]) * coefficients[n][k]);
-                let y =
-                    Mat::from_fn(shapes.len(), 1, |n, _| f64::from(weights[n][p]) * f64::from(shapes[n][p]));
+                let weight = |n: usize| images[n].importance * f64::from(weights[n][p]);
+                let a = Mat::from_fn(shapes.len(), count, |n, k| weight(n) * coefficients[n][k]);
+                let y = Mat::from_fn(shapes.len(), 1, |n, _| weight(n) * f64::from(shapes[n][p]));
                 let x = solve_normal_equations(a, y, "basis functions")?;
                 Ok((0..count).map(|k| x[(k, 0)]).collect())
             })
@@ -123,11 +183,11 @@ pub fn fit_basis(
         basis = orthonormal(Mat::from_fn(PIXEL_COUNT, count, |p, k| columns[p][k]), &rms)?;
         advance();
     }
-    order_by_use(basis, shapes, &weights, &rms)
+    order_by_use(basis, &shapes, &weights, &rms)
 }
 
 /// Root mean square of each sample over the images.
-fn pixel_rms(shapes: &[Vec<f32>]) -> Vec<f64> {
+fn pixel_rms(shapes: &[&[f32]]) -> Vec<f64> {
     (0..PIXEL_COUNT)
         .map(|p| {
             let sum: f64 = shapes.iter().map(|s| f64::from(s[p]) * f64::from(s[p])).sum();
@@ -138,7 +198,7 @@ fn pixel_rms(shapes: &[Vec<f32>]) -> Vec<f64> {
 
 /// Leading right singular vectors of the images over each sample's rms, by subspace iteration from a fixed
 /// pseudo-random start; samples × functions, times the rms again.
-fn start_by_pca(shapes: &[Vec<f32>], rms: &[f64], count: usize) -> Mat<f64> {
+fn start_by_pca(shapes: &[&[f32]], rms: &[f64], count: usize) -> Mat<f64> {
     let scaled = Mat::from_fn(shapes.len(), PIXEL_COUNT, |n, p| f64::from(shapes[n][p]) / rms[p]);
     // A hash of the position is random enough to start from and the same everywhere.
     let mut vectors = Mat::from_fn(PIXEL_COUNT, count, |p, k| {
@@ -180,7 +240,7 @@ fn to_basis(count: usize, value: impl Fn(usize, usize) -> f64) -> Result<Basis, 
 /// each to a largest coefficient of 1, which half precision stores best.
 fn order_by_use(
     basis: Basis,
-    shapes: &[Vec<f32>],
+    shapes: &[&[f32]],
     weights: &[Vec<f32>],
     rms: &[f64],
 ) -> Result<Basis, TablesError> {

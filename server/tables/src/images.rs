@@ -96,6 +96,79 @@ pub fn images_of(atmospheres: &[Atmosphere], geometry: &SourceGeometry) -> Vec<S
     }
 }
 
+/// Columns computed one by one; beyond, every fourth is, and the sky between is smooth in azimuth.
+const DENSE_COLUMN_COUNT: usize = 33;
+/// Distance of computed columns beyond the dense ones.
+const COLUMN_STEP: usize = 4;
+/// Where a radiance falls by more than this factor over four computed columns, those between are computed too.
+const STEEP_RATIO: f64 = 0.1;
+/// Columns that are means over the width of a column of source azimuths: a source of the polar grid stands for
+/// light across that width, and a point's value is nearly singular when it lies straight ahead.
+const NEAR_COLUMN_COUNT: usize = 3;
+/// Four-node Gauss–Legendre rule over −½..½, (node, weight).
+const ACROSS_COLUMN: [(f64, f64); 4] = [
+    (-0.430_568_155_797_026_3, 0.173_927_422_568_726_93),
+    (-0.169_990_521_792_428_13, 0.326_072_577_431_273_1),
+    (0.169_990_521_792_428_13, 0.326_072_577_431_273_1),
+    (0.430_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+
+/// One row of every image, `[column]` of `[atmosphere][band][lobe]`, from `radiance` at azimuths [rad].
+///
+/// Columns of 46° and more are interpolated between every fourth by a cubic: within 2e-3 of the integral for
+/// 99 % of the samples, 1.5e-2 at worst where the `oblique` lobe ends.
+fn image_row<const N: usize>(radiance: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]> {
+    let exact = |column: usize| -> [f64; N] {
+        let azimuth = azimuth_rad(column);
+        if column >= NEAR_COLUMN_COUNT {
+            return radiance(azimuth);
+        }
+        let mut sum = [0.0; N];
+        for (node, weight) in ACROSS_COLUMN {
+            // The image is even, so half of column 0 stands for all of it.
+            let weight = match column {
+                0 if node < 0.0 => continue,
+                0 => 2.0 * weight,
+                _ => weight,
+            };
+            for (sum, value) in sum.iter_mut().zip(radiance(azimuth + node * azimuth_rad(1))) {
+                *sum += weight * value;
+            }
+        }
+        sum
+    };
+    let mut row = vec![[0.0; N]; HALF_COLUMN_COUNT];
+    let last = HALF_COLUMN_COUNT - 1;
+    let computed =
+        (0..DENSE_COLUMN_COUNT).chain((DENSE_COLUMN_COUNT - 1..=last).step_by(COLUMN_STEP).skip(1));
+    computed.for_each(|column| row[column] = exact(column));
+    for start in (DENSE_COLUMN_COUNT - 1..last).step_by(COLUMN_STEP) {
+        let end = start + COLUMN_STEP;
+        // Mirrored at 180°.
+        let beyond = if end == last { start } else { end + COLUMN_STEP };
+        let taps = [row[start - COLUMN_STEP], row[start], row[end], row[beyond]];
+        let steep = (0..N).any(|n| {
+            let highest = taps.iter().map(|tap| tap[n]).fold(0.0, f64::max);
+            taps.iter().any(|tap| tap[n] < STEEP_RATIO * highest)
+        });
+        for step in 1..COLUMN_STEP {
+            let x = step as f64 / COLUMN_STEP as f64;
+            let weights = [
+                -x * (x - 1.0) * (x - 2.0) / 6.0,
+                (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+                -(x + 1.0) * x * (x - 2.0) / 2.0,
+                (x + 1.0) * x * (x - 1.0) / 6.0,
+            ];
+            row[start + step] = if steep {
+                exact(start + step)
+            } else {
+                std::array::from_fn(|n| taps.iter().zip(weights).map(|(tap, weight)| weight * tap[n]).sum())
+            };
+        }
+    }
+    row
+}
+
 /// `N` is the number of atmospheres times [`OUTPUT_COUNT`].
 fn images_together<const N: usize>(
     atmospheres: &[Atmosphere],
@@ -107,14 +180,10 @@ fn images_together<const N: usize>(
     let mut values = vec![0.0f64; N * PIXEL_COUNT];
     let mut mean = [0.0f64; N];
     for row in 0..ELEVATION_COUNT {
-        for column in 0..HALF_COLUMN_COUNT {
-            let radiance: [f64; N] = radiance_per_watt_fixed(
-                atmospheres,
-                geometry,
-                azimuth_rad(column),
-                elevation_rad(row),
-                &nodes,
-            );
+        let radiances: Vec<[f64; N]> = image_row(|azimuth| {
+            radiance_per_watt_fixed(atmospheres, geometry, azimuth, elevation_rad(row), &nodes)
+        });
+        for (column, radiance) in radiances.into_iter().enumerate() {
             let pixel = row * HALF_COLUMN_COUNT + column;
             for (slot, value) in radiance.into_iter().enumerate() {
                 // Slots are [atmosphere][band][lobe].
@@ -161,5 +230,42 @@ mod tests {
         assert_eq!(images_of(&[clean, atmosphere], &geometry)[1].shape, images.shape);
         let low_row = 2 * HALF_COLUMN_COUNT;
         assert!(images.shape[low_row] > 10.0 * images.shape[low_row + HALF_COLUMN_COUNT - 1]);
+    }
+
+    #[test]
+    fn columns_between_those_computed_are_the_integrals_to_two_per_mille() {
+        let atmospheres = [Atmosphere::new(Turbidity::new(6.0).unwrap())];
+        let nodes = gauss_legendre(NODES_PER_PIECE);
+        for (distance_m, source_altitude_m, observer_altitude_m) in
+            [(300.0, 0.0, 0.0), (5_000.0, 1_100.0, 300.0), (30_000.0, 400.0, 1_900.0), (200_000.0, 0.0, 0.0)]
+        {
+            let geometry = SourceGeometry { distance_m, source_altitude_m, observer_altitude_m };
+            let images = &images_of(&atmospheres, &geometry)[0];
+            let mut errors = Vec::new();
+            for row in (0..ELEVATION_COUNT).step_by(7) {
+                for column in DENSE_COLUMN_COUNT..HALF_COLUMN_COUNT {
+                    let exact: [f64; OUTPUT_COUNT] = radiance_per_watt_fixed(
+                        &atmospheres,
+                        &geometry,
+                        azimuth_rad(column),
+                        elevation_rad(row),
+                        &nodes,
+                    );
+                    for (slot, exact) in exact.into_iter().enumerate() {
+                        let image = image_index(slot % LOBE_COUNT, slot / LOBE_COUNT);
+                        let scale = images.log_scale[image].exp();
+                        let shape = images.shape[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
+                        if exact > 1e-4 * scale {
+                            errors.push((f64::from(shape) * scale / exact - 1.0).abs());
+                        }
+                    }
+                }
+            }
+            errors.sort_by(f64::total_cmp);
+            assert!(errors.len() > 3_000, "{}", errors.len());
+            let (most, worst) = (errors[errors.len() * 99 / 100], errors[errors.len() - 1]);
+            println!("{distance_m} m: 99 % within {most:.1e}, all within {worst:.1e}");
+            assert!(most < 2e-3 && worst < 2e-2, "{distance_m} m: {most:.1e}, {worst:.1e}");
+        }
     }
 }

@@ -8,8 +8,8 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Lobe};
 
-/// Version of the file format; a pack of another version is refused.
-pub const FORMAT_VERSION: u32 = 1;
+/// Version of the file format and of what its node numbers mean; a pack of another version is refused.
+pub const FORMAT_VERSION: u32 = 2;
 /// Version of the physical model; raised when the images change.
 pub const MODEL_VERSION: u32 = 1;
 

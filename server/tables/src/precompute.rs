@@ -8,7 +8,7 @@ use crate::{
     axes::TableAxes,
     checkpoint::Checkpoint,
     error::TablesError,
-    fit::{Basis, Projector, fit_basis, sample_weights},
+    fit::{Basis, Projector, TrainingImage, fit_basis, raised_share, sample_weights},
     images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node},
     manifest::{MeasuredError, PackParameters, Scattering},
     measure::measure_error,
@@ -17,7 +17,7 @@ use crate::{
 };
 use half::f16;
 use rayon::prelude::*;
-use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Turbidity};
+use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, Turbidity};
 use std::path::{Path, PathBuf};
 
 /// Watches a precompute.
@@ -206,6 +206,39 @@ fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
     nodes
 }
 
+/// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
+const OBLIQUE_IMPORTANCE: f64 = 0.3;
+
+/// The training set of one turbidity. Steeply raised sources weigh less: they are rare, and costly, since the
+/// bright spot around each is at another place.
+fn training_set(
+    options: &PrecomputeOptions,
+    nodes: &[(usize, usize, usize)],
+    images: &[Vec<SourceImages>],
+    turbidity: usize,
+) -> Vec<TrainingImage> {
+    let mut set = Vec::with_capacity(nodes.len() * IMAGE_COUNT);
+    for (&(observer, distance, offset), images) in nodes.iter().zip(images) {
+        let raised_share = node_raised_share(&options.axes, observer, distance, offset);
+        for (lobe, shapes) in
+            Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
+        {
+            let lobe = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
+            set.extend(shapes.chunks_exact(PIXEL_COUNT).map(|shape| TrainingImage {
+                shape: shape.to_vec(),
+                raised_share,
+                importance: lobe * (1.0 - raised_share),
+            }));
+        }
+    }
+    set
+}
+
+fn node_raised_share(axes: &TableAxes, observer: usize, distance: usize, offset: usize) -> f64 {
+    let altitude_m = axes.source_altitude_m(observer, distance, offset);
+    raised_share(altitude_m - axes.observer_altitude_m[observer], axes.distance_m[distance])
+}
+
 fn make_bases(
     options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
@@ -236,11 +269,8 @@ fn make_bases(
         .iter()
         .enumerate()
         .map(|(index, checkpoint)| {
-            let shapes: Vec<Vec<f32>> = images
-                .iter()
-                .flat_map(|sets| sets[index].shape.chunks_exact(PIXEL_COUNT).map(<[f32]>::to_vec))
-                .collect();
-            let basis = fit_basis(&shapes, count, options.fit_iterations, &|| progress.advance(1))?;
+            let set = training_set(options, &nodes, &images, index);
+            let basis = fit_basis(&set, count, options.fit_iterations, &|| progress.advance(1))?;
             checkpoint.store("basis", &basis.functions)?;
             Ok(basis)
         })
@@ -274,13 +304,14 @@ fn make_part(
         }
         previous_altitude_m = altitude_m;
         let images = images_at_node(atmospheres, &options.axes, observer, distance, offset);
+        let raised_share = node_raised_share(&options.axes, observer, distance, offset);
         for ((part, images), projector) in parts.iter_mut().zip(&images).zip(projectors) {
             for lobe in 0..LOBE_COUNT {
                 let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
                 // The green image's weights serve all three bands: a third of the normal equations, and the
                 // mean error rises by a tenth of itself.
                 let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
-                let rows = projector.project(&sample_weights(shapes[1]), &shapes)?;
+                let rows = projector.project(&sample_weights(shapes[1], raised_share), &shapes)?;
                 for (band, row) in rows.into_iter().enumerate() {
                     part.push(images.log_scale[image_index(lobe, band)] as f32);
                     part.extend(row.into_iter().map(|c| c as f32));

@@ -2,9 +2,9 @@
 
 use super::elementary::{natural_exp, natural_log};
 
-/// Radiance below which a sample counts as this much before the logarithm, W m⁻² sr⁻¹: about 1e-4 of the natural
+/// Radiance below which a sample counts as this much before the logarithm, W m⁻² sr⁻¹: about 3e-7 of the natural
 /// sky.
-pub const RADIANCE_FLOOR_W_M2_SR: f32 = 3e-11;
+pub const RADIANCE_FLOOR_W_M2_SR: f32 = 1e-13;
 
 /// exp Σ_p weight_p · ln max(radiance_p, floor), over the packs with weight; 0 where that is at or below the
 /// floor. A sum of logarithms over equal floors is the floor itself but for rounding, so the comparison is in
