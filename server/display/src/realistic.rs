@@ -36,7 +36,7 @@ pub struct ToneMap {
     srgb_from_bands_cd_w: [[f64; BAND_COUNT]; 3],
     /// Scene luminance that counts as 1 before the film curve, cd m⁻².
     reference_luminance_cd_m2: f64,
-    /// The film and sRGB curves together, inverted: byte `i + 1` starts at `byte_starts[i]`.
+    /// The sRGB curve inverted: byte `i + 1` starts at `byte_starts[i]`, of display white.
     byte_starts: [f64; 255],
 }
 
@@ -70,24 +70,33 @@ impl ToneMap {
         // 1 − exp(−x) is 0.18 at x = 0.198.
         let reference_luminance_cd_m2 =
             MIDDLE_GREY_LUMINANCE_CD_M2 / -(1.0f64 - 0.18).ln() / exposure_ev.exp2();
-        let byte_starts = std::array::from_fn(|i| -(1.0 - decode_srgb((i as f64 + 0.5) / 255.0)).ln());
+        let byte_starts = std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0));
         Self { srgb_from_bands_cd_w, reference_luminance_cd_m2, byte_starts }
     }
 
     /// sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹].
     ///
-    /// Colours outside sRGB move towards grey of their own luminance until they fit; the film curve
-    /// 1 − exp(−x), each channel apart, then turns bright light white as it does on film.
+    /// The film curve 1 − exp(−x) is that of the luminance alone. Colours that then lie outside what a display
+    /// can show, below 0 or above white, move towards grey of their own luminance until they fit: bright light
+    /// turns white and keeps its hue on the way, where channels that are cut apart would turn orange yellow.
     pub fn rgb(&self, radiance_w_m2_sr: [f64; BAND_COUNT]) -> [u8; 3] {
         let linear: [f64; 3] = std::array::from_fn(|channel| {
             let row = &self.srgb_from_bands_cd_w[channel];
             row.iter().zip(radiance_w_m2_sr).map(|(m, l)| m * l).sum::<f64>() / self.reference_luminance_cd_m2
         });
         let grey = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
-        let lowest = linear.iter().copied().fold(f64::INFINITY, f64::min);
-        let saturation = if lowest < 0.0 && grey > lowest { grey / (grey - lowest) } else { 1.0 };
-        linear.map(|channel| {
-            let inside = (grey + saturation * (channel - grey)).max(0.0);
+        if grey <= 0.0 || !grey.is_finite() {
+            return if grey > 0.0 { [255; 3] } else { [0; 3] };
+        }
+        let shown_grey = 1.0 - (-grey).exp();
+        let shown = linear.map(|channel| channel * (shown_grey / grey));
+        let lowest = shown.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = shown.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let above_black = if lowest < 0.0 { shown_grey / (shown_grey - lowest) } else { 1.0 };
+        let below_white = if highest > 1.0 { (1.0 - shown_grey) / (highest - shown_grey) } else { 1.0 };
+        let saturation = above_black.min(below_white);
+        shown.map(|channel| {
+            let inside = shown_grey + saturation * (channel - shown_grey);
             // At most 255 starts lie below.
             self.byte_starts.partition_point(|&start| start <= inside) as u8
         })
@@ -132,6 +141,28 @@ mod tests {
         assert!(sodium[0] > sodium[1] + 30 && sodium[1] > sodium[2] + 60, "{sodium:?}");
         let led = map.rgb(light_of(LampPreset::Led4000k.lamp(), 1e-3));
         assert!(led[2] > sodium[2] && led[0] < sodium[0], "{led:?} {sodium:?}");
+    }
+
+    #[test]
+    fn bright_light_turns_white_without_changing_its_hue() {
+        let map = ToneMap::new(0.0);
+        // Mixing with grey and scaling leave (G − B) / (R − B) as it is.
+        let hue = |luminance: f64| {
+            let rgb = map.rgb(light_of(LampPreset::Hps.lamp(), luminance));
+            let [r, g, b] = rgb.map(|byte| decode_srgb(f64::from(byte) / 255.0));
+            (rgb, r - b, (g - b) / (r - b))
+        };
+        let (_, _, dim) = hue(3e-4);
+        let mut last_saturation = f64::INFINITY;
+        for luminance in [1e-3, 3e-3, 6e-3, 1e-2, 1.5e-2] {
+            let (rgb, saturation, bright) = hue(luminance);
+            assert!((bright - dim).abs() < 0.05, "{luminance}: {rgb:?} has {bright}, not {dim}");
+            if luminance >= 6e-3 {
+                assert!(rgb[0] == 255 && saturation < last_saturation, "{luminance}: {rgb:?}");
+                last_saturation = saturation;
+            }
+        }
+        assert_eq!(hue(1.0).0, [255; 3]);
     }
 
     #[test]
