@@ -42,6 +42,8 @@ pub(crate) fn ingest_as(
         Some(id) => id.clone(),
         None => SceneId::from_file_name(&options.radiance)?,
     };
+    // First of all, as it may bring a scene back that was set aside.
+    store.clear_stale();
     if store.exists(&id) && !options.replace {
         return Err(SceneError::SceneExists { id: id.to_string() });
     }

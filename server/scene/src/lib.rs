@@ -26,6 +26,7 @@ mod polar_grid;
 mod scene;
 mod scene_id;
 mod sections;
+mod staging;
 mod store;
 mod stored;
 mod terrain;
