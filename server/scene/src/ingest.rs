@@ -1,6 +1,7 @@
 //! From files to a scene: reads, checks, reports, stores.
 
 mod black_marble;
+mod date;
 mod georeference;
 mod open;
 mod options;
