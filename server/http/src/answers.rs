@@ -1,12 +1,12 @@
 //! The JSON answers and their schemas.
 
-use crate::source::{RenderedSky, SiteFacts, SkyQuery, SourceFacts};
+use crate::source::{EyeHeight, RenderedSky, SiteFacts, SkyQuery, SourceFacts};
 use serde::Serialize;
 use skyglow_display::Sky;
 use skyglow_physics::{
     AZIMUTH_COUNT, Band, ELEVATION_COUNT, EmissionMix, GeoPoint, Lamp, Lobe, Panorama, SkyQuantities,
 };
-use skyglow_scene::{Place, SceneMetadata};
+use skyglow_scene::{Ground, Place, SceneMetadata};
 use utoipa::ToSchema;
 
 /// A scene.
@@ -24,7 +24,7 @@ pub struct SceneAnswer {
     pub crs: String,
     /// Factor on the raster's radiances.
     pub calibration: f64,
-    /// What the ingest saw: counts of lit, zero, negative, NaN, no-data and capped pixels with examples,
+    /// What the ingest saw: counts of lit, zero, negative, NaN, infinite, no-data and capped pixels with examples,
     /// the range, terrain under the lights, warnings.
     #[schema(value_type = Object)]
     pub report: serde_json::Value,
@@ -134,6 +134,29 @@ impl From<&SceneMetadata> for SceneReference {
     }
 }
 
+/// Says where the altitude of the ground comes from if not from the terrain there.
+fn ground_warning(scene: &SceneMetadata, ground: Ground) -> Option<String> {
+    match ground {
+        Ground::Here { .. } => None,
+        Ground::Nearest { distance_m, .. } => Some(format!(
+            "the terrain has no data at this place: the ground is taken from the nearest terrain, {:.1} km away",
+            distance_m / 1e3
+        )),
+        Ground::Unknown if scene.terrain => Some(
+            "the terrain has no data within 5 km of this place: the ground is taken at sea level".to_owned(),
+        ),
+        Ground::Unknown => Some("the scene has no terrain: the ground is taken at sea level".to_owned()),
+    }
+}
+
+/// What a sky had to do without, one sentence each. An eye above sea level does not ask for the ground.
+pub fn sky_warnings(query: &SkyQuery, scene: &SceneMetadata, ground: Ground) -> Vec<String> {
+    match query.eye_height {
+        EyeHeight::AboveGround(_) => ground_warning(scene, ground).into_iter().collect(),
+        EyeHeight::AboveSea(_) => Vec::new(),
+    }
+}
+
 /// What is at a place.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct SiteAnswer {
@@ -143,7 +166,8 @@ pub struct SiteAnswer {
     pub latitude_deg: f64,
     /// Degrees east.
     pub longitude_deg: f64,
-    /// Altitude of the ground, metres, at least 0; null without terrain.
+    /// Altitude of the ground, metres, at least 0: where the terrain has a gap, that of the nearest terrain
+    /// within 5 km; null where there is none, then 0 counts.
     pub terrain_altitude_m: Option<f64>,
     /// Radiance of the raster's pixel there, nW cm⁻² sr⁻¹; 0 where dark, null without data.
     pub radiance_nw_cm2_sr: Option<f64>,
@@ -151,6 +175,8 @@ pub struct SiteAnswer {
     pub calibration: f64,
     /// West, south, east, north of the scene, degrees.
     pub bounds: [f64; 4],
+    /// What is not as it should be there, one sentence each: ground that the terrain does not have.
+    pub warnings: Vec<String>,
 }
 
 impl SiteAnswer {
@@ -160,10 +186,11 @@ impl SiteAnswer {
             scene: (&site.scene).into(),
             latitude_deg: place.latitude_deg(),
             longitude_deg: place.longitude_deg(),
-            terrain_altitude_m: site.terrain_altitude_m,
+            terrain_altitude_m: site.ground.known_altitude_m(),
             radiance_nw_cm2_sr: site.radiance_nw_cm2_sr,
             calibration: site.scene.calibration,
             bounds: site.scene.bounds,
+            warnings: ground_warning(&site.scene, site.ground).into_iter().collect(),
         }
     }
 }
@@ -177,7 +204,8 @@ pub struct ObserverAnswer {
     pub longitude_deg: f64,
     /// Altitude of the eye above sea level, metres.
     pub altitude_m: f64,
-    /// Altitude of the ground, metres; null without terrain.
+    /// Altitude of the ground, metres, at least 0: where the terrain has a gap, that of the nearest terrain
+    /// within 5 km; null where there is none, then 0 counts.
     pub terrain_altitude_m: Option<f64>,
 }
 
@@ -247,12 +275,15 @@ pub struct Assumptions {
     pub clouds: String,
     /// Whether terrain hides lights and sky: not yet.
     pub terrain_occlusion: bool,
-    /// Upward flux within 300 km, DNB watts, calibration included.
-    pub flux_dnb_w: f64,
+    /// Upward flux within 300 km of the place, DNB watts, calibration included; that of the whole scene is
+    /// `flux_dnb_w` in its report.
+    pub flux_within_300_km_dnb_w: f64,
     /// Basis functions used.
     pub basis_count: usize,
     /// What rendered: `gpu`, `lavapipe` or `cpu`.
     pub executor: String,
+    /// What the numbers had to do without, one sentence each: ground that the terrain does not have.
+    pub warnings: Vec<String>,
 }
 
 impl Assumptions {
@@ -264,7 +295,7 @@ impl Assumptions {
                 latitude_deg: query.place.latitude_deg(),
                 longitude_deg: query.place.longitude_deg(),
                 altitude_m: sky.altitude_m,
-                terrain_altitude_m: sky.terrain_altitude_m,
+                terrain_altitude_m: sky.ground.known_altitude_m(),
             },
             coverage: sky.coverage,
             calibration: sky.calibration,
@@ -275,9 +306,10 @@ impl Assumptions {
             emission: query.emission.into(),
             clouds: "none".to_owned(),
             terrain_occlusion: false,
-            flux_dnb_w: sky.flux_dnb_w,
+            flux_within_300_km_dnb_w: sky.flux_dnb_w,
             basis_count: sky.basis_count,
             executor: facts.executor.clone(),
+            warnings: sky_warnings(query, scene, sky.ground),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Typed requests from query strings.
 
 use crate::{
+    accept::Format,
     error::ApiError,
     parameters::{self as p, ParameterSet},
     problem::Mistake,
@@ -59,20 +60,33 @@ pub struct View {
     pub raster_size_px: (u32, u32),
 }
 
-/// Reads the parameters of a panorama.
+/// Reads the parameters of a panorama in a format.
 ///
 /// # Errors
-/// [`ApiError::Parameters`] with every mistake.
+/// [`ApiError::Parameters`] with every mistake; what means nothing for the format is as good as unknown.
 pub fn panorama(
     query: Option<&str>,
     scene: SceneId,
     facts: &SourceFacts,
+    format: Format,
 ) -> Result<(SkyQuery, View), ApiError> {
     let mut reader = Reader::new(query, p::PanoramaParameters::ALL);
+    only_what_means_something(&mut reader, format);
     let sky = read_sky(&mut reader, scene, facts);
     let view = read_view(&mut reader);
     reader.finish()?;
     Ok((sky.ok_or_else(|| ApiError::internal("a sky was neither read nor refused"))?, view))
+}
+
+fn only_what_means_something(reader: &mut Reader, format: Format) {
+    let known = format.parameters();
+    let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
+    for parameter in p::PanoramaParameters::ALL.iter().filter(|parameter| !names.contains(&parameter.name)) {
+        if reader.text(parameter).is_some() {
+            let message = Some(format!("means nothing for {}", format.media_type()));
+            reader.fail(parameter, Mistake::UnknownParameter, message, Some(names.join(", ")));
+        }
+    }
 }
 
 fn read_place(reader: &mut Reader) -> Option<GeoPoint> {
@@ -93,33 +107,52 @@ fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<
     let turbidity = read_turbidity(reader, facts);
     let lamp = read_lamp(reader);
     let emission = read_emission(reader);
-    let basis = reader.integer(&p::BASIS).map(|basis| basis as usize);
-    if basis.is_some_and(|basis| basis > facts.basis_count) {
-        let allowed = format!("1 to {}", facts.basis_count);
-        let message = Some("is more than is resident".to_owned());
-        reader.fail(&p::BASIS, Mistake::NotResident, message, Some(allowed));
-    }
+    let basis = read_basis(reader, facts);
     read_what_is_not_there_yet(reader);
     reader.is_fine().then_some(())?;
     Some(SkyQuery { scene, place: place?, eye_height, turbidity: turbidity?, lamp, emission, basis })
 }
 
 fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
-    let height_m = reader.number(&p::HEIGHT);
+    let height_m = reader.number_of_any_size(&p::HEIGHT);
     let altitude_m = reader.number_of_any_size(&p::ALTITUDE);
     if reader.text(&p::HEIGHT).is_some() && reader.text(&p::ALTITUDE).is_some() {
         let message = Some("excludes `height`, which is given too".to_owned());
         reader.fail(&p::ALTITUDE, Mistake::Conflict, message, Some("one of the two".to_owned()));
     }
+    let maximum_m = facts.altitude_range_m.1;
     if let Some(altitude_m) = altitude_m {
-        let maximum_m = facts.altitude_range_m.1;
         if altitude_m > maximum_m {
             let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
             reader.fail(&p::ALTITUDE, Mistake::OutOfRange, None, Some(allowed));
         }
         return EyeHeight::AboveSea(altitude_m.max(0.0));
     }
+    if let Some(height_m) = height_m {
+        let allowed = || Some(format!("0 to {maximum_m} m, less the altitude of the ground"));
+        if height_m < 0.0 {
+            reader.fail(&p::HEIGHT, Mistake::NotAllowed, None, allowed());
+        } else if height_m > maximum_m {
+            // Too high over any ground: the same mistake as too high over this one, which the scene knows.
+            reader.fail(&p::HEIGHT, Mistake::OutOfRange, None, allowed());
+        }
+    }
     EyeHeight::AboveGround(height_m.unwrap_or(2.0))
+}
+
+fn read_basis(reader: &mut Reader, facts: &SourceFacts) -> Option<usize> {
+    let basis = reader.whole_number_of_any_size(&p::BASIS)?;
+    let allowed = Some(format!("a whole number from 1 to {}", facts.basis_count));
+    if basis < 1 {
+        reader.fail(&p::BASIS, Mistake::NotAllowed, None, allowed);
+        return None;
+    }
+    let basis = usize::try_from(basis).unwrap_or(usize::MAX);
+    if basis > facts.basis_count {
+        let message = Some("is more than is resident".to_owned());
+        reader.fail(&p::BASIS, Mistake::NotResident, message, allowed);
+    }
+    Some(basis)
 }
 
 fn read_turbidity(reader: &mut Reader, facts: &SourceFacts) -> Option<Turbidity> {
@@ -272,7 +305,11 @@ mod tests {
     }
 
     fn read(query: &str) -> Result<(SkyQuery, View), ApiError> {
-        panorama(Some(query), SceneId::parse("demo").unwrap(), &facts())
+        read_as(query, Format::Png)
+    }
+
+    fn read_as(query: &str, format: Format) -> Result<(SkyQuery, View), ApiError> {
+        panorama(Some(query), SceneId::parse("demo").unwrap(), &facts(), format)
     }
 
     fn refused(query: &str) -> (String, Vec<(String, Mistake)>) {
@@ -305,6 +342,19 @@ mod tests {
     }
 
     #[test]
+    fn a_height_is_refused_by_its_own_name_below_the_ground_and_above_the_tables() {
+        for (query, status, code) in
+            [("height=-1", 400, Mistake::NotAllowed), ("height=200000", 422, Mistake::OutOfRange)]
+        {
+            let problem = read(&format!("lat=-1&lon=36&{query}")).unwrap_err().problem();
+            assert_eq!((problem.status, problem.errors[0].code), (status, code), "{query}");
+            assert_eq!(problem.errors[0].parameter, "height");
+            assert!(problem.errors[0].allowed.starts_with("0 to 6000 m"), "{problem:?}");
+        }
+        assert!(read("lat=-1&lon=36&height=6000").is_ok());
+    }
+
+    #[test]
     fn altitudes_below_the_sea_count_as_0() {
         let (sky, _) = read("lat=-1&lon=36&altitude=-430").unwrap();
         assert_eq!(sky.eye_height, EyeHeight::AboveSea(0.0));
@@ -320,6 +370,54 @@ mod tests {
         for fine in ["clouds=none", "scattering=single", "terrain=on", "terrain=off", "basis=64"] {
             assert!(read(&format!("lat=-1&lon=36&{fine}")).is_ok(), "{fine}");
         }
+    }
+
+    #[test]
+    fn a_basis_of_any_wrong_size_is_refused_with_what_is_resident() {
+        for (basis, code) in [
+            ("0", Mistake::NotAllowed),
+            ("-3", Mistake::NotAllowed),
+            ("65", Mistake::NotResident),
+            ("5000", Mistake::NotResident),
+        ] {
+            let problem = read(&format!("lat=-1&lon=36&basis={basis}")).unwrap_err().problem();
+            assert_eq!(problem.errors[0].code, code, "{basis}");
+            assert_eq!(problem.errors[0].allowed, "a whole number from 1 to 64", "{basis}");
+        }
+        assert_eq!(refused("lat=-1&lon=36&basis=6.5").1, [("basis".to_owned(), Mistake::Malformed)]);
+    }
+
+    #[test]
+    fn what_means_nothing_for_a_format_is_refused_there_by_name() {
+        let colours = [
+            "style=realistic",
+            "colormap=grey",
+            "scale=magnitude",
+            "min=16",
+            "max=24",
+            "exposure=1",
+            "legend=off",
+        ];
+        let shape = ["projection=fisheye", "width=64", "height_px=64"];
+        let refused = |parameter: &str, format: Format| {
+            let problem = read_as(&format!("lat=-1&lon=36&{parameter}"), format).err()?.problem();
+            let named = parameter.split('=').next() == Some(problem.errors[0].parameter.as_str());
+            assert!(named && problem.errors[0].message.contains(format.media_type()), "{problem:?}");
+            assert!(problem.errors[0].allowed.contains("turbidity"), "{problem:?}");
+            Some(problem.errors[0].code)
+        };
+        for format in [Format::Exr, Format::Tiff] {
+            for parameter in colours {
+                assert_eq!(refused(parameter, format), Some(Mistake::UnknownParameter), "{parameter}");
+            }
+            for parameter in shape {
+                assert_eq!(refused(parameter, format), None, "{parameter}");
+            }
+        }
+        for parameter in colours.iter().chain(&shape) {
+            assert_eq!(refused(parameter, Format::Json), Some(Mistake::UnknownParameter), "{parameter}");
+        }
+        assert!(read_as("lat=-1&lon=36&sky=total&basis=8", Format::Json).is_ok());
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod error;
 mod gather;
 mod grid;
 mod grid_sections;
+mod ground;
 mod ingest;
 mod lattice;
 mod light_pyramid;
@@ -34,6 +35,7 @@ mod terrain;
 pub use demo::{DEMO_ID, create_demo};
 pub use error::SceneError;
 pub use gather::FAR_BLOCK_RATIO;
+pub use ground::Ground;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
 pub use map_tile::{RasterTile, TileLayer};
 pub use metadata::{
