@@ -76,29 +76,30 @@ impl ToneMap {
 
     /// sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹].
     ///
-    /// The film curve 1 − exp(−x) is that of the luminance alone. Colours that then lie outside what a display
-    /// can show, below 0 or above white, move towards grey of their own luminance until they fit: bright light
-    /// turns white and keeps its hue on the way, where channels that are cut apart would turn orange yellow.
+    /// Colours outside sRGB move towards grey of their own luminance until they fit. The film curve 1 − exp(−x)
+    /// is that of the brightest channel; the others keep their ratio to it and come up to it as it nears white.
+    /// So bright light turns white and keeps its hue on the way, where channels that saturate apart turn orange
+    /// yellow.
     pub fn rgb(&self, radiance_w_m2_sr: [f64; BAND_COUNT]) -> [u8; 3] {
         let linear: [f64; 3] = std::array::from_fn(|channel| {
             let row = &self.srgb_from_bands_cd_w[channel];
             row.iter().zip(radiance_w_m2_sr).map(|(m, l)| m * l).sum::<f64>() / self.reference_luminance_cd_m2
         });
         let grey = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
-        if grey <= 0.0 || !grey.is_finite() {
-            return if grey > 0.0 { [255; 3] } else { [0; 3] };
+        let lowest = linear.iter().copied().fold(f64::INFINITY, f64::min);
+        let saturation = if lowest < 0.0 && grey > lowest { grey / (grey - lowest) } else { 1.0 };
+        let inside = linear.map(|channel| (grey + saturation * (channel - grey)).max(0.0));
+        let brightest = inside.iter().copied().fold(0.0, f64::max);
+        if brightest == 0.0 {
+            return [0; 3];
         }
-        let shown_grey = 1.0 - (-grey).exp();
-        let shown = linear.map(|channel| channel * (shown_grey / grey));
-        let lowest = shown.iter().copied().fold(f64::INFINITY, f64::min);
-        let highest = shown.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let above_black = if lowest < 0.0 { shown_grey / (shown_grey - lowest) } else { 1.0 };
-        let below_white = if highest > 1.0 { (1.0 - shown_grey) / (highest - shown_grey) } else { 1.0 };
-        let saturation = above_black.min(below_white);
-        shown.map(|channel| {
-            let inside = shown_grey + saturation * (channel - shown_grey);
+        let shown = 1.0 - (-brightest).exp();
+        let whiteness = shown.powi(4);
+        inside.map(|channel| {
+            let ratio = channel / brightest;
+            let value = shown * (ratio + (1.0 - ratio) * whiteness);
             // At most 255 starts lie below.
-            self.byte_starts.partition_point(|&start| start <= inside) as u8
+            self.byte_starts.partition_point(|&start| start <= value) as u8
         })
     }
 }
@@ -150,17 +151,15 @@ mod tests {
         let hue = |luminance: f64| {
             let rgb = map.rgb(light_of(LampPreset::Hps.lamp(), luminance));
             let [r, g, b] = rgb.map(|byte| decode_srgb(f64::from(byte) / 255.0));
-            (rgb, r - b, (g - b) / (r - b))
+            (rgb, (r - b) / r, (g - b) / (r - b))
         };
         let (_, _, dim) = hue(3e-4);
         let mut last_saturation = f64::INFINITY;
-        for luminance in [1e-3, 3e-3, 6e-3, 1e-2, 1.5e-2] {
+        for luminance in [3e-4, 1e-3, 2e-3, 4e-3, 7e-3] {
             let (rgb, saturation, bright) = hue(luminance);
             assert!((bright - dim).abs() < 0.05, "{luminance}: {rgb:?} has {bright}, not {dim}");
-            if luminance >= 6e-3 {
-                assert!(rgb[0] == 255 && saturation < last_saturation, "{luminance}: {rgb:?}");
-                last_saturation = saturation;
-            }
+            assert!(saturation < last_saturation, "{luminance}: {rgb:?}");
+            last_saturation = saturation;
         }
         assert_eq!(hue(1.0).0, [255; 3]);
     }
