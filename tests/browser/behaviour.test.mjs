@@ -87,6 +87,26 @@ test("the search box finds a town by the beginning of its name and shows its sky
   await context.close();
 });
 
+test("a sky over ground that the terrain does not have says so among its numbers", async () => {
+  const opened = await open_page(browser);
+  const { page, context } = opened;
+  const said = "the terrain has no data within 5 km of this place: the ground is taken at sea level";
+  await page.route("**/api/v1/scenes/*/sky?*", async (route) => {
+    const response = await route.fetch();
+    await route.fulfill({ response, json: { ...(await response.json()), warnings: [said] } });
+  });
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
+  await sky_shown(page);
+  assert.equal(await text(page, "warning"), `T${said.slice(1)}.`);
+  await page.unroute("**/api/v1/scenes/*/sky?*");
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.beside));
+  const there = await zenith_of(here.beside);
+  await page.waitForFunction((value) => document.querySelector("[data-value=zenith_mag]")?.textContent === value, there);
+  assert.equal(await page.locator("[data-value=warning]").count(), 0);
+  assert_no_faults(opened);
+  await context.close();
+});
+
 test("a place outside the scene is told in the server's words, and the viewer goes on", async () => {
   const opened = await open_page(browser, fragment(here.outside));
   const { page, context, faults } = opened;

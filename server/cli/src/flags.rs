@@ -1,8 +1,8 @@
 //! Flags that several commands share.
 
-use crate::{failure::Failure, folders, program, settings::Device};
+use crate::{failure::Failure, folders, program, query, settings::Device};
 use clap::{Args, builder::BoolishValueParser};
-use skyglow_http::SkySource;
+use skyglow_http::{SkySource, source::SourceFacts};
 use std::{path::PathBuf, sync::Arc};
 
 /// Where the scenes are.
@@ -61,6 +61,11 @@ pub(crate) struct ProgramFlags {
 }
 
 impl ProgramFlags {
+    /// What the packs will serve, without opening them.
+    pub(crate) fn facts(&self) -> SourceFacts {
+        query::facts_of_packs(&self.packs.folder())
+    }
+
     /// Scenes, packs and engine, ready to answer.
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
         program::open(&self.data.folder(), &self.packs.folder(), self.device.unwrap_or_default())

@@ -4,11 +4,12 @@ use crate::failure::Failure;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use skyglow_http::{
     error::ApiError,
-    parameters::{Parameter, ParameterSet},
+    parameters::{MOST_BASIS_FUNCTIONS, Parameter, ParameterSet},
     source::SourceFacts,
 };
 use skyglow_physics::Turbidity;
-use std::marker::PhantomData;
+use skyglow_tables::{Manifest, packs_in};
+use std::{marker::PhantomData, path::Path};
 
 /// The flags of a set of parameters, as a query string.
 #[derive(Clone, Debug)]
@@ -87,9 +88,29 @@ pub(crate) fn widest_facts() -> SourceFacts {
         adapter: String::new(),
         turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
         altitude_range_m: (0.0, 100_000.0),
-        basis_count: usize::MAX,
+        basis_count: MOST_BASIS_FUNCTIONS as usize,
         pack_checksums: String::new(),
     }
+}
+
+/// What the packs of a folder will serve, from the manifests beside them: to name the true ranges before
+/// anything is loaded. The widest where there are no manifests to read; opening the packs then says why.
+pub(crate) fn facts_of_packs(folder: &Path) -> SourceFacts {
+    let manifests: Vec<Manifest> = packs_in(folder)
+        .unwrap_or_default()
+        .iter()
+        .filter_map(|path| std::fs::read(path.with_extension("json")).ok())
+        .filter_map(|text| serde_json::from_slice(&text).ok())
+        .collect();
+    let mut facts = widest_facts();
+    let turbidities = manifests.iter().map(|manifest| manifest.turbidity);
+    if let Some(ends) = turbidities.map(|t| (t, t)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) {
+        facts.turbidity_range = ends;
+        facts.basis_count = manifests.iter().map(|manifest| manifest.basis_count).max().unwrap_or(0);
+    }
+    let highest_m = manifests.iter().filter_map(|manifest| manifest.axes.observer_altitude_m.last().copied());
+    facts.altitude_range_m.1 = highest_m.reduce(f64::min).unwrap_or(facts.altitude_range_m.1);
+    facts
 }
 
 /// A refused parameter is wrong usage; anything else is work that failed.
@@ -105,7 +126,7 @@ pub(crate) fn failure(error: &ApiError) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_http::parameters::PanoramaParameters;
+    use skyglow_http::{accept::Format, parameters::PanoramaParameters};
 
     fn query(arguments: &[&str]) -> String {
         let command = QueryFlags::<PanoramaParameters>::augment_args(Command::new("test"));
@@ -125,7 +146,8 @@ mod tests {
     fn the_api_reads_what_the_flags_wrote() {
         let scene = skyglow_scene::SceneId::parse("demo").unwrap();
         let text = query(&["--lat", "-1.3", "--lon", "36.8", "--emission", "1,1,2", "--sky", "total"]);
-        let (sky, view) = skyglow_http::request::panorama(Some(&text), scene, &widest_facts()).unwrap();
+        let (sky, view) =
+            skyglow_http::request::panorama(Some(&text), scene, &widest_facts(), Format::Png).unwrap();
         assert!((sky.place.latitude_deg() + 1.3).abs() < 1e-12);
         assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
         assert_eq!(view.options.sky, skyglow_display::Sky::Total);

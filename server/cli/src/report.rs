@@ -34,6 +34,7 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
     rows.count("zero", &report.zero, false);
     rows.count("negative", &report.negative, true);
     rows.count("NaN", &report.nan, true);
+    rows.count("infinite", &report.infinite, true);
     rows.count("no data", &report.no_data, false);
     rows.count("capped", &report.capped, true);
     rows.count("off the Earth", &report.outside_world, true);

@@ -97,16 +97,20 @@ fn the_good_raster_of_these_tests_is_taken() {
 }
 
 #[test]
-fn nan_and_negative_pixels_are_counted_and_give_no_light() {
+fn nan_infinite_and_negative_pixels_are_counted_apart_and_give_no_light() {
     let bench = Bench::new();
     with_radiance(|index, value| match index {
         0..3 => f32::NAN,
         3..8 => -0.2,
         8..10 => -999.0,
+        10..14 => f32::INFINITY,
+        14 => f32::NEG_INFINITY,
         _ => value,
     })(&bench.raster());
     let report = bench.ingest(&[]).expect_status(0).json()["report"].clone();
     assert_eq!(report["nan"]["count"], 3);
+    assert_eq!(report["infinite"]["count"], 5);
+    assert!(report["warnings"][0].as_str().unwrap().starts_with("5 pixels are infinite"), "{report}");
     assert_eq!(report["negative"]["count"], 5);
     assert_eq!(report["no_data"]["count"], 2);
     assert_eq!(report["pixels"], SIDE * SIDE);
@@ -137,4 +141,7 @@ fn a_taken_id_and_wrong_options_are_refused() {
     bench.ingest(&["--id", "Town!"]).expect_status(2);
     bench.ingest(&["--units", "lux"]).expect_status(2);
     bench.ingest(&["--id", "other", "--calibration", "-1"]).expect_status(2);
+    let date = bench.ingest(&["--id", "other", "--date", "last summer"]).expect_status(2);
+    assert!(date.stderr.contains("\"last summer\" is no date"), "{}", date.stderr);
+    bench.ingest(&["--id", "other", "--date", "2023-06/2023-08"]).expect_status(0);
 }

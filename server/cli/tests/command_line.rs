@@ -44,13 +44,40 @@ fn wrong_usage_is_status_2_and_says_so_on_standard_error() {
         &["sky", "--scene", "demo", "--lat", "46", "--lon", "8", "--lamp", "candle"],
         &["sky", "--scene", "demo", "--lat", "46", "--lon", "8", "--emission", "upwards"],
         &["sky", "--scene", "demo", "--lat", "46", "--lon", "8", "--height", "2", "--altitude", "900"],
+        &["reference", "--scene", "demo", "--lat", "46", "--lon", "8", "--basis", "16"],
         &["panorama", "--scene", "demo", "--lat", "46", "--lon", "8"],
         &["panorama", "--scene", "demo", "--lat", "46", "--lon", "8", "-o", "sky.gif"],
+        &[
+            "panorama",
+            "--scene",
+            "demo",
+            "--lat",
+            "46",
+            "--lon",
+            "8",
+            "-o",
+            "sky.exr",
+            "--style",
+            "realistic",
+        ],
     ];
     for arguments in wrong {
         let finished = skyglow(arguments).expect_status(2);
         assert_eq!(finished.stdout, "", "{arguments:?}");
         assert!(!finished.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_refused_turbidity_or_basis_names_what_the_packs_serve() {
+    for (flag, value, allowed) in [
+        ("--turbidity", "10", "1.5 to 6"),
+        ("--turbidity", "1", "1.5 to 6"),
+        ("--basis", "500", "from 1 to 64"),
+    ] {
+        let asked = ["sky", "--scene", "demo", "--lat", "46", "--lon", "8", flag, value];
+        let refused = skyglow(&asked).expect_status(2);
+        assert!(refused.stderr.contains(allowed), "{flag} {value}: {}", refused.stderr);
     }
 }
 
@@ -70,6 +97,30 @@ fn failed_work_is_status_1_with_one_line_that_says_why() {
         let said: Vec<&str> = finished.stderr.lines().filter(|line| line.starts_with("skyglow: ")).collect();
         assert_eq!(said.len(), 1, "{arguments:?}: {}", finished.stderr);
         assert!(said[0].contains(reason), "{arguments:?}: {}", said[0]);
+    }
+}
+
+#[test]
+fn a_cut_pack_is_listed_as_damaged_by_its_name_with_status_1() {
+    let precomputed = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../precomputed"));
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["turbidity-1.50-single", "turbidity-2.50-single"] {
+        for extension in ["skyglow", "json"] {
+            let file = format!("{name}.{extension}");
+            std::fs::copy(precomputed.join(&file), folder.path().join(&file)).unwrap();
+        }
+    }
+    let packs = text(folder.path());
+    skyglow(&["packs", "--packs", packs]).expect_status(0);
+    let cut = folder.path().join("turbidity-2.50-single.skyglow");
+    let bytes = std::fs::read(&cut).unwrap();
+    std::fs::write(&cut, &bytes[..bytes.len() - 1000]).unwrap();
+    for command in [&["packs"][..], &["packs", "verify"]] {
+        let listed = skyglow(&[command, &["--packs", packs]].concat()).expect_status(1);
+        let line = |name: &str| listed.stdout.lines().find(|line| line.starts_with(name)).unwrap_or_default();
+        assert!(line("turbidity-2.50-single").contains("damaged"), "{}", listed.stdout);
+        assert!(line("turbidity-1.50-single").contains("1.5"), "{}", listed.stdout);
+        assert!(listed.stderr.contains("turbidity-2.50-single.skyglow"), "{}", listed.stderr);
     }
 }
 

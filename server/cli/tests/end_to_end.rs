@@ -231,9 +231,23 @@ fn the_truth_needs_no_packs_and_names_its_directions() {
         assert!(direction["radiance"].as_array().unwrap().iter().all(|value| value.as_f64().unwrap() > 0.0));
     }
     assert_eq!(few["unit"], "W m-2 sr-1");
-    assert!(few.get("radiance").is_none() && few.get("sky").is_none());
+    // The same JSON as panorama.json, but for the samples that were not computed and the basis that is not used.
+    assert!(few.get("radiance").is_none() && few.get("basis_count").is_none(), "{few}");
+    assert_eq!(few["horizon_deg"].as_array().map(Vec::len), Some(256));
+    assert!(number(&few["sky"], "zenith_luminance_cd_m2") > 0.0);
+    let warnings: Vec<&str> = few["warnings"].as_array().unwrap().iter().filter_map(|w| w.as_str()).collect();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(
+        warnings[0].contains("no terrain") && warnings[1].contains("16 of 16384 directions"),
+        "{warnings:?}"
+    );
     assert!((number(&few["observer"], "altitude_m") - 2.0).abs() < 1e-9);
     assert_eq!(few, truth(&["--directions", "16"]));
+    let highest =
+        directions.iter().max_by(|a, b| number(a, "elevation_deg").total_cmp(&number(b, "elevation_deg")));
+    let ratio = highest.unwrap()["radiance"][1].as_f64().unwrap()
+        / few["sky"]["zenith_radiance_w_m2_sr"][1].as_f64().unwrap();
+    assert!((0.8..1.25).contains(&ratio), "{ratio}");
     let blue = truth(&["--directions", "16", "--lamp", "0,0,1"]);
     let bands = blue["directions"][0]["radiance"].as_array().unwrap();
     assert!(bands[0] == 0.0 && bands[1] == 0.0 && bands[2].as_f64().unwrap() > 0.0, "{bands:?}");

@@ -68,10 +68,25 @@ pub(crate) fn draw_compass(
     Ok(())
 }
 
+/// What a picture shows that its colours do not reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Beyond {
+    /// Something is darker than the dark end.
+    pub(crate) below: bool,
+    /// Something is brighter than the bright end.
+    pub(crate) above: bool,
+}
+
 /// Draws the strip below the sky: colour bar with both units, or the exposure.
-pub(crate) fn draw_strip(canvas: &mut RgbImage, options: &PictureOptions) -> Result<(), DisplayError> {
+pub(crate) fn draw_strip(
+    canvas: &mut RgbImage,
+    options: &PictureOptions,
+    beyond: Beyond,
+) -> Result<(), DisplayError> {
     match options.style {
-        Style::FalseColour { colormap, range } => draw_bar(canvas, options, range, |t| colormap.rgb(t)),
+        Style::FalseColour { colormap, range } => {
+            draw_bar(canvas, options, range, beyond, |t| colormap.rgb(t))
+        }
         Style::Realistic { exposure_ev } => {
             let scale = scale(options.width_px);
             let pen = Pen::new(13.0 * scale)?;
@@ -94,11 +109,12 @@ fn light(sky: Sky) -> &'static str {
     }
 }
 
-/// The colour bar: mag/arcsec² above, cd/m² below.
+/// The colour bar: mag/arcsec² above, cd/m² below; a tip at an end beyond which the sky goes.
 fn draw_bar(
     canvas: &mut RgbImage,
     options: &PictureOptions,
     range: ColourRange,
+    beyond: Beyond,
     colour: impl Fn(f64) -> [u8; 3],
 ) -> Result<(), DisplayError> {
     let scale = scale(options.width_px);
@@ -113,6 +129,20 @@ fn draw_bar(
         let rgb = colour(f64::from((x as f32 + 0.5 - left) / length));
         for y in bar_top as u32..bar_bottom as u32 {
             canvas.put_pixel(x, y, Rgb(rgb));
+        }
+    }
+    let middle = 0.5 * (bar_top as u32 + bar_bottom as u32) as f32;
+    let half_height = 0.5 * (bar_bottom as u32 - bar_top as u32) as f32;
+    for (is_there, base, outwards, end) in [(beyond.below, left, -1.0, 0.0), (beyond.above, right, 1.0, 1.0)]
+    {
+        if is_there {
+            let length = 10.0 * scale;
+            draw_tip(
+                canvas,
+                (base + outwards * TIP_GAP_PX * scale, middle),
+                (outwards * length, half_height),
+                colour(end),
+            );
         }
     }
     let unit_x = right + 30.0 * scale;
@@ -144,6 +174,30 @@ fn draw_bar(
         mark(range.position(luminance), &power_label(luminance), false);
     }
     Ok(())
+}
+
+/// Room between the bar and a tip.
+const TIP_GAP_PX: f32 = 2.0;
+
+/// A triangle that points to one side: the colour of what lies beyond, with a rim that shows on any ground.
+fn draw_tip(
+    canvas: &mut RgbImage,
+    (base_x, middle_y): (f32, f32),
+    (length, half_height): (f32, f32),
+    colour: [u8; 3],
+) {
+    let steps = length.abs().ceil() as u32;
+    for step in 0..steps {
+        let x = base_x + length.signum() * (step as f32 + 0.5);
+        let reach = half_height * (1.0 - (step as f32 + 0.5) / length.abs()).max(0.0);
+        for y in (middle_y - reach).floor() as u32..(middle_y + reach).ceil() as u32 {
+            let from_rim = reach - (y as f32 + 0.5 - middle_y).abs();
+            let rgb = if step == 0 || from_rim < 1.0 { LABEL_RGB } else { colour };
+            if x >= 0.0 && (x as u32) < canvas.width() && y < canvas.height() {
+                canvas.put_pixel(x as u32, y, Rgb(rgb));
+            }
+        }
+    }
 }
 
 /// Round numbers from `low` to `high`, at most about `count` of them.
@@ -244,6 +298,26 @@ mod tests {
         assert!(ink(256 + 40, 256 + 56) > 100);
         // Compass letters: white ink on a dark sky.
         assert!(ink(220, 256) > 100);
+    }
+
+    #[test]
+    fn the_bar_has_a_tip_at_an_end_beyond_which_the_sky_goes_and_at_no_other() {
+        let options =
+            PictureOptions { sky: Sky::Artificial, ..PictureOptions::new(Projection::Equirectangular) };
+        // Light ink beside the bar, in its height: nothing else is drawn there but the word at its right.
+        let tips = |radiance: f32| {
+            let panorama = Panorama::from_samples(vec![radiance; Panorama::LEN]).unwrap();
+            let image = picture(&panorama, &options).unwrap();
+            let bar: Vec<u32> =
+                (0..1024).filter(|&x| image.get_pixel(x, 256 + 29).0 == Colormap::Inferno.rgb(0.5)).collect();
+            assert!(!bar.is_empty());
+            let is_ink = |x: u32| (256 + 22..256 + 36).any(|y| image.get_pixel(x, y).0 == LABEL_RGB);
+            let right = (1024.0 - Pen::new(13.0).unwrap().width_px("mag/arcsec²") - 40.0) as u32;
+            ((2..14).any(is_ink), (right + 2..right + 14).any(is_ink))
+        };
+        assert_eq!(tips(1e-9), (true, false));
+        assert_eq!(tips(1e-6), (false, false));
+        assert_eq!(tips(1.0), (false, true));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::{
     colormap::TABLE_LEN,
     error::DisplayError,
-    legend,
+    legend::{self, Beyond},
     options::{PictureOptions, Style},
     projection::View,
     realistic::ToneMap,
@@ -22,6 +22,7 @@ enum Painter<'a> {
         table: Box<[[u8; 3]; TABLE_LEN]>,
         /// Entry `i + 1` of the table starts at `starts_cd_m2[i]`: no logarithm per pixel.
         starts_cd_m2: Box<[f64; TABLE_LEN - 1]>,
+        ends_cd_m2: (f64, f64),
     },
     Realistic {
         sampler: Sampler<'a>,
@@ -41,6 +42,8 @@ impl<'a> Painter<'a> {
                         .map(|i| panorama.luminance_cd_m2(i / AZIMUTH_COUNT, i % AZIMUTH_COUNT) + added_cd_m2)
                         .collect(),
                     table: Box::new(colormap.table()),
+                    // With room for rounding: the ends themselves are inside.
+                    ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
                     starts_cd_m2: Box::new(std::array::from_fn(|i| {
                         dark * ((i as f64 + 0.5) / (TABLE_LEN - 1) as f64 * (bright / dark).ln()).exp()
                     })),
@@ -53,12 +56,15 @@ impl<'a> Painter<'a> {
         }
     }
 
-    fn rgb(&self, direction: Direction) -> Option<[u8; 3]> {
+    /// The colour of a direction; notes in `beyond` what the colours cannot tell apart from their ends.
+    fn rgb(&self, direction: Direction, beyond: &mut Beyond) -> Option<[u8; 3]> {
         match self {
-            Painter::FalseColour { luminance_cd_m2, table, starts_cd_m2 } => {
+            Painter::FalseColour { luminance_cd_m2, table, starts_cd_m2, ends_cd_m2 } => {
                 let taps = taps(direction)?;
                 let luminance: f64 =
                     (0..4).map(|tap| taps.weight[tap] * luminance_cd_m2[taps.offset[tap]]).sum();
+                beyond.below |= luminance < ends_cd_m2.0;
+                beyond.above |= luminance > ends_cd_m2.1;
                 Some(table[starts_cd_m2.partition_point(|&start| start <= luminance)])
             }
             Painter::Realistic { sampler, tone_map } => {
@@ -80,17 +86,18 @@ pub fn picture(panorama: &Panorama, options: &PictureOptions) -> Result<RgbImage
     let (canvas_width_px, canvas_height_px) = canvas_size_px(options);
     let offset_px = (canvas_width_px - options.width_px) / 2;
     let mut canvas = RgbImage::from_pixel(canvas_width_px, canvas_height_px, Rgb(GROUND_RGB));
+    let mut beyond = Beyond::default();
     for y in 0..options.height_px {
         for x in 0..options.width_px {
             let direction = view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction)) {
+            if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, &mut beyond)) {
                 canvas.put_pixel(x + offset_px, y, Rgb(rgb));
             }
         }
     }
     if options.legend {
         legend::draw_compass(&mut canvas, options, &view, offset_px)?;
-        legend::draw_strip(&mut canvas, options)?;
+        legend::draw_strip(&mut canvas, options, beyond)?;
     }
     Ok(canvas)
 }

@@ -36,7 +36,7 @@ pub struct ToneMap {
     srgb_from_bands_cd_w: [[f64; BAND_COUNT]; 3],
     /// Scene luminance that counts as 1 before the film curve, cd m⁻².
     reference_luminance_cd_m2: f64,
-    /// The film and sRGB curves together, inverted: byte `i + 1` starts at `byte_starts[i]`.
+    /// The sRGB curve inverted: byte `i + 1` starts at `byte_starts[i]`, of display white.
     byte_starts: [f64; 255],
 }
 
@@ -70,14 +70,16 @@ impl ToneMap {
         // 1 − exp(−x) is 0.18 at x = 0.198.
         let reference_luminance_cd_m2 =
             MIDDLE_GREY_LUMINANCE_CD_M2 / -(1.0f64 - 0.18).ln() / exposure_ev.exp2();
-        let byte_starts = std::array::from_fn(|i| -(1.0 - decode_srgb((i as f64 + 0.5) / 255.0)).ln());
+        let byte_starts = std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0));
         Self { srgb_from_bands_cd_w, reference_luminance_cd_m2, byte_starts }
     }
 
     /// sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹].
     ///
-    /// Colours outside sRGB move towards grey of their own luminance until they fit; the film curve
-    /// 1 − exp(−x), each channel apart, then turns bright light white as it does on film.
+    /// Colours outside sRGB move towards grey of their own luminance until they fit. The film curve 1 − exp(−x)
+    /// is that of the brightest channel; the others keep their ratio to it and come up to it as it nears white.
+    /// So bright light turns white and keeps its hue on the way, where channels that saturate apart turn orange
+    /// yellow.
     pub fn rgb(&self, radiance_w_m2_sr: [f64; BAND_COUNT]) -> [u8; 3] {
         let linear: [f64; 3] = std::array::from_fn(|channel| {
             let row = &self.srgb_from_bands_cd_w[channel];
@@ -86,10 +88,18 @@ impl ToneMap {
         let grey = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
         let lowest = linear.iter().copied().fold(f64::INFINITY, f64::min);
         let saturation = if lowest < 0.0 && grey > lowest { grey / (grey - lowest) } else { 1.0 };
-        linear.map(|channel| {
-            let inside = (grey + saturation * (channel - grey)).max(0.0);
+        let inside = linear.map(|channel| (grey + saturation * (channel - grey)).max(0.0));
+        let brightest = inside.iter().copied().fold(0.0, f64::max);
+        if brightest == 0.0 {
+            return [0; 3];
+        }
+        let shown = 1.0 - (-brightest).exp();
+        let whiteness = shown.powi(4);
+        inside.map(|channel| {
+            let ratio = channel / brightest;
+            let value = shown * (ratio + (1.0 - ratio) * whiteness);
             // At most 255 starts lie below.
-            self.byte_starts.partition_point(|&start| start <= inside) as u8
+            self.byte_starts.partition_point(|&start| start <= value) as u8
         })
     }
 }
@@ -132,6 +142,26 @@ mod tests {
         assert!(sodium[0] > sodium[1] + 30 && sodium[1] > sodium[2] + 60, "{sodium:?}");
         let led = map.rgb(light_of(LampPreset::Led4000k.lamp(), 1e-3));
         assert!(led[2] > sodium[2] && led[0] < sodium[0], "{led:?} {sodium:?}");
+    }
+
+    #[test]
+    fn bright_light_turns_white_without_changing_its_hue() {
+        let map = ToneMap::new(0.0);
+        // Mixing with grey and scaling leave (G − B) / (R − B) as it is.
+        let hue = |luminance: f64| {
+            let rgb = map.rgb(light_of(LampPreset::Hps.lamp(), luminance));
+            let [r, g, b] = rgb.map(|byte| decode_srgb(f64::from(byte) / 255.0));
+            (rgb, (r - b) / r, (g - b) / (r - b))
+        };
+        let (_, _, dim) = hue(3e-4);
+        let mut last_saturation = f64::INFINITY;
+        for luminance in [3e-4, 1e-3, 2e-3, 4e-3, 7e-3] {
+            let (rgb, saturation, bright) = hue(luminance);
+            assert!((bright - dim).abs() < 0.05, "{luminance}: {rgb:?} has {bright}, not {dim}");
+            assert!(saturation < last_saturation, "{luminance}: {rgb:?}");
+            last_saturation = saturation;
+        }
+        assert_eq!(hue(1.0).0, [255; 3]);
     }
 
     #[test]

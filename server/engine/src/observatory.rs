@@ -8,7 +8,8 @@ use crate::{
 };
 use skyglow_physics::{Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Lamp, SkyQuantities, Turbidity};
 use skyglow_scene::{
-    PolarGrid, RING_COUNT, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer, ring_distance_m,
+    Ground, PolarGrid, RING_COUNT, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer,
+    ring_distance_m,
 };
 use skyglow_tables::{Manifest, Pack, ResidentTables};
 use std::{
@@ -30,7 +31,7 @@ pub struct Observatory {
 /// Where the observer's eye is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ObserverHeight {
-    /// Metres above the terrain; above sea level where the scene has no terrain.
+    /// Metres above the ground, as [`Ground`] has it: above sea level where there is no terrain within 5 km.
     AboveGround(f64),
     /// Metres above sea level.
     AboveSea(f64),
@@ -64,8 +65,8 @@ pub struct Observer {
     pub longitude_deg: f64,
     /// Altitude used, metres above sea level, at least 0.
     pub altitude_m: f64,
-    /// Altitude of the ground, metres; None where the scene has no terrain.
-    pub terrain_altitude_m: Option<f64>,
+    /// The ground there.
+    pub ground: Ground,
 }
 
 /// What is at a place.
@@ -73,8 +74,8 @@ pub struct Observer {
 pub struct SiteAnswer {
     /// The scene.
     pub scene: SceneMetadata,
-    /// Altitude of the ground, metres, at least 0; None without terrain.
-    pub terrain_altitude_m: Option<f64>,
+    /// The ground there.
+    pub ground: Ground,
     /// Radiance of the pixel there, nW cm⁻² sr⁻¹, without the calibration; None without data.
     pub radiance_nw_cm2_sr: Option<f64>,
 }
@@ -174,7 +175,7 @@ impl Observatory {
         let scene = scene_around(&self.shelf, id, place)?;
         Ok(SiteAnswer {
             scene: scene.metadata().clone(),
-            terrain_altitude_m: scene.terrain_altitude_m(place),
+            ground: scene.ground(place),
             radiance_nw_cm2_sr: scene.radiance_nw_cm2_sr(place),
         })
     }
@@ -228,9 +229,9 @@ impl View {
     fn of(shelf: &SceneShelf, request: &SkyRequest) -> Result<Self, EngineError> {
         let place = request.place;
         let scene = scene_around(shelf, &request.scene, place)?;
-        let terrain_altitude_m = scene.terrain_altitude_m(place);
+        let ground = scene.ground(place);
         let altitude_m = match request.observer_height {
-            ObserverHeight::AboveGround(height_m) => terrain_altitude_m.unwrap_or(0.0) + height_m,
+            ObserverHeight::AboveGround(height_m) => ground.altitude_m() + height_m,
             ObserverHeight::AboveSea(altitude_m) => altitude_m,
         };
         let observer = Observer {
@@ -238,7 +239,7 @@ impl View {
             longitude_deg: place.longitude_deg(),
             // Below sea level counts as sea level; what is no number stays so and is refused.
             altitude_m: if altitude_m < 0.0 { 0.0 } else { altitude_m },
-            terrain_altitude_m,
+            ground,
         };
         let polar = Arc::new(scene.polar_grid(place));
         Ok(Self { scene, polar, observer })

@@ -7,11 +7,16 @@ use common::engine;
 use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
 use skyglow_engine::{DeviceChoice, EngineError, Observatory, ObserverHeight, SkyRequest};
 use skyglow_physics::{Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity};
-use skyglow_scene::{IngestOptions, SceneError, SceneId, SceneStore, ingest};
+use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
 use std::path::Path;
 
 /// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, and ground at 1000 m.
 fn store_town(data_dir: &Path, calibration: f64) {
+    store_town_on(data_dir, calibration, &|_, _| 1000.25);
+}
+
+/// The same on another ground, metres by row and column.
+fn store_town_on(data_dir: &Path, calibration: f64, ground_m: &dyn Fn(usize, usize) -> f32) {
     let write = |name: &str, value: &dyn Fn(usize, usize) -> f32| {
         let path = data_dir.join(name);
         let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
@@ -26,7 +31,7 @@ fn store_town(data_dir: &Path, calibration: f64) {
     };
     let near = |a: usize| (19..22).contains(&a);
     let options = IngestOptions {
-        terrain: vec![write("terrain.tif", &|_, _| 1000.25)],
+        terrain: vec![write("terrain.tif", ground_m)],
         id: Some(town()),
         calibration,
         replace: true,
@@ -65,7 +70,7 @@ fn a_place_gets_its_sky_with_everything_it_depends_on() {
     let request = request(-1.35, 36.5, ObserverHeight::AboveGround(2.0));
     let answer = observatory.sky_blocking(&request).unwrap();
     assert!((answer.observer.altitude_m - 1002.25).abs() < 0.01, "{:?}", answer.observer);
-    assert!((answer.observer.terrain_altitude_m.unwrap() - 1000.25).abs() < 0.01);
+    assert!((answer.observer.ground.known_altitude_m().unwrap() - 1000.25).abs() < 0.01);
     assert!(answer.flux_dnb_w > 0.0 && answer.coverage > 0.0 && answer.coverage < 0.1);
     let atmosphere = Atmosphere::new(request.turbidity);
     assert_eq!(answer.local_optical_depth, atmosphere.vertical_optical_depth(answer.observer.altitude_m));
@@ -95,6 +100,24 @@ fn a_site_says_what_is_there() {
         }
         other => panic!("{other}"),
     }
+}
+
+#[test]
+fn an_observer_over_a_gap_in_the_terrain_stands_on_the_nearest_within_5_km() {
+    let data = tempfile::tempdir().unwrap();
+    // Ground in the west alone: column 20 ends at 36.6° E.
+    store_town_on(data.path(), 1.0, &|_, column| if column < 20 { 1000.25 } else { -32_768.0 });
+    let observatory = observatory(data.path());
+    let observer = |longitude_deg| {
+        let request = request(-1.35, longitude_deg, ObserverHeight::AboveGround(2.0));
+        observatory.sky_blocking(&request).unwrap().observer
+    };
+    assert!(matches!(observer(36.5).ground, Ground::Here { .. }));
+    let beside = observer(36.622);
+    assert!((beside.altitude_m - 1002.25).abs() < 0.01, "{beside:?}");
+    assert!(matches!(beside.ground, Ground::Nearest { .. }), "{beside:?}");
+    let beyond = observer(36.7);
+    assert_eq!((beyond.altitude_m, beyond.ground), (2.0, Ground::Unknown));
 }
 
 #[test]

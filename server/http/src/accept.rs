@@ -1,6 +1,8 @@
 //! Formats of a panorama, and which one an Accept header prefers.
 
-/// A format.
+use crate::parameters::{GridParameters, PanoramaParameters, Parameter, ParameterSet, RasterParameters};
+
+/// A format of a panorama.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// PNG.
@@ -30,6 +32,15 @@ impl Format {
             Format::Exr => "image/x-exr",
             Format::Tiff => "image/tiff",
             Format::Json => "application/json",
+        }
+    }
+
+    /// The parameters that mean something for it.
+    pub const fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Format::Png | Format::WebP => PanoramaParameters::ALL,
+            Format::Exr | Format::Tiff => RasterParameters::ALL,
+            Format::Json => GridParameters::ALL,
         }
     }
 

@@ -140,6 +140,7 @@ fn cors() -> CorsLayer {
             header::ETAG,
             header::RETRY_AFTER,
             HeaderName::from_static("server-timing"),
+            HeaderName::from_static("skyglow-warnings"),
             HeaderName::from_static("x-request-id"),
         ])
         .max_age(Duration::from_secs(86_400))

@@ -58,7 +58,7 @@ pub enum ApiError {
         limit_bytes: usize,
     },
     /// Something else that HTTP itself refuses, with its status.
-    #[error("the request cannot be read")]
+    #[error("{}", unreadable(*.0))]
     Unreadable(
         /// A status from 400 to 499.
         u16,
@@ -90,6 +90,18 @@ pub enum ApiError {
         /// What happened, for the log.
         reason: String,
     },
+}
+
+/// Why HTTP itself refuses a request.
+fn unreadable(status: u16) -> &'static str {
+    match StatusCode::from_u16(status) {
+        Ok(StatusCode::REQUEST_TIMEOUT) => "the request took too long to arrive",
+        Ok(StatusCode::URI_TOO_LONG) => "the address asked for is longer than this server reads",
+        Ok(StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE) => {
+            "the request's headers are longer than this server reads"
+        }
+        _ => "the request cannot be read",
+    }
 }
 
 /// Status code, stable name and title of a kind of problem.

@@ -12,6 +12,7 @@ pub mod config;
 pub mod error;
 pub mod etag;
 pub mod layers;
+pub mod listener;
 pub mod metrics;
 pub mod observatory;
 pub mod parameters;

@@ -60,7 +60,7 @@ impl From<EngineError> for SourceError {
             EngineError::BasisOutOfRange { basis, maximum } => SourceError::OutOfRange {
                 parameter: "basis",
                 value: basis.to_string(),
-                allowed: format!("1 to {maximum}"),
+                allowed: format!("a whole number from 1 to {maximum}"),
             },
             EngineError::OutsideScene { bounds, .. } => SourceError::OutsideScene { bounds },
             EngineError::Scene(error) => error.into(),
@@ -132,11 +132,7 @@ impl SkySource for ObservatorySource {
 
     fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteFacts, SourceError> {
         let site = self.observatory.site(id, place)?;
-        Ok(SiteFacts {
-            scene: site.scene,
-            terrain_altitude_m: site.terrain_altitude_m,
-            radiance_nw_cm2_sr: site.radiance_nw_cm2_sr,
-        })
+        Ok(SiteFacts { scene: site.scene, ground: site.ground, radiance_nw_cm2_sr: site.radiance_nw_cm2_sr })
     }
 
     fn tile(
@@ -166,7 +162,7 @@ impl SkySource for ObservatorySource {
             let answer = self.observatory.sky(request).await?;
             Ok(RenderedSky {
                 altitude_m: answer.observer.altitude_m,
-                terrain_altitude_m: answer.observer.terrain_altitude_m,
+                ground: answer.observer.ground,
                 quantities: answer.quantities,
                 coverage: answer.coverage,
                 calibration: answer.calibration,

@@ -1,5 +1,6 @@
 //! The query parameters: one table that both the parser and the OpenAPI document read.
 
+use skyglow_physics::Turbidity;
 use utoipa::openapi::{
     Required, Type,
     path::{Parameter as ApiParameter, ParameterBuilder, ParameterIn},
@@ -104,18 +105,20 @@ macro_rules! parameters {
 }
 
 const DEGREES: &str = " degrees";
+/// Most basis functions that a table pack is made with; the resident ones may have fewer.
+pub const MOST_BASIS_FUNCTIONS: u32 = 256;
 
 parameters! {
     /// Latitude of the place, WGS84.
     LAT = "lat", Kind::Number { minimum: -90.0, maximum: 90.0, unit: DEGREES }, "", true;
     /// Longitude of the place, WGS84.
     LON = "lon", Kind::Number { minimum: -180.0, maximum: 360.0, unit: DEGREES }, "", true;
-    /// Height of the observer above the ground.
+    /// Height of the observer above the ground; the resident packs narrow the range.
     HEIGHT = "height", Kind::Number { minimum: 0.0, maximum: 100_000.0, unit: " m" }, "2", false;
-    /// Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0.
+    /// Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range.
     ALTITUDE = "altitude", Kind::Number { minimum: -1000.0, maximum: 100_000.0, unit: " m" }, "", false;
     /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range.
-    TURBIDITY = "turbidity", Kind::Number { minimum: 1.0, maximum: 20.0, unit: "" }, "2.5", false;
+    TURBIDITY = "turbidity", Kind::Number { minimum: Turbidity::MINIMUM, maximum: Turbidity::MAXIMUM, unit: "" }, "2.5", false;
     /// Orders of scattering; the default is the best that is resident.
     SCATTERING = "scattering", Kind::Choice(&["single", "multiple"]), "", false;
     /// Lamp: its flux in the bands R, G, B per flux that the satellite saw.
@@ -126,8 +129,8 @@ parameters! {
     EMISSION = "emission", Kind::Text {
         allowed: "garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0",
     }, "garstang", false;
-    /// Number of basis functions; the default is all that are resident.
-    BASIS = "basis", Kind::Integer { minimum: 1, maximum: 1024 }, "", false;
+    /// Number of basis functions; the default is all that are resident, and no more can be had.
+    BASIS = "basis", Kind::Integer { minimum: 1, maximum: MOST_BASIS_FUNCTIONS }, "", false;
     /// Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet).
     CLOUDS = "clouds", Kind::Text { allowed: "none" }, "none", false;
     /// Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false.
@@ -200,7 +203,22 @@ parameter_sets! {
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO,
     ];
-    /// Those of a panorama.
+    /// Those of a sky that is summed over every light: it has no basis.
+    ReferenceParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, CLOUDS, TERRAIN, TOLERANCE, SKY,
+        SCENARIO,
+    ];
+    /// Those of a panorama's raw grid.
+    GridParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        SKY, SCENARIO,
+    ];
+    /// Those of a panorama as a raster of radiance: what chooses colours means nothing there.
+    RasterParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, WIDTH, HEIGHT_PX,
+    ];
+    /// Those of a panorama as a picture.
     PanoramaParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, WIDTH,

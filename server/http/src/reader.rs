@@ -112,13 +112,19 @@ impl Reader {
         self.number(parameter)
     }
 
+    /// A whole number, its range not checked; None where absent or unreadable (then noted).
+    pub fn whole_number_of_any_size(&mut self, parameter: &Parameter) -> Option<i64> {
+        let text = self.text(parameter)?;
+        let number = text.trim().parse::<i64>().ok();
+        if number.is_none() {
+            self.fail(parameter, Mistake::Malformed, Some("is not a whole number".to_owned()), None);
+        }
+        number
+    }
+
     /// A whole number in the range of the table; None where absent or wrong (then noted).
     pub fn integer(&mut self, parameter: &Parameter) -> Option<u32> {
-        let text = self.text(parameter)?;
-        let Ok(number) = text.trim().parse::<i64>() else {
-            self.fail(parameter, Mistake::Malformed, Some("is not a whole number".to_owned()), None);
-            return None;
-        };
+        let number = self.whole_number_of_any_size(parameter)?;
         match (parameter.kind, u32::try_from(number)) {
             (Kind::Integer { minimum, maximum }, Ok(number)) if (minimum..=maximum).contains(&number) => {
                 Some(number)

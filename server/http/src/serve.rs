@@ -1,8 +1,11 @@
 //! The server: accepts, and ends in good time.
 
-use crate::config::HttpConfig;
+use crate::{
+    config::HttpConfig,
+    listener::{Ends, Listener},
+};
 use axum::Router;
-use std::{future::Future, io, net::SocketAddr};
+use std::{future::Future, io};
 use tokio::{net::TcpListener, sync::oneshot};
 
 /// Serves until `ending` is ready; then takes no more connections, lets the answers under way finish, and ends
@@ -17,8 +20,8 @@ pub async fn serve(
     ending: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
     let (ended, has_ended) = oneshot::channel();
-    let service = router.into_make_service_with_connect_info::<SocketAddr>();
-    let serving = axum::serve(listener, service).with_graceful_shutdown(async move {
+    let service = router.into_make_service_with_connect_info::<Ends>();
+    let serving = axum::serve(Listener(listener), service).with_graceful_shutdown(async move {
         ending.await;
         // Nobody listens only when the server has ended already.
         let _ = ended.send(());

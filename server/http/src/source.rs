@@ -1,10 +1,15 @@
 //! What the interface asks of the program behind it. [`ObservatorySource`](crate::ObservatorySource) is the real one; tests
 //! put slow, busy and counting ones in its place.
 
-use crate::{answers::AtmosphereAnswer, error::ApiError, problem::Mistake};
+use crate::{
+    answers::AtmosphereAnswer,
+    error::ApiError,
+    parameters::{ALTITUDE, HEIGHT},
+    problem::Mistake,
+};
 use skyglow_engine::EngineStats;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Panorama, SkyQuantities, Turbidity};
-use skyglow_scene::{Place, RasterTile, SceneId, SceneMetadata, TileLayer};
+use skyglow_scene::{Ground, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
 use std::{future::Future, pin::Pin, sync::Arc};
 use thiserror::Error;
 
@@ -32,6 +37,16 @@ pub enum EyeHeight {
     AboveGround(f64),
     /// Metres above sea level.
     AboveSea(f64),
+}
+
+impl EyeHeight {
+    /// Metres above sea level over a ground.
+    pub fn altitude_m(self, ground: Ground) -> f64 {
+        match self {
+            EyeHeight::AboveGround(height_m) => ground.altitude_m() + height_m,
+            EyeHeight::AboveSea(altitude_m) => altitude_m,
+        }
+    }
 }
 
 /// One sky asked for. Its `Debug` form is its identity in ETags and the cache.
@@ -62,8 +77,8 @@ pub struct RenderedSky {
     pub quantities: SkyQuantities,
     /// Observer's altitude, metres above sea level.
     pub altitude_m: f64,
-    /// Altitude of the ground there, metres; None without terrain.
-    pub terrain_altitude_m: Option<f64>,
+    /// The ground there.
+    pub ground: Ground,
     /// Covered share of the 300 km disc, 0..=1.
     pub coverage: f64,
     /// The scene's calibration factor.
@@ -83,8 +98,8 @@ pub struct RenderedSky {
 pub struct SiteFacts {
     /// The scene that the place is in.
     pub scene: SceneMetadata,
-    /// Altitude of the ground, metres, at least 0; None without terrain.
-    pub terrain_altitude_m: Option<f64>,
+    /// The ground there.
+    pub ground: Ground,
     /// Radiance of the pixel there, nW cm⁻² sr⁻¹; None without data.
     pub radiance_nw_cm2_sr: Option<f64>,
 }
@@ -136,6 +151,17 @@ pub enum SourceError {
 }
 
 impl SourceError {
+    /// The answer to the client that asked for a sky: an altitude out of range is the fault of the parameter
+    /// that made it.
+    pub fn of_sky(self, query: &SkyQuery) -> ApiError {
+        match self {
+            SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m } => {
+                too_high(query.eye_height, altitude_m, (minimum_m, maximum_m))
+            }
+            other => other.at(query.place),
+        }
+    }
+
     /// The answer to the client that asked about a place.
     pub fn at(self, place: GeoPoint) -> ApiError {
         match self {
@@ -149,6 +175,32 @@ impl SourceError {
     }
 }
 
+/// Refuses the height or the altitude that puts an eye above the tables.
+fn too_high(eye_height: EyeHeight, altitude_m: f64, (minimum_m, maximum_m): (f64, f64)) -> ApiError {
+    let (name, value_m, allowed) = match eye_height {
+        EyeHeight::AboveSea(altitude_m) => {
+            (ALTITUDE.name, altitude_m, format!("{minimum_m} to {maximum_m} m above sea level"))
+        }
+        EyeHeight::AboveGround(height_m) => {
+            let ground_m = altitude_m - height_m;
+            let room_m = maximum_m - ground_m;
+            let allowed = if room_m >= 0.0 {
+                format!("0 to {room_m:.0} m above this ground, which lies at {ground_m:.0} m")
+            } else {
+                format!("none above this ground: it lies at {ground_m:.0} m, the tables end at {maximum_m} m")
+            };
+            (HEIGHT.name, height_m, allowed)
+        }
+    };
+    ApiError::parameter(
+        name,
+        value_m.to_string(),
+        allowed,
+        Mistake::OutOfRange.words().to_owned(),
+        Mistake::OutOfRange,
+    )
+}
+
 /// Degrees without the last digits of the way through radians.
 fn rounded(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
@@ -159,13 +211,9 @@ impl From<SourceError> for ApiError {
         match error {
             SourceError::UnknownScene(id) => ApiError::UnknownScene { id: crate::problem::echo(&id) },
             SourceError::OutsideScene { .. } => ApiError::internal("a place was checked without a place"),
-            SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m } => ApiError::parameter(
-                "altitude",
-                altitude_m.to_string(),
-                format!("{minimum_m} to {maximum_m} m above sea level"),
-                "terrain and height together are out of range".to_owned(),
-                Mistake::OutOfRange,
-            ),
+            SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m } => {
+                too_high(EyeHeight::AboveSea(altitude_m), altitude_m, (minimum_m, maximum_m))
+            }
             SourceError::OutOfRange { parameter, value, allowed } => ApiError::parameter(
                 parameter,
                 value,

@@ -7,7 +7,7 @@ use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
     emission::EmissionMix,
-    panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad},
+    panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, mixed_radiance_per_watt},
     source_pixel::PointSource,
 };
@@ -92,6 +92,30 @@ pub fn stratified_samples(count: usize) -> Vec<GridSample> {
     chosen.into_iter().collect()
 }
 
+/// The whole sky from the radiance [W m⁻² sr⁻¹] at some grid samples: exact there, between them the mean weighted
+/// by 1 / γ⁴, γ being (nearly) the angle to the sample. Dark without samples.
+pub fn panorama_between(samples: &[GridSample], radiance_w_m2_sr: &[[f64; BAND_COUNT]]) -> Panorama {
+    let known: Vec<_> =
+        samples.iter().map(|&sample| grid_direction(sample).enu()).zip(radiance_w_m2_sr).collect();
+    let mut panorama = Panorama::dark();
+    for row in 0..ELEVATION_COUNT {
+        for column in 0..AZIMUTH_COUNT {
+            let here = grid_direction((row, column)).enu();
+            let (mut sum, mut total) = ([0.0; BAND_COUNT], 0.0);
+            for (direction, bands) in &known {
+                // |a − b|² of unit vectors is about γ²; the small addend lets a sample's own value win.
+                let weight = 1.0 / (here.distance_squared(*direction).powi(2) + 1e-20);
+                total += weight;
+                sum.iter_mut().zip(*bands).for_each(|(sum, value)| *sum += weight * value);
+            }
+            for (band, sum) in sum.into_iter().enumerate().filter(|_| total > 0.0) {
+                panorama.samples_mut()[Panorama::index(band, row, column)] = (sum / total) as f32;
+            }
+        }
+    }
+    panorama
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +177,31 @@ mod tests {
                 prop_assert!((both[band] - turned[band]).abs() <= 1e-9 * both[band]);
             }
         }
+    }
+
+    #[test]
+    fn the_sky_between_samples_is_theirs_where_they_are_and_close_to_a_smooth_one_elsewhere() {
+        let glow = |sample: GridSample| {
+            let direction = grid_direction(sample);
+            let value = 1e-6 * (-2.0 * direction.elevation_rad).exp() * (1.5 + direction.azimuth_rad.cos());
+            [value, 2.0 * value, 3.0 * value]
+        };
+        let samples = stratified_samples(500);
+        let radiance: Vec<_> = samples.iter().copied().map(glow).collect();
+        let panorama = panorama_between(&samples, &radiance);
+        for (&(row, column), bands) in samples.iter().zip(&radiance) {
+            for (band, value) in bands.iter().enumerate() {
+                assert!((panorama.radiance_w_m2_sr(band, row, column) / value - 1.0).abs() < 1e-6);
+            }
+        }
+        let mut errors: Vec<f64> = (0..AZIMUTH_COUNT * ELEVATION_COUNT)
+            .map(|i| (i / AZIMUTH_COUNT, i % AZIMUTH_COUNT))
+            .map(|(row, column)| panorama.radiance_w_m2_sr(1, row, column) / glow((row, column))[1] - 1.0)
+            .map(f64::abs)
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        assert!(errors[errors.len() / 2] < 0.05, "{}", errors[errors.len() / 2]);
+        assert!(panorama_between(&[], &[]).samples().iter().all(|&value| value == 0.0));
     }
 
     #[test]

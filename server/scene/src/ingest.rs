@@ -1,6 +1,7 @@
 //! From files to a scene: reads, checks, reports, stores.
 
 mod black_marble;
+mod date;
 mod georeference;
 mod open;
 mod options;
@@ -42,6 +43,8 @@ pub(crate) fn ingest_as(
         Some(id) => id.clone(),
         None => SceneId::from_file_name(&options.radiance)?,
     };
+    // First of all, as it may bring a scene back that was set aside.
+    store.clear_stale();
     if store.exists(&id) && !options.replace {
         return Err(SceneError::SceneExists { id: id.to_string() });
     }

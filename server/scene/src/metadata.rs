@@ -62,8 +62,12 @@ pub struct IngestReport {
     pub zero: PixelCount,
     /// Pixels below zero: no light.
     pub negative: PixelCount,
-    /// Pixels that are NaN or infinite though the raster's no-data value is another: no light, no data.
+    /// Pixels that are NaN though the raster's no-data value is another: no light, no data.
     pub nan: PixelCount,
+    /// Pixels that are infinite, or too large for a float: no light, no data. Left out where there are none,
+    /// as in scenes that were stored before these were counted apart.
+    #[serde(default, skip_serializing_if = "PixelCount::is_none")]
+    pub infinite: PixelCount,
     /// Pixels at the raster's no-data value or masked.
     pub no_data: PixelCount,
     /// Pixels at exactly the largest value, where those are suspiciously many.
@@ -97,6 +101,13 @@ pub struct PixelCount {
     pub count: u64,
     /// Centres of a few of them, spread over the raster.
     pub examples: Vec<ExamplePlace>,
+}
+
+impl PixelCount {
+    /// Whether there are no such pixels.
+    fn is_none(&self) -> bool {
+        self.count == 0
+    }
 }
 
 /// Centre of a pixel named as an example.

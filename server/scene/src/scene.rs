@@ -4,6 +4,7 @@ use crate::coverage;
 use crate::error::SceneError;
 use crate::gather::{FAR_BLOCK_RATIO, Light};
 use crate::grid::Grid;
+use crate::ground::Ground;
 use crate::light_pyramid::LightPyramid;
 use crate::lit_pixels::LitPixels;
 use crate::map_tile::{self, RasterTile, TileLayer};
@@ -42,7 +43,12 @@ impl Scene {
         self.grid.pixel_at(place).is_some()
     }
 
-    /// Terrain elevation, metres, bilinear, at least 0; `None` where the scene has no terrain.
+    /// The ground under an observer: the terrain there, else the nearest within 5 km, as for the lights.
+    pub fn ground(&self, place: GeoPoint) -> Ground {
+        self.terrain.ground(place)
+    }
+
+    /// Terrain elevation, metres, bilinear, at least 0; `None` where the terrain has no data at that place.
     pub fn terrain_altitude_m(&self, place: GeoPoint) -> Option<f64> {
         self.terrain.elevation_m(place).map(|elevation_m| elevation_m.max(0.0))
     }

@@ -13,6 +13,7 @@ use crate::metadata::{Place, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::sections::{Flaw, Sections, unpack_ascending};
+use crate::staging;
 use crate::stored::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, StoredScene, TERRAIN_FILE};
 use crate::terrain::Terrain;
 use std::io::ErrorKind;
@@ -42,6 +43,12 @@ impl SceneStore {
     /// Whether there is a scene of that id.
     pub fn exists(&self, id: &SceneId) -> bool {
         self.scene_dir(id).join(METADATA_FILE).is_file()
+    }
+
+    /// Clears what killed ingests left among the scenes; one that still runs, in whatever process, keeps its
+    /// folder. Answers how many folders are gone.
+    pub fn clear_stale(&self) -> usize {
+        staging::clear_stale(&self.scenes_dir)
     }
 
     /// What is said about each scene, by id. Reads `metadata.json` alone.

@@ -6,6 +6,7 @@ use crate::metadata::SceneMetadata;
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::sections::{self, Flaw};
+use crate::staging::Staging;
 use crate::store::SceneStore;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -92,8 +93,7 @@ pub(crate) fn write(store: &SceneStore, scene: &mut Scene, replace: bool) -> Res
     let target = store.scene_dir(&scene.metadata.id);
     let parent = store.scenes_dir();
     std::fs::create_dir_all(parent).map_err(SceneError::io(parent))?;
-    let staging =
-        tempfile::Builder::new().prefix(".ingest-").tempdir_in(parent).map_err(SceneError::io(parent))?;
+    let staging = Staging::below(parent)?;
     let mut files = Vec::new();
     let mut put = |name: &str, content: &[u8]| {
         files.push(StoredFile::of(name, content));
@@ -113,7 +113,7 @@ pub(crate) fn write(store: &SceneStore, scene: &mut Scene, replace: bool) -> Res
     scene.metadata.version = version;
     write_synced(&staging.path().join(METADATA_FILE), &json(&stored, staging.path())?)?;
     sync_dir(staging.path())?;
-    move_into_place(&staging.keep(), &target, &scene.metadata.id, replace)?;
+    staging.move_to(&target, &scene.metadata.id, replace)?;
     sync_dir(parent)
 }
 
@@ -143,29 +143,4 @@ fn write_synced(path: &Path, content: &[u8]) -> Result<(), SceneError> {
 
 fn sync_dir(path: &Path) -> Result<(), SceneError> {
     File::open(path).and_then(|dir| dir.sync_all()).map_err(SceneError::io(path))
-}
-
-/// Renames the staged folder to `target`; an older scene there is set aside first and removed after.
-fn move_into_place(staged: &Path, target: &Path, id: &SceneId, replace: bool) -> Result<(), SceneError> {
-    let aside = staged.with_extension("old");
-    let moved = (|| {
-        if target.exists() {
-            if !replace {
-                return Err(SceneError::SceneExists { id: id.to_string() });
-            }
-            std::fs::rename(target, &aside).map_err(SceneError::io(target))?;
-        }
-        std::fs::rename(staged, target).map_err(|error| {
-            // Without its successor the older scene stays.
-            let _best_effort = std::fs::rename(&aside, target);
-            SceneError::io(target)(error)
-        })
-    })();
-    if moved.is_err() {
-        let _best_effort = std::fs::remove_dir_all(staged);
-    }
-    if moved.is_ok() && aside.exists() {
-        std::fs::remove_dir_all(&aside).map_err(SceneError::io(&aside))?;
-    }
-    moved
 }

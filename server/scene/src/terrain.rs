@@ -7,11 +7,12 @@ mod tile;
 pub(crate) use layer::{LayerBuilder, TerrainLayer};
 
 use crate::grid::Grid;
+use crate::ground::Ground;
 use crate::sections::{Flaw, Sections};
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 use std::borrow::Cow;
 
-/// Missing terrain at a lit pixel is taken from the nearest valid sample within this, metres.
+/// Missing terrain is taken from the nearest valid sample within this, metres: under lights and observers alike.
 pub(crate) const NEAREST_WITHIN_M: f64 = 5_000.0;
 /// Rings searched for the nearest valid sample, at most; finer terrain is searched at a stride.
 const SEARCH_RINGS: i64 = 40;
@@ -47,9 +48,20 @@ impl Terrain {
 
     /// The nearest valid elevation within [`NEAREST_WITHIN_M`], metres, and its distance, to about a
     /// fortieth of that distance.
-    pub(crate) fn nearest_m(&self, place: GeoPoint) -> Option<(f64, f64)> {
+    fn nearest_m(&self, place: GeoPoint) -> Option<(f64, f64)> {
         let found = self.layers.iter().filter_map(|layer| nearest_in(layer, place));
         found.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The ground at a place by the model's rule: the terrain there, else its nearest valid sample within
+    /// [`NEAREST_WITHIN_M`], else unknown.
+    pub(crate) fn ground(&self, place: GeoPoint) -> Ground {
+        match self.elevation_m(place) {
+            Some(elevation_m) => Ground::Here { elevation_m },
+            None => self.nearest_m(place).map_or(Ground::Unknown, |(elevation_m, distance_m)| {
+                Ground::Nearest { elevation_m, distance_m }
+            }),
+        }
     }
 
     /// The sections to store.

@@ -31,6 +31,20 @@ fn metres_called_degrees_are_refused() {
 }
 
 #[test]
+fn longitudes_a_whole_turn_away_are_refused_and_those_over_an_edge_are_not() {
+    let told = refusal_of(|raster| raster.geotransform[0] = 500.0);
+    assert!(told.contains("no longitude and latitude") && told.contains("500"), "{told}");
+    let told = refusal_of(|raster| raster.geotransform[0] = -500.0);
+    assert!(told.contains("-500"), "{told}");
+    for west in [359.9, 179.9, -180.1] {
+        let mut raster = TestRaster::scattered(120, 30);
+        raster.geotransform[0] = west;
+        let bounds = Bench::new().scene(&raster).metadata().bounds;
+        assert!(bounds[0].abs() <= 180.0 && bounds[2].abs() <= 180.0, "{west}: {bounds:?}");
+    }
+}
+
+#[test]
 fn degrees_called_metres_are_refused() {
     let told = refusal_of(|raster| raster.epsg = Some(32737));
     assert!(told.contains("cannot be meant"), "{told}");
@@ -226,6 +240,16 @@ fn bad_terrain_and_bad_places_are_refused_before_anything_is_stored() {
     options.terrain.clear();
     options.places = Some(bench.path("light.tif"));
     assert!(bench.refusal(&options).contains("CSV"));
+    let places = bench.path("places.csv");
+    for off in ["500", "-181", "360.5", "nan", "inf"] {
+        std::fs::write(&places, format!("name,latitude,longitude\nA,-1,37\nB,-1,{off}\n")).unwrap();
+        options.places = Some(places.clone());
+        let told = bench.refusal(&options);
+        assert!(told.contains("line 3") && told.contains("off the world"), "{told}");
+    }
+    options.places = None;
+    options.date = Some("a dark night".into());
+    assert!(bench.refusal(&options).contains("--date: \"a dark night\" is no date"));
 }
 
 #[test]
@@ -259,13 +283,15 @@ fn odd_pixels_are_counted_and_shown_and_give_no_light() {
     }
     let scene = bench.scene(&raster);
     let report = &scene.metadata().report;
-    assert_eq!((report.no_data.count, report.nan.count, report.negative.count), (1, 2, 2));
+    assert_eq!((report.no_data.count, report.nan.count, report.negative.count), (1, 1, 2));
+    assert_eq!(report.infinite.count, 1);
     assert!(report.capped.count >= 12 && report.maximum_nw_cm2_sr == 30.0);
     assert!(report.warnings.iter().any(|w| w.contains("capped")), "{:?}", report.warnings);
     let total = report.lit.count
         + report.zero.count
         + report.negative.count
         + report.nan.count
+        + report.infinite.count
         + report.no_data.count;
     assert_eq!(total, report.pixels);
     let example = report.nan.examples[0];

@@ -6,6 +6,7 @@ mod common;
 
 use common::{Bench, TestRaster, place};
 use skyglow_scene::{IngestOptions, SceneError, SceneId, SceneStore};
+use std::fs::File;
 use std::time::Instant;
 
 /// A stored scene with light, terrain and places.
@@ -43,6 +44,41 @@ fn a_scene_comes_back_as_it_was_stored() {
     assert_eq!(&listed[0], metadata);
     let text = serde_json::to_string(metadata).unwrap();
     assert_eq!(serde_json::from_str::<skyglow_scene::SceneMetadata>(&text).unwrap(), *metadata);
+}
+
+#[test]
+fn what_a_killed_ingest_left_is_cleared_at_the_next_and_what_is_in_use_is_not() {
+    let (bench, _) = stored();
+    let scenes = bench.store.scenes_dir();
+    let (dead, running) = (scenes.join(".ingest-dead"), scenes.join(".ingest-running"));
+    for folder in [&dead, &running] {
+        std::fs::create_dir(folder).unwrap();
+        std::fs::write(folder.join("light.bin"), "half of it").unwrap();
+    }
+    let in_use = File::open(&running).unwrap();
+    in_use.lock().unwrap();
+    bench.scene(&TestRaster::scattered(30, 30));
+    assert!(!dead.exists() && running.exists());
+    drop(in_use);
+    assert_eq!(bench.store.clear_stale(), 1);
+    assert!(!running.exists());
+    assert_eq!(bench.store.list().unwrap().len(), 1);
+}
+
+#[test]
+fn a_scene_that_was_set_aside_for_a_successor_that_never_came_is_back() {
+    let (bench, id) = stored();
+    let (home, aside) =
+        (bench.store.scenes_dir().join(id.as_str()), bench.store.scenes_dir().join(".ingest-x.old"));
+    std::fs::rename(&home, &aside).unwrap();
+    assert!(!bench.store.exists(&id));
+    assert_eq!(bench.store.clear_stale(), 1);
+    assert!(bench.store.open(&id).is_ok());
+    // With its successor in place it is only in the way.
+    std::fs::create_dir(&aside).unwrap();
+    std::fs::copy(home.join("metadata.json"), aside.join("metadata.json")).unwrap();
+    assert_eq!(bench.store.clear_stale(), 1);
+    assert!(!aside.exists() && bench.store.open(&id).is_ok());
 }
 
 #[test]

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{Bench, TestRaster, place};
-use skyglow_scene::{IngestOptions, Scene};
+use skyglow_scene::{Ground, IngestOptions, Scene};
 use std::io::Write;
 
 /// A plane in longitude and latitude, metres.
@@ -97,6 +97,16 @@ fn lights_off_the_terrain_take_the_nearest_within_5_km_and_else_sea_level() {
         }
     }
     assert_eq!(scene.terrain_altitude_m(place(-1.5, 37.9)), None);
+    // An observer's ground follows the same rule as the lights'.
+    let beside = place(-1.5, edge_deg + 0.03);
+    assert_eq!(scene.terrain_altitude_m(beside), None);
+    let Ground::Nearest { elevation_m, distance_m } = scene.ground(beside) else {
+        panic!("{:?}", scene.ground(beside))
+    };
+    assert!((elevation_m - plane_m(-1.5, edge_deg)).abs() < 3.0, "{elevation_m}");
+    assert!((distance_m - 3_335.0).abs() < 300.0, "{distance_m}");
+    assert_eq!(scene.ground(place(-1.5, edge_deg + 0.05)), Ground::Unknown);
+    assert!(matches!(scene.ground(place(-1.5, 37.2)), Ground::Here { .. }));
     assert!(scene.metadata().report.warnings.is_empty(), "{:?}", scene.metadata().report.warnings);
 }
 

@@ -28,6 +28,12 @@ function problem(response, status, title, detail, errors = []) {
   response.end(JSON.stringify({ type: "about:blank", title, status, detail, errors }));
 }
 
+/** The terrain of the mock has a gap in the far south. */
+const GAP_NORTH_DEG = -4;
+function warnings({ latitude_deg }) {
+  return latitude_deg < GAP_NORTH_DEG ? ["the terrain has no data within 5 km of this place: the ground is taken at sea level"] : [];
+}
+
 function answer(query) {
   const place = { latitude_deg: Number(query.get("lat")), longitude_deg: Number(query.get("lon")) };
   const turbidity = Number(query.get("turbidity") ?? 2.5);
@@ -44,6 +50,7 @@ function answer(query) {
       calibration: 1,
       turbidity,
       local_optical_depth: [0.08, 0.15, 0.31],
+      warnings: warnings(place),
     },
   };
 }
@@ -63,7 +70,8 @@ function api(path, query, response) {
   if (path === "atmospheres") return json([{ turbidity: 1.5 }, { turbidity: 6 }]);
   if (path === "scenes/demo/places") return json(TOWNS);
   if (path === "scenes/demo/site") {
-    if (within()) json({ terrain_altitude_m: 1700, radiance_nw_cm2_sr: 12.3 });
+    const place = { latitude_deg: Number(query.get("lat")) };
+    if (within()) json({ terrain_altitude_m: 1700, radiance_nw_cm2_sr: 12.3, warnings: warnings(place) });
     return undefined;
   }
   if (path === "scenes/demo/sky" || path === "scenes/demo/panorama.json") {

@@ -14,8 +14,8 @@ export type Assumptions = {
   emission: EmissionAnswer;
   /** What rendered: `gpu`, `lavapipe` or `cpu`. */
   executor: string;
-  /** Upward flux within 300 km, DNB watts, calibration included. */
-  flux_dnb_w: number;
+  /** Upward flux within 300 km of the place, DNB watts, calibration included; that of the whole scene is `flux_dnb_w` in its report. */
+  flux_within_300_km_dnb_w: number;
   /** The lamp. */
   lamp: LampAnswer;
   /** Vertical optical depth above the observer in R, G, B. */
@@ -30,6 +30,8 @@ export type Assumptions = {
   terrain_occlusion: boolean;
   /** Turbidity at sea level. */
   turbidity: number;
+  /** What the numbers had to do without, one sentence each: ground that the terrain does not have. */
+  warnings: string[];
 };
 
 /** A resident table pack. */
@@ -120,7 +122,7 @@ export type ObserverAnswer = {
   latitude_deg: number;
   /** Degrees east. */
   longitude_deg: number;
-  /** Altitude of the ground, metres; null without terrain. */
+  /** Altitude of the ground, metres, at least 0: where the terrain has a gap, that of the nearest terrain within 5 km; null where there is none, then 0 counts. */
   terrain_altitude_m?: number | null;
 };
 
@@ -246,7 +248,7 @@ export type SceneAnswer = {
   pixel_size_m: number;
   /** Number of named places. */
   places_count: number;
-  /** What the ingest saw: counts of lit, zero, negative, NaN, no-data and capped pixels with examples, the range, terrain under the lights, warnings. */
+  /** What the ingest saw: counts of lit, zero, negative, NaN, infinite, no-data and capped pixels with examples, the range, terrain under the lights, warnings. */
   report: Record<string, unknown>;
   /** Whether the scene has terrain. */
   terrain: boolean;
@@ -282,8 +284,10 @@ export type SiteAnswer = {
   radiance_nw_cm2_sr?: number | null;
   /** The scene. */
   scene: SceneReference;
-  /** Altitude of the ground, metres, at least 0; null without terrain. */
+  /** Altitude of the ground, metres, at least 0: where the terrain has a gap, that of the nearest terrain within 5 km; null where there is none, then 0 counts. */
   terrain_altitude_m?: number | null;
+  /** What is not as it should be there, one sentence each: ground that the terrain does not have. */
+  warnings: string[];
 };
 
 /** The numbers alone. */
@@ -353,7 +357,7 @@ export interface Gets {
     query: Record<string, never>;
     answer: SceneAnswer;
   };
-  /** The sky in the format that the Accept header prefers; PNG if it takes anything. */
+  /** The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for that format are errors. */
   "/api/v1/scenes/{scene}/panorama": {
     path: {
       /** The scene's id */
@@ -364,9 +368,9 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
-      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
       height?: number;
-      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
       /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
@@ -376,7 +380,7 @@ export interface Gets {
       lamp?: string;
       /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
-      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
@@ -428,9 +432,9 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
-      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
       height?: number;
-      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
       /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
@@ -440,7 +444,7 @@ export interface Gets {
       lamp?: string;
       /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
-      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
@@ -460,28 +464,14 @@ export interface Gets {
       elevation?: number;
       /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
       fov?: number;
-      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
-      style?: "false_colour" | "realistic";
-      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
-      colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
-      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
-      scale?: "luminance" | "magnitude";
-      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
-      min?: string;
-      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
-      max?: string;
-      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
-      exposure?: number;
       /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
       /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
-      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
-      legend?: "on" | "off";
     };
     answer: Blob;
   };
-  /** The raw grid with its numbers; projection and style change nothing here. */
+  /** The raw grid with its numbers; it has no projection and no style. */
   "/api/v1/scenes/{scene}/panorama.json": {
     path: {
       /** The scene's id */
@@ -492,9 +482,9 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
-      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
       height?: number;
-      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
       /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
@@ -504,7 +494,7 @@ export interface Gets {
       lamp?: string;
       /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
-      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
@@ -516,32 +506,6 @@ export interface Gets {
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
-      projection?: "equirectangular" | "fisheye" | "perspective";
-      /** Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
-      azimuth?: number;
-      /** Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
-      elevation?: number;
-      /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
-      fov?: number;
-      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
-      style?: "false_colour" | "realistic";
-      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
-      colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
-      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
-      scale?: "luminance" | "magnitude";
-      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
-      min?: string;
-      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
-      max?: string;
-      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
-      exposure?: number;
-      /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
-      width?: number;
-      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
-      height_px?: number;
-      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
-      legend?: "on" | "off";
     };
     answer: PanoramaAnswer;
   };
@@ -556,9 +520,9 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
-      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
       height?: number;
-      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
       /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
@@ -568,7 +532,7 @@ export interface Gets {
       lamp?: string;
       /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
-      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
@@ -620,9 +584,9 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
-      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
       height?: number;
-      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
       /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
@@ -632,7 +596,7 @@ export interface Gets {
       lamp?: string;
       /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
-      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
@@ -652,24 +616,10 @@ export interface Gets {
       elevation?: number;
       /** Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
       fov?: number;
-      /** False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
-      style?: "false_colour" | "realistic";
-      /** Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
-      colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
-      /** Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
-      scale?: "luminance" | "magnitude";
-      /** Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
-      min?: string;
-      /** Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
-      max?: string;
-      /** Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
-      exposure?: number;
       /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
       /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
-      /** Compass letters and the strip that explains the colours. Allowed: on, off. */
-      legend?: "on" | "off";
     };
     answer: Blob;
   };
@@ -684,9 +634,9 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
-      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
       height?: number;
-      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
       /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
@@ -696,7 +646,7 @@ export interface Gets {
       lamp?: string;
       /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
-      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
@@ -771,9 +721,9 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
-      /** Height of the observer above the ground. Allowed: 0 to 100000 m. */
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
       height?: number;
-      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. Allowed: -1000 to 100000 m. */
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
       /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
@@ -783,7 +733,7 @@ export interface Gets {
       lamp?: string;
       /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
       emission?: string;
-      /** Number of basis functions; the default is all that are resident. Allowed: a whole number from 1 to 1024. */
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;

@@ -38,6 +38,13 @@ export function show_site(container: HTMLElement, site: Site): void {
   container.replaceChildren(...rows);
 }
 
+/** What the server had to do without, in its own words. */
+function warning(text: string): HTMLElement {
+  const shown = make("p", "warning", `${text.charAt(0).toUpperCase()}${text.slice(1)}.`);
+  shown.dataset["value"] = "warning";
+  return shown;
+}
+
 /** The numbers of a sky; the zenith figures follow the switch between artificial and total. */
 export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: SkyKind, lamp: string, scene: Scene): void {
   const { sky } = answer;
@@ -87,6 +94,6 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
   if (answer.calibration !== 1) notes.push(`Radiances times ${short_number(answer.calibration)} (the scene's calibration).`);
   if (answer.coverage < 0.9) notes.push("Light beyond the scene's edge is unknown, so this sky may be brighter than shown.");
   if (scene.illustrative) notes.push("Illustrative scene: made up for demonstration, not measured.");
-  const note = make("div", "notes", ...notes.map((text) => make("p", "", text)));
+  const note = make("div", "notes", ...answer.warnings.map(warning), ...notes.map((text) => make("p", "", text)));
   container.replaceChildren(make("div", "headline-numbers", zenith, bortle), list, note);
 }

@@ -28,7 +28,7 @@ pub(crate) struct Ingest {
     /// Title for people [default: the id]
     #[arg(long, env = "SKYGLOW_TITLE")]
     title: Option<String>,
-    /// When the radiances were taken
+    /// When the radiances were taken: 2023, 2023-05, 2023-05-17, 2023-05-17T01:30:00Z, or a span such as 2023-01/2023-12
     #[arg(long, env = "SKYGLOW_DATE")]
     date: Option<String>,
     /// Whom to credit

@@ -69,7 +69,7 @@ fn rendered(source: &dyn SkySource, sky: SkyQuery) -> Result<(Assumptions, Rende
     let sky = Arc::new(sky);
     let runtime = tokio::runtime::Builder::new_current_thread().build().map_err(Failure::work)?;
     let rendered =
-        runtime.block_on(source.sky(sky.clone())).map_err(|error| query::failure(&error.at(sky.place)))?;
+        runtime.block_on(source.sky(sky.clone())).map_err(|error| query::failure(&error.of_sky(&sky)))?;
     Ok((Assumptions::new(&sky, &site.scene, &rendered, source.facts()), rendered))
 }
 

@@ -10,7 +10,7 @@ use serde::Serialize;
 use skyglow_tables::{Manifest, Pack, TablesError, manifest::LobeError, packs_in};
 use std::path::{Path, PathBuf};
 
-/// List the table packs: turbidity, checksum, measured error
+/// List the table packs, each read whole and checked: turbidity, checksum, measured error; status 1 where one is damaged
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  skyglow packs\n  skyglow packs verify")]
 pub(crate) struct Packs {
@@ -24,7 +24,7 @@ pub(crate) struct Packs {
 
 #[derive(Debug, Subcommand)]
 enum Action {
-    /// Read every pack whole and recompute its checksum; status 1 where one is refused
+    /// The same; for scripts that say what they are after
     #[command(after_help = "Example:\n  skyglow packs verify --packs precomputed")]
     Verify {
         #[command(flatten)]
@@ -33,9 +33,6 @@ enum Action {
         json: JsonFlags,
     },
 }
-
-/// How a pack's manifest is got.
-type Read = fn(&Path) -> Result<Manifest, TablesError>;
 
 /// A pack, or why it is refused.
 #[derive(Debug, Serialize)]
@@ -50,15 +47,13 @@ struct Entry {
 impl Packs {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let (folder, json, read): (PathBuf, bool, Read) = match &self.action {
+        let (folder, json) = match &self.action {
             Some(Action::Verify { packs, json }) => {
-                let folder = packs.given().unwrap_or_else(|| self.packs.folder());
-                (folder, json.json || self.json.json, verified)
+                (packs.given().unwrap_or_else(|| self.packs.folder()), json.json || self.json.json)
             }
-            None => (self.packs.folder(), self.json.json, described),
+            None => (self.packs.folder(), self.json.json),
         };
-        let entries: Vec<Entry> =
-            packs_in(&folder).map_err(Failure::work)?.into_iter().map(|path| entry(path, read)).collect();
+        let entries: Vec<Entry> = packs_in(&folder).map_err(Failure::work)?.into_iter().map(entry).collect();
         if json {
             super::print_json(&entries)?;
         } else if entries.is_empty() {
@@ -71,26 +66,17 @@ impl Packs {
     }
 }
 
-fn entry(path: PathBuf, read: Read) -> Entry {
+/// A pack that is read whole and checked: a manifest beside it says nothing about the pack's own bytes.
+fn entry(path: PathBuf) -> Entry {
     let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len());
-    match read(&path) {
+    match verified(&path) {
         Ok(manifest) => Entry { path, bytes, manifest: Some(manifest), refused: None },
         Err(error) => Entry { path, bytes, manifest: None, refused: Some(error.to_string()) },
     }
 }
 
-/// The manifest of a pack that was read whole and checked.
 fn verified(path: &Path) -> Result<Manifest, TablesError> {
     Pack::open(path).map(|pack| pack.manifest().clone())
-}
-
-/// The manifest beside a pack; where there is none, the pack's own.
-fn described(path: &Path) -> Result<Manifest, TablesError> {
-    let beside = std::fs::read(path.with_extension("json")).ok();
-    match beside.and_then(|text| serde_json::from_slice(&text).ok()) {
-        Some(manifest) => Ok(manifest),
-        None => verified(path),
-    }
 }
 
 /// An error of the worst lobe.
@@ -114,7 +100,7 @@ fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
                 percent(manifest, |lobe| lobe.p90),
                 manifest.checksum.chars().take(16).collect(),
             ]),
-            None => row.push("refused".to_owned()),
+            None => row.push("damaged".to_owned()),
         }
         rows.push(row);
     }

@@ -52,14 +52,18 @@ impl Panorama {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let read = |facts: &_| {
-            request::panorama(Some(self.query.query()), self.scene.clone(), facts)
+            request::panorama(Some(self.query.query()), self.scene.clone(), facts, self.output.format)
                 .map_err(|e| query::failure(&e))
         };
-        read(&query::widest_facts())?;
+        read(&self.program.facts())?;
         let source = self.program.source()?;
         let (query, view) = read(source.facts())?;
         let options = &view.options;
         let (assumptions, sky) = super::rendered(source.as_ref(), query)?;
+        // A picture cannot say it.
+        for warning in &assumptions.warnings {
+            tracing::warn!("{warning}");
+        }
         let image = || picture(&sky.panorama, options);
         let floats = || raster(&sky.panorama, options.projection, view.raster_size_px, options.sky);
         let bytes = match self.output.format {

@@ -2,6 +2,7 @@
 
 use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
+use skyglow_http::parameters::MOST_BASIS_FUNCTIONS;
 use skyglow_physics::Turbidity;
 use skyglow_tables::{PrecomputeOptions, precompute_together};
 use std::path::PathBuf;
@@ -40,9 +41,10 @@ enum Scattering {
 }
 
 fn multiple_of_4(text: &str) -> Result<usize, String> {
+    const MOST: usize = MOST_BASIS_FUNCTIONS as usize;
     match text.parse() {
-        Ok(count @ 4..=256) if count % 4 == 0 => Ok(count),
-        _ => Err("allowed are multiples of 4 from 4 to 256".to_owned()),
+        Ok(count) if (4..=MOST).contains(&count) && count % 4 == 0 => Ok(count),
+        _ => Err(format!("allowed are multiples of 4 from 4 to {MOST}")),
     }
 }
 

@@ -10,16 +10,16 @@ use clap::Args;
 use serde::Serialize;
 use skyglow_http::{
     answers::{Assumptions, PanoramaAnswer},
-    parameters::SkyParameters,
+    parameters::ReferenceParameters,
     request,
-    source::{EyeHeight, RenderedSky, SkyQuery},
+    source::{RenderedSky, SkyQuery},
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, Panorama, PointSource, SkyQuantities,
-    direct_sum::{GridSample, direct_sum, grid_direction, stratified_samples},
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, PointSource, SkyQuantities,
+    direct_sum::{GridSample, direct_sum, grid_direction, panorama_between, stratified_samples},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
-use skyglow_scene::{Scene, SceneId, SceneStore};
+use skyglow_scene::{SceneId, SceneStore};
 
 /// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
 #[derive(Debug, Args)]
@@ -34,7 +34,7 @@ pub(crate) struct Reference {
     #[arg(long, env = "SKYGLOW_DIRECTIONS", value_name = "N|all", default_value = "500", value_parser = samples)]
     directions: Samples,
     #[command(flatten)]
-    query: QueryFlags<SkyParameters>,
+    query: QueryFlags<ReferenceParameters>,
     #[command(flatten)]
     data: DataFlags,
 }
@@ -79,20 +79,16 @@ impl Reference {
                  north {north}"
             )));
         }
-        let altitude_m = observer_altitude_m(&scene, &query);
+        let ground = scene.ground(query.place);
+        let altitude_m = query.eye_height.altitude_m(ground);
         let sources = point_sources(query.place, &scene.source_pixels_within(query.place, FARTHEST_SOURCE_M));
         let radiance = sum(&query, altitude_m, &sources, &self.directions.0);
-        let mut panorama = Panorama::dark();
-        for (&(row, column), bands) in self.directions.0.iter().zip(&radiance) {
-            for (band, value) in bands.iter().enumerate() {
-                panorama.samples_mut()[Panorama::index(band, row, column)] = *value as f32;
-            }
-        }
+        let panorama = panorama_between(&self.directions.0, &radiance);
         let sky = RenderedSky {
             quantities: SkyQuantities::of(&panorama),
             panorama,
             altitude_m,
-            terrain_altitude_m: scene.terrain_altitude_m(query.place),
+            ground,
             coverage: scene.coverage(query.place),
             calibration: scene.metadata().calibration,
             local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
@@ -100,15 +96,23 @@ impl Reference {
             basis_count: 0,
             passes: Vec::new(),
         };
-        let assumptions = Assumptions::new(&query, scene.metadata(), &sky, &facts);
+        let mut assumptions = Assumptions::new(&query, scene.metadata(), &sky, &facts);
+        let is_sample = self.directions.0.len() < ALL;
+        if is_sample {
+            assumptions.warnings.push(format!(
+                "the numbers of `sky` are interpolated between {} of {ALL} directions; --directions all computes \
+                 them from the whole sky",
+                self.directions.0.len()
+            ));
+        }
         let mut answer =
             serde_json::to_value(PanoramaAnswer::new(assumptions, &sky, light)).map_err(Failure::work)?;
         if let Some(fields) = answer.as_object_mut() {
-            if self.directions.0.len() < ALL {
-                // Without the whole sky there is no picture of it, and its means are unknown.
-                for name in ["radiance", "horizon_deg", "sky"] {
-                    fields.remove(name);
-                }
+            // A sum has no basis.
+            fields.remove("basis_count");
+            if is_sample {
+                // What is interpolated is no truth, direction by direction.
+                fields.remove("radiance");
             }
             let natural_w_m2_sr = light.added_radiance_w_m2_sr();
             let directions: Vec<DirectionAnswer> = self
@@ -121,13 +125,6 @@ impl Reference {
             fields.insert("directions".to_owned(), serde_json::to_value(directions).map_err(Failure::work)?);
         }
         super::print_json(&answer)
-    }
-}
-
-fn observer_altitude_m(scene: &Scene, query: &SkyQuery) -> f64 {
-    match query.eye_height {
-        EyeHeight::AboveSea(altitude_m) => altitude_m,
-        EyeHeight::AboveGround(height_m) => scene.terrain_altitude_m(query.place).unwrap_or(0.0) + height_m,
     }
 }
 

@@ -7,6 +7,7 @@ use crate::{
 };
 use clap::Args;
 use skyglow_http::{SkySource, router, serve};
+use skyglow_scene::SceneStore;
 use std::{future::Future, path::PathBuf, sync::Arc};
 use tokio::{
     net::TcpListener,
@@ -70,6 +71,10 @@ async fn run(settings: Settings) -> Result<(), Failure> {
 }
 
 fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
+    let cleared = SceneStore::new(&settings.data).clear_stale();
+    if cleared > 0 {
+        tracing::info!("{cleared} folder(s) of ingests that were killed are cleared");
+    }
     if !settings.no_demo {
         program::make_demo_if_missing(&settings.data)?;
     }

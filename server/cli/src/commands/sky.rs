@@ -36,7 +36,7 @@ impl Sky {
         let read = |facts: &_| {
             request::sky(Some(self.query.query()), self.scene.clone(), facts).map_err(|e| query::failure(&e))
         };
-        read(&query::widest_facts())?;
+        read(&self.program.facts())?;
         let source = self.program.source()?;
         let (query, _) = read(source.facts())?;
         let (assumptions, sky) = super::rendered(source.as_ref(), query)?;
@@ -87,6 +87,9 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         row("coverage", format!("{:.1} % of the 300 km around", 100.0 * assumptions.coverage)),
         row("computed by", format!("{}, {} basis functions", assumptions.executor, assumptions.basis_count)),
     ];
+    for warning in &assumptions.warnings {
+        rows.push(row("warning", warning.clone()));
+    }
     if assumptions.scene.illustrative {
         rows.push(row("note", "an illustrative scene: made-up light, not a measurement".to_owned()));
     }

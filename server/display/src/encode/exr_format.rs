@@ -1,9 +1,10 @@
 //! OpenEXR: linear radiance, 32-bit floats.
 
+use super::{BAND_NAMES, RADIANCE_UNIT};
 use crate::{error::DisplayError, raster::FloatRaster};
 use exr::prelude::{
-    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Text, Vec2,
-    WritableImage,
+    AttributeValue, Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
+    SpecificChannels, Text, Vec2, WritableImage,
 };
 use std::io::Cursor;
 
@@ -14,7 +15,7 @@ const ENCODING: Encoding = Encoding {
     line_order: LineOrder::Increasing,
 };
 
-/// Channels R, G, B in W m⁻² sr⁻¹; where the projection leaves pixels without sky also A, 1 on sky and 0
+/// Channels R, G, B in W m⁻² sr⁻¹, each with an attribute (`channelR`, …) that says so; where the projection leaves pixels without sky also A, 1 on sky and 0
 /// elsewhere. Lossless, the same bytes each time.
 ///
 /// # Errors
@@ -25,6 +26,10 @@ pub fn encode_exr(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
     attributes.comments = Some(Text::from(
         "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top",
     ));
+    for (channel, band) in ["R", "G", "B"].into_iter().zip(BAND_NAMES) {
+        let text = Text::from(format!("{band}, {RADIANCE_UNIT}").as_str());
+        attributes.other.insert(Text::from(format!("channel{channel}").as_str()), AttributeValue::Text(text));
+    }
     let size = (raster.width_px as usize, raster.height_px as usize);
     let at = |position: Vec2<usize>| position.y() * size.0 + position.x();
     let mut out = Cursor::new(Vec::new());
@@ -77,6 +82,21 @@ mod tests {
         assert_eq!(channels.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["B", "G", "R"]);
         for (pixel, radiance) in raster.radiance_w_m2_sr.iter().enumerate() {
             assert_eq!([channels[2].1[pixel], channels[1].1[pixel], channels[0].1[pixel]], *radiance);
+        }
+    }
+
+    #[test]
+    fn the_channels_of_an_exr_say_their_unit() {
+        let raster =
+            raster(&Panorama::dark(), Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
+        let bytes = encode_exr(&raster).unwrap();
+        let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
+        for (name, band) in
+            [("channelR", "red 600-700"), ("channelG", "green 500-600"), ("channelB", "blue 400-500")]
+        {
+            let wanted = format!("radiance {band} nm, W m-2 sr-1");
+            let found = header.own_attributes.other.get(&Text::from(name));
+            assert_eq!(found, Some(&AttributeValue::Text(Text::from(wanted.as_str()))), "{name}");
         }
     }
 

@@ -9,3 +9,9 @@ pub use exr_format::encode_exr;
 pub use png_format::{encode_png, encode_png_rgba};
 pub use tiff_format::encode_tiff;
 pub use webp_format::encode_webp;
+
+/// Unit of every sample of a raster.
+const RADIANCE_UNIT: &str = "W m-2 sr-1";
+/// What the bands R, G, B of a raster hold.
+const BAND_NAMES: [&str; 3] =
+    ["radiance red 600-700 nm", "radiance green 500-600 nm", "radiance blue 400-500 nm"];

@@ -1,5 +1,6 @@
 //! TIFF: linear radiance, three 32-bit float samples a pixel.
 
+use super::{BAND_NAMES, RADIANCE_UNIT};
 use crate::{error::DisplayError, raster::FloatRaster};
 use std::io::Cursor;
 use tiff::{
@@ -7,7 +8,10 @@ use tiff::{
     tags::Tag,
 };
 
-/// Three float32 bands R, G, B in W m⁻² sr⁻¹, deflated; pixels without sky are NaN, which the GDAL no-data
+/// GDAL's own tag: names and units of the bands.
+const GDAL_METADATA: Tag = Tag::Unknown(42112);
+
+/// Three float32 bands R, G, B in W m⁻² sr⁻¹, deflated, named with their unit as GDAL reads it; pixels without sky are NaN, which the GDAL no-data
 /// tag says too. There is no georeference: columns are azimuths or projected directions, not places.
 ///
 /// # Errors
@@ -28,11 +32,27 @@ pub fn encode_tiff(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
             Tag::ImageDescription,
             "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top",
         )?;
+        image.encoder().write_tag(GDAL_METADATA, gdal_metadata().as_str())?;
         image.encoder().write_tag(Tag::GdalNodata, "nan")?;
         image.write_data(&samples)
     };
     write(&mut out).map_err(|error| DisplayError::encoding("TIFF", error))?;
     Ok(out.into_inner())
+}
+
+/// Description and unit of each band as GDAL writes them.
+fn gdal_metadata() -> String {
+    let items: String = BAND_NAMES
+        .iter()
+        .enumerate()
+        .map(|(sample, name)| {
+            format!(
+                "  <Item name=\"DESCRIPTION\" sample=\"{sample}\" role=\"description\">{name}, {RADIANCE_UNIT}</Item>\n  \
+                 <Item name=\"UNITTYPE\" sample=\"{sample}\" role=\"unittype\">{RADIANCE_UNIT}</Item>\n"
+            )
+        })
+        .collect();
+    format!("<GDALMetadata>\n{items}</GDALMetadata>")
 }
 
 #[cfg(test)]
@@ -41,6 +61,19 @@ mod tests {
     use crate::{Projection, Sky, raster::raster};
     use skyglow_physics::Panorama;
     use tiff::decoder::{Decoder, DecodingResult};
+
+    #[test]
+    fn the_bands_of_a_tiff_are_named_with_their_unit() {
+        let size = Projection::Equirectangular.default_raster_size_px();
+        let raster = raster(&Panorama::dark(), Projection::Equirectangular, size, Sky::Artificial).unwrap();
+        let mut decoder = Decoder::new(Cursor::new(encode_tiff(&raster).unwrap())).unwrap();
+        let metadata = decoder.get_tag_ascii_string(GDAL_METADATA).unwrap();
+        for (sample, band) in ["red 600-700 nm", "green 500-600 nm", "blue 400-500 nm"].iter().enumerate() {
+            let item = format!("sample=\"{sample}\" role=\"description\">radiance {band}, W m-2 sr-1</Item>");
+            assert!(metadata.contains(&item), "{metadata}");
+        }
+        assert_eq!(metadata.matches("role=\"unittype\">W m-2 sr-1<").count(), 3);
+    }
 
     #[test]
     fn a_tiff_decodes_to_the_same_floats_and_nan_outside_the_sky() {

@@ -1,6 +1,6 @@
 //! A token bucket for each client address. The address is the connection's own: a header can be forged.
 
-use crate::{error::ApiError, state::AppState};
+use crate::{error::ApiError, listener::Ends, state::AppState};
 use axum::{
     extract::{ConnectInfo, Request, State},
     middleware::Next,
@@ -8,7 +8,7 @@ use axum::{
 };
 use std::{
     collections::HashMap,
-    net::{IpAddr, Ipv6Addr, SocketAddr},
+    net::{IpAddr, Ipv6Addr},
     sync::{Arc, Mutex, PoisonError},
     time::Instant,
 };
@@ -80,7 +80,7 @@ pub async fn limit_rate(
     request: Request,
     next: Next,
 ) -> Response {
-    let client = request.extensions().get::<ConnectInfo<SocketAddr>>().map(|info| info.0.ip());
+    let client = request.extensions().get::<ConnectInfo<Ends>>().map(|info| info.0.client.ip());
     if let Some(client) = client
         && let Err(wait_s) = limiter.take(client, Instant::now())
     {

@@ -1,18 +1,7 @@
 //! The resident table packs.
 
-use crate::{
-    answers::AtmosphereAnswer,
-    error::ApiError,
-    problem::Problem,
-    request::no_parameters,
-    respond::{Keep, json_by_content},
-    state::AppState,
-};
-use axum::{
-    body::Body,
-    extract::{RawQuery, State},
-    http::{HeaderMap, Response},
-};
+use super::frame::{Answer, Asked};
+use crate::{answers::AtmosphereAnswer, problem::Problem, respond::Keep};
 
 /// Lists the resident table packs, ascending in turbidity.
 #[utoipa::path(
@@ -25,11 +14,7 @@ use axum::{
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_atmospheres(
-    State(state): State<AppState>,
-    RawQuery(query): RawQuery,
-    headers: HeaderMap,
-) -> Result<Response<Body>, ApiError> {
-    no_parameters(query.as_deref())?;
-    json_by_content(&headers, Keep::Revalidate, &state.source.atmospheres())
+pub async fn list_atmospheres(asked: Asked) -> Answer {
+    asked.without_parameters()?;
+    asked.answer(Keep::Revalidate, |source| Ok(source.atmospheres())).await
 }

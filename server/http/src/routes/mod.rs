@@ -2,6 +2,7 @@
 
 pub mod atmospheres;
 pub mod docs;
+mod frame;
 pub mod health;
 pub mod panorama;
 pub mod problems;

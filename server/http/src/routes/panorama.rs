@@ -1,12 +1,12 @@
 //! The sky of a place as picture, raster or JSON.
 
-use super::sky::{AskedSky, put_times};
+use super::sky::{AskedSky, put_times, put_warnings};
 use crate::{
     accept::{Format, OFFERED, negotiate},
-    answers::PanoramaAnswer,
+    answers::{PanoramaAnswer, sky_warnings},
     error::ApiError,
     etag::ETag,
-    parameters::PanoramaParameters,
+    parameters::{GridParameters, PanoramaParameters, RasterParameters},
     problem::Problem,
     request::{View, panorama, scene_id},
     respond::{Caching, Keep, json_bytes},
@@ -21,7 +21,8 @@ use axum::{
 use skyglow_display::{encode_exr, encode_png, encode_tiff, encode_webp, picture, raster};
 use std::sync::Arc;
 
-/// The sky in the format that the Accept header prefers; PNG if it takes anything.
+/// The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for
+/// that format are errors.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/panorama",
@@ -56,13 +57,13 @@ pub async fn get_panorama(
 }
 
 macro_rules! formats {
-    ($($name:ident, $extension:literal, $format:expr, $body:ty, $media_type:literal, $doc:literal;)*) => {$(
+    ($($name:ident, $extension:literal, $format:expr, $parameters:ident, $body:ty, $media_type:literal, $doc:literal;)*) => {$(
         #[doc = $doc]
         #[utoipa::path(
             get,
             path = concat!("/api/v1/scenes/{scene}/panorama.", $extension),
             tag = "sky",
-            params(("scene" = String, Path, description = "The scene's id"), PanoramaParameters),
+            params(("scene" = String, Path, description = "The scene's id"), $parameters),
             responses(
                 (status = 200, description = "The sky", body = $body, content_type = $media_type),
                 (status = 304, description = "The client has this answer already; nothing was rendered"),
@@ -84,16 +85,16 @@ macro_rules! formats {
 }
 
 formats! {
-    get_panorama_png, "png", Format::Png, Vec<u8>, "image/png",
+    get_panorama_png, "png", Format::Png, PanoramaParameters, Vec<u8>, "image/png",
         "The sky as PNG, with its legend.";
-    get_panorama_webp, "webp", Format::WebP, Vec<u8>, "image/webp",
+    get_panorama_webp, "webp", Format::WebP, PanoramaParameters, Vec<u8>, "image/webp",
         "The sky as lossless WebP, with its legend.";
-    get_panorama_exr, "exr", Format::Exr, Vec<u8>, "image/x-exr",
+    get_panorama_exr, "exr", Format::Exr, RasterParameters, Vec<u8>, "image/x-exr",
         "Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats; A says where sky is.";
-    get_panorama_tif, "tif", Format::Tiff, Vec<u8>, "image/tiff",
+    get_panorama_tif, "tif", Format::Tiff, RasterParameters, Vec<u8>, "image/tiff",
         "Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; NaN where there is no sky.";
-    get_panorama_json, "json", Format::Json, PanoramaAnswer, "application/json",
-        "The raw grid with its numbers; projection and style change nothing here.";
+    get_panorama_json, "json", Format::Json, GridParameters, PanoramaAnswer, "application/json",
+        "The raw grid with its numbers; it has no projection and no style.";
 }
 
 async fn answer(
@@ -104,7 +105,7 @@ async fn answer(
     format: Format,
     vary: Option<&'static str>,
 ) -> Result<Response<Body>, ApiError> {
-    let (query, view) = panorama(query, scene_id(scene)?, state.source.facts())?;
+    let (query, view) = panorama(query, scene_id(scene)?, state.source.facts(), format)?;
     let asked = AskedSky::prepare(&state, query).await?;
     let etag = ETag::of(&["panorama", &asked.key, format.extension(), &format!("{view:?}")]);
     let caching = Caching { etag, keep: Keep::Minutes, vary };
@@ -112,6 +113,7 @@ async fn answer(
         return Ok(response);
     }
     let rendered = asked.render(&state).await?;
+    let warnings = sky_warnings(&asked.query, &asked.scene, rendered.ground);
     let worker = (state.clone(), asked, rendered.clone());
     let body = state
         .heavy(move |_| {
@@ -121,6 +123,7 @@ async fn answer(
         .await?;
     let mut response = caching.ok(format.media_type(), body);
     put_times(&mut response, &rendered);
+    put_warnings(&mut response, &warnings);
     Ok(response)
 }
 

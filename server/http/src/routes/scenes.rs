@@ -1,18 +1,12 @@
 //! Scenes and their named places.
 
+use super::frame::{Answer, Asked};
 use crate::{
     answers::{PlaceAnswer, SceneAnswer},
-    error::ApiError,
     etag::ETag,
     problem::Problem,
-    request::{no_parameters, scene_id},
-    respond::{Caching, Keep, json_by_content},
-    state::AppState,
-};
-use axum::{
-    body::Body,
-    extract::{Path, RawQuery, State},
-    http::{HeaderMap, Response},
+    respond::{Caching, Keep},
+    source::SkySource,
 };
 
 /// Lists the scenes.
@@ -26,15 +20,11 @@ use axum::{
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_scenes(
-    State(state): State<AppState>,
-    RawQuery(query): RawQuery,
-    headers: HeaderMap,
-) -> Result<Response<Body>, ApiError> {
-    no_parameters(query.as_deref())?;
-    let scenes = state.blocking(|source| Ok(source.scenes()?)).await?;
-    let answer: Vec<SceneAnswer> = scenes.into_iter().map(SceneAnswer::from).collect();
-    json_by_content(&headers, Keep::Revalidate, &answer)
+pub async fn list_scenes(asked: Asked) -> Answer {
+    asked.without_parameters()?;
+    let read =
+        |source: &dyn SkySource| Ok(source.scenes()?.into_iter().map(SceneAnswer::from).collect::<Vec<_>>());
+    asked.answer(Keep::Revalidate, read).await
 }
 
 /// Describes a scene.
@@ -50,16 +40,10 @@ pub async fn list_scenes(
         (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get_scene(
-    State(state): State<AppState>,
-    Path(scene): Path<String>,
-    RawQuery(query): RawQuery,
-    headers: HeaderMap,
-) -> Result<Response<Body>, ApiError> {
-    let id = scene_id(&scene)?;
-    no_parameters(query.as_deref())?;
-    let scene = state.blocking(move |source| Ok(source.scene(&id)?)).await?;
-    json_by_content(&headers, Keep::Revalidate, &SceneAnswer::from(scene))
+pub async fn get_scene(asked: Asked) -> Answer {
+    let id = asked.scene()?;
+    asked.without_parameters()?;
+    asked.answer(Keep::Revalidate, move |source| Ok(SceneAnswer::from(source.scene(&id)?))).await
 }
 
 /// Lists the named places of a scene, the most populous first.
@@ -75,22 +59,17 @@ pub async fn get_scene(
         (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_places(
-    State(state): State<AppState>,
-    Path(scene): Path<String>,
-    RawQuery(query): RawQuery,
-    headers: HeaderMap,
-) -> Result<Response<Body>, ApiError> {
-    let id = scene_id(&scene)?;
-    no_parameters(query.as_deref())?;
+pub async fn list_places(asked: Asked) -> Answer {
+    let id = asked.scene()?;
+    asked.without_parameters()?;
     let wanted = id.clone();
-    let scene = state.blocking(move |source| Ok(source.scene(&wanted)?)).await?;
+    let scene = asked.state.blocking(move |source| Ok(source.scene(&wanted)?)).await?;
     let etag = ETag::of(&["places", &scene.version]);
     let caching = Caching { etag, keep: Keep::Minutes, vary: None };
-    if let Some(response) = caching.not_modified(&headers) {
+    if let Some(response) = caching.not_modified(&asked.headers) {
         return Ok(response);
     }
-    let places = state.blocking(move |source| Ok(source.places(&id)?)).await?;
+    let places = asked.state.blocking(move |source| Ok(source.places(&id)?)).await?;
     let answer: Vec<PlaceAnswer> = places.into_iter().map(PlaceAnswer::from).collect();
     caching.json(&answer)
 }

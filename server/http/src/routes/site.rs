@@ -1,18 +1,9 @@
 //! What is at a place: the cheap call that a click makes first.
 
+use super::frame::{Answer, Asked};
 use crate::{
-    answers::SiteAnswer,
-    error::ApiError,
-    parameters::PlaceParameters,
-    problem::Problem,
-    request::{place, scene_id},
-    respond::{Keep, json_by_content},
-    state::AppState,
-};
-use axum::{
-    body::Body,
-    extract::{Path, RawQuery, State},
-    http::{HeaderMap, Response},
+    answers::SiteAnswer, parameters::PlaceParameters, problem::Problem, request::place, respond::Keep,
+    source::SkySource,
 };
 
 /// Says what is at a place.
@@ -28,14 +19,12 @@ use axum::{
         (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get_site(
-    State(state): State<AppState>,
-    Path(scene): Path<String>,
-    RawQuery(query): RawQuery,
-    headers: HeaderMap,
-) -> Result<Response<Body>, ApiError> {
-    let id = scene_id(&scene)?;
-    let place = place(query.as_deref())?;
-    let site = state.blocking(move |source| source.site(&id, place).map_err(|e| e.at(place))).await?;
-    json_by_content(&headers, Keep::Minutes, &SiteAnswer::new(place, &site))
+pub async fn get_site(asked: Asked) -> Answer {
+    let id = asked.scene()?;
+    let place = place(asked.query.as_deref())?;
+    let read = move |source: &dyn SkySource| {
+        let site = source.site(&id, place).map_err(|error| error.at(place))?;
+        Ok(SiteAnswer::new(place, &site))
+    };
+    asked.answer(Keep::Minutes, read).await
 }

@@ -8,7 +8,7 @@ use crate::{
     problem::Problem,
     request::{scene_id, sky},
     respond::{Caching, Keep},
-    source::{EyeHeight, RenderedSky, SkyQuery, SourceError},
+    source::{RenderedSky, SkyQuery, SourceError},
     state::AppState,
 };
 use axum::{
@@ -16,7 +16,7 @@ use axum::{
     extract::{Path, RawQuery, State},
     http::{HeaderMap, HeaderValue, Response},
 };
-use skyglow_scene::SceneMetadata;
+use skyglow_scene::{Ground, SceneMetadata};
 use std::sync::Arc;
 
 /// The numbers of the sky at a place.
@@ -52,6 +52,7 @@ pub async fn get_sky(
         SkyAnswer { assumptions: asked.assumptions(&state, &rendered), sky: (&rendered.quantities).into() };
     let mut response = caching.json(&answer)?;
     put_times(&mut response, &rendered);
+    put_warnings(&mut response, &answer.assumptions.warnings);
     Ok(response)
 }
 
@@ -74,7 +75,7 @@ impl AskedSky {
     pub async fn prepare(state: &AppState, query: SkyQuery) -> Result<Self, ApiError> {
         let (id, place) = (query.scene.clone(), query.place);
         let site = state.blocking(move |source| source.site(&id, place).map_err(|e| e.at(place))).await?;
-        check_altitude(&query, site.terrain_altitude_m, state.source.facts().altitude_range_m)?;
+        check_altitude(&query, site.ground, state.source.facts().altitude_range_m)?;
         let key = state.sky_key(&query, &site.scene.version);
         Ok(Self { query: Arc::new(query), scene: site.scene, key })
     }
@@ -84,7 +85,7 @@ impl AskedSky {
     /// # Errors
     /// [`ApiError::Busy`], [`ApiError::EngineDown`], an altitude out of range.
     pub async fn render(&self, state: &AppState) -> Result<Arc<RenderedSky>, ApiError> {
-        state.sky(&self.key, self.query.clone()).await.map_err(|error| error.at(self.query.place))
+        state.sky(&self.key, self.query.clone()).await.map_err(|error| error.of_sky(&self.query))
     }
 
     /// What the numbers depend on.
@@ -96,17 +97,23 @@ impl AskedSky {
 /// Refuses an eye that terrain and height together put above the tables.
 fn check_altitude(
     query: &SkyQuery,
-    terrain_altitude_m: Option<f64>,
+    ground: Ground,
     (minimum_m, maximum_m): (f64, f64),
 ) -> Result<(), ApiError> {
-    let altitude_m = match query.eye_height {
-        EyeHeight::AboveGround(height_m) => terrain_altitude_m.unwrap_or(0.0) + height_m,
-        EyeHeight::AboveSea(altitude_m) => altitude_m,
-    };
+    let altitude_m = query.eye_height.altitude_m(ground);
     if altitude_m > maximum_m {
-        return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }.into());
+        return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }.of_sky(query));
     }
     Ok(())
+}
+
+/// Says what the sky had to do without where the body is a picture or a raster and cannot.
+pub fn put_warnings(response: &mut Response<Body>, warnings: &[String]) {
+    if let Ok(value) = HeaderValue::from_str(&warnings.join("; "))
+        && !warnings.is_empty()
+    {
+        response.headers_mut().insert("skyglow-warnings", value);
+    }
 }
 
 /// Says how long the passes took, outside the body, which stays the same for the same request.

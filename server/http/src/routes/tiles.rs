@@ -4,18 +4,21 @@ use crate::{
     answers::TileJson,
     error::ApiError,
     etag::ETag,
+    listener::Ends,
     problem::{Problem, echo},
     request::{no_parameters, scene_id},
     respond::{Caching, Keep},
     state::AppState,
 };
 use axum::{
+    Extension,
     body::Body,
-    extract::{Path, RawQuery, State},
-    http::{HeaderMap, Response, header, uri::Authority},
+    extract::{ConnectInfo, Path, RawQuery, State},
+    http::{HeaderMap, Response, header},
 };
 use skyglow_display::tile::{elevation_tile_png, radiance_tile_png};
 use skyglow_scene::{SceneMetadata, TileLayer};
+use std::net::{Ipv6Addr, SocketAddr};
 use utoipa::OpenApi;
 
 /// Pixels a side.
@@ -128,6 +131,7 @@ fn pixel_m(z: u8, y: u32) -> f64 {
 )]
 pub async fn get_tilejson(
     State(state): State<AppState>,
+    connection: Option<Extension<ConnectInfo<Ends>>>,
     Path((scene, layer_name)): Path<(String, String)>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
@@ -136,21 +140,43 @@ pub async fn get_tilejson(
     let layer = layer(&layer_name)?;
     no_parameters(query.as_deref())?;
     let scene = state.blocking(move |source| Ok(source.scene(&id)?)).await?;
-    let base = base_url(state.config.public_url.as_deref(), &headers);
+    let reached = connection.and_then(|Extension(ConnectInfo(ends))| ends.server);
+    let base = base_url(state.config.public_url.as_deref(), &headers, reached);
     let document = tilejson(&scene, layer, &layer_name, &base);
     crate::respond::json_by_content(&headers, Keep::Revalidate, &document)
 }
 
-/// Where the client reached the server: what is configured, else the Host header if it is a host.
-fn base_url(public_url: Option<&str>, headers: &HeaderMap) -> String {
+/// Where the client reached the server: what is configured, else the Host header if it is a host, else the
+/// address that the connection came to.
+fn base_url(public_url: Option<&str>, headers: &HeaderMap, reached: Option<SocketAddr>) -> String {
     if let Some(url) = public_url {
         return url.trim_end_matches('/').to_owned();
     }
-    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok());
-    let authority = host.and_then(|host| host.parse::<Authority>().ok());
-    authority
-        .filter(|authority| !authority.as_str().contains('@'))
-        .map_or_else(String::new, |authority| format!("http://{authority}"))
+    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).filter(|host| is_host(host));
+    let authority = host.map(str::to_owned).or_else(|| reached.map(|address| address.to_string()));
+    authority.map_or_else(String::new, |authority| format!("http://{authority}"))
+}
+
+/// Whether a text is a name or an address with a port or without, and nothing else that an authority may be: its
+/// letters go into addresses that other programs put together.
+fn is_host(text: &str) -> bool {
+    let (host, port) = match text.rsplit_once(':') {
+        Some((host, port)) if !port.ends_with(']') => (host, Some(port)),
+        _ => (text, None),
+    };
+    let is_port = |port: &str| port.bytes().all(|b| b.is_ascii_digit()) && port.parse::<u16>().is_ok();
+    let is_name = |name: &str| {
+        (1..=253).contains(&name.len())
+            && name.trim_end_matches('.').split('.').all(|label| {
+                (1..=63).contains(&label.len())
+                    && label.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-' || b == b'_')
+            })
+    };
+    let is_address = match host.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+        Some(address) => address.parse::<Ipv6Addr>().is_ok(),
+        None => is_name(host),
+    };
+    is_address && port.is_none_or(is_port)
 }
 
 fn tilejson(scene: &SceneMetadata, layer: TileLayer, name: &str, base: &str) -> TileJson {
@@ -193,13 +219,47 @@ mod tests {
 
     #[test]
     fn a_host_header_that_is_no_host_is_not_repeated() {
-        let with = |host: &'static str| {
-            base_url(None, &HeaderMap::from_iter([(header::HOST, HeaderValue::from_static(host))]))
+        let reached = Some(SocketAddr::from(([10, 0, 0, 7], 8080)));
+        let with = |host: &[u8]| {
+            let host = HeaderValue::from_bytes(host).unwrap();
+            base_url(None, &HeaderMap::from_iter([(header::HOST, host)]), reached)
         };
-        assert_eq!(with("localhost:8080"), "http://localhost:8080");
-        assert_eq!(with("a\"b<script>"), "");
-        assert_eq!(with("user@evil"), "");
-        assert_eq!(base_url(Some("https://sky.example/"), &HeaderMap::new()), "https://sky.example");
+        for host in [
+            "localhost:8080",
+            "sky.example.org",
+            "a_b-c.example:80",
+            "[::1]:8080",
+            "[2001:db8::1]",
+            "10.1.2.3",
+        ] {
+            assert_eq!(with(host.as_bytes()), format!("http://{host}"));
+        }
+        for nasty in [
+            "a\"b<script>",
+            "user@evil",
+            "evil/path",
+            "evil?x=",
+            "evil#x",
+            "evil\\x",
+            "a';alert(1)//",
+            "a b",
+            "a,b",
+            "{z}",
+            "[::1",
+            "[zz]",
+            ":80",
+            "host:99999",
+            "host:+80",
+            "host:80:90",
+            "..",
+            "a..b",
+            "",
+            "höst",
+        ] {
+            assert_eq!(with(nasty.as_bytes()), "http://10.0.0.7:8080", "{nasty}");
+        }
+        assert_eq!(base_url(None, &HeaderMap::new(), None), "");
+        assert_eq!(base_url(Some("https://sky.example/"), &HeaderMap::new(), reached), "https://sky.example");
     }
 
     #[test]

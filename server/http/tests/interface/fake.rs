@@ -4,10 +4,12 @@ use skyglow_engine::EngineStats;
 use skyglow_http::{
     SkySource,
     answers::AtmosphereAnswer,
-    source::{BoxFuture, EyeHeight, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts},
+    source::{BoxFuture, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts},
 };
 use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Panorama, SkyQuantities};
-use skyglow_scene::{GridMetadata, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
+use skyglow_scene::{
+    GridMetadata, Ground, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer,
+};
 use std::{
     sync::{
         Arc, Mutex,
@@ -37,6 +39,7 @@ pub(crate) struct Fake {
     pub(crate) rendered: AtomicUsize,
     pub(crate) ready: AtomicBool,
     pub(crate) version: Mutex<String>,
+    pub(crate) ground: Mutex<Ground>,
 }
 
 impl Default for Fake {
@@ -54,13 +57,14 @@ impl Default for Fake {
             rendered: AtomicUsize::new(0),
             ready: AtomicBool::new(true),
             version: Mutex::new("v1".into()),
+            ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
         }
     }
 }
 
 /// Bounds of the made-up scene.
 pub(crate) const BOUNDS: [f64; 4] = [36.0, -2.0, 38.0, 1.0];
-/// Altitude of the ground everywhere in it, metres.
+/// Altitude of the ground everywhere in it unless a test says otherwise, metres.
 pub(crate) const GROUND_M: f64 = 1700.0;
 
 /// A sky that is bright in the low east, in proportion to turbidity.
@@ -80,6 +84,10 @@ pub(crate) fn sky_of(turbidity: f64) -> Panorama {
 }
 
 impl Fake {
+    fn ground(&self) -> Ground {
+        *self.ground.lock().unwrap()
+    }
+
     pub(crate) fn metadata(&self) -> SceneMetadata {
         SceneMetadata {
             id: SceneId::parse("demo").unwrap(),
@@ -114,10 +122,7 @@ impl Fake {
     }
 
     fn render(&self, query: &SkyQuery) -> Result<RenderedSky, SourceError> {
-        let altitude_m = match query.eye_height {
-            EyeHeight::AboveGround(height_m) => GROUND_M + height_m,
-            EyeHeight::AboveSea(altitude_m) => altitude_m,
-        };
+        let altitude_m = query.eye_height.altitude_m(self.ground());
         if altitude_m > 6000.0 {
             return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m: 0.0, maximum_m: 6000.0 });
         }
@@ -127,7 +132,7 @@ impl Fake {
             quantities: SkyQuantities::of(&panorama),
             panorama,
             altitude_m,
-            terrain_altitude_m: Some(GROUND_M),
+            ground: self.ground(),
             coverage: 0.75,
             calibration: 1.0,
             local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
@@ -208,7 +213,7 @@ impl SkySource for Fake {
         if lat < south || lat > north || lon < west || lon > east {
             return Err(SourceError::OutsideScene { bounds: BOUNDS });
         }
-        Ok(SiteFacts { scene, terrain_altitude_m: Some(GROUND_M), radiance_nw_cm2_sr: Some(12.5) })
+        Ok(SiteFacts { scene, ground: self.ground(), radiance_nw_cm2_sr: Some(12.5) })
     }
 
     fn tile(

@@ -62,6 +62,30 @@ async fn a_body_that_is_too_long_is_413() {
 }
 
 #[tokio::test]
+async fn what_the_http_library_refuses_by_itself_is_a_problem_too() {
+    let server = Server::start().await;
+    let address = server.base.trim_start_matches("http://").to_owned();
+    let many_headers: String = (0..200).map(|i| format!("x-{i}: {i}\r\n")).collect();
+    for (request, status, word) in [
+        (format!("GET /{} HTTP/1.1\r\nhost: x\r\n\r\n", "a".repeat(70_000)), 414, "address"),
+        (format!("GET /healthz HTTP/1.1\r\nhost: x\r\n{many_headers}\r\n"), 431, "headers"),
+        ("nonsense\r\n\r\n".to_owned(), 400, "cannot be read"),
+    ] {
+        let mut stream = tokio::net::TcpStream::connect(&address).await.unwrap();
+        stream.write_all(request.as_bytes()).await.unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).await.unwrap();
+        let answer = String::from_utf8(answer).unwrap();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        assert!(head.starts_with(&format!("HTTP/1.1 {status} ")), "{answer}");
+        assert!(head.contains("content-type: application/problem+json"), "{answer}");
+        let problem: serde_json::Value = serde_json::from_str(body).unwrap();
+        assert_eq!((&problem["status"], &problem["type"]), (&status.into(), &"/problems/unreadable".into()));
+        assert!(problem["detail"].as_str().unwrap().contains(word), "{problem}");
+    }
+}
+
+#[tokio::test]
 async fn metrics_count_by_route_never_by_url() {
     let server = Server::start().await;
     server.answer(SKY).await;

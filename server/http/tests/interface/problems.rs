@@ -80,7 +80,8 @@ async fn altitude_and_turbidity_out_of_range_are_422_with_the_range() {
         ("turbidity=0", "turbidity", "1.5 to 6"),
         ("turbidity=100", "turbidity", "1.5 to 6"),
         ("altitude=9000", "altitude", "0 to 6000 m"),
-        ("height=5000", "altitude", "0 to 6000 m"),
+        ("height=5000", "height", "0 to 4300 m above this ground, which lies at 1700 m"),
+        ("height=200000", "height", "0 to 6000 m"),
     ] {
         let (status, kind, json) = problem(&server, &format!("{SKY}&{query}")).await;
         assert_eq!((status, kind.as_str()), (422, "/problems/out-of-range"), "{query}");

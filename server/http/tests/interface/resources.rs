@@ -2,7 +2,8 @@ use crate::{
     fake::{BOUNDS, GROUND_M},
     server::{PLACE, Server, header},
 };
-use serde_json::json;
+use serde_json::{Value, json};
+use skyglow_scene::Ground;
 use std::sync::atomic::Ordering;
 
 #[tokio::test]
@@ -34,6 +35,43 @@ async fn scenes_places_sites_and_atmospheres_are_listed() {
     assert_eq!(atmospheres[0]["turbidity"], 2.5);
     assert_eq!(atmospheres[0]["checksum"], "abc");
     assert_eq!(server.renders(), 0);
+}
+
+#[tokio::test]
+async fn an_answer_over_a_gap_in_the_terrain_says_which_ground_was_taken() {
+    let server = Server::start().await;
+    let sky = format!("/api/v1/scenes/demo/sky?{PLACE}");
+    let site = format!("/api/v1/scenes/demo/site?{PLACE}");
+    let picture = format!("/api/v1/scenes/demo/panorama.png?{PLACE}&turbidity=3");
+    for path in [&sky, &site] {
+        assert_eq!(server.json(path).await.1["warnings"], json!([]), "{path}");
+    }
+    assert!(!server.answer(&picture).await.headers().contains_key("skyglow-warnings"));
+    let nearest = Ground::Nearest { elevation_m: 1650.0, distance_m: 3210.0 };
+    for (ground, known, altitude_m, said) in [
+        (nearest, json!(1650.0), 1652.0, "nearest terrain, 3.2 km away"),
+        (
+            Ground::Unknown,
+            Value::Null,
+            2.0,
+            "no data within 5 km of this place: the ground is taken at sea level",
+        ),
+    ] {
+        *server.fake.ground.lock().unwrap() = ground;
+        *server.fake.version.lock().unwrap() = format!("{ground:?}");
+        for path in [&sky, &site] {
+            let (_, answer) = server.json(path).await;
+            let terrain = answer.pointer("/observer/terrain_altitude_m").or(answer.get("terrain_altitude_m"));
+            assert_eq!(terrain, Some(&known), "{path}");
+            assert_eq!(answer["warnings"].as_array().map(Vec::len), Some(1), "{path}");
+            assert!(answer["warnings"][0].as_str().unwrap().contains(said), "{answer}");
+        }
+        assert_eq!(server.json(&sky).await.1["observer"]["altitude_m"], altitude_m);
+        assert!(header(&server.answer(&picture).await, "skyglow-warnings").contains(said));
+        // An eye above sea level does not ask for the ground.
+        let (_, above_sea) = server.json(&format!("{sky}&altitude=500")).await;
+        assert_eq!(above_sea["warnings"], json!([]));
+    }
 }
 
 #[tokio::test]
@@ -74,6 +112,16 @@ async fn tiles_are_pngs_of_256_pixels_and_tilejson_leads_to_them() {
             .unwrap();
         assert_eq!(again.status(), 304);
     }
+}
+
+#[tokio::test]
+async fn tilejson_of_a_nasty_host_leads_to_the_address_that_was_reached() {
+    let server = Server::start().await;
+    let ask =
+        server.get("/api/v1/scenes/demo/tiles/radiance/tilejson.json").header("host", "evil\"/><script>");
+    let tilejson: Value = ask.send().await.unwrap().json().await.unwrap();
+    let template = tilejson["tiles"][0].as_str().unwrap();
+    assert!(template.starts_with(&format!("{}/api/v1/scenes/demo/tiles/", server.base)), "{template}");
 }
 
 #[tokio::test]

@@ -78,7 +78,10 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
     let tag = header(&answer, "etag").to_owned();
     let sky: Value = answer.json().await.unwrap();
     assert!(sky["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap() > 0.0);
-    assert!(sky["flux_dnb_w"].as_f64().unwrap() > 0.0);
+    // Two fluxes, two names: that around the place, and in the scene's report that of all its lights.
+    let (around, all) = (&sky["flux_within_300_km_dnb_w"], &scene["report"]["flux_dnb_w"]);
+    assert!(around.as_f64().unwrap() > 0.0 && around.as_f64().unwrap() <= 1.000_001 * all.as_f64().unwrap());
+    assert!(sky.get("flux_dnb_w").is_none());
     assert_eq!(sky["observer"]["terrain_altitude_m"], site["terrain_altitude_m"]);
     assert_eq!(sky["executor"], "cpu");
 

@@ -83,7 +83,8 @@ fn check_degrees(g: &[f64; 6], width: u32, height: u32, name: &str) -> Result<()
     if let Some((x, y)) = corners
         .iter()
         .find(|(x, y)| y.abs() > 90.0 + slack || !(-360.0 - slack..=540.0 + slack).contains(x))
-        .or(corners.first().filter(|_| spans_too_much))
+        // A raster from 350 to 370 crosses Greenwich; one that starts a whole turn away is not in degrees.
+        .or(corners.first().filter(|_| spans_too_much || min >= 360.0 || max <= -360.0))
     {
         return Err(format!(
             "its corner ({x}, {y}) is no longitude and latitude, so {name} is not the CRS of this raster"

@@ -1,5 +1,6 @@
 //! What an ingest is told.
 
+use super::date::{FORMS, is_date};
 use crate::error::SceneError;
 use crate::scene_id::SceneId;
 use std::path::PathBuf;
@@ -49,7 +50,7 @@ pub struct IngestOptions {
     pub id: Option<SceneId>,
     /// Title for people; by default the id.
     pub title: Option<String>,
-    /// When the radiances were taken.
+    /// When the radiances were taken: a year, month, day or instant in UTC, or a span of two with `/`.
     pub date: Option<String>,
     /// Whom to credit.
     pub attribution: Option<String>,
@@ -86,7 +87,7 @@ impl IngestOptions {
         }
     }
 
-    /// Checks the numbers.
+    /// Checks the numbers and the date.
     pub(super) fn check(&self) -> Result<(), SceneError> {
         let positive = |option, value: f64| {
             if value.is_finite() && value > 0.0 {
@@ -96,7 +97,14 @@ impl IngestOptions {
             Err(SceneError::InvalidOption { option, reason })
         };
         positive("--calibration", self.calibration)?;
-        positive("--scale", self.scale.unwrap_or(1.0))
+        positive("--scale", self.scale.unwrap_or(1.0))?;
+        match &self.date {
+            Some(date) if !is_date(date) => {
+                let reason = format!("\"{date}\" is no date; {FORMS}");
+                Err(SceneError::InvalidOption { option: "--date", reason })
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -35,6 +35,7 @@ struct Seen {
     zero: Tally,
     negative: Tally,
     nan: Tally,
+    infinite: Tally,
     no_data: Tally,
     at_maximum: Tally,
     outside_world: Tally,
@@ -135,7 +136,8 @@ impl Seen {
         }
         let radiance = (stored * source.scale + source.offset) as f32;
         if !radiance.is_finite() {
-            self.nan.add(column, row);
+            let kind = if radiance.is_nan() { &mut self.nan } else { &mut self.infinite };
+            kind.add(column, row);
             return false;
         }
         let value = f64::from(radiance);
@@ -167,7 +169,7 @@ impl Seen {
     /// Refuses rasters that cannot be meant.
     fn check(&self) -> Result<(), String> {
         if self.minimum > self.maximum {
-            return Err("it holds no measurement: every pixel is no-data or NaN".to_owned());
+            return Err("it holds no measurement: every pixel is no-data, NaN or infinite".to_owned());
         }
         if self.outside_world.count * OFF_WORLD_SHARE > self.lit.count + self.outside_world.count {
             return Err(format!(
@@ -195,6 +197,7 @@ impl Seen {
             zero: self.zero.finish(grid),
             negative: self.negative.finish(grid),
             nan: self.nan.finish(grid),
+            infinite: self.infinite.finish(grid),
             no_data: self.no_data.finish(grid),
             outside_world: self.outside_world.finish(grid),
             minimum_nw_cm2_sr: self.minimum,
@@ -241,6 +244,12 @@ impl Seen {
                 "{} at exactly the largest value, {}: the raster seems to be capped there",
                 if capped == 1 { "1 pixel is".to_owned() } else { format!("{capped} pixels are") },
                 self.maximum
+            ));
+        }
+        if self.infinite.count > 0 {
+            warnings.push(format!(
+                "{} pixels are infinite and count as no data: something overflowed where the raster was made",
+                self.infinite.count
             ));
         }
         if self.negative.count > self.lit.count {

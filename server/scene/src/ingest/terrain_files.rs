@@ -6,6 +6,7 @@ use super::options::{IngestProgress, IngestStage};
 use super::radiance::RadianceRaster;
 use super::tally::Tally;
 use crate::error::SceneError;
+use crate::ground::Ground;
 use crate::metadata::TerrainReport;
 use crate::morton;
 use crate::terrain::{LayerBuilder, Terrain, TerrainLayer};
@@ -140,24 +141,14 @@ pub(super) fn raise(
         }
         let (column, row) = morton::decode(light.pixels.codes[index]);
         let place = GeoPoint::from_vector(light.grid.center(column, row));
-        let elevation_m = match files.terrain.elevation_m(place) {
-            Some(elevation_m) => {
-                report.covered += 1;
-                elevation_m
-            }
-            None => match files.terrain.nearest_m(place) {
-                Some((elevation_m, _)) => {
-                    nearest.add(column, row);
-                    elevation_m
-                }
-                None => {
-                    missing.add(column, row);
-                    0.0
-                }
-            },
-        };
-        report.below_sea_level += u64::from(elevation_m < 0.0);
-        light.pixels.altitude_m[index] = elevation_m.max(0.0) as f32;
+        let ground = files.terrain.ground(place);
+        match ground {
+            Ground::Here { .. } => report.covered += 1,
+            Ground::Nearest { .. } => nearest.add(column, row),
+            Ground::Unknown => missing.add(column, row),
+        }
+        report.below_sea_level += u64::from(ground.elevation_m().is_some_and(|e| e < 0.0));
+        light.pixels.altitude_m[index] = ground.altitude_m() as f32;
     }
     progress(IngestProgress { stage: IngestStage::Altitude, done: total as u64, total: total as u64 });
     report.nearest = nearest.finish(&light.grid);

@@ -1,0 +1,135 @@
+//! What every number of a sky depends on.
+
+use super::{SceneReference, site::ground_warning};
+use crate::source::{EyeHeight, RenderedSky, SkyQuery, SourceFacts};
+use serde::Serialize;
+use skyglow_physics::{EmissionMix, Lamp, Lobe};
+use skyglow_scene::{Ground, SceneMetadata};
+use utoipa::ToSchema;
+
+/// Where the observer is.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct ObserverAnswer {
+    /// Degrees north.
+    pub latitude_deg: f64,
+    /// Degrees east.
+    pub longitude_deg: f64,
+    /// Altitude of the eye above sea level, metres.
+    pub altitude_m: f64,
+    /// Altitude of the ground, metres, at least 0: where the terrain has a gap, that of the nearest terrain
+    /// within 5 km; null where there is none, then 0 counts.
+    pub terrain_altitude_m: Option<f64>,
+}
+
+/// A lamp.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct LampAnswer {
+    /// The preset's name, or null for a custom lamp.
+    pub preset: Option<String>,
+    /// Flux in R, G, B per flux weighted by the satellite's response. A satellite sees no blue: the lamp is
+    /// an assumption.
+    pub flux_per_dnb_flux: [f64; 3],
+}
+
+impl From<Lamp> for LampAnswer {
+    fn from(lamp: Lamp) -> Self {
+        Self {
+            preset: lamp.preset.map(|preset| preset.name().to_owned()),
+            flux_per_dnb_flux: lamp.flux_per_dnb_flux,
+        }
+    }
+}
+
+/// Weights of the emission lobes; they sum to 1.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct EmissionAnswer {
+    /// cos ψ / π.
+    pub lambert: f64,
+    /// Garstang's low-angle term.
+    pub horizon: f64,
+    /// Falchi's third function.
+    pub oblique: f64,
+}
+
+impl From<EmissionMix> for EmissionAnswer {
+    fn from(mix: EmissionMix) -> Self {
+        let weights = mix.weights();
+        Self {
+            lambert: weights[Lobe::Lambert.index()],
+            horizon: weights[Lobe::Horizon.index()],
+            oblique: weights[Lobe::Oblique.index()],
+        }
+    }
+}
+
+/// What every number depends on.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct Assumptions {
+    /// The scene.
+    pub scene: SceneReference,
+    /// Where the observer is.
+    pub observer: ObserverAnswer,
+    /// Covered share of the disc of 300 km around the place; light outside the raster is unknown, not absent.
+    pub coverage: f64,
+    /// Factor on the raster's radiances.
+    pub calibration: f64,
+    /// Turbidity at sea level.
+    pub turbidity: f64,
+    /// Vertical optical depth above the observer in R, G, B.
+    pub local_optical_depth: [f64; 3],
+    /// `single` or `multiple`.
+    pub scattering: String,
+    /// The lamp.
+    pub lamp: LampAnswer,
+    /// The emission.
+    pub emission: EmissionAnswer,
+    /// `none`: clouds are not modelled yet.
+    pub clouds: String,
+    /// Whether terrain hides lights and sky: not yet.
+    pub terrain_occlusion: bool,
+    /// Upward flux within 300 km of the place, DNB watts, calibration included; that of the whole scene is
+    /// `flux_dnb_w` in its report.
+    pub flux_within_300_km_dnb_w: f64,
+    /// Basis functions used.
+    pub basis_count: usize,
+    /// What rendered: `gpu`, `lavapipe` or `cpu`.
+    pub executor: String,
+    /// What the numbers had to do without, one sentence each: ground that the terrain does not have.
+    pub warnings: Vec<String>,
+}
+
+impl Assumptions {
+    /// Those of a rendered sky.
+    pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &RenderedSky, facts: &SourceFacts) -> Self {
+        Self {
+            scene: scene.into(),
+            observer: ObserverAnswer {
+                latitude_deg: query.place.latitude_deg(),
+                longitude_deg: query.place.longitude_deg(),
+                altitude_m: sky.altitude_m,
+                terrain_altitude_m: sky.ground.known_altitude_m(),
+            },
+            coverage: sky.coverage,
+            calibration: sky.calibration,
+            turbidity: query.turbidity.value(),
+            local_optical_depth: sky.local_optical_depth,
+            scattering: "single".to_owned(),
+            lamp: query.lamp.into(),
+            emission: query.emission.into(),
+            clouds: "none".to_owned(),
+            terrain_occlusion: false,
+            flux_within_300_km_dnb_w: sky.flux_dnb_w,
+            basis_count: sky.basis_count,
+            executor: facts.executor.clone(),
+            warnings: sky_warnings(query, scene, sky.ground),
+        }
+    }
+}
+
+/// What a sky had to do without, one sentence each. An eye above sea level does not ask for the ground.
+pub fn sky_warnings(query: &SkyQuery, scene: &SceneMetadata, ground: Ground) -> Vec<String> {
+    match query.eye_height {
+        EyeHeight::AboveGround(_) => ground_warning(scene, ground).into_iter().collect(),
+        EyeHeight::AboveSea(_) => Vec::new(),
+    }
+}

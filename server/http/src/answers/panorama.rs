@@ -1,0 +1,92 @@
+//! A panorama's raw grid.
+
+use super::{Assumptions, QuantitiesAnswer};
+use crate::source::RenderedSky;
+use serde::Serialize;
+use skyglow_display::Sky;
+use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Panorama};
+use utoipa::ToSchema;
+
+/// The grid of a panorama.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct PanoramaGrid {
+    /// Columns.
+    pub azimuth_count: usize,
+    /// Rows.
+    pub elevation_count: usize,
+    /// Azimuth of column 0, degrees clockwise from north.
+    pub azimuth_first_deg: f64,
+    /// Degrees from column to column.
+    pub azimuth_step_deg: f64,
+    /// Elevation of row 0, the lowest, degrees.
+    pub elevation_first_deg: f64,
+    /// Degrees from row to row.
+    pub elevation_step_deg: f64,
+}
+
+/// A panorama's samples and numbers.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct PanoramaAnswer {
+    /// What it depends on.
+    #[serde(flatten)]
+    pub assumptions: Assumptions,
+    /// Where the samples are.
+    pub grid: PanoramaGrid,
+    /// Wavelengths of the bands R, G, B, nm.
+    pub bands_nm: [f64; 3],
+    /// Unit of the samples.
+    pub unit: String,
+    /// Which light the samples hold: `artificial` or `total`.
+    pub light: Light,
+    /// `radiance[band][row][column]`.
+    pub radiance: Vec<Vec<Vec<f32>>>,
+    /// Elevation below which the terrain hides the sky, by column, degrees: 0 everywhere while
+    /// `terrain_occlusion` is false.
+    pub horizon_deg: Vec<f64>,
+    /// The numbers.
+    pub sky: QuantitiesAnswer,
+}
+
+/// Which light.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Light {
+    /// Artificial light alone.
+    Artificial,
+    /// With the natural sky.
+    Total,
+}
+
+impl PanoramaAnswer {
+    /// The answer for a rendered sky.
+    pub fn new(assumptions: Assumptions, sky: &RenderedSky, light: Sky) -> Self {
+        let added = light.added_radiance_w_m2_sr() as f32;
+        let samples = sky.panorama.samples();
+        let row_of = |band: usize, row: usize| -> Vec<f32> {
+            let start = Panorama::index(band, row, 0);
+            samples[start..start + AZIMUTH_COUNT].iter().map(|radiance| radiance + added).collect()
+        };
+        Self {
+            assumptions,
+            grid: PanoramaGrid {
+                azimuth_count: AZIMUTH_COUNT,
+                elevation_count: ELEVATION_COUNT,
+                azimuth_first_deg: 0.0,
+                azimuth_step_deg: 360.0 / AZIMUTH_COUNT as f64,
+                elevation_first_deg: 0.5 * 90.0 / ELEVATION_COUNT as f64,
+                elevation_step_deg: 90.0 / ELEVATION_COUNT as f64,
+            },
+            bands_nm: Band::ALL.map(Band::wavelength_nm),
+            unit: "W m-2 sr-1".to_owned(),
+            light: match light {
+                Sky::Artificial => Light::Artificial,
+                Sky::Total => Light::Total,
+            },
+            radiance: (0..Band::ALL.len())
+                .map(|band| (0..ELEVATION_COUNT).map(|row| row_of(band, row)).collect())
+                .collect(),
+            horizon_deg: vec![0.0; AZIMUTH_COUNT],
+            sky: (&sky.quantities).into(),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! What the server holds and how it is: packs, map tiles, health.
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// A resident table pack.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AtmosphereAnswer {
+    /// Its turbidity.
+    pub turbidity: f64,
+    /// `single` or `multiple`.
+    pub scattering: String,
+    /// Wavelengths of the bands, nm.
+    pub bands_nm: Vec<f64>,
+    /// Lowest and highest observer altitude, metres.
+    pub observer_altitude_m: [f64; 2],
+    /// Lowest and highest source altitude, metres.
+    pub source_altitude_m: [f64; 2],
+    /// Nearest and farthest source, metres.
+    pub distance_m: [f64; 2],
+    /// Basis functions.
+    pub basis_count: usize,
+    /// Checksum of the pack.
+    pub checksum: String,
+    /// Measured relative error of the images of single sources.
+    #[schema(value_type = Option<Object>)]
+    pub measured_error: Option<serde_json::Value>,
+}
+
+/// TileJSON 3.0.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct TileJson {
+    /// `3.0.0`.
+    pub tilejson: String,
+    /// The layer.
+    pub name: String,
+    /// What the colours mean.
+    pub description: String,
+    /// Whom to credit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub attribution: Option<String>,
+    /// The scene's version.
+    pub version: String,
+    /// `xyz`.
+    pub scheme: String,
+    /// URL templates with `{z}`, `{x}`, `{y}`.
+    pub tiles: Vec<String>,
+    /// Lowest zoom level.
+    pub minzoom: u8,
+    /// Highest zoom level with detail of its own.
+    pub maxzoom: u8,
+    /// West, south, east, north, degrees.
+    pub bounds: [f64; 4],
+    /// Longitude, latitude and zoom level to start at.
+    pub center: [f64; 3],
+}
+
+/// Whether the server lives or is ready.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct HealthAnswer {
+    /// `ok`, or `starting` while tables or device are not ready.
+    pub status: String,
+    /// What renders: `gpu`, `lavapipe` or `cpu`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub executor: Option<String>,
+}

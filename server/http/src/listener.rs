@@ -1,0 +1,208 @@
+//! Connections: the addresses of both ends for the handlers, and a problem document in place of the bare refusals
+//! that the HTTP library writes by itself, before any handler is asked: an address too long (414), headers too
+//! long (431), what is no HTTP (400), a request that never ends (408).
+
+use crate::{
+    error::ApiError,
+    problem::{PROBLEM_JSON, Problem},
+};
+use axum::{extract::connect_info::Connected, serve::IncomingStream};
+use std::{
+    io,
+    net::SocketAddr,
+    pin::Pin,
+    task::{Context, Poll, ready},
+};
+use tokio::{
+    io::{AsyncRead, AsyncWrite, ReadBuf},
+    net::{TcpListener, TcpStream},
+};
+
+/// Accepts connections whose bare refusals are problem documents.
+#[derive(Debug)]
+pub struct Listener(pub TcpListener);
+
+impl axum::serve::Listener for Listener {
+    type Io = Connection<TcpStream>;
+    type Addr = SocketAddr;
+
+    async fn accept(&mut self) -> (Self::Io, SocketAddr) {
+        let (stream, address) = axum::serve::Listener::accept(&mut self.0).await;
+        (Connection::new(stream), address)
+    }
+
+    fn local_addr(&self) -> io::Result<SocketAddr> {
+        self.0.local_addr()
+    }
+}
+
+/// The addresses of a connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ends {
+    /// The client's own.
+    pub client: SocketAddr,
+    /// The one of this server that the client reached; None where the system does not say.
+    pub server: Option<SocketAddr>,
+}
+
+impl Connected<IncomingStream<'_, Listener>> for Ends {
+    fn connect_info(stream: IncomingStream<'_, Listener>) -> Self {
+        Self { client: *stream.remote_addr(), server: stream.io().stream.local_addr().ok() }
+    }
+}
+
+/// A connection. What goes out is passed on as it is, but for refusals without a body.
+#[derive(Debug)]
+pub struct Connection<S> {
+    stream: S,
+    /// What takes the place of a refusal, as far as it is not sent yet.
+    pending: Vec<u8>,
+}
+
+impl<S> Connection<S> {
+    fn new(stream: S) -> Self {
+        Self { stream, pending: Vec::new() }
+    }
+}
+
+/// The answer in place of a head that the HTTP library wrote: an error without a body, and so without a type of
+/// it. Every answer of the router has one, those to HEAD included.
+fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
+    let head = std::str::from_utf8(written).ok()?.strip_suffix("\r\n\r\n")?;
+    let mut lines = head.split("\r\n");
+    let status_line = lines.next()?;
+    let (version, status) = status_line.split_once(' ')?;
+    let status: u16 = status.get(..3)?.parse().ok()?;
+    let has_type = lines.any(|line| line.to_ascii_lowercase().starts_with("content-type:"));
+    if !version.starts_with("HTTP/1.") || !(400..500).contains(&status) || has_type {
+        return None;
+    }
+    let problem: Problem = ApiError::Unreadable(status).problem();
+    let body = serde_json::to_string(&problem).ok()?;
+    tracing::info!(status, "refused before a handler was asked");
+    Some(
+        format!(
+            "{status_line}\r\ncontent-type: {PROBLEM_JSON}\r\ncache-control: no-store\r\n\
+             x-content-type-options: nosniff\r\nconnection: close\r\ncontent-length: {}\r\n\r\n{body}",
+            body.len()
+        )
+        .into_bytes(),
+    )
+}
+
+impl<S: AsyncWrite + Unpin> Connection<S> {
+    fn poll_send_pending(&mut self, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        while !self.pending.is_empty() {
+            let sent = ready!(Pin::new(&mut self.stream).poll_write(context, &self.pending))?;
+            if sent == 0 {
+                return Poll::Ready(Err(io::ErrorKind::WriteZero.into()));
+            }
+            self.pending.drain(..sent);
+        }
+        Poll::Ready(Ok(()))
+    }
+}
+
+impl<S: AsyncRead + Unpin> AsyncRead for Connection<S> {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_read(context, buffer)
+    }
+}
+
+impl<S: AsyncWrite + Unpin> AsyncWrite for Connection<S> {
+    fn poll_write(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
+        ready!(self.poll_send_pending(context))?;
+        match in_place_of(bytes) {
+            Some(answer) => {
+                // Sent at the flush that follows.
+                self.pending = answer;
+                Poll::Ready(Ok(bytes.len()))
+            }
+            None => Pin::new(&mut self.stream).poll_write(context, bytes),
+        }
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        pieces: &[io::IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        ready!(self.poll_send_pending(context))?;
+        let first = pieces.iter().find(|piece| !piece.is_empty());
+        match first.and_then(|piece| in_place_of(piece).map(|answer| (answer, piece.len()))) {
+            Some((answer, length)) => {
+                self.pending = answer;
+                Poll::Ready(Ok(length))
+            }
+            None => Pin::new(&mut self.stream).poll_write_vectored(context, pieces),
+        }
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        ready!(self.poll_send_pending(context))?;
+        Pin::new(&mut self.stream).poll_flush(context)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        ready!(self.poll_send_pending(context))?;
+        Pin::new(&mut self.stream).poll_shutdown(context)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_refusals_without_a_body_are_replaced() {
+        let refusal = b"HTTP/1.1 414 URI Too Long\r\nconnection: close\r\ncontent-length: 0\r\n\r\n";
+        let answer = String::from_utf8(in_place_of(refusal).unwrap()).unwrap();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        assert!(head.starts_with("HTTP/1.1 414 URI Too Long\r\ncontent-type: application/problem+json\r\n"));
+        assert!(head.ends_with(&format!("content-length: {}", body.len())));
+        let body: serde_json::Value = serde_json::from_str(body).unwrap();
+        assert_eq!((&body["status"], &body["type"]), (&414.into(), &"/problems/unreadable".into()));
+        for other in [
+            "HTTP/1.1 200 OK\r\ncontent-length: 0\r\n\r\n",
+            "HTTP/1.1 404 Not Found\r\nContent-Type: application/problem+json\r\ncontent-length: 9\r\n\r\n",
+            "HTTP/1.1 404 Not Found\r\ncontent-length: 2\r\n\r\nno",
+            "HTTP/1.1 503 Service Unavailable\r\ncontent-length: 0\r\n\r\n",
+            "400 of these",
+            "",
+        ] {
+            assert_eq!(in_place_of(other.as_bytes()), None, "{other}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_refusal_arrives_whole_through_a_narrow_pipe_and_the_rest_as_it_is() {
+        use tokio::io::{AsyncReadExt, AsyncWriteExt};
+        let (near, mut far) = tokio::io::duplex(7);
+        let sending = tokio::spawn(async move {
+            let mut connection = Connection::new(near);
+            connection.write_all(b"HTTP/1.1 200 OK\r\n\r\nhello").await?;
+            connection.write_all(b"HTTP/1.1 431 Headers\r\ncontent-length: 0\r\n\r\n").await?;
+            connection.shutdown().await
+        });
+        let mut got = String::new();
+        far.read_to_string(&mut got).await.unwrap();
+        sending.await.unwrap().unwrap();
+        assert!(
+            got.starts_with("HTTP/1.1 200 OK\r\n\r\nhelloHTTP/1.1 431 Headers\r\ncontent-type: "),
+            "{got}"
+        );
+        assert!(got.ends_with('}'), "{got}");
+    }
+}

@@ -1,0 +1,134 @@
+//! The parameters of a sky: where, in what air, under which lamps.
+
+use crate::{
+    parameters as p,
+    problem::Mistake,
+    reader::Reader,
+    source::{EyeHeight, SkyQuery, SourceFacts},
+};
+use skyglow_display::Sky;
+use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
+use skyglow_scene::SceneId;
+
+pub(super) fn read_place(reader: &mut Reader) -> Option<GeoPoint> {
+    let (latitude_deg, longitude_deg) = (reader.required_number(&p::LAT), reader.required_number(&p::LON));
+    GeoPoint::from_deg(latitude_deg?, longitude_deg?).ok()
+}
+
+pub(super) fn read_light(reader: &mut Reader) -> Sky {
+    match reader.choice(&p::SKY) {
+        Some("total") => Sky::Total,
+        _ => Sky::Artificial,
+    }
+}
+
+pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyQuery> {
+    let place = read_place(reader);
+    let eye_height = read_eye_height(reader, facts);
+    let turbidity = read_turbidity(reader, facts);
+    let lamp = read_lamp(reader);
+    let emission = read_emission(reader);
+    let basis = read_basis(reader, facts);
+    read_what_is_not_there_yet(reader);
+    reader.is_fine().then_some(())?;
+    Some(SkyQuery { scene, place: place?, eye_height, turbidity: turbidity?, lamp, emission, basis })
+}
+
+fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
+    let height_m = reader.number_of_any_size(&p::HEIGHT);
+    let altitude_m = reader.number_of_any_size(&p::ALTITUDE);
+    if reader.text(&p::HEIGHT).is_some() && reader.text(&p::ALTITUDE).is_some() {
+        let message = Some("excludes `height`, which is given too".to_owned());
+        reader.fail(&p::ALTITUDE, Mistake::Conflict, message, Some("one of the two".to_owned()));
+    }
+    let maximum_m = facts.altitude_range_m.1;
+    if let Some(altitude_m) = altitude_m {
+        if altitude_m > maximum_m {
+            let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
+            reader.fail(&p::ALTITUDE, Mistake::OutOfRange, None, Some(allowed));
+        }
+        return EyeHeight::AboveSea(altitude_m.max(0.0));
+    }
+    if let Some(height_m) = height_m {
+        let allowed = || Some(format!("0 to {maximum_m} m, less the altitude of the ground"));
+        if height_m < 0.0 {
+            reader.fail(&p::HEIGHT, Mistake::NotAllowed, None, allowed());
+        } else if height_m > maximum_m {
+            // Too high over any ground: the same mistake as too high over this one, which the scene knows.
+            reader.fail(&p::HEIGHT, Mistake::OutOfRange, None, allowed());
+        }
+    }
+    EyeHeight::AboveGround(height_m.unwrap_or(2.0))
+}
+
+fn read_basis(reader: &mut Reader, facts: &SourceFacts) -> Option<usize> {
+    let basis = reader.whole_number_of_any_size(&p::BASIS)?;
+    let allowed = Some(format!("a whole number from 1 to {}", facts.basis_count));
+    if basis < 1 {
+        reader.fail(&p::BASIS, Mistake::NotAllowed, None, allowed);
+        return None;
+    }
+    let basis = usize::try_from(basis).unwrap_or(usize::MAX);
+    if basis > facts.basis_count {
+        let message = Some("is more than is resident".to_owned());
+        reader.fail(&p::BASIS, Mistake::NotResident, message, allowed);
+    }
+    Some(basis)
+}
+
+fn read_turbidity(reader: &mut Reader, facts: &SourceFacts) -> Option<Turbidity> {
+    let (minimum, maximum) = facts.turbidity_range;
+    let given = reader.number_of_any_size(&p::TURBIDITY);
+    if reader.text(&p::TURBIDITY).is_some() && given.is_none() {
+        return None;
+    }
+    let value = given.unwrap_or(Turbidity::default().value());
+    if !(minimum..=maximum).contains(&value) {
+        let allowed = format!("{minimum} to {maximum}");
+        reader.fail(&p::TURBIDITY, Mistake::OutOfRange, None, Some(allowed));
+        return None;
+    }
+    match Turbidity::new(value) {
+        Ok(turbidity) => Some(turbidity),
+        Err(_) => {
+            reader.fail(&p::TURBIDITY, Mistake::OutOfRange, None, None);
+            None
+        }
+    }
+}
+
+fn read_lamp(reader: &mut Reader) -> Lamp {
+    let Some(text) = reader.text(&p::LAMP) else { return Lamp::default() };
+    let lamp = LampPreset::from_name(text).map(LampPreset::lamp);
+    let lamp = lamp.or_else(|| Reader::three_numbers(text).and_then(|fluxes| Lamp::custom(fluxes).ok()));
+    if lamp.is_none() {
+        reader.fail(&p::LAMP, Mistake::NotAllowed, None, None);
+    }
+    lamp.unwrap_or_default()
+}
+
+fn read_emission(reader: &mut Reader) -> EmissionMix {
+    let Some(text) = reader.text(&p::EMISSION) else { return EmissionMix::default() };
+    let mix = EmissionMix::from_name(text)
+        .or_else(|| Reader::three_numbers(text).and_then(|weights| EmissionMix::new(weights).ok()));
+    if mix.is_none() {
+        reader.fail(&p::EMISSION, Mistake::NotAllowed, None, None);
+    }
+    mix.unwrap_or_default()
+}
+
+/// Parameters whose only possible value, for now, is what the answer says anyway.
+fn read_what_is_not_there_yet(reader: &mut Reader) {
+    if reader.choice(&p::SCATTERING) == Some("multiple") {
+        reader.fail(&p::SCATTERING, Mistake::NotResident, None, Some("single".to_owned()));
+    }
+    if reader.text(&p::CLOUDS).is_some_and(|clouds| clouds != "none") {
+        reader.fail(&p::CLOUDS, Mistake::NotSupportedYet, None, None);
+    }
+    reader.choice(&p::TERRAIN);
+    for parameter in [&p::TOLERANCE, &p::SCENARIO] {
+        if reader.text(parameter).is_some() {
+            reader.fail(parameter, Mistake::NotSupportedYet, None, None);
+        }
+    }
+}

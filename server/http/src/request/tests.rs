@@ -1,0 +1,157 @@
+//! What is read and what is refused.
+
+use super::*;
+use crate::{problem::Mistake, source::EyeHeight};
+use skyglow_display::{PictureOptions, Projection};
+use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
+
+fn facts() -> SourceFacts {
+    SourceFacts {
+        executor: "cpu".into(),
+        adapter: "none".into(),
+        turbidity_range: (1.5, 6.0),
+        altitude_range_m: (0.0, 6000.0),
+        basis_count: 64,
+        pack_checksums: "x".into(),
+    }
+}
+
+fn read(query: &str) -> Result<(SkyQuery, View), ApiError> {
+    read_as(query, Format::Png)
+}
+
+fn read_as(query: &str, format: Format) -> Result<(SkyQuery, View), ApiError> {
+    panorama(Some(query), SceneId::parse("demo").unwrap(), &facts(), format)
+}
+
+fn refused(query: &str) -> (String, Vec<(String, Mistake)>) {
+    let error = read(query).unwrap_err();
+    let problem = error.problem();
+    (problem.kind, problem.errors.into_iter().map(|e| (e.parameter, e.code)).collect())
+}
+
+#[test]
+fn the_defaults_are_those_of_the_interface() {
+    let (sky, view) = read("lat=-1&lon=36").unwrap();
+    assert_eq!(sky.eye_height, EyeHeight::AboveGround(2.0));
+    assert_eq!(sky.turbidity, Turbidity::default());
+    assert_eq!(sky.lamp, LampPreset::Mixed.lamp());
+    assert_eq!(sky.emission, EmissionMix::garstang());
+    assert_eq!(sky.basis, None);
+    assert_eq!(view.options, PictureOptions::new(Projection::Equirectangular));
+    assert_eq!(view.raster_size_px, (256, 64));
+}
+
+#[test]
+fn turbidity_0_and_100_and_altitude_9000_are_out_of_range_with_the_range() {
+    for query in ["turbidity=0", "turbidity=100", "altitude=9000"] {
+        let error = read(&format!("lat=-1&lon=36&{query}")).unwrap_err();
+        let problem = error.problem();
+        assert_eq!((problem.status, problem.kind.as_str()), (422, "/problems/out-of-range"), "{query}");
+        let allowed = &problem.errors[0].allowed;
+        assert!(allowed.contains("1.5 to 6") || allowed.contains("0 to 6000 m"), "{allowed}");
+    }
+}
+
+#[test]
+fn a_height_is_refused_by_its_own_name_below_the_ground_and_above_the_tables() {
+    for (query, status, code) in
+        [("height=-1", 400, Mistake::NotAllowed), ("height=200000", 422, Mistake::OutOfRange)]
+    {
+        let problem = read(&format!("lat=-1&lon=36&{query}")).unwrap_err().problem();
+        assert_eq!((problem.status, problem.errors[0].code), (status, code), "{query}");
+        assert_eq!(problem.errors[0].parameter, "height");
+        assert!(problem.errors[0].allowed.starts_with("0 to 6000 m"), "{problem:?}");
+    }
+    assert!(read("lat=-1&lon=36&height=6000").is_ok());
+}
+
+#[test]
+fn altitudes_below_the_sea_count_as_0() {
+    let (sky, _) = read("lat=-1&lon=36&altitude=-430").unwrap();
+    assert_eq!(sky.eye_height, EyeHeight::AboveSea(0.0));
+}
+
+#[test]
+fn what_is_not_built_yet_is_said_to_be_so() {
+    let (kind, errors) = refused("lat=-1&lon=36&clouds=1500&tolerance=0.01&scenario=abc");
+    assert_eq!(kind, "/problems/not-supported-yet");
+    assert_eq!(errors.len(), 3);
+    assert_eq!(refused("lat=-1&lon=36&scattering=multiple").0, "/problems/not-resident");
+    assert_eq!(refused("lat=-1&lon=36&basis=128").0, "/problems/not-resident");
+    for fine in ["clouds=none", "scattering=single", "terrain=on", "terrain=off", "basis=64"] {
+        assert!(read(&format!("lat=-1&lon=36&{fine}")).is_ok(), "{fine}");
+    }
+}
+
+#[test]
+fn a_basis_of_any_wrong_size_is_refused_with_what_is_resident() {
+    for (basis, code) in [
+        ("0", Mistake::NotAllowed),
+        ("-3", Mistake::NotAllowed),
+        ("65", Mistake::NotResident),
+        ("5000", Mistake::NotResident),
+    ] {
+        let problem = read(&format!("lat=-1&lon=36&basis={basis}")).unwrap_err().problem();
+        assert_eq!(problem.errors[0].code, code, "{basis}");
+        assert_eq!(problem.errors[0].allowed, "a whole number from 1 to 64", "{basis}");
+    }
+    assert_eq!(refused("lat=-1&lon=36&basis=6.5").1, [("basis".to_owned(), Mistake::Malformed)]);
+}
+
+#[test]
+fn what_means_nothing_for_a_format_is_refused_there_by_name() {
+    let colours = [
+        "style=realistic",
+        "colormap=grey",
+        "scale=magnitude",
+        "min=16",
+        "max=24",
+        "exposure=1",
+        "legend=off",
+    ];
+    let shape = ["projection=fisheye", "width=64", "height_px=64"];
+    let refused = |parameter: &str, format: Format| {
+        let problem = read_as(&format!("lat=-1&lon=36&{parameter}"), format).err()?.problem();
+        let named = parameter.split('=').next() == Some(problem.errors[0].parameter.as_str());
+        assert!(named && problem.errors[0].message.contains(format.media_type()), "{problem:?}");
+        assert!(problem.errors[0].allowed.contains("turbidity"), "{problem:?}");
+        Some(problem.errors[0].code)
+    };
+    for format in [Format::Exr, Format::Tiff] {
+        for parameter in colours {
+            assert_eq!(refused(parameter, format), Some(Mistake::UnknownParameter), "{parameter}");
+        }
+        for parameter in shape {
+            assert_eq!(refused(parameter, format), None, "{parameter}");
+        }
+    }
+    for parameter in colours.iter().chain(&shape) {
+        assert_eq!(refused(parameter, Format::Json), Some(Mistake::UnknownParameter), "{parameter}");
+    }
+    assert!(read_as("lat=-1&lon=36&sky=total&basis=8", Format::Json).is_ok());
+}
+
+#[test]
+fn all_mistakes_of_sky_and_picture_come_in_one_answer() {
+    let (kind, errors) = refused("lon=400&turbidity=x&lamp=candle&style=pretty&fov=3&min=5&max=1&nonsense=1");
+    assert_eq!(kind, "/problems/bad-parameters");
+    let names: Vec<&str> = errors.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["nonsense", "lat", "lon", "turbidity", "lamp", "fov", "style", "max"]);
+}
+
+#[test]
+fn height_and_altitude_exclude_each_other() {
+    let (_, errors) = refused("lat=-1&lon=36&height=2&altitude=1000");
+    assert_eq!(errors, [("altitude".to_owned(), Mistake::Conflict)]);
+}
+
+#[test]
+fn lamps_and_emissions_may_be_given_as_numbers() {
+    let (sky, _) = read("lat=-1&lon=36&lamp=0.1,0.2,0.3&emission=1,1,2").unwrap();
+    assert_eq!(sky.lamp.flux_per_dnb_flux, [0.1, 0.2, 0.3]);
+    assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
+    for bad in ["lamp=0,0,0", "lamp=1,2", "lamp=-1,1,1", "emission=0,0,0", "emission=a", "emission=1,2,-1"] {
+        assert_eq!(refused(&format!("lat=-1&lon=36&{bad}")).0, "/problems/bad-parameters", "{bad}");
+    }
+}

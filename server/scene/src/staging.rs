@@ -1,0 +1,104 @@
+//! Folders beside the scenes while an ingest writes. Each is locked by its process as long as it is in use, so
+//! that what a killed process left behind can be told apart and cleared.
+
+use crate::error::SceneError;
+use crate::scene_id::SceneId;
+use crate::stored::METADATA_FILE;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// Start of the names of these folders: no scene's id starts with a dot.
+const PREFIX: &str = ".ingest-";
+/// End of the name of a scene that is set aside for its successor.
+const ASIDE: &str = "old";
+
+/// A folder for one ingest; removed when it is dropped before it was moved to its place.
+pub(crate) struct Staging {
+    folder: TempDir,
+    lock: File,
+}
+
+impl Staging {
+    /// A new folder below `parent`, in use.
+    pub(crate) fn below(parent: &Path) -> Result<Self, SceneError> {
+        loop {
+            let folder =
+                tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent).map_err(SceneError::io(parent))?;
+            let lock = locked(folder.path())?;
+            // Another process may have taken it for a stale one before it was locked.
+            if folder.path().is_dir() {
+                return Ok(Self { folder, lock });
+            }
+        }
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Renames the folder to `target`; an older scene there is set aside first and removed after.
+    pub(crate) fn move_to(self, target: &Path, id: &SceneId, replace: bool) -> Result<(), SceneError> {
+        let aside = self.path().with_extension(ASIDE);
+        let older = if target.exists() {
+            if !replace {
+                return Err(SceneError::SceneExists { id: id.to_string() });
+            }
+            let lock = locked(target)?;
+            std::fs::rename(target, &aside).map_err(SceneError::io(target))?;
+            Some(lock)
+        } else {
+            None
+        };
+        if let Err(error) = std::fs::rename(self.path(), target) {
+            if older.is_some() {
+                // Without its successor the older scene stays.
+                let _best_effort = std::fs::rename(&aside, target);
+            }
+            return Err(SceneError::io(target)(error));
+        }
+        // It is a scene now, nothing to remove.
+        let _moved_away = self.folder.keep();
+        if older.is_some() {
+            std::fs::remove_dir_all(&aside).map_err(SceneError::io(&aside))?;
+        }
+        drop((self.lock, older));
+        Ok(())
+    }
+}
+
+/// A folder, in use until the answer is dropped. Where the file system has no locks none is cleared either.
+fn locked(folder: &Path) -> Result<File, SceneError> {
+    let lock = File::open(folder).map_err(SceneError::io(folder))?;
+    let _best_effort = lock.lock();
+    Ok(lock)
+}
+
+/// Removes the folders of ingests that no longer run, and puts a scene that was set aside back where its
+/// successor never came. What cannot be removed stays for the next time. Answers how many are gone.
+pub(crate) fn clear_stale(parent: &Path) -> usize {
+    let Ok(entries) = std::fs::read_dir(parent) else { return 0 };
+    let stale = |path: &PathBuf| path.file_name().is_some_and(|n| n.to_string_lossy().starts_with(PREFIX));
+    entries.flatten().map(|entry| entry.path()).filter(stale).filter(|path| clear(path, parent)).count()
+}
+
+fn clear(folder: &Path, parent: &Path) -> bool {
+    let Ok(lock) = File::open(folder) else { return false };
+    if lock.try_lock().is_err() {
+        return false;
+    }
+    let home =
+        folder.extension().is_some_and(|extension| extension == ASIDE).then(|| home_of(folder, parent));
+    match home.flatten().filter(|home| !home.exists()) {
+        Some(home) => std::fs::rename(folder, home).is_ok(),
+        None => std::fs::remove_dir_all(folder).is_ok(),
+    }
+}
+
+/// Where a scene that was set aside belongs.
+fn home_of(folder: &Path, parent: &Path) -> Option<PathBuf> {
+    let text = std::fs::read(folder.join(METADATA_FILE)).ok()?;
+    let stored: serde_json::Value = serde_json::from_slice(&text).ok()?;
+    let id = SceneId::parse(stored.pointer("/metadata/id")?.as_str()?).ok()?;
+    Some(parent.join(id.as_str()))
+}
