@@ -6,15 +6,16 @@ use super::elementary::{natural_exp, natural_log};
 /// sky.
 pub const RADIANCE_FLOOR_W_M2_SR: f32 = 1e-13;
 
-/// exp Σ_p weight_p · ln max(radiance_p, floor), over the packs with weight; 0 where that is at or below the
-/// floor. A sum of logarithms over equal floors is the floor itself but for rounding, so the comparison is in
-/// the logarithm with that much room.
+/// exp Σ_p weight_p · ln max(radiance_p, floor), over the packs with weight (they sum to 1); 0 where that is at or
+/// below the floor, give or take rounding. Logarithms are taken over the largest sample, which keeps them small.
 #[inline(always)]
 pub fn blend_radiance(radiance_w_m2_sr: [f32; 4], weight: [f32; 4]) -> f32 {
-    let log_floor = natural_log(RADIANCE_FLOOR_W_M2_SR);
-    let above = |pack: usize| natural_log(radiance_w_m2_sr[pack].max(RADIANCE_FLOOR_W_M2_SR)) - log_floor;
-    let log_ratio = weight[0] * above(0) + weight[1] * above(1) + weight[2] * above(2) + weight[3] * above(3);
-    if log_ratio <= 0.0 { 0.0 } else { natural_exp(log_floor + log_ratio) }
+    let floored = radiance_w_m2_sr.map(|radiance| radiance.max(RADIANCE_FLOOR_W_M2_SR));
+    let largest = floored[0].max(floored[1]).max(floored[2].max(floored[3]));
+    let log = |pack: usize| natural_log(floored[pack] / largest);
+    let log_ratio = weight[0] * log(0) + weight[1] * log(1) + weight[2] * log(2) + weight[3] * log(3);
+    let blended = largest * natural_exp(log_ratio);
+    if blended <= 1.00001 * RADIANCE_FLOOR_W_M2_SR { 0.0 } else { blended }
 }
 
 #[cfg(test)]
