@@ -1,0 +1,87 @@
+//! A panorama of a real place pass by pass, and the direct sum of the same sky, in one run.
+//!
+//! `speed DATA_DIR PACKS_DIR SCENE LATITUDE LONGITUDE TURBIDITY`: the executors in turn, then the sum over every pixel
+//! in 16 directions, scaled to the panorama's 16 384.
+
+use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
+    direct_sum::{direct_sum, grid_direction, stratified_samples},
+    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+};
+use skyglow_scene::{RING_COUNT, SceneId, SceneStore, ring_distance_m};
+use skyglow_tables::{Pack, packs_in};
+use std::{error::Error, path::Path, sync::Arc, time::Instant};
+
+const ROUNDS: usize = 30;
+const DIRECTIONS: usize = 16;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, data, packs, id, latitude, longitude, turbidity] = arguments.as_slice() else {
+        return Err("usage: speed DATA_DIR PACKS_DIR SCENE LATITUDE LONGITUDE TURBIDITY".into());
+    };
+    let scene = SceneStore::new(data).open(&SceneId::parse(id)?)?;
+    let place = GeoPoint::from_deg(latitude.parse()?, longitude.parse()?)?;
+    let turbidity = Turbidity::new(turbidity.parse()?)?;
+    let observer_altitude_m = scene.terrain_altitude_m(place).unwrap_or(0.0) + 2.0;
+    let (emission, lamp) = (EmissionMix::garstang(), LampPreset::Mixed.lamp());
+    let rings: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
+    let tables = packs_in(Path::new(packs))?
+        .iter()
+        .map(|path| Pack::open(path).map(|pack| Arc::new(pack.resident(&rings))))
+        .collect::<Result<Vec<_>, _>>()?;
+
+    let start = Instant::now();
+    let polar = Arc::new(scene.polar_grid(place));
+    println!("polar grid: {:.1} ms, {} lit cells", 1e3 * start.elapsed().as_secs_f64(), polar.cells.len());
+    let mut fastest_s = f64::INFINITY;
+    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+        let engine = Engine::start(EngineConfig { device, tables: tables.clone(), ..Default::default() })?;
+        let mut rounds = Vec::with_capacity(ROUNDS);
+        for _ in 0..ROUNDS {
+            let start = Instant::now();
+            let rendered = engine.render_blocking(RenderRequest {
+                polar: Arc::clone(&polar),
+                observer_altitude_m,
+                turbidity,
+                emission,
+                flux_per_dnb_flux: lamp.flux_per_dnb_flux,
+                basis: None,
+            })?;
+            rounds.push((start.elapsed().as_secs_f64(), rendered.passes));
+        }
+        rounds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (median_s, passes) = &rounds[ROUNDS / 2];
+        print!("{}: {:.2} ms, median of {ROUNDS} |", engine.info().executor.name(), 1e3 * median_s);
+        for pass in passes {
+            print!(" {} {:.2}", pass.name, pass.microseconds / 1e3);
+        }
+        println!();
+        fastest_s = fastest_s.min(*median_s);
+    }
+
+    let sources = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
+    let directions: Vec<_> = stratified_samples(DIRECTIONS).into_iter().map(grid_direction).collect();
+    let start = Instant::now();
+    let sum: Vec<[f64; 3]> = direct_sum(
+        &[Atmosphere::new(turbidity)],
+        &sources,
+        observer_altitude_m,
+        emission,
+        lamp.flux_per_dnb_flux,
+        &directions,
+        &|| (),
+    );
+    let seconds = start.elapsed().as_secs_f64();
+    let whole_s = seconds * (AZIMUTH_COUNT * ELEVATION_COUNT) as f64 / sum.len() as f64;
+    println!(
+        "direct sum: {} sources, {} directions in {seconds:.2} s, so a panorama in {:.2} h: {:.0} times the faster of \
+         those above",
+        sources.len(),
+        sum.len(),
+        whole_s / 3600.0,
+        whole_s / fastest_s
+    );
+    Ok(())
+}
