@@ -42,8 +42,8 @@ enum Scattering {
 
 fn multiple_of_4(text: &str) -> Result<usize, String> {
     const MOST: usize = MOST_BASIS_FUNCTIONS as usize;
-    match text.parse() {
-        Ok(count) if (4..=MOST).contains(&count) && count % 4 == 0 => Ok(count),
+    match text.parse::<usize>() {
+        Ok(count) if (4..=MOST).contains(&count) && count.is_multiple_of(4) => Ok(count),
         _ => Err(format!("allowed are multiples of 4 from 4 to {MOST}")),
     }
 }
