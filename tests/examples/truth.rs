@@ -31,6 +31,11 @@ fn places(scene: &Scene, count: usize) -> Vec<GeoPoint> {
         .collect()
 }
 
+/// A number as far as the truth is known.
+fn seven_digits(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     match arguments.as_slice() {
@@ -79,10 +84,10 @@ fn truth<const SLOTS: usize>(
         );
         let seconds = start.elapsed().as_secs_f64();
         let text = serde_json::to_string(&serde_json::json!({
-            "scene": id, "latitude_deg": place.latitude_deg(), "longitude_deg": place.longitude_deg(),
+            "scene": id, "scene_version": scene.metadata().version, "latitude_deg": place.latitude_deg(), "longitude_deg": place.longitude_deg(),
             "observer_altitude_m": observer_altitude_m, "turbidities": turbidities, "sources": sources.len(),
             "flux_dnb_w": sources.iter().map(|s| s.flux_dnb_w).sum::<f64>(), "seconds": seconds,
-            "samples": samples, "radiance": radiance.iter().map(|r| r.to_vec()).collect::<Vec<_>>(),
+            "samples": samples, "radiance": radiance.iter().map(|r| r.map(seven_digits).to_vec()).collect::<Vec<_>>(),
         }))?;
         std::fs::write(&file, text)?;
         println!("{} {place:?}: {} sources, {seconds:.0} s", file.display(), sources.len());

@@ -55,6 +55,64 @@ fn error(
     ErrorStatistics::of(errors).unwrap()
 }
 
+/// A truth file of the `truth` example.
+#[derive(serde::Deserialize)]
+struct StoredTruth {
+    scene_version: String,
+    latitude_deg: f64,
+    longitude_deg: f64,
+    observer_altitude_m: f64,
+    turbidities: Vec<f64>,
+    samples: Vec<(usize, usize)>,
+    radiance: Vec<Vec<f64>>,
+}
+
+#[test]
+fn skies_of_the_demo_are_within_five_per_cent_of_stored_direct_sums_at_every_turbidity() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = SceneStore::new(folder.path());
+    create_demo(&store, &mut |_| ()).unwrap();
+    let scene = store.open(&SceneId::parse("demo").unwrap()).unwrap();
+    let engine = engine();
+    let mut files: Vec<_> = std::fs::read_dir(tree::root().join("tests/truth"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .collect();
+    files.sort();
+    assert!(!files.is_empty());
+    for path in files {
+        let truth: StoredTruth = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        assert_eq!(
+            truth.scene_version,
+            scene.metadata().version,
+            "{}: the demo has changed; make the truth anew (see tests/examples/truth.rs)",
+            path.display()
+        );
+        let place = GeoPoint::from_deg(truth.latitude_deg, truth.longitude_deg).unwrap();
+        let polar = Arc::new(scene.polar_grid(place));
+        for (index, &turbidity) in truth.turbidities.iter().enumerate() {
+            let rendered = engine
+                .render_blocking(RenderRequest {
+                    polar: Arc::clone(&polar),
+                    observer_altitude_m: truth.observer_altitude_m,
+                    turbidity: Turbidity::new(turbidity).unwrap(),
+                    emission: EmissionMix::garstang(),
+                    flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+                    basis: None,
+                })
+                .unwrap();
+            let errors = truth.samples.iter().zip(&truth.radiance).map(|(&(row, column), radiance)| {
+                let fast = std::array::from_fn(|band| rendered.panorama.radiance_w_m2_sr(band, row, column));
+                relative_error(fast, std::array::from_fn(|band| radiance[index * 3 + band]))
+            });
+            let error = ErrorStatistics::of(errors).unwrap();
+            println!("{} turbidity {turbidity}: {error:?}", path.display());
+            assert!(error.mean < LARGEST_MEAN, "{} turbidity {turbidity}: {error:?}", path.display());
+        }
+    }
+}
+
 #[test]
 fn skies_of_the_demo_are_within_five_per_cent_of_the_direct_sum_in_the_mean() {
     let folder = tempfile::tempdir().unwrap();

@@ -147,10 +147,12 @@ fn image_row<const N: usize>(radiance: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]
         // Mirrored at 180°.
         let beyond = if end == last { start } else { end + COLUMN_STEP };
         let taps = [row[start - COLUMN_STEP], row[start], row[end], row[beyond]];
-        let steep = (0..N).any(|n| {
+        // Slot by slot, so that an atmosphere's images do not depend on which others are computed with it.
+        let steep: [bool; N] = std::array::from_fn(|n| {
             let highest = taps.iter().map(|tap| tap[n]).fold(0.0, f64::max);
             taps.iter().any(|tap| tap[n] < STEEP_RATIO * highest)
         });
+        let any_steep = steep.contains(&true);
         for step in 1..COLUMN_STEP {
             let x = step as f64 / COLUMN_STEP as f64;
             let weights = [
@@ -159,11 +161,10 @@ fn image_row<const N: usize>(radiance: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]
                 -(x + 1.0) * x * (x - 2.0) / 2.0,
                 (x + 1.0) * x * (x - 1.0) / 6.0,
             ];
-            row[start + step] = if steep {
-                exact(start + step)
-            } else {
-                std::array::from_fn(|n| taps.iter().zip(weights).map(|(tap, weight)| weight * tap[n]).sum())
-            };
+            let between =
+                |n: usize| taps.iter().zip(weights).map(|(tap, weight)| weight * tap[n]).sum::<f64>();
+            let computed = if any_steep { exact(start + step) } else { [0.0; N] };
+            row[start + step] = std::array::from_fn(|n| if steep[n] { computed[n] } else { between(n) });
         }
     }
     row
@@ -225,9 +226,17 @@ mod tests {
         let images = &images_of(&[atmosphere], &geometry)[0];
         let mean: f64 = scale_weights().iter().zip(&images.shape).map(|(w, &x)| w * f64::from(x)).sum();
         assert!((mean - 1.0).abs() < 1e-6);
-        // Two atmospheres at once give the same as each alone.
-        let clean = Atmosphere::new(Turbidity::new(1.0).unwrap());
-        assert_eq!(images_of(&[clean, atmosphere], &geometry)[1].shape, images.shape);
+        // Two atmospheres at once give the same as each alone, far away and in haze too, where rows are steep.
+        let (clean, hazy) = (1.0, 6.0);
+        let [clean, hazy] = [clean, hazy].map(|t| Atmosphere::new(Turbidity::new(t).unwrap()));
+        for distance_m in [20_000.0, 200_000.0] {
+            let geometry = SourceGeometry { distance_m, ..geometry };
+            let together = images_of(&[clean, hazy], &geometry);
+            for (one, both) in [clean, hazy].into_iter().zip(&together) {
+                let alone = &images_of(&[one], &geometry)[0];
+                assert_eq!((&alone.shape, alone.log_scale), (&both.shape, both.log_scale));
+            }
+        }
         let low_row = 2 * HALF_COLUMN_COUNT;
         assert!(images.shape[low_row] > 10.0 * images.shape[low_row + HALF_COLUMN_COUNT - 1]);
     }
