@@ -2,8 +2,12 @@
 //!
 //! What is scattered (and sent back by the ground) as light of one order is extinguished in the air, arrives at
 //! the ground, or leaves through the top. Of what is extinguished a part is scattered on as the next order.
+//!
+//! Extinction and arrival are counted where light arrives (from radiance on the grid), escape where it sets out
+//! (from the source function): the balance ties both ends of the transport together.
 
 use super::{
+    budget::DirectBudget,
     grid::{Between, FieldGrid},
     lanes::{LANES, outputs_from_lanes},
     setting::SourceSetting,
@@ -27,16 +31,16 @@ pub struct OrderPower {
 }
 
 impl OrderPower {
-    /// The ledger of direct light from `[scattered, absorbed, escaped]`.
-    pub(super) fn of_direct(budget: &[[f64; LANES]; 3]) -> Self {
+    /// The ledger of direct light.
+    pub(super) fn of_direct(budget: &DirectBudget) -> Self {
         Self {
             order: 0,
             sent_w: [1.0; LANES],
-            extinguished_w: std::array::from_fn(|lane| budget[0][lane] + budget[1][lane]),
-            scattered_on_w: budget[0],
+            extinguished_w: std::array::from_fn(|lane| budget.scattered_w[lane] + budget.absorbed_w[lane]),
+            scattered_on_w: budget.scattered_w,
             at_ground_w: [0.0; LANES],
             returned_w: [0.0; LANES],
-            escaped_w: budget[2],
+            escaped_w: budget.escaped_w,
         }
     }
 
@@ -75,17 +79,17 @@ impl OrderPower {
 }
 
 /// Interpolates the logarithm of a field between grid points.
-struct LogField<'a> {
+pub(super) struct LogField<'a> {
     grid: &'a FieldGrid,
     ln: Vec<[f64; LANES]>,
 }
 
 impl<'a> LogField<'a> {
-    fn new(grid: &'a FieldGrid, values: impl Iterator<Item = [f64; LANES]>) -> Self {
+    pub(super) fn new(grid: &'a FieldGrid, values: impl Iterator<Item = [f64; LANES]>) -> Self {
         Self { grid, ln: values.map(|value| value.map(|v| v.max(1e-300).ln())).collect() }
     }
 
-    fn at(&self, ring: Between, layer: Between) -> [f64; LANES] {
+    pub(super) fn at(&self, ring: Between, layer: Between) -> [f64; LANES] {
         let first = layer.lower * self.grid.ring_count() + ring.lower;
         let above = if layer.upper_weight > 0.0 { first + self.grid.ring_count() } else { first };
         std::array::from_fn(|lane| {
@@ -105,6 +109,7 @@ pub(super) fn field_power(
     order: usize,
     scattered_w: [f64; LANES],
     returned_w: [f64; LANES],
+    escaped_w: [f64; LANES],
 ) -> OrderPower {
     let mut power = OrderPower {
         order,
@@ -113,7 +118,7 @@ pub(super) fn field_power(
         scattered_on_w: [0.0; LANES],
         at_ground_w: [0.0; LANES],
         returned_w: [0.0; LANES],
-        escaped_w: [0.0; LANES],
+        escaped_w,
     };
     let (beta_m, beta_a) =
         (setting.atmosphere.molecule_extinction_per_m(), setting.atmosphere.aerosol_extinction_per_m());
@@ -132,16 +137,11 @@ pub(super) fn field_power(
         }
     });
     let down = LogField::new(grid, radiance.down_flux.iter().copied());
-    let up = LogField::new(grid, radiance.up_flux.iter().copied());
-    let top = grid.layer_count() - 1;
-    let stretch = |layer: usize| (1.0 + grid.layer_m()[layer] / EARTH_RADIUS_M).powi(2);
-    let (ground_stretch, top_stretch) = (stretch(0), stretch(top));
+    let stretch = (1.0 + setting.ground_altitude_m / EARTH_RADIUS_M).powi(2);
     grid.for_each_area(|ring, area_m2| {
         let arriving = down.at(ring, Between { lower: 0, upper_weight: 0.0 });
-        let leaving = up.at(ring, Between { lower: top, upper_weight: 0.0 });
         for lane in 0..super::source_function::USED_LANES {
-            power.at_ground_w[lane] += arriving[lane] * area_m2 * ground_stretch;
-            power.escaped_w[lane] += leaving[lane] * area_m2 * top_stretch;
+            power.at_ground_w[lane] += arriving[lane] * area_m2 * stretch;
         }
     });
     power.returned_w = power.at_ground_w.map(|w| w * setting.ground_albedo);

@@ -1,6 +1,7 @@
 //! The field of multiply scattered light around one source: solved order by order.
 
 use super::{
+    budget::{direct_budget, escaping_w},
     energy::{OrderPower, field_power},
     first_order::{FirstOrder, FirstOrderRule},
     grid::{FieldGrid, TOP_ALTITUDE_M},
@@ -43,20 +44,22 @@ impl SourceField {
         );
         let rule = FirstOrderRule::new(resolution.first_polar, resolution.first_around, resolution.first_along);
         let first = FirstOrder::new(&setting, &rule, TOP_ALTITUDE_M);
-        let direct = first.direct_budget();
+        let direct = direct_budget(&setting);
         let mut radiance = first_radiance(&first, &grid, resolution.first_degree);
         let mut powers = vec![OrderPower::of_direct(&direct)];
+        let mut escaped_w = direct.once_scattered_escaped_w;
         let mut changes = Vec::new();
-        let mut sent_w = direct[0];
+        let mut sent_w = direct.scattered_w;
         let mut returned_w = [0.0; LANES];
         let mut total: Option<Moments> = None;
         let mut before: Option<Moments> = None;
         for order in 1..=resolution.most_orders {
-            let power = field_power(&setting, &grid, &radiance, order, sent_w, returned_w);
+            let power = field_power(&setting, &grid, &radiance, order, sent_w, returned_w, escaped_w);
             (sent_w, returned_w) = (power.scattered_on_w, power.returned_w);
             powers.push(power);
             let ground = GroundRadiance::new(setting.ground_albedo, &grid, &radiance.down_flux);
             let scattered = radiance.moments.scattered(&setting, &grid);
+            escaped_w = escaping_w(&setting, &grid, &scattered, returned_w);
             let change = match &mut total {
                 None => {
                     total = Some(scattered.clone());
@@ -111,7 +114,6 @@ fn first_radiance(first: &FirstOrder<'_>, grid: &FieldGrid, degree: usize) -> Ra
     Radiance {
         moments: Moments { degree, values: places.iter().flat_map(|p| p.moments.iter().copied()).collect() },
         down_flux: places.iter().map(|p| p.down_flux).collect(),
-        up_flux: places.iter().map(|p| p.up_flux).collect(),
     }
 }
 

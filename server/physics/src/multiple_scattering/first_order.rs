@@ -25,10 +25,13 @@ use std::f64::consts::{PI, TAU};
 /// Places nearer to the source than this are moved up and out to it: its light is infinite at the source.
 const NEAREST_PLACE_M: f64 = 25.0;
 
+/// Size of the bright part of the sky around a source, metres: it fills this over the distance, in radians.
+const BRIGHT_SIZE_M: f64 = 5_000.0;
+
 /// How finely first-order light is sampled.
 #[derive(Clone, Debug)]
 pub(super) struct FirstOrderRule {
-    /// Nodes in the angle from the source's direction, 0..1 of π.
+    /// Nodes in the angle from the source's direction, half of them in the bright part around it.
     polar: Vec<(f64, f64)>,
     /// Directions around it in a half turn.
     around: usize,
@@ -38,7 +41,7 @@ pub(super) struct FirstOrderRule {
 
 impl FirstOrderRule {
     pub(super) fn new(polar: usize, around: usize, along: usize) -> Self {
-        Self { polar: gauss_legendre(polar), around, along: gauss_legendre(along) }
+        Self { polar: gauss_legendre(polar / 2), around, along: gauss_legendre(along) }
     }
 }
 
@@ -47,9 +50,8 @@ impl FirstOrderRule {
 pub(super) struct FirstOrderPlace {
     /// Moments of the radiance per watt, m⁻², `[pair][lane]`.
     pub(super) moments: Vec<Lanes>,
-    /// Flux through the horizontal from above and from below, m⁻².
+    /// Flux through the horizontal from above, m⁻².
     pub(super) down_flux: [f64; LANES],
-    pub(super) up_flux: [f64; LANES],
 }
 
 /// A place and its local directions in the frame of the Earth's centre with the source on the z axis.
@@ -115,6 +117,15 @@ impl<'a> FirstOrder<'a> {
         }
     }
 
+    /// Angles from the source's direction [rad] with weights [rad], seen from `distance_m` away.
+    fn polar_angles(&self, distance_m: f64) -> Vec<(f64, f64)> {
+        let bright = (BRIGHT_SIZE_M / distance_m).clamp(0.2, 0.5 * PI);
+        // Inside, θ = bright·t²: far away most of the light is within a degree or two of the source.
+        let inner = self.rule.polar.iter().map(|&(t, weight)| (bright * t * t, bright * 2.0 * t * weight));
+        let outer = self.rule.polar.iter().map(|&(t, weight)| (bright + (PI - bright) * t, (PI - bright) * weight));
+        inner.chain(outer).collect()
+    }
+
     /// The light at place `point` of the grid, moments up to `degree`.
     pub(super) fn at(&self, grid: &FieldGrid, point: usize, degree: usize) -> FirstOrderPlace {
         let (mut distance_m, mut altitude_m) = grid.place_m(point);
@@ -129,11 +140,11 @@ impl<'a> FirstOrder<'a> {
         let mut light = FirstOrderPlace {
             moments: vec![[0.0; LANES]; pair_count(degree)],
             down_flux: [0.0; LANES],
-            up_flux: [0.0; LANES],
         };
         let mut moments = vec![[0.0f64; LANES]; pair_count(degree)];
-        for &(x, weight) in &self.rule.polar {
-            let (sin_polar, cos_polar) = (PI * x).sin_cos();
+        let from_source_m = (self.source - place.position).length();
+        for (angle, weight) in self.polar_angles(from_source_m) {
+            let (sin_polar, cos_polar) = angle.sin_cos();
             for k in 0..self.rule.around {
                 let turn = PI * (k as f64 + 0.5) / self.rule.around as f64;
                 let (sin_turn, cos_turn) = turn.sin_cos();
@@ -141,7 +152,7 @@ impl<'a> FirstOrder<'a> {
                     to_source * cos_polar + (across * cos_turn + beside * sin_turn) * sin_polar;
                 let Some(radiance) = self.along_ray(&place, view) else { continue };
                 // Both halves of the sphere at once: the other one is its mirror image.
-                let solid_angle = weight * PI * sin_polar * TAU / self.rule.around as f64;
+                let solid_angle = weight * sin_polar * TAU / self.rule.around as f64;
                 let cos_zenith = view.dot(place.up).clamp(-1.0, 1.0);
                 let horizontal = (1.0 - cos_zenith * cos_zenith).sqrt().max(1e-12);
                 let cos_azimuth = (view.dot(place.outward) / horizontal).clamp(-1.0, 1.0);
@@ -155,9 +166,8 @@ impl<'a> FirstOrder<'a> {
                         }
                     }
                 }
-                let flux = if cos_zenith > 0.0 { &mut light.down_flux } else { &mut light.up_flux };
-                for (sum, value) in flux.iter_mut().zip(radiance) {
-                    *sum += value * cos_zenith.abs() * solid_angle;
+                for (sum, value) in light.down_flux.iter_mut().zip(radiance) {
+                    *sum += value * cos_zenith.max(0.0) * solid_angle;
                 }
             }
         }
@@ -258,50 +268,5 @@ impl<'a> FirstOrder<'a> {
                 sum[band * LOBE_COUNT + lobe] += scattered * lobes[lobe];
             }
         }
-    }
-
-    /// Power scattered for the first time and power that leaves the air unscattered, per watt, by quadrature
-    /// over the source's hemisphere: `[scattered, absorbed, escaped][lane]`.
-    pub(super) fn direct_budget(&self) -> [[f64; LANES]; 3] {
-        let mut budget = [[0.0; LANES]; 3];
-        let (beta_m, beta_a) = (
-            self.setting.atmosphere.molecule_extinction_per_m(),
-            self.setting.atmosphere.aerosol_extinction_per_m(),
-        );
-        // ψ to 60° and beyond apart (the oblique lobe ends there); the last piece squeezed to the horizon.
-        let nodes = gauss_legendre(32);
-        for (low, high) in [(0.0, PI / 3.0), (PI / 3.0, 0.49 * PI), (0.49 * PI, 0.5 * PI)] {
-            for &(x, weight) in &nodes {
-                let psi = low + (high - low) * x;
-                let ring = weight * (high - low) * TAU * psi.sin();
-                let lobes = lobe_intensities_per_sr(psi.cos());
-                let path = SlantPath::new(self.setting.source_altitude_m, psi.cos());
-                let end_m = path.path_up_to_m(240_000.0);
-                let mut scattered = [0.0; BAND_COUNT];
-                let mut absorbed = [0.0; BAND_COUNT];
-                // u = end·s³: fine at the source.
-                for &(s, step) in &nodes {
-                    let point = path.point(end_m * s * s * s);
-                    let length = end_m * 3.0 * s * s * step;
-                    let depths = optical_depths(&self.setting.atmosphere, point.columns_m);
-                    for band in 0..BAND_COUNT {
-                        let (m, a) = (beta_m[band] * point.density[0], beta_a[band] * point.density[1]);
-                        let light = (-depths[band]).exp() * length;
-                        scattered[band] += light * (m + AEROSOL_ALBEDO * a);
-                        absorbed[band] += light * (1.0 - AEROSOL_ALBEDO) * a;
-                    }
-                }
-                let out = optical_depths(&self.setting.atmosphere, path.point(end_m).columns_m);
-                for band in 0..BAND_COUNT {
-                    for lobe in 0..LOBE_COUNT {
-                        let lane = band * LOBE_COUNT + lobe;
-                        budget[0][lane] += ring * lobes[lobe] * scattered[band];
-                        budget[1][lane] += ring * lobes[lobe] * absorbed[band];
-                        budget[2][lane] += ring * lobes[lobe] * (-out[band]).exp();
-                    }
-                }
-            }
-        }
-        budget
     }
 }

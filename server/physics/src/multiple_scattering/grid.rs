@@ -88,11 +88,6 @@ impl FieldGrid {
         self.ring_m.len() * self.layer_m.len()
     }
 
-    /// Distances of the rings from the source's vertical, metres of arc at radius R, ascending from 0.
-    pub(super) fn ring_m(&self) -> &[f64] {
-        &self.ring_m
-    }
-
     /// Altitudes of the layers, metres, ascending from the ground.
     pub(super) fn layer_m(&self) -> &[f64] {
         &self.layer_m

@@ -8,6 +8,7 @@
 //!
 //! [`monte_carlo`] is the judge: it shares nothing with the solver but columns and phase functions.
 
+mod budget;
 mod energy;
 mod field;
 mod first_order;

@@ -10,18 +10,19 @@ use super::{
 };
 use crate::quadrature::gauss_legendre;
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Azimuth intervals of the tables that rays are followed with.
 const TABLE_AZIMUTHS: usize = 24;
+/// Size of the bright part of the sky around a source, metres: it fills this over the distance, in radians.
+const BRIGHT_SIZE_M: f64 = 10_000.0;
 
 /// The radiance of one order, `[point]`.
 #[derive(Clone, Debug)]
 pub(super) struct Radiance {
     pub(super) moments: Moments,
-    /// Flux through the horizontal from above and from below, m⁻² per watt, `[point]`.
+    /// Flux through the horizontal from above, m⁻² per watt, `[point]`.
     pub(super) down_flux: Vec<[f64; LANES]>,
-    pub(super) up_flux: Vec<[f64; LANES]>,
 }
 
 /// ln of the radiance that the ground sends back [m⁻² sr⁻¹ per watt], `[ring]`.
@@ -43,28 +44,36 @@ impl GroundRadiance {
     }
 }
 
-/// Directions of a quadrature over the sphere: cosines of zenith angles with weights summing to 2, and
-/// azimuths at the middles of equal parts of a half turn.
-struct Directions {
-    zeniths: Vec<(f64, f64)>,
-    /// (cos, sin) of each azimuth, and cos m·azimuth.
-    azimuths: Vec<(f64, f64, Vec<f64>)>,
+/// Cosines of zenith angles with weights summing to 2: each hemisphere has its own nodes, as at the ground
+/// radiance jumps at the horizon, and they crowd there (μ = ±x²), where the haze of a far source glows.
+pub(super) fn zenith_nodes(per_hemisphere: usize) -> Vec<(f64, f64)> {
+    let half = gauss_legendre(per_hemisphere);
+    let up = half.iter().map(|&(x, weight)| (x * x, 2.0 * x * weight));
+    let down = half.iter().map(|&(x, weight)| (-x * x, 2.0 * x * weight));
+    down.chain(up).collect()
 }
 
-impl Directions {
-    fn new(resolution: &Resolution) -> Self {
-        // Each hemisphere has its own nodes: at the ground radiance jumps at the horizon.
-        let half = gauss_legendre(resolution.polar_per_hemisphere);
-        let down = half.iter().map(|&(x, weight)| (-x, weight));
-        let zeniths = down.chain(half.iter().copied()).collect();
-        let azimuths = (0..resolution.azimuths)
-            .map(|k| {
-                let (sine, cosine) = (PI * (k as f64 + 0.5) / resolution.azimuths as f64).sin_cos();
-                (cosine, sine, cosines(resolution.later_degree, cosine))
-            })
-            .collect();
-        Self { zeniths, azimuths }
-    }
+/// An azimuth of the quadrature: its cosine, sine, weight [rad], and cos m·azimuth.
+struct Azimuth {
+    cosine: f64,
+    sine: f64,
+    weight: f64,
+    cosines: Vec<f64>,
+}
+
+/// Azimuths over a half turn seen from `distance_m` away, weights summing to 2π for both halves; half of them
+/// crowd within the bright part around the source, which is at azimuth π.
+fn azimuths(nodes: &[(f64, f64)], distance_m: f64, degree: usize) -> Vec<Azimuth> {
+    let bright = (BRIGHT_SIZE_M / distance_m.max(1.0)).clamp(0.25, 0.5 * PI);
+    let inner = nodes.iter().map(|&(t, weight)| (bright * t * t, bright * 2.0 * t * weight));
+    let outer = nodes.iter().map(|&(t, weight)| (bright + (PI - bright) * t, (PI - bright) * weight));
+    inner
+        .chain(outer)
+        .map(|(from_source, weight)| {
+            let (sine, cosine) = (PI - from_source).sin_cos();
+            Azimuth { cosine, sine, weight: 2.0 * weight, cosines: cosines(degree, cosine) }
+        })
+        .collect()
 }
 
 /// What one place gathers over all directions.
@@ -72,7 +81,6 @@ impl Directions {
 struct Gathered {
     moments: Vec<[f64; LANES]>,
     down_flux: [f64; LANES],
-    up_flux: [f64; LANES],
 }
 
 /// Radiance of one order from its source function and what the ground sends back.
@@ -85,14 +93,10 @@ pub(super) fn transport(
 ) -> Radiance {
     let degree = resolution.later_degree;
     let pairs = pair_count(degree);
-    let directions = Directions::new(resolution);
-    let empty = Gathered {
-        moments: vec![[0.0; LANES]; pairs],
-        down_flux: [0.0; LANES],
-        up_flux: [0.0; LANES],
-    };
+    let azimuth_nodes = gauss_legendre(resolution.azimuths / 2);
+    let empty = Gathered { moments: vec![[0.0; LANES]; pairs], down_flux: [0.0; LANES] };
     let mut gathered = vec![empty; grid.point_count()];
-    for &(cos_zenith, zenith_weight) in &directions.zeniths {
+    for (cos_zenith, zenith_weight) in zenith_nodes(resolution.polar_per_hemisphere) {
         // Zenith angles turn by less than a degree in 100 km; the source function does not notice.
         let table = source.table(grid, &vec![cos_zenith; grid.layer_count()], TABLE_AZIMUTHS);
         let polar = legendre(degree, cos_zenith);
@@ -101,19 +105,18 @@ pub(super) fn transport(
             let from_source_m = distance_m.hypot(altitude_m - setting.source_altitude_m);
             let stride = Stride { first_m: (0.25 * (from_source_m + 40.0)).min(600.0), growth: 0.3 };
             let path = SteppedPath::new(setting, grid, altitude_m, cos_zenith, stride);
-            let azimuth_weight = TAU / directions.azimuths.len() as f64;
             let mut modes = vec![[0.0f64; LANES]; degree + 1];
-            for (cos_azimuth, sin_azimuth, cosines) in &directions.azimuths {
-                let radiance = along(&path, grid, source, &table, ground, distance_m, *cos_azimuth, *sin_azimuth);
-                for (mode, cosine) in modes.iter_mut().zip(cosines) {
+            for azimuth in azimuths(&azimuth_nodes, distance_m, degree) {
+                let (cosine, sine) = (azimuth.cosine, azimuth.sine);
+                let radiance = along(&path, grid, source, &table, ground, distance_m, cosine, sine);
+                for (mode, cosine) in modes.iter_mut().zip(&azimuth.cosines) {
                     for lane in 0..LANES {
-                        mode[lane] += cosine * azimuth_weight * f64::from(radiance[lane]);
+                        mode[lane] += cosine * azimuth.weight * f64::from(radiance[lane]);
                     }
                 }
             }
-            let flux = if cos_zenith > 0.0 { &mut place.down_flux } else { &mut place.up_flux };
             for lane in 0..LANES {
-                flux[lane] += zenith_weight * cos_zenith.abs() * modes[0][lane];
+                place.down_flux[lane] += zenith_weight * cos_zenith.max(0.0) * modes[0][lane];
             }
             for l in 0..=degree {
                 for m in 0..=l {
@@ -131,7 +134,6 @@ pub(super) fn transport(
             values: gathered.iter().flat_map(|p| p.moments.iter().map(|m| m.map(|v| v as f32))).collect(),
         },
         down_flux: gathered.iter().map(|p| p.down_flux).collect(),
-        up_flux: gathered.iter().map(|p| p.up_flux).collect(),
     }
 }
 
