@@ -3,17 +3,18 @@
 //! cargo run --release -p skyglow-physics --example multiple_vs_monte_carlo -- [key=value …]
 //!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
 //!   directions=ten|wide|mitsuba  paths=65536  resolution=table|reference|coarse  source_m=0  observer_m=0
-//!   albedo=0.15  seed=1  rows=yes|no  orders=yes|no
+//!   albedo=0.15  seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
 //!
 //! A line a direction: the first order, the total by both, the solver's relative error of the total and the
 //! standard error of the Monte Carlo total (first order by quadrature in both). Then the statistics, and the
 //! same with what the Monte Carlo's own noise explains taken off: mean |e| and 99th percentile of
-//! max(|e| − 2σ, 0).
+//! max(|e| − 2σ, 0). With truth=reference the finest field takes the tracer's place: how far the solver has
+//! converged, without noise.
 
 use skyglow_physics::{
     Atmosphere, Band, Lobe, Turbidity,
     multiple_scattering::{
-        DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow, monte_carlo::Tracer,
+        DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow, monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
     },
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
@@ -125,10 +126,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             SourceSetting::for_observer(atmosphere, source_altitude_m, observer_altitude_m, albedo)?;
         let started = Instant::now();
         let field = SourceField::solve(setting, &resolution);
+        let solve_s = started.elapsed().as_secs_f64();
+        let truth = options.text("truth", "monte_carlo");
+        let finest = (truth == "reference")
+            .then(|| SourceField::solve(setting, &Resolution::reference()));
         println!(
             "# T {turbidity}: grid {:?}, solved in {:.2} s, largest shares of orders 2, 3, …: {:.4?}",
             field.size(),
-            started.elapsed().as_secs_f64(),
+            solve_s,
             field.changes()
         );
         for power in field.powers() {
@@ -140,14 +145,30 @@ fn main() -> Result<(), Box<dyn Error>> {
                 power.imbalance().iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()))
             );
         }
+        let distances_km = options.numbers("distance_km", "1,2,5,10,20,50")?;
+        // One forward run a band serves all distances and directions.
+        let detectors: Vec<Detector> = distances_km
+            .iter()
+            .flat_map(|km| directions.iter().map(move |&(az, el)| (km * 1e3, az, el)))
+            .map(|(distance_m, az, el)| Detector {
+                geometry: SourceGeometry { distance_m, source_altitude_m, observer_altitude_m },
+                relative_azimuth_rad: az.to_radians(),
+                elevation_rad: el.to_radians(),
+            })
+            .collect();
+        let caught: Vec<Vec<Estimate>> = if truth == "forward" {
+            bands.iter().map(|band| ForwardTracer::new(setting, *band).estimate(&detectors, paths, seed)).collect()
+        } else {
+            Vec::new()
+        };
         println!("# T  km  band lobe  az  el  first  total(solver)  total(MC)  MC/first  error%  noise%");
-        for distance_km in options.numbers("distance_km", "1,2,5,10,20,50")? {
+        for (distance_index, &distance_km) in distances_km.iter().enumerate() {
             let geometry =
                 SourceGeometry { distance_m: distance_km * 1e3, source_altitude_m, observer_altitude_m };
-            for band in &bands {
+            for (band_index, band) in bands.iter().enumerate() {
                 let mut part = Statistics::default();
                 let tracer = Tracer::new(setting, *band, &geometry);
-                for &(azimuth_deg, elevation_deg) in directions {
+                for (direction_index, &(azimuth_deg, elevation_deg)) in directions.iter().enumerate() {
                     let (azimuth, elevation) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
                     let first = radiance_per_watt_of(&atmosphere, &geometry, azimuth, elevation, 1e-6);
                     let higher = if use_rows {
@@ -156,13 +177,30 @@ fn main() -> Result<(), Box<dyn Error>> {
                     } else {
                         field.radiance_per_watt(&geometry, azimuth, elevation)?
                     };
-                    let traced = tracer.estimate(azimuth, elevation, paths, seed);
+                    let traced = match truth.as_str() {
+                        "reference" => None,
+                        "forward" => Some(
+                            caught[band_index][distance_index * directions.len() + direction_index],
+                        ),
+                        _ => Some(tracer.estimate(azimuth, elevation, paths, seed)),
+                    };
+                    let finest = match &finest {
+                        None => None,
+                        Some(finest) => Some(finest.radiance_per_watt(&geometry, azimuth, elevation)?),
+                    };
                     for lobe in &lobes {
                         let (b, f) = (band.index(), lobe.index());
-                        let total = first[b][f] + traced.radiance_per_m2_sr[f];
+                        let (true_higher, true_error) = match (&traced, &finest) {
+                            (Some(traced), _) => {
+                                (traced.radiance_per_m2_sr[f], traced.standard_error_per_m2_sr[f])
+                            }
+                            (None, Some(finest)) => (finest[b][f], 0.0),
+                            (None, None) => (f64::NAN, 0.0),
+                        };
+                        let total = first[b][f] + true_higher;
                         let solved = first[b][f] + higher[b][f];
                         let (error, noise) =
-                            (solved / total - 1.0, traced.standard_error_per_m2_sr[f] / total);
+                            (solved / total - 1.0, true_error / total);
                         println!(
                             "{turbidity:3} {distance_km:5} {band:?} {:8} {azimuth_deg:4} {elevation_deg:3}  {:.4e}  {solved:.4e}  {total:.4e}  {:8.3}  {:+7.2}  {:6.2}",
                             lobe.name(),
@@ -171,7 +209,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                             100.0 * error,
                             100.0 * noise
                         );
-                        if tell_orders {
+                        if let (true, Some(traced)) = (tell_orders, &traced) {
+                            println!("#   first order of the tracer: {:+.2} %", 100.0 * (traced.by_order_per_m2_sr[0][f] / first[b][f] - 1.0));
                             let orders: Vec<String> = traced
                                 .by_order_per_m2_sr
                                 .iter()

@@ -1,4 +1,4 @@
-//! Backward Monte Carlo: light followed from the eye to the source, one path at a time. Slow and independent.
+//! Backward: light followed from the eye to the source.
 //!
 //! Every vertex of a path (a scattering or a point of the ground) asks the source for its direct light. Two
 //! choices keep the variance finite although that light grows like 1/d²: distances along a ray are drawn half
@@ -7,15 +7,18 @@
 //! of both densities (balance heuristic).
 
 use super::{
-    optics::{SlantPath, columns_to_space_m, optical_depths, relative_densities},
-    setting::SourceSetting,
+    super::{
+        optics::{SlantPath, columns_to_space_m, optical_depths, relative_densities},
+        setting::SourceSetting,
+    },
+    Estimate, TOLD_ORDERS,
+    draws::{Random, lambertian_direction, mixed_phase, path_of_depth_m, scattered_direction, turned},
 };
 use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::Band,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
-    phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
     single_source::SourceGeometry,
 };
 use glam::DVec3;
@@ -24,55 +27,12 @@ use std::f64::consts::{PI, TAU};
 
 /// Where the air ends for paths, metres.
 const TOP_ALTITUDE_M: f64 = 100_000.0;
-/// From this order on a path survives with at most this probability a vertex.
+/// From this order on a path survives with this probability a vertex.
 const ROULETTE_FROM: usize = 6;
+const SURVIVAL: f64 = 0.7;
 const LONGEST_PATH: usize = 400;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
 const STREAM_PATHS: u64 = 1_024;
-/// Orders that are told apart.
-pub const TOLD_ORDERS: usize = 12;
-
-/// Radiance of orders two and more with its standard error, per lobe, m⁻² sr⁻¹ per watt.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// Mean over paths.
-    pub radiance_per_m2_sr: [f64; LOBE_COUNT],
-    /// Standard error of the mean.
-    pub standard_error_per_m2_sr: [f64; LOBE_COUNT],
-    /// Mean of order `i + 1` alone (the last one holds all later ones), `[order][lobe]`. Order 1 is a check
-    /// against `single_source` and is not part of the mean.
-    pub by_order_per_m2_sr: [[f64; LOBE_COUNT]; TOLD_ORDERS],
-}
-
-/// xoshiro256++ (Blackman & Vigna), seeded by SplitMix64.
-struct Random([u64; 4]);
-
-impl Random {
-    fn new(seed: u64, stream: u64) -> Self {
-        let mut state = seed ^ stream.wrapping_mul(0xD134_2543_DE82_EF95);
-        Self(std::array::from_fn(|_| {
-            state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-            let mut z = state;
-            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            z ^ (z >> 31)
-        }))
-    }
-
-    /// Even in 0..1, neither end included.
-    fn unit(&mut self) -> f64 {
-        let s = &mut self.0;
-        let result = s[0].wrapping_add(s[3]).rotate_left(23).wrapping_add(s[0]);
-        let t = s[1] << 17;
-        s[2] ^= s[0];
-        s[3] ^= s[1];
-        s[1] ^= s[2];
-        s[0] ^= s[3];
-        s[2] ^= t;
-        s[3] = s[3].rotate_left(45);
-        ((result >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-    }
-}
 
 /// A tracer of one setting, band and geometry.
 #[derive(Clone, Debug)]
@@ -161,15 +121,7 @@ impl Tracer {
                 squares[lobe] += stream_squares[lobe] / count;
             }
         }
-        let mean: [f64; LOBE_COUNT] =
-            std::array::from_fn(|lobe| orders[1..].iter().map(|order| order[lobe]).sum());
-        Estimate {
-            radiance_per_m2_sr: mean,
-            standard_error_per_m2_sr: std::array::from_fn(|lobe| {
-                ((squares[lobe] - mean[lobe] * mean[lobe]).max(0.0) / count).sqrt()
-            }),
-            by_order_per_m2_sr: orders,
-        }
+        Estimate::from_sums(orders, squares, count)
     }
 
     /// One path: its contribution to each order and lobe.
@@ -197,8 +149,7 @@ impl Tracer {
                 }
             }
             let (next, factor) = if hit.on_ground {
-                let (sine2, turn) = (random.unit(), TAU * random.unit());
-                (turned(normal, (1.0 - sine2).sqrt(), turn), self.setting.ground_albedo)
+                (lambertian_direction(normal, random), self.setting.ground_albedo)
             } else {
                 self.draw_direction(position, direction, scatterers, random)
             };
@@ -208,7 +159,6 @@ impl Tracer {
                 break;
             }
             if vertex + 1 >= ROULETTE_FROM {
-                const SURVIVAL: f64 = 0.7;
                 if random.unit() > SURVIVAL {
                     break;
                 }
@@ -268,19 +218,8 @@ impl Tracer {
             let tangent = (low + (high - low) * random.unit()).tan();
             (nearest_m + miss_m * tangent).clamp(0.0, end_m)
         } else {
-            // Depth drawn, path by bisection and secants.
             let wanted = -(-random.unit() * scattered_share).ln_1p();
-            let (mut a, mut b, mut depth_a, mut depth_b) = (0.0, end_m, 0.0, whole);
-            for k in 0..60 {
-                let share = if k % 3 == 2 { 0.5 } else { ((wanted - depth_a) / (depth_b - depth_a)).clamp(0.02, 0.98) };
-                let middle = a + (b - a) * share;
-                let depth = depth_at(middle).0;
-                if depth < wanted { (a, depth_a) = (middle, depth) } else { (b, depth_b) = (middle, depth) }
-                if b - a < 1e-5 * b + 1e-3 {
-                    break;
-                }
-            }
-            0.5 * (a + b)
+            path_of_depth_m(wanted, whole, end_m, |u| depth_at(u).0)
         };
         let (depth, point) = depth_at(path_m);
         let extinction = self.molecules_per_m * point.density[0] + self.aerosol_per_m * point.density[1];
@@ -304,40 +243,12 @@ impl Tracer {
         let to_source = (self.source - position).normalize();
         let next = if random.unit() < 0.5 {
             turned(to_source, (PI * random.unit()).cos(), TAU * random.unit())
-        } else if random.unit() * total < scatterers[0] {
-            turned(direction, rayleigh_cosine(random), TAU * random.unit())
         } else {
-            let g = AEROSOL_ASYMMETRY;
-            let s = (1.0 - g * g) / (1.0 - g + 2.0 * g * random.unit());
-            turned(direction, ((1.0 + g * g - s * s) / (2.0 * g)).clamp(-1.0, 1.0), TAU * random.unit())
+            scattered_direction(direction, scatterers, random)
         };
         let cosine = next.dot(to_source).clamp(-1.0, 1.0);
         let even = 1.0 / (PI * TAU * (1.0 - cosine * cosine).sqrt().max(1e-9));
         let scattering = mixed_phase(scatterers, next.dot(direction));
         (next, scattering / (0.5 * (even + scattering / total)))
     }
-}
-
-/// Σ coefficient·phase, m⁻¹ sr⁻¹. Rays are followed against the light, so no turn is cos γ = 1 here too.
-fn mixed_phase(scatterers: [f64; 2], cos_gamma: f64) -> f64 {
-    let cos_gamma = cos_gamma.clamp(-1.0, 1.0);
-    scatterers[0] * rayleigh_per_sr(cos_gamma)
-        + scatterers[1] * henyey_greenstein_per_sr(cos_gamma, AEROSOL_ASYMMETRY)
-}
-
-/// The cosine of a Rayleigh turn by rejection.
-fn rayleigh_cosine(random: &mut Random) -> f64 {
-    loop {
-        let cosine = 2.0 * random.unit() - 1.0;
-        if 2.0 * random.unit() < 1.0 + cosine * cosine {
-            return cosine;
-        }
-    }
-}
-
-/// The unit vector at an angle from `axis`, turned about it.
-fn turned(axis: DVec3, cosine: f64, turn: f64) -> DVec3 {
-    let (a, b) = axis.any_orthonormal_pair();
-    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    (axis * cosine + (a * turn.cos() + b * turn.sin()) * sine).normalize()
 }
