@@ -15,6 +15,7 @@ pub mod error;
 pub mod error_metric;
 pub mod geometry;
 pub mod lamp;
+pub mod multiple_scattering;
 pub mod panorama;
 pub mod phase;
 pub mod photometry;

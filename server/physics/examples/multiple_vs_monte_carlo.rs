@@ -1,0 +1,235 @@
+//! Multiple scattering by the solver beside a backward Monte Carlo tracer.
+//!
+//! cargo run --release -p skyglow-physics --example multiple_vs_monte_carlo -- [key=value …]
+//!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
+//!   directions=ten|wide|mitsuba  paths=65536  resolution=table|reference|coarse  source_m=0  observer_m=0
+//!   albedo=0.15  seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
+//!
+//! A line a direction: the first order, the total by both, the solver's relative error of the total and the
+//! standard error of the Monte Carlo total (first order by quadrature in both). Then the statistics, and the
+//! same with what the Monte Carlo's own noise explains taken off: mean |e| and 99th percentile of
+//! max(|e| − 2σ, 0). With truth=reference the finest field takes the tracer's place: how far the solver has
+//! converged, without noise.
+
+use skyglow_physics::{
+    Atmosphere, Band, Lobe, Turbidity,
+    multiple_scattering::{
+        DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow, monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
+    },
+    single_source::{SourceGeometry, radiance_per_watt_of},
+};
+use std::{collections::HashMap, error::Error, time::Instant};
+
+/// (azimuth from the source, elevation), degrees.
+const TEN: [(f64, f64); 12] = [
+    (0.0, 90.0), (0.0, 60.0), (0.0, 30.0), (0.0, 10.0), (45.0, 45.0), (45.0, 8.0), (90.0, 30.0), (90.0, 10.0),
+    (135.0, 60.0), (135.0, 5.0), (180.0, 30.0), (180.0, 10.0),
+];
+const MITSUBA: [(f64, f64); 10] = [
+    (0.0, 90.0), (0.0, 60.0), (90.0, 60.0), (180.0, 60.0), (0.0, 30.0), (90.0, 30.0), (180.0, 30.0),
+    (0.0, 10.0), (90.0, 10.0), (180.0, 10.0),
+];
+
+struct Options(HashMap<String, String>);
+
+impl Options {
+    fn text(&self, key: &str, default: &str) -> String {
+        self.0.get(key).cloned().unwrap_or_else(|| default.to_owned())
+    }
+
+    fn numbers(&self, key: &str, default: &str) -> Result<Vec<f64>, Box<dyn Error>> {
+        self.text(key, default).split(',').map(|part| Ok(part.parse()?)).collect()
+    }
+
+    fn number(&self, key: &str, default: f64) -> Result<f64, Box<dyn Error>> {
+        Ok(self.text(key, &default.to_string()).parse()?)
+    }
+
+    fn names<T: Copy>(&self, key: &str, default: &str, all: &[(&str, T)]) -> Result<Vec<T>, Box<dyn Error>> {
+        self.text(key, default)
+            .split(',')
+            .map(|part| {
+                let found = all.iter().find(|(name, _)| *name == part);
+                found.map(|found| found.1).ok_or_else(|| format!("{key}: {part} is unknown").into())
+            })
+            .collect()
+    }
+}
+
+#[derive(Default)]
+struct Statistics {
+    errors: Vec<f64>,
+    beyond_noise: Vec<f64>,
+    noise: Vec<f64>,
+    signed: f64,
+}
+
+impl Statistics {
+    fn add(&mut self, error: f64, noise: f64) {
+        self.errors.push(error.abs());
+        self.beyond_noise.push((error.abs() - 2.0 * noise).max(0.0));
+        self.noise.push(noise);
+        self.signed += error;
+    }
+
+    fn print(&self, name: &str) {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let percentile = |values: &[f64]| {
+            let mut sorted = values.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get((sorted.len().saturating_sub(1) as f64 * 0.99).round() as usize).copied().unwrap_or(0.0)
+        };
+        println!(
+            "{name:28} n {:4}  bias {:+6.2} %  mean {:5.2} %  p99 {:6.2} %  MC noise {:5.2} %  beyond 2 sigma: mean {:5.2} %  p99 {:6.2} %",
+            self.errors.len(),
+            100.0 * self.signed / self.errors.len().max(1) as f64,
+            100.0 * mean(&self.errors),
+            100.0 * percentile(&self.errors),
+            100.0 * mean(&self.noise),
+            100.0 * mean(&self.beyond_noise),
+            100.0 * percentile(&self.beyond_noise),
+        );
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options(
+        std::env::args()
+            .skip(1)
+            .filter_map(|arg| arg.split_once('=').map(|(key, value)| (key.to_owned(), value.to_owned())))
+            .collect(),
+    );
+    let resolution = options.names(
+        "resolution",
+        "table",
+        &[("table", Resolution::table()), ("reference", Resolution::reference()), ("coarse", Resolution::coarse())],
+    )?[0];
+    let bands = options.names("band", "R,G,B", &[("R", Band::R), ("G", Band::G), ("B", Band::B)])?;
+    let lobes = options.names(
+        "lobe",
+        "lambert",
+        &[("lambert", Lobe::Lambert), ("horizon", Lobe::Horizon), ("oblique", Lobe::Oblique)],
+    )?;
+    let directions: &[(f64, f64)] =
+        options.names("directions", "ten", &[("ten", &TEN[..]), ("mitsuba", &MITSUBA[..])])?[0];
+    let (source_altitude_m, observer_altitude_m) =
+        (options.number("source_m", 0.0)?, options.number("observer_m", 0.0)?);
+    let albedo = options.number("albedo", DEFAULT_GROUND_ALBEDO)?;
+    let (paths, seed) = (options.number("paths", 65_536.0)? as u64, options.number("seed", 1.0)? as u64);
+    let use_rows = options.text("rows", "yes") == "yes";
+    let tell_orders = options.text("orders", "no") == "yes";
+    let mut all = Statistics::default();
+    let mut parts: Vec<(String, Statistics)> = Vec::new();
+    for turbidity in options.numbers("turbidity", "2,4")? {
+        let atmosphere = Atmosphere::new(Turbidity::new(turbidity)?);
+        let setting =
+            SourceSetting::for_observer(atmosphere, source_altitude_m, observer_altitude_m, albedo)?;
+        let started = Instant::now();
+        let field = SourceField::solve(setting, &resolution);
+        let solve_s = started.elapsed().as_secs_f64();
+        let truth = options.text("truth", "monte_carlo");
+        let finest = (truth == "reference")
+            .then(|| SourceField::solve(setting, &Resolution::reference()));
+        println!(
+            "# T {turbidity}: grid {:?}, solved in {:.2} s, largest shares of orders 2, 3, …: {:.4?}",
+            field.size(),
+            solve_s,
+            field.changes()
+        );
+        for power in field.powers() {
+            println!(
+                "#   order {:2}: sent {:.5} W, imbalance {:+.4} (G, lambert); all outputs within {:.4}",
+                power.order,
+                power.sent_w()[1][0],
+                power.imbalance()[1][0],
+                power.imbalance().iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()))
+            );
+        }
+        let distances_km = options.numbers("distance_km", "1,2,5,10,20,50")?;
+        // One forward run a band serves all distances and directions.
+        let detectors: Vec<Detector> = distances_km
+            .iter()
+            .flat_map(|km| directions.iter().map(move |&(az, el)| (km * 1e3, az, el)))
+            .map(|(distance_m, az, el)| Detector {
+                geometry: SourceGeometry { distance_m, source_altitude_m, observer_altitude_m },
+                relative_azimuth_rad: az.to_radians(),
+                elevation_rad: el.to_radians(),
+            })
+            .collect();
+        let caught: Vec<Vec<Estimate>> = if truth == "forward" {
+            bands.iter().map(|band| ForwardTracer::new(setting, *band).estimate(&detectors, paths, seed)).collect()
+        } else {
+            Vec::new()
+        };
+        println!("# T  km  band lobe  az  el  first  total(solver)  total(MC)  MC/first  error%  noise%");
+        for (distance_index, &distance_km) in distances_km.iter().enumerate() {
+            let geometry =
+                SourceGeometry { distance_m: distance_km * 1e3, source_altitude_m, observer_altitude_m };
+            for (band_index, band) in bands.iter().enumerate() {
+                let mut part = Statistics::default();
+                let tracer = Tracer::new(setting, *band, &geometry);
+                for (direction_index, &(azimuth_deg, elevation_deg)) in directions.iter().enumerate() {
+                    let (azimuth, elevation) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
+                    let first = radiance_per_watt_of(&atmosphere, &geometry, azimuth, elevation, 1e-6);
+                    let higher = if use_rows {
+                        ViewRow::new(&field, observer_altitude_m, elevation)?
+                            .radiance_per_watt(geometry.distance_m, azimuth)
+                    } else {
+                        field.radiance_per_watt(&geometry, azimuth, elevation)?
+                    };
+                    let traced = match truth.as_str() {
+                        "reference" => None,
+                        "forward" => Some(
+                            caught[band_index][distance_index * directions.len() + direction_index],
+                        ),
+                        _ => Some(tracer.estimate(azimuth, elevation, paths, seed)),
+                    };
+                    let finest = match &finest {
+                        None => None,
+                        Some(finest) => Some(finest.radiance_per_watt(&geometry, azimuth, elevation)?),
+                    };
+                    for lobe in &lobes {
+                        let (b, f) = (band.index(), lobe.index());
+                        let (true_higher, true_error) = match (&traced, &finest) {
+                            (Some(traced), _) => {
+                                (traced.radiance_per_m2_sr[f], traced.standard_error_per_m2_sr[f])
+                            }
+                            (None, Some(finest)) => (finest[b][f], 0.0),
+                            (None, None) => (f64::NAN, 0.0),
+                        };
+                        let total = first[b][f] + true_higher;
+                        let solved = first[b][f] + higher[b][f];
+                        let (error, noise) =
+                            (solved / total - 1.0, true_error / total);
+                        println!(
+                            "{turbidity:3} {distance_km:5} {band:?} {:8} {azimuth_deg:4} {elevation_deg:3}  {:.4e}  {solved:.4e}  {total:.4e}  {:8.3}  {:+7.2}  {:6.2}",
+                            lobe.name(),
+                            first[b][f],
+                            total / first[b][f],
+                            100.0 * error,
+                            100.0 * noise
+                        );
+                        if let (true, Some(traced)) = (tell_orders, &traced) {
+                            println!("#   first order of the tracer: {:+.2} %", 100.0 * (traced.by_order_per_m2_sr[0][f] / first[b][f] - 1.0));
+                            let orders: Vec<String> = traced
+                                .by_order_per_m2_sr
+                                .iter()
+                                .map(|order| format!("{:.3e}", order[f]))
+                                .collect();
+                            println!("#   orders 1, 2, …: {}", orders.join(" "));
+                        }
+                        part.add(error, noise);
+                        all.add(error, noise);
+                    }
+                }
+                parts.push((format!("T {turbidity}, {distance_km} km, {band:?}"), part));
+            }
+        }
+    }
+    println!();
+    for (name, part) in &parts {
+        part.print(name);
+    }
+    all.print("all");
+    Ok(())
+}

@@ -1,0 +1,149 @@
+//! Where the power of each order goes: the ledger that must balance.
+//!
+//! What is scattered (and sent back by the ground) as light of one order is extinguished in the air, arrives at
+//! the ground, or leaves through the top. Of what is extinguished a part is scattered on as the next order.
+//!
+//! Extinction and arrival are counted where light arrives (from radiance on the grid), escape where it sets out
+//! (from the source function): the balance ties both ends of the transport together.
+
+use super::{
+    budget::DirectBudget,
+    grid::{Between, FieldGrid},
+    lanes::{LANES, outputs_from_lanes},
+    setting::SourceSetting,
+    transport::Radiance,
+};
+use crate::{atmosphere::AEROSOL_ALBEDO, emission::LOBE_COUNT, geometry::EARTH_RADIUS_M, single_source::RadiancePerWatt};
+use std::f64::consts::PI;
+
+/// Power of the light of one order, W per watt of the source. Light that goes beyond 420 km from the source is
+/// in none of the sums but the first two.
+#[derive(Clone, Debug)]
+pub struct OrderPower {
+    /// Number of times this light was scattered or sent back by the ground; 0 is direct light.
+    pub order: usize,
+    pub(super) sent_w: [f64; LANES],
+    pub(super) extinguished_w: [f64; LANES],
+    pub(super) scattered_on_w: [f64; LANES],
+    pub(super) at_ground_w: [f64; LANES],
+    pub(super) returned_w: [f64; LANES],
+    pub(super) escaped_w: [f64; LANES],
+}
+
+impl OrderPower {
+    /// The ledger of direct light.
+    pub(super) fn of_direct(budget: &DirectBudget) -> Self {
+        Self {
+            order: 0,
+            sent_w: [1.0; LANES],
+            extinguished_w: std::array::from_fn(|lane| budget.scattered_w[lane] + budget.absorbed_w[lane]),
+            scattered_on_w: budget.scattered_w,
+            at_ground_w: [0.0; LANES],
+            returned_w: [0.0; LANES],
+            escaped_w: budget.escaped_w,
+        }
+    }
+
+    /// What became light of this order: scattered in the air and sent back by the ground, `[band][lobe]`.
+    pub fn sent_w(&self) -> RadiancePerWatt {
+        outputs_from_lanes(&self.sent_w)
+    }
+
+    /// What the air scatters or absorbs of it.
+    pub fn extinguished_w(&self) -> RadiancePerWatt {
+        outputs_from_lanes(&self.extinguished_w)
+    }
+
+    /// What of the extinguished light is scattered on.
+    pub fn scattered_on_w(&self) -> RadiancePerWatt {
+        outputs_from_lanes(&self.scattered_on_w)
+    }
+
+    /// What arrives at the ground.
+    pub fn at_ground_w(&self) -> RadiancePerWatt {
+        outputs_from_lanes(&self.at_ground_w)
+    }
+
+    /// What leaves through the top of the air.
+    pub fn escaped_w(&self) -> RadiancePerWatt {
+        outputs_from_lanes(&self.escaped_w)
+    }
+
+    /// (extinguished + at the ground + escaped)/sent − 1, `[band][lobe]`.
+    pub fn imbalance(&self) -> RadiancePerWatt {
+        outputs_from_lanes(&std::array::from_fn(|lane| {
+            let gone = self.extinguished_w[lane] + self.at_ground_w[lane] + self.escaped_w[lane];
+            if self.sent_w[lane] > 0.0 { gone / self.sent_w[lane] - 1.0 } else { 0.0 }
+        }))
+    }
+}
+
+/// Interpolates the logarithm of a field between grid points.
+pub(super) struct LogField<'a> {
+    grid: &'a FieldGrid,
+    ln: Vec<[f64; LANES]>,
+}
+
+impl<'a> LogField<'a> {
+    pub(super) fn new(grid: &'a FieldGrid, values: impl Iterator<Item = [f64; LANES]>) -> Self {
+        Self { grid, ln: values.map(|value| value.map(|v| v.max(1e-300).ln())).collect() }
+    }
+
+    pub(super) fn at(&self, ring: Between, layer: Between) -> [f64; LANES] {
+        let first = layer.lower * self.grid.ring_count() + ring.lower;
+        let above = if layer.upper_weight > 0.0 { first + self.grid.ring_count() } else { first };
+        std::array::from_fn(|lane| {
+            let row = |p: usize| {
+                self.ln[p][lane] + ring.upper_weight * (self.ln[p + 1][lane] - self.ln[p][lane])
+            };
+            (row(first) + layer.upper_weight * (row(above) - row(first))).exp()
+        })
+    }
+}
+
+/// The ledger of one order from its radiance on the grid.
+pub(super) fn field_power(
+    setting: &SourceSetting,
+    grid: &FieldGrid,
+    radiance: &Radiance,
+    order: usize,
+    scattered_w: [f64; LANES],
+    returned_w: [f64; LANES],
+    escaped_w: [f64; LANES],
+) -> OrderPower {
+    let mut power = OrderPower {
+        order,
+        sent_w: std::array::from_fn(|lane| scattered_w[lane] + returned_w[lane]),
+        extinguished_w: [0.0; LANES],
+        scattered_on_w: [0.0; LANES],
+        at_ground_w: [0.0; LANES],
+        returned_w: [0.0; LANES],
+        escaped_w,
+    };
+    let (beta_m, beta_a) =
+        (setting.atmosphere.molecule_extinction_per_m(), setting.atmosphere.aerosol_extinction_per_m());
+    let fluence = LogField::new(
+        grid,
+        (0..grid.point_count()).map(|point| radiance.moments.mean(point).map(|mean| 4.0 * PI * mean)),
+    );
+    grid.for_each_volume(|ring, layer, altitude_m, volume_m3| {
+        let density = super::optics::relative_densities(altitude_m);
+        let light = fluence.at(ring, layer);
+        for lane in 0..super::source_function::USED_LANES {
+            let band = lane / LOBE_COUNT;
+            let (m, a) = (beta_m[band] * density[0], beta_a[band] * density[1]);
+            power.extinguished_w[lane] += (m + a) * light[lane] * volume_m3;
+            power.scattered_on_w[lane] += (m + AEROSOL_ALBEDO * a) * light[lane] * volume_m3;
+        }
+    });
+    let down = LogField::new(grid, radiance.down_flux.iter().copied());
+    let stretch = (1.0 + setting.ground_altitude_m / EARTH_RADIUS_M).powi(2);
+    grid.for_each_area(|ring, area_m2| {
+        let arriving = down.at(ring, Between { lower: 0, upper_weight: 0.0 });
+        for lane in 0..super::source_function::USED_LANES {
+            power.at_ground_w[lane] += arriving[lane] * area_m2 * stretch;
+        }
+    });
+    power.returned_w = power.at_ground_w.map(|w| w * setting.ground_albedo);
+    power
+}

@@ -1,0 +1,154 @@
+//! The field of multiply scattered light around one source: solved order by order.
+
+use super::{
+    budget::{direct_budget, escaping_w},
+    energy::{OrderPower, field_power},
+    first_order::{FirstOrder, FirstOrderRule},
+    grid::{FieldGrid, TOP_ALTITUDE_M},
+    harmonics::pair_count,
+    lanes::{LANES, Lanes},
+    setting::{Resolution, SourceSetting},
+    source_function::{Moments, SourceFunction, USED_LANES},
+    transport::{GroundRadiance, Radiance, transport},
+};
+use rayon::prelude::*;
+
+/// Farthest place that decides whether enough orders are summed, metres.
+const JUDGED_WITHIN_M: f64 = 300_000.0;
+/// Steepest geometric series that is trusted for the orders left out.
+const STEEPEST_TAIL: f64 = 0.9;
+
+/// Light of orders two and more around one source of 1 W: what every place of the air sends into every
+/// direction, for all bands and lobes, light that the ground sent back included.
+#[derive(Clone, Debug)]
+pub struct SourceField {
+    pub(super) setting: SourceSetting,
+    pub(super) grid: FieldGrid,
+    pub(super) source: SourceFunction,
+    powers: Vec<OrderPower>,
+    changes: Vec<f64>,
+}
+
+impl SourceField {
+    /// Solves the field: first-order light exactly, then order after order until one adds less than
+    /// `resolution.tolerance` of the source function anywhere within 300 km; the rest is summed as a geometric
+    /// series, place by place.
+    ///
+    /// Runs on the current rayon pool; the result does not depend on the number of threads.
+    pub fn solve(setting: SourceSetting, resolution: &Resolution) -> Self {
+        let grid = FieldGrid::new(
+            setting.source_altitude_m,
+            setting.ground_altitude_m,
+            resolution.ring_step,
+            resolution.layer_cuts,
+        );
+        let rule = FirstOrderRule::new(resolution.first_polar, resolution.first_around, resolution.first_along);
+        let first = FirstOrder::new(&setting, &rule, TOP_ALTITUDE_M);
+        let direct = direct_budget(&setting);
+        let mut radiance = first_radiance(&first, &grid, resolution.first_degree);
+        let mut powers = vec![OrderPower::of_direct(&direct)];
+        let mut escaped_w = direct.once_scattered_escaped_w;
+        let mut changes = Vec::new();
+        let mut sent_w = direct.scattered_w;
+        let mut returned_w = [0.0; LANES];
+        let mut total: Option<Moments> = None;
+        let mut before: Option<Moments> = None;
+        for order in 1..=resolution.most_orders {
+            let power = field_power(&setting, &grid, &radiance, order, sent_w, returned_w, escaped_w);
+            (sent_w, returned_w) = (power.scattered_on_w, power.returned_w);
+            powers.push(power);
+            let ground = GroundRadiance::new(setting.ground_albedo, &grid, &radiance.down_flux);
+            let scattered = radiance.moments.scattered(&setting, &grid);
+            escaped_w = escaping_w(&setting, &grid, &scattered, returned_w);
+            let change = match &mut total {
+                None => {
+                    total = Some(scattered.clone());
+                    1.0
+                }
+                Some(total) => {
+                    total.add(&scattered, |_| [1.0; LANES]);
+                    largest_share(&grid, &scattered, total)
+                }
+            };
+            changes.push(change);
+            let last = change < resolution.tolerance || order == resolution.most_orders;
+            if last {
+                if let (Some(total), Some(before)) = (&mut total, &before) {
+                    add_tail(total, before, &scattered);
+                }
+                break;
+            }
+            let function = SourceFunction::new(&scattered);
+            before = Some(scattered);
+            radiance = transport(&setting, resolution, &grid, &function, &ground);
+        }
+        let source = SourceFunction::new(&total.unwrap_or_else(|| Moments::dark(&grid, 0)));
+        Self { setting, grid, source, powers, changes }
+    }
+
+    /// What the field was solved for.
+    pub fn setting(&self) -> &SourceSetting {
+        &self.setting
+    }
+
+    /// Where the power of each order went, from the direct light (order 0) on.
+    pub fn powers(&self) -> &[OrderPower] {
+        &self.powers
+    }
+
+    /// For each order of the source function from the second on: the largest share that it adds to the sum so
+    /// far, over all places within 300 km, bands and lobes.
+    pub fn changes(&self) -> &[f64] {
+        &self.changes
+    }
+
+    /// Places of the grid as (rings, layers).
+    pub fn size(&self) -> (usize, usize) {
+        (self.grid.ring_count(), self.grid.layer_count())
+    }
+}
+
+fn first_radiance(first: &FirstOrder<'_>, grid: &FieldGrid, degree: usize) -> Radiance {
+    let places: Vec<_> =
+        (0..grid.point_count()).into_par_iter().map(|point| first.at(grid, point, degree)).collect();
+    Radiance {
+        moments: Moments { degree, values: places.iter().flat_map(|p| p.moments.iter().copied()).collect() },
+        down_flux: places.iter().map(|p| p.down_flux).collect(),
+    }
+}
+
+/// Largest share of `part` in `total`, mean over directions, over all judged places and lanes.
+fn largest_share(grid: &FieldGrid, part: &Moments, total: &Moments) -> f64 {
+    let mut largest: f64 = 0.0;
+    for point in (0..grid.point_count()).filter(|&p| grid.place_m(p).0 <= JUDGED_WITHIN_M) {
+        let (part, total) = (part.mean(point), total.mean(point));
+        for lane in 0..USED_LANES {
+            if total[lane] > 0.0 {
+                largest = largest.max(part[lane] / total[lane]);
+            }
+        }
+    }
+    largest
+}
+
+/// Adds the orders after `last` as a geometric series with the ratio of the last two.
+fn add_tail(total: &mut Moments, before: &Moments, last: &Moments) {
+    total.add(last, |point| {
+        let (before, last) = (before.mean(point), last.mean(point));
+        let tail = |lane: usize| -> f32 {
+            if before[lane] <= 0.0 {
+                return 0.0;
+            }
+            let ratio = (last[lane] / before[lane]).clamp(0.0, STEEPEST_TAIL);
+            (ratio / (1.0 - ratio)) as f32
+        };
+        let factors: Lanes = std::array::from_fn(tail);
+        factors
+    });
+}
+
+impl Moments {
+    fn dark(grid: &FieldGrid, degree: usize) -> Self {
+        Self { degree, values: vec![[0.0; LANES]; grid.point_count() * pair_count(degree)] }
+    }
+}

@@ -1,0 +1,272 @@
+//! Light scattered once, arriving at every place of the grid: its moments, exactly.
+//!
+//! At a place P the directions form a polar grid about the direction to the source: the radiance grows like
+//! 1/θ towards the source, and the factor sin θ of the solid angle takes that away. Along each direction the
+//! variable is the angle at the source (as in `single_source`), cut where the integrand bends.
+
+use super::{
+    LANES, Lanes,
+    grid::FieldGrid,
+    harmonics::{cosines, legendre, pair_count, pair_index},
+    optics::{SlantPath, columns_to_space_m, optical_depths, relative_densities},
+    setting::SourceSetting,
+};
+use crate::{
+    atmosphere::AEROSOL_ALBEDO,
+    bands::BAND_COUNT,
+    emission::{LOBE_COUNT, lobe_intensities_per_sr},
+    geometry::EARTH_RADIUS_M,
+    phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
+    quadrature::gauss_legendre,
+};
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// Places nearer to the source than this are moved up and out to it: its light is infinite at the source.
+const NEAREST_PLACE_M: f64 = 25.0;
+
+/// Size of the bright part of the sky around a source, metres: it fills this over the distance, in radians.
+const BRIGHT_SIZE_M: f64 = 5_000.0;
+
+/// How finely first-order light is sampled.
+#[derive(Clone, Debug)]
+pub(super) struct FirstOrderRule {
+    /// Nodes in the angle from the source's direction, half of them in the bright part around it.
+    polar: Vec<(f64, f64)>,
+    /// Directions around it in a half turn.
+    around: usize,
+    /// Nodes in each piece of a ray.
+    along: Vec<(f64, f64)>,
+}
+
+impl FirstOrderRule {
+    pub(super) fn new(polar: usize, around: usize, along: usize) -> Self {
+        Self { polar: gauss_legendre(polar / 2), around, along: gauss_legendre(along) }
+    }
+}
+
+/// First-order light at one place.
+#[derive(Clone, Debug)]
+pub(super) struct FirstOrderPlace {
+    /// Moments of the radiance per watt, m⁻², `[pair][lane]`.
+    pub(super) moments: Vec<Lanes>,
+    /// Flux through the horizontal from above, m⁻².
+    pub(super) down_flux: [f64; LANES],
+}
+
+/// A place and its local directions in the frame of the Earth's centre with the source on the z axis.
+struct Place {
+    position: DVec3,
+    outward: DVec3,
+    up: DVec3,
+    altitude_m: f64,
+}
+
+impl Place {
+    fn new(distance_m: f64, altitude_m: f64) -> Self {
+        let (sine, cosine) = (distance_m / EARTH_RADIUS_M).sin_cos();
+        let up = DVec3::new(sine, 0.0, cosine);
+        Self {
+            position: up * (EARTH_RADIUS_M + altitude_m),
+            outward: DVec3::new(cosine, 0.0, -sine),
+            up,
+            altitude_m,
+        }
+    }
+}
+
+/// Direct light of the source at a point above its horizon plane: f/d² per lobe [m⁻²] and the columns from the
+/// source [m]. `from_source` is S→P.
+fn direct_light(
+    setting: &SourceSetting,
+    source_density: [f64; 2],
+    from_source: DVec3,
+    altitude_m: f64,
+    density: [f64; 2],
+) -> ([f64; LOBE_COUNT], [f64; 2]) {
+    let distance2 = from_source.length_squared();
+    let distance = distance2.sqrt();
+    let cos_at_source = from_source.z / distance;
+    let radius = EARTH_RADIUS_M + altitude_m;
+    // (centre→P)·(S→P) = S·(S→P) + d².
+    let source_radius = EARTH_RADIUS_M + setting.source_altitude_m;
+    let cos_here = ((source_radius * from_source.z + distance2) / (radius * distance)).clamp(0.0, 1.0);
+    let out = columns_to_space_m(setting.source_altitude_m, cos_at_source.max(0.0), source_density);
+    let rest = columns_to_space_m(altitude_m, cos_here, density);
+    let lobes = lobe_intensities_per_sr(cos_at_source).map(|f| f / distance2);
+    (lobes, [(out[0] - rest[0]).max(0.0), (out[1] - rest[1]).max(0.0)])
+}
+
+/// Everything first-order about one setting that does not depend on the place.
+pub(super) struct FirstOrder<'a> {
+    setting: &'a SourceSetting,
+    rule: &'a FirstOrderRule,
+    source: DVec3,
+    source_density: [f64; 2],
+    top_altitude_m: f64,
+}
+
+impl<'a> FirstOrder<'a> {
+    pub(super) fn new(setting: &'a SourceSetting, rule: &'a FirstOrderRule, top_altitude_m: f64) -> Self {
+        Self {
+            setting,
+            rule,
+            source: DVec3::new(0.0, 0.0, EARTH_RADIUS_M + setting.source_altitude_m),
+            source_density: relative_densities(setting.source_altitude_m),
+            top_altitude_m,
+        }
+    }
+
+    /// Angles from the source's direction [rad] with weights [rad], seen from `distance_m` away.
+    fn polar_angles(&self, distance_m: f64) -> Vec<(f64, f64)> {
+        let bright = (BRIGHT_SIZE_M / distance_m).clamp(0.2, 0.5 * PI);
+        // Inside, θ = bright·t²: far away most of the light is within a degree or two of the source.
+        let inner = self.rule.polar.iter().map(|&(t, weight)| (bright * t * t, bright * 2.0 * t * weight));
+        let outer = self.rule.polar.iter().map(|&(t, weight)| (bright + (PI - bright) * t, (PI - bright) * weight));
+        inner.chain(outer).collect()
+    }
+
+    /// The light at place `point` of the grid, moments up to `degree`.
+    pub(super) fn at(&self, grid: &FieldGrid, point: usize, degree: usize) -> FirstOrderPlace {
+        let (mut distance_m, mut altitude_m) = grid.place_m(point);
+        if distance_m.hypot(altitude_m - self.setting.source_altitude_m) < NEAREST_PLACE_M {
+            distance_m = distance_m.max(0.7 * NEAREST_PLACE_M);
+            altitude_m = altitude_m.max(self.setting.source_altitude_m + 0.7 * NEAREST_PLACE_M);
+        }
+        let place = Place::new(distance_m, altitude_m);
+        let to_source = (self.source - place.position).normalize();
+        let beside = DVec3::Y;
+        let across = beside.cross(to_source);
+        let mut light = FirstOrderPlace {
+            moments: vec![[0.0; LANES]; pair_count(degree)],
+            down_flux: [0.0; LANES],
+        };
+        let mut moments = vec![[0.0f64; LANES]; pair_count(degree)];
+        let from_source_m = (self.source - place.position).length();
+        for (angle, weight) in self.polar_angles(from_source_m) {
+            let (sin_polar, cos_polar) = angle.sin_cos();
+            for k in 0..self.rule.around {
+                let turn = PI * (k as f64 + 0.5) / self.rule.around as f64;
+                let (sin_turn, cos_turn) = turn.sin_cos();
+                let view =
+                    to_source * cos_polar + (across * cos_turn + beside * sin_turn) * sin_polar;
+                let Some(radiance) = self.along_ray(&place, view) else { continue };
+                // Both halves of the sphere at once: the other one is its mirror image.
+                let solid_angle = weight * sin_polar * TAU / self.rule.around as f64;
+                let cos_zenith = view.dot(place.up).clamp(-1.0, 1.0);
+                let horizontal = (1.0 - cos_zenith * cos_zenith).sqrt().max(1e-12);
+                let cos_azimuth = (view.dot(place.outward) / horizontal).clamp(-1.0, 1.0);
+                let polar = legendre(degree, cos_zenith);
+                let azimuthal = cosines(degree, cos_azimuth);
+                for l in 0..=degree {
+                    for m in 0..=l {
+                        let factor = polar[pair_index(l, m)] * azimuthal[m] * solid_angle;
+                        for (sum, value) in moments[pair_index(l, m)].iter_mut().zip(radiance) {
+                            *sum += factor * value;
+                        }
+                    }
+                }
+                for (sum, value) in light.down_flux.iter_mut().zip(radiance) {
+                    *sum += value * cos_zenith.max(0.0) * solid_angle;
+                }
+            }
+        }
+        for (to, from) in light.moments.iter_mut().zip(&moments) {
+            *to = from.map(|value| value as f32);
+        }
+        light
+    }
+
+    /// First-order radiance per watt [m⁻² sr⁻¹] at a place from direction `view`; None where nothing is lit.
+    fn along_ray(&self, place: &Place, view: DVec3) -> Option<[f64; LANES]> {
+        let cos_zenith = view.dot(place.up);
+        let path = SlantPath::new(place.altitude_m, cos_zenith);
+        let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
+        let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(self.top_altitude_m));
+        // Above the source's horizon plane only.
+        let (height, rate) = (place.position.z - self.source.z, view.z);
+        let (low, high) = match (height > 0.0, rate > 0.0) {
+            (true, true) => (0.0, end_m),
+            (true, false) => (0.0, if rate < 0.0 { (height / -rate).min(end_m) } else { end_m }),
+            (false, true) => (-height / rate, end_m),
+            (false, false) => return None,
+        };
+        if high <= low {
+            return None;
+        }
+        let from_source = place.position - self.source;
+        let nearest_m = -from_source.dot(view);
+        let miss_m = (from_source + view * nearest_m).length().max(1e-3);
+        let mut cuts = self.cuts_m(place, &path, nearest_m);
+        cuts.retain(|&u| u > low && u < high);
+        cuts.extend([low, high]);
+        cuts.sort_by(f64::total_cmp);
+        let angle = |u: f64| ((u - nearest_m) / miss_m).atan();
+        let mut sum = [0.0; LANES];
+        for pair in cuts.windows(2) {
+            let (from, to) = (angle(pair[0]), angle(pair[1]));
+            if to - from < 1e-9 {
+                continue;
+            }
+            for &(x, weight) in &self.rule.along {
+                let tangent = (from + (to - from) * x).tan();
+                let u = (nearest_m + miss_m * tangent).clamp(pair[0], pair[1]);
+                let step = weight * (to - from) * miss_m * (1.0 + tangent * tangent);
+                self.add_scattered(&path, from_source + view * u, view, u, step, &mut sum);
+            }
+        }
+        Some(sum)
+    }
+
+    /// Where the integrand bends: nearest to the source, at the layer of the haze, after one and four mean
+    /// free paths of green light, and nearest to the source's vertical.
+    fn cuts_m(&self, place: &Place, path: &SlantPath, nearest_m: f64) -> Vec<f64> {
+        let density = relative_densities(place.altitude_m);
+        let free_path_m = 1.0
+            / (self.setting.atmosphere.molecule_extinction_per_m()[1] * density[0]
+                + self.setting.atmosphere.aerosol_extinction_per_m()[1] * density[1]);
+        let mut cuts = vec![nearest_m, free_path_m, 4.0 * free_path_m];
+        for climb_m in [3_000.0, 20_000.0] {
+            let altitude_m = self.setting.source_altitude_m + climb_m;
+            cuts.push(path.path_up_to_m(altitude_m));
+            cuts.extend(path.path_down_to_m(altitude_m));
+        }
+        cuts
+    }
+
+    /// Adds what is scattered at one point towards the place, through the air between, times the step.
+    fn add_scattered(
+        &self,
+        path: &SlantPath,
+        from_source: DVec3,
+        view: DVec3,
+        path_m: f64,
+        step_m: f64,
+        sum: &mut [f64; LANES],
+    ) {
+        if from_source.z <= 0.0 {
+            return;
+        }
+        let point = path.point(path_m);
+        let (lobes, from) =
+            direct_light(self.setting, self.source_density, from_source, point.altitude_m, point.density);
+        let depths = optical_depths(
+            &self.setting.atmosphere,
+            [from[0] + point.columns_m[0], from[1] + point.columns_m[1]],
+        );
+        let cos_gamma = (-from_source.dot(view) / from_source.length()).clamp(-1.0, 1.0);
+        let molecules = point.density[0] * rayleigh_per_sr(cos_gamma) * step_m;
+        let aerosol = point.density[1]
+            * AEROSOL_ALBEDO
+            * henyey_greenstein_per_sr(cos_gamma, AEROSOL_ASYMMETRY)
+            * step_m;
+        let beta_m = self.setting.atmosphere.molecule_extinction_per_m();
+        let beta_a = self.setting.atmosphere.aerosol_extinction_per_m();
+        for band in 0..BAND_COUNT {
+            let scattered = (beta_m[band] * molecules + beta_a[band] * aerosol) * (-depths[band]).exp();
+            for lobe in 0..LOBE_COUNT {
+                sum[band * LOBE_COUNT + lobe] += scattered * lobes[lobe];
+            }
+        }
+    }
+}

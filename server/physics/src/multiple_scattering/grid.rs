@@ -1,0 +1,172 @@
+//! The grid of places around a source: distance from its vertical by altitude.
+
+use crate::geometry::EARTH_RADIUS_M;
+
+/// Top of the grid above the sphere, metres: 4e-4 of the molecules lie above.
+pub(super) const TOP_ALTITUDE_M: f64 = 62_000.0;
+/// Outermost ring of the grid, metres of arc.
+pub(super) const OUTER_DISTANCE_M: f64 = 420_000.0;
+/// Rings are even in ln(1 + ρ/this): as far apart as this close to the source.
+const RING_SCALE_M: f64 = 60.0;
+/// Distances above and below the source's altitude at which there is a layer, metres.
+const LAYER_OFFSETS_M: [f64; 26] = [
+    0.0, 30.0, 80.0, 150.0, 250.0, 400.0, 600.0, 850.0, 1_150.0, 1_500.0, 2_000.0, 2_600.0, 3_400.0, 4_400.0,
+    5_600.0, 7_000.0, 9_000.0, 11_500.0, 14_500.0, 18_000.0, 22_000.0, 27_000.0, 33_000.0, 40_000.0,
+    48_000.0, 56_000.0,
+];
+
+/// Places (ρ, z): rings about the source's vertical by layers of altitude. Index `layer · rings + ring`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FieldGrid {
+    ring_step: f64,
+    ring_m: Vec<f64>,
+    layer_m: Vec<f64>,
+}
+
+/// A position between two neighbours: the lower index and the weight of the upper one, 0..=1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Between {
+    pub(super) lower: usize,
+    pub(super) upper_weight: f64,
+}
+
+impl FieldGrid {
+    /// Rings `ring_step` apart in ln(1 + ρ/60 m); layers dense about the source and the ground, each gap cut
+    /// into `layer_cuts` parts.
+    pub(super) fn new(source_altitude_m: f64, ground_altitude_m: f64, ring_step: f64, layer_cuts: usize) -> Self {
+        let last = ((1.0 + OUTER_DISTANCE_M / RING_SCALE_M).ln() / ring_step).ceil() as usize;
+        let ring_m = (0..=last).map(|k| RING_SCALE_M * (ring_step * k as f64).exp_m1()).collect();
+        let mut layers: Vec<f64> = vec![ground_altitude_m, TOP_ALTITUDE_M];
+        for offset_m in LAYER_OFFSETS_M {
+            layers.push(source_altitude_m + offset_m);
+            layers.push(source_altitude_m - offset_m);
+            // Above the ground of a source on a mountain fewer layers are enough.
+            if offset_m >= 150.0 {
+                layers.push(ground_altitude_m + offset_m);
+            }
+        }
+        layers.retain(|&z| z >= ground_altitude_m && z <= TOP_ALTITUDE_M);
+        layers.sort_by(f64::total_cmp);
+        // Layers that nearly coincide add work and nothing else; the ground, the source's and the top one stay.
+        let mut kept: Vec<f64> = Vec::new();
+        for z in layers {
+            let must = z == source_altitude_m || z == TOP_ALTITUDE_M || z == ground_altitude_m;
+            match kept.last() {
+                Some(&below) if z == below => {}
+                Some(&below) => {
+                    let away = (z - source_altitude_m).abs().min(z - ground_altitude_m);
+                    let crowded = z - below < (0.2 * away).max(25.0);
+                    let replaceable = below != source_altitude_m && below != ground_altitude_m;
+                    if must && crowded && replaceable {
+                        kept.pop();
+                    }
+                    if must || !crowded {
+                        kept.push(z);
+                    }
+                }
+                None => kept.push(z),
+            }
+        }
+        let mut layer_m = vec![kept[0]];
+        for pair in kept.windows(2) {
+            for k in 1..=layer_cuts {
+                layer_m.push(pair[0] + (pair[1] - pair[0]) * k as f64 / layer_cuts as f64);
+            }
+        }
+        Self { ring_step, ring_m, layer_m }
+    }
+
+    pub(super) fn ring_count(&self) -> usize {
+        self.ring_m.len()
+    }
+
+    pub(super) fn layer_count(&self) -> usize {
+        self.layer_m.len()
+    }
+
+    pub(super) fn point_count(&self) -> usize {
+        self.ring_m.len() * self.layer_m.len()
+    }
+
+    /// Altitudes of the layers, metres, ascending from the ground.
+    pub(super) fn layer_m(&self) -> &[f64] {
+        &self.layer_m
+    }
+
+    /// (ρ, z) of a place, metres.
+    pub(super) fn place_m(&self, point: usize) -> (f64, f64) {
+        (self.ring_m[point % self.ring_m.len()], self.layer_m[point / self.ring_m.len()])
+    }
+
+    /// Where a distance lies among the rings; None beyond the outermost.
+    #[inline]
+    pub(super) fn ring_at(&self, distance_m: f64) -> Option<Between> {
+        let position = (distance_m / RING_SCALE_M).ln_1p() / self.ring_step;
+        let lower = position as usize;
+        (lower + 1 < self.ring_m.len()).then_some(Between { lower, upper_weight: position - lower as f64 })
+    }
+
+    /// Where an altitude lies among the layers, clamped to the ground and the top.
+    pub(super) fn layer_at(&self, altitude_m: f64) -> Between {
+        let upper = self.layer_m.partition_point(|&z| z <= altitude_m).clamp(1, self.layer_m.len() - 1);
+        let (low, high) = (self.layer_m[upper - 1], self.layer_m[upper]);
+        Between { lower: upper - 1, upper_weight: ((altitude_m - low) / (high - low)).clamp(0.0, 1.0) }
+    }
+
+    /// ∫ dV over the cells of the grid [m³]: calls `visit(ring, layer, volume)` at Gauss points of every cell.
+    pub(super) fn for_each_volume(&self, mut visit: impl FnMut(Between, Between, f64, f64)) {
+        let nodes = crate::quadrature::gauss_legendre(3);
+        for layer in 0..self.layer_m.len() - 1 {
+            let (low, high) = (self.layer_m[layer], self.layer_m[layer + 1]);
+            for &(x, weight) in &nodes {
+                let altitude_m = low + (high - low) * x;
+                let stretch = 1.0 + altitude_m / EARTH_RADIUS_M;
+                let height = weight * (high - low) * stretch * stretch;
+                let layer = Between { lower: layer, upper_weight: x };
+                self.for_each_area(|ring, area_m2| visit(ring, layer, altitude_m, area_m2 * height));
+            }
+        }
+    }
+
+    /// ∫ dA over the sphere of radius R [m²] out to the last ring: `visit(ring, area)` at Gauss points.
+    pub(super) fn for_each_area(&self, mut visit: impl FnMut(Between, f64)) {
+        let nodes = crate::quadrature::gauss_legendre(3);
+        for ring in 0..self.ring_m.len() - 1 {
+            for &(t, weight) in &nodes {
+                let position = self.ring_step * (ring as f64 + t);
+                let distance_m = RING_SCALE_M * position.exp_m1();
+                let width_m = weight * self.ring_step * RING_SCALE_M * position.exp();
+                let circle_m = std::f64::consts::TAU * EARTH_RADIUS_M * (distance_m / EARTH_RADIUS_M).sin();
+                visit(Between { lower: ring, upper_weight: t }, circle_m * width_m);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_start_at_the_ground_hold_the_source_and_end_at_the_top() {
+        for (source, ground) in [(0.0, 0.0), (1_700.0, 1_700.0), (2_000.0, 300.0), (420.0, 400.0)] {
+            let grid = FieldGrid::new(source, ground, 0.2, 1);
+            assert_eq!(grid.layer_m[0], ground);
+            assert_eq!(*grid.layer_m.last().unwrap(), TOP_ALTITUDE_M);
+            assert!(grid.layer_m.contains(&source));
+            assert!(grid.layer_m.windows(2).all(|pair| pair[1] > pair[0]));
+            assert!(grid.layer_count() < 50, "{}", grid.layer_count());
+        }
+    }
+
+    #[test]
+    fn the_volume_of_the_cells_is_that_of_the_cap() {
+        let grid = FieldGrid::new(0.0, 0.0, 0.2, 1);
+        let mut volume = 0.0;
+        grid.for_each_volume(|_, _, _, v| volume += v);
+        let arc = grid.ring_m.last().unwrap() / EARTH_RADIUS_M;
+        let cube = |z: f64| (EARTH_RADIUS_M + z).powi(3);
+        let cap = std::f64::consts::TAU * (1.0 - arc.cos()) * (cube(TOP_ALTITUDE_M) - cube(0.0)) / 3.0;
+        assert!((volume / cap - 1.0).abs() < 1e-6, "{}", volume / cap);
+    }
+}

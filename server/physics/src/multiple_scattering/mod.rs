@@ -1,0 +1,30 @@
+//! Multiple scattering: what all orders of scattering beyond the first add, over a Lambertian ground.
+//!
+//! The light of one source is symmetric about the source's vertical. So the radiance of each order is kept on
+//! a two-dimensional grid (distance from the vertical by altitude) as moments over direction, which a phase
+//! function multiplies by its own. First-order light arrives from a point and is integrated exactly at every
+//! place ([`first_order`]); each later order is followed along straight rays from every place ([`transport`]).
+//! An observer's sky is one more integral along the view ray ([`view`]).
+//!
+//! [`monte_carlo`] is the judge: it shares nothing with the solver but columns and phase functions.
+
+mod budget;
+mod energy;
+mod field;
+mod first_order;
+mod grid;
+mod harmonics;
+mod lanes;
+pub mod monte_carlo;
+mod optics;
+mod path;
+mod setting;
+mod source_function;
+mod transport;
+mod view;
+
+pub use energy::OrderPower;
+pub use field::SourceField;
+use lanes::{LANES, Lanes};
+pub use setting::{DEFAULT_GROUND_ALBEDO, Resolution, SourceSetting};
+pub use view::ViewRow;

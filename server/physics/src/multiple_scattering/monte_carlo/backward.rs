@@ -1,0 +1,254 @@
+//! Backward: light followed from the eye to the source.
+//!
+//! Every vertex of a path (a scattering or a point of the ground) asks the source for its direct light. Two
+//! choices keep the variance finite although that light grows like 1/d²: distances along a ray are drawn half
+//! from free paths and half equiangularly about the source (Kulla & Fajardo 2012), directions half from the
+//! phase function and half evenly in the angle from the source's direction; each draw is weighted by the mean
+//! of both densities (balance heuristic).
+
+use super::{
+    super::{
+        optics::{SlantPath, columns_to_space_m, optical_depths, relative_densities},
+        setting::SourceSetting,
+    },
+    Estimate, TOLD_ORDERS,
+    draws::{Random, lambertian_direction, mixed_phase, path_of_depth_m, scattered_direction, turned},
+};
+use crate::{
+    atmosphere::AEROSOL_ALBEDO,
+    bands::Band,
+    emission::{LOBE_COUNT, lobe_intensities_per_sr},
+    geometry::EARTH_RADIUS_M,
+    single_source::SourceGeometry,
+};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Where the air ends for paths, metres.
+const TOP_ALTITUDE_M: f64 = 100_000.0;
+/// From this order on a path survives with this probability a vertex.
+const ROULETTE_FROM: usize = 6;
+const SURVIVAL: f64 = 0.7;
+const LONGEST_PATH: usize = 400;
+/// Paths of one random stream; streams are summed in order, whatever thread ran them.
+const STREAM_PATHS: u64 = 1_024;
+
+/// A tracer of one setting, band and geometry.
+#[derive(Clone, Debug)]
+pub struct Tracer {
+    setting: SourceSetting,
+    molecules_per_m: f64,
+    aerosol_per_m: f64,
+    band: usize,
+    observer: DVec3,
+    observer_frame: [DVec3; 3],
+    source: DVec3,
+    source_density: [f64; 2],
+}
+
+/// A drawn point on a ray.
+struct Hit {
+    path_m: f64,
+    altitude_m: f64,
+    density: [f64; 2],
+    /// Transmission over density of the draw: for the air m (times a coefficient m⁻¹), for the ground a number.
+    weight: f64,
+    on_ground: bool,
+}
+
+impl Tracer {
+    /// A tracer of a band of a setting, seen from `geometry` (whose source altitude must be the setting's).
+    pub fn new(setting: SourceSetting, band: Band, geometry: &SourceGeometry) -> Self {
+        // The source on the z axis, the observer in the plane y = 0.
+        let (sine, cosine) = (geometry.distance_m / EARTH_RADIUS_M).sin_cos();
+        let up = DVec3::new(sine, 0.0, cosine);
+        let towards = DVec3::new(-cosine, 0.0, sine);
+        Self {
+            setting,
+            molecules_per_m: setting.atmosphere.molecule_extinction_per_m()[band.index()],
+            aerosol_per_m: setting.atmosphere.aerosol_extinction_per_m()[band.index()],
+            band: band.index(),
+            observer: up * (EARTH_RADIUS_M + geometry.observer_altitude_m),
+            observer_frame: [towards, DVec3::Y, up],
+            source: DVec3::new(0.0, 0.0, EARTH_RADIUS_M + setting.source_altitude_m),
+            source_density: relative_densities(setting.source_altitude_m),
+        }
+    }
+
+    /// Estimates the radiance at one direction from `paths` paths (rounded up to whole streams).
+    /// The same seed gives the same numbers on any number of threads.
+    pub fn estimate(
+        &self,
+        relative_azimuth_rad: f64,
+        elevation_rad: f64,
+        paths: u64,
+        seed: u64,
+    ) -> Estimate {
+        let [towards, beside, up] = self.observer_frame;
+        let (sin_az, cos_az) = relative_azimuth_rad.sin_cos();
+        let (sin_el, cos_el) = elevation_rad.sin_cos();
+        let view = towards * (cos_el * cos_az) + beside * (cos_el * sin_az) + up * sin_el;
+        let streams = paths.div_ceil(STREAM_PATHS).max(1);
+        let sums: Vec<_> = (0..streams)
+            .into_par_iter()
+            .map(|stream| {
+                let mut random = Random::new(seed, stream);
+                let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+                let mut squares = [0.0; LOBE_COUNT];
+                for _ in 0..STREAM_PATHS {
+                    let path = self.trace(view, &mut random);
+                    for lobe in 0..LOBE_COUNT {
+                        let mut higher = 0.0;
+                        for (order, value) in path.iter().enumerate() {
+                            orders[order][lobe] += value[lobe];
+                            higher += if order > 0 { value[lobe] } else { 0.0 };
+                        }
+                        squares[lobe] += higher * higher;
+                    }
+                }
+                (orders, squares)
+            })
+            .collect();
+        let count = (streams * STREAM_PATHS) as f64;
+        let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+        let mut squares = [0.0; LOBE_COUNT];
+        for (stream_orders, stream_squares) in &sums {
+            for lobe in 0..LOBE_COUNT {
+                for order in 0..TOLD_ORDERS {
+                    orders[order][lobe] += stream_orders[order][lobe] / count;
+                }
+                squares[lobe] += stream_squares[lobe] / count;
+            }
+        }
+        Estimate::from_sums(orders, squares, count)
+    }
+
+    /// One path: its contribution to each order and lobe.
+    fn trace(&self, view: DVec3, random: &mut Random) -> [[f64; LOBE_COUNT]; TOLD_ORDERS] {
+        let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+        let (mut position, mut direction, mut weight) = (self.observer, view, 1.0);
+        for vertex in 0..LONGEST_PATH {
+            let Some(hit) = self.draw_point(position, direction, random) else { break };
+            position += direction * hit.path_m;
+            let normal = position.normalize();
+            let scatterers = [
+                self.molecules_per_m * hit.density[0],
+                AEROSOL_ALBEDO * self.aerosol_per_m * hit.density[1],
+            ];
+            weight *= hit.weight;
+            if let Some((light, from_source)) = self.direct(position, hit.altitude_m) {
+                let response = if hit.on_ground {
+                    self.setting.ground_albedo / PI * (-from_source.dot(normal)).max(0.0)
+                } else {
+                    mixed_phase(scatterers, -from_source.dot(direction))
+                };
+                let order = vertex.min(TOLD_ORDERS - 1);
+                for lobe in 0..LOBE_COUNT {
+                    orders[order][lobe] += weight * response * light[lobe];
+                }
+            }
+            let (next, factor) = if hit.on_ground {
+                (lambertian_direction(normal, random), self.setting.ground_albedo)
+            } else {
+                self.draw_direction(position, direction, scatterers, random)
+            };
+            weight *= factor;
+            direction = next;
+            if weight <= 0.0 {
+                break;
+            }
+            if vertex + 1 >= ROULETTE_FROM {
+                if random.unit() > SURVIVAL {
+                    break;
+                }
+                weight /= SURVIVAL;
+            }
+        }
+        orders
+    }
+
+    /// Direct light at a point, per lobe [m⁻²], and the unit vector S→P; None in the Earth's shadow.
+    fn direct(&self, position: DVec3, altitude_m: f64) -> Option<([f64; LOBE_COUNT], DVec3)> {
+        let from_source = position - self.source;
+        let distance2 = from_source.length_squared();
+        let unit = from_source / distance2.sqrt();
+        if unit.z <= 0.0 {
+            return None;
+        }
+        let out = columns_to_space_m(self.setting.source_altitude_m, unit.z, self.source_density);
+        let cos_here = unit.dot(position.normalize()).clamp(0.0, 1.0);
+        let rest = columns_to_space_m(altitude_m, cos_here, relative_densities(altitude_m));
+        let depths = optical_depths(
+            &self.setting.atmosphere,
+            [(out[0] - rest[0]).max(0.0), (out[1] - rest[1]).max(0.0)],
+        );
+        let through = (-depths[self.band]).exp() / distance2;
+        Some((lobe_intensities_per_sr(unit.z).map(|f| f * through), unit))
+    }
+
+    /// Draws where a ray is scattered or meets the ground.
+    fn draw_point(&self, position: DVec3, direction: DVec3, random: &mut Random) -> Option<Hit> {
+        let radius = position.length();
+        let path = SlantPath::new(radius - EARTH_RADIUS_M, direction.dot(position) / radius);
+        let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
+        let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
+        if end_m <= 1e-6 {
+            return None;
+        }
+        let depth_at = |u: f64| {
+            let point = path.point(u);
+            (optical_depths(&self.setting.atmosphere, point.columns_m)[self.band], point)
+        };
+        let whole = depth_at(end_m).0;
+        // Rays that end on the ground may draw the ground with the probability that light gets there.
+        let scattered_share = 1.0 - (-whole).exp();
+        if ground_m.is_some() && random.unit() >= scattered_share {
+            let altitude_m = self.setting.ground_altitude_m;
+            let density = relative_densities(altitude_m);
+            return Some(Hit { path_m: end_m, altitude_m, density, weight: 1.0, on_ground: true });
+        }
+        let air_probability = if ground_m.is_some() { scattered_share } else { 1.0 };
+        let from_source = position - self.source;
+        let nearest_m = -from_source.dot(direction);
+        let miss_m = (from_source + direction * nearest_m).length().max(1e-3);
+        let angle = |u: f64| ((u - nearest_m) / miss_m).atan();
+        let (low, high) = (angle(0.0), angle(end_m));
+        let path_m = if random.unit() < 0.5 {
+            let tangent = (low + (high - low) * random.unit()).tan();
+            (nearest_m + miss_m * tangent).clamp(0.0, end_m)
+        } else {
+            let wanted = -(-random.unit() * scattered_share).ln_1p();
+            path_of_depth_m(wanted, whole, end_m, |u| depth_at(u).0)
+        };
+        let (depth, point) = depth_at(path_m);
+        let extinction = self.molecules_per_m * point.density[0] + self.aerosol_per_m * point.density[1];
+        let through = (-depth).exp();
+        let beside = (path_m - nearest_m) / miss_m;
+        let equiangular = 1.0 / ((high - low) * miss_m * (1.0 + beside * beside));
+        let free = extinction * through / scattered_share;
+        let weight = through / (0.5 * (equiangular + free) * air_probability);
+        Some(Hit { path_m, altitude_m: point.altitude_m, density: point.density, weight, on_ground: false })
+    }
+
+    /// Draws where light that is scattered into `direction` came from, and the weight of the draw, m⁻¹.
+    fn draw_direction(
+        &self,
+        position: DVec3,
+        direction: DVec3,
+        scatterers: [f64; 2],
+        random: &mut Random,
+    ) -> (DVec3, f64) {
+        let total = scatterers[0] + scatterers[1];
+        let to_source = (self.source - position).normalize();
+        let next = if random.unit() < 0.5 {
+            turned(to_source, (PI * random.unit()).cos(), TAU * random.unit())
+        } else {
+            scattered_direction(direction, scatterers, random)
+        };
+        let cosine = next.dot(to_source).clamp(-1.0, 1.0);
+        let even = 1.0 / (PI * TAU * (1.0 - cosine * cosine).sqrt().max(1e-9));
+        let scattering = mixed_phase(scatterers, next.dot(direction));
+        (next, scattering / (0.5 * (even + scattering / total)))
+    }
+}

@@ -1,0 +1,274 @@
+//! Forward: light followed from the source and caught where it crosses view rays.
+//!
+//! A view ray turned about the source's vertical sweeps out a hyperboloid; all its copies see the same sky. By
+//! that symmetry the radiance of the ray is, over all crossings of flights with the surface,
+//!
+//!   L = (1/2π) Σ w·e^{−τ(X,P)}·Σβp(γ)·e^{−τ(P,O)} / (ρ·|ω·(v × φ̂)|)
+//!
+//! with w the flight's weight and ω its direction, ρ the distance of the crossing P from the vertical, v the
+//! copy of the view direction through P and φ̂ the horizontal around the vertical: ρ·|v × φ̂| du dφ is the
+//! element of the surface, and |ω·n| what of it a flight sees. Flights are counted along their whole length,
+//! whether or not the light is scattered before.
+
+use super::{
+    super::{
+        optics::{SlantPath, optical_depths, relative_densities},
+        setting::SourceSetting,
+    },
+    Estimate, TOLD_ORDERS,
+    draws::{Random, lambertian_direction, mixed_phase, path_of_depth_m, scattered_direction},
+};
+use crate::{
+    atmosphere::AEROSOL_ALBEDO,
+    bands::Band,
+    emission::{LOBE_COUNT, lobe_intensities_per_sr},
+    geometry::EARTH_RADIUS_M,
+    single_source::SourceGeometry,
+};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Where the air ends for flights, metres.
+const TOP_ALTITUDE_M: f64 = 100_000.0;
+/// Light weaker than this survives by chance only.
+const LEAST_WEIGHT: f64 = 0.05;
+/// Paths of one random stream; streams are summed in order, whatever thread ran them.
+const STREAM_PATHS: u64 = 4_096;
+
+/// A view ray that catches light: where the observer is, and where it looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detector {
+    /// Observer and source; the source altitude must be the tracer's.
+    pub geometry: SourceGeometry,
+    /// Azimuth from the source's, radians.
+    pub relative_azimuth_rad: f64,
+    /// Elevation, radians, 0..=π/2. Rays that are horizontal at the source's place (within 1e-4) catch nothing.
+    pub elevation_rad: f64,
+}
+
+/// A tracer of one setting and band.
+#[derive(Clone, Debug)]
+pub struct ForwardTracer {
+    setting: SourceSetting,
+    band: usize,
+    molecules_per_m: f64,
+    aerosol_per_m: f64,
+}
+
+/// A detector in the frame of the source: z is its vertical, the origin the source.
+struct Ray {
+    observer: DVec3,
+    view: DVec3,
+    path: SlantPath,
+}
+
+/// A flight of light: start, direction, weight per lobe, and how often it was scattered before.
+struct Flight {
+    start: DVec3,
+    direction: DVec3,
+    weight: [f64; LOBE_COUNT],
+    order: usize,
+}
+
+type Tally = [[f64; LOBE_COUNT]; TOLD_ORDERS];
+
+impl ForwardTracer {
+    /// A tracer of a band of a setting.
+    pub fn new(setting: SourceSetting, band: Band) -> Self {
+        Self {
+            setting,
+            band: band.index(),
+            molecules_per_m: setting.atmosphere.molecule_extinction_per_m()[band.index()],
+            aerosol_per_m: setting.atmosphere.aerosol_extinction_per_m()[band.index()],
+        }
+    }
+
+    /// Estimates the radiance at every detector from the same `paths` paths (rounded up to whole streams); the
+    /// estimates of different detectors are therefore correlated, those of other seeds are not.
+    /// The same seed gives the same numbers on any number of threads.
+    pub fn estimate(&self, detectors: &[Detector], paths: u64, seed: u64) -> Vec<Estimate> {
+        let rays: Vec<Ray> = detectors.iter().map(|detector| self.ray(detector)).collect();
+        let streams = paths.div_ceil(STREAM_PATHS).max(1);
+        let sums: Vec<_> = (0..streams)
+            .into_par_iter()
+            .map(|stream| {
+                let mut random = Random::new(seed, stream);
+                let mut tallies: Vec<Tally> = vec![[[0.0; LOBE_COUNT]; TOLD_ORDERS]; rays.len()];
+                let mut squares = vec![[0.0; LOBE_COUNT]; rays.len()];
+                let mut caught = vec![[0.0; LOBE_COUNT]; rays.len()];
+                for _ in 0..STREAM_PATHS {
+                    self.trace(&rays, &mut tallies, &mut caught, &mut random);
+                    for (square, caught) in squares.iter_mut().zip(&mut caught) {
+                        for lobe in 0..LOBE_COUNT {
+                            square[lobe] += caught[lobe] * caught[lobe];
+                            caught[lobe] = 0.0;
+                        }
+                    }
+                }
+                (tallies, squares)
+            })
+            .collect();
+        let count = (streams * STREAM_PATHS) as f64;
+        (0..rays.len())
+            .map(|ray| {
+                let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+                let mut squares = [0.0; LOBE_COUNT];
+                for (tallies, stream_squares) in &sums {
+                    for lobe in 0..LOBE_COUNT {
+                        for order in 0..TOLD_ORDERS {
+                            orders[order][lobe] += tallies[ray][order][lobe] / count;
+                        }
+                        squares[lobe] += stream_squares[ray][lobe] / count;
+                    }
+                }
+                Estimate::from_sums(orders, squares, count)
+            })
+            .collect()
+    }
+
+    fn ray(&self, detector: &Detector) -> Ray {
+        let geometry = &detector.geometry;
+        let arc = geometry.distance_m / EARTH_RADIUS_M;
+        let (sine, cosine) = arc.sin_cos();
+        let half = (0.5 * arc).sin();
+        let radius = EARTH_RADIUS_M + geometry.observer_altitude_m;
+        let drop = radius * 2.0 * half * half;
+        let observer = DVec3::new(
+            radius * sine,
+            0.0,
+            geometry.observer_altitude_m - self.setting.source_altitude_m - drop,
+        );
+        let (sin_az, cos_az) = detector.relative_azimuth_rad.sin_cos();
+        let (sin_el, cos_el) = detector.elevation_rad.sin_cos();
+        let view = DVec3::new(-cosine, 0.0, sine) * (cos_el * cos_az)
+            + DVec3::Y * (cos_el * sin_az)
+            + DVec3::new(sine, 0.0, cosine) * sin_el;
+        Ray { observer, view, path: SlantPath::new(geometry.observer_altitude_m, sin_el) }
+    }
+
+    /// Follows one path from the source to its end.
+    fn trace(
+        &self,
+        rays: &[Ray],
+        tallies: &mut [Tally],
+        caught: &mut [[f64; LOBE_COUNT]],
+        random: &mut Random,
+    ) {
+        // ψ half evenly in angle and half as the Lambertian lobe: every lobe is met, none too rarely.
+        let psi = if random.unit() < 0.5 { FRAC_PI_2 * random.unit() } else { random.unit().sqrt().acos() };
+        let (sine, cosine) = psi.sin_cos();
+        let density = 0.5 / (FRAC_PI_2 * TAU * sine.max(1e-12)) + 0.5 * cosine / (0.5 * TAU);
+        let (turn_y, turn_x) = (TAU * random.unit()).sin_cos();
+        let mut flight = Flight {
+            start: DVec3::ZERO,
+            direction: DVec3::new(sine * turn_x, sine * turn_y, cosine),
+            weight: lobe_intensities_per_sr(cosine).map(|f| f / density),
+            order: 0,
+        };
+        let center = DVec3::new(0.0, 0.0, -EARTH_RADIUS_M - self.setting.source_altitude_m);
+        loop {
+            let from_center = flight.start - center;
+            let radius = from_center.length();
+            let path = SlantPath::new(radius - EARTH_RADIUS_M, flight.direction.dot(from_center) / radius);
+            let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
+            let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
+            for (index, ray) in rays.iter().enumerate() {
+                self.catch(ray, &flight, &path, end_m, &mut tallies[index], &mut caught[index]);
+            }
+            let depth_at = |u: f64| {
+                optical_depths(&self.setting.atmosphere, path.point(u).columns_m)[self.band]
+            };
+            let (drawn, whole) = (-random.unit().ln(), depth_at(end_m));
+            if drawn >= whole {
+                if ground_m.is_none() {
+                    return;
+                }
+                flight.start += flight.direction * end_m;
+                let normal = (flight.start - center).normalize();
+                // Off the surface, lest rounding puts the start below it.
+                flight.start += normal * 1e-4;
+                flight.direction = lambertian_direction(normal, random);
+                flight.weight = flight.weight.map(|w| w * self.setting.ground_albedo);
+            } else {
+                let path_m = path_of_depth_m(drawn, whole, end_m, depth_at);
+                let density = path.point(path_m).density;
+                let (m, a) = (self.molecules_per_m * density[0], self.aerosol_per_m * density[1]);
+                flight.start += flight.direction * path_m;
+                flight.direction = scattered_direction(flight.direction, [m, AEROSOL_ALBEDO * a], random);
+                flight.weight = flight.weight.map(|w| w * (m + AEROSOL_ALBEDO * a) / (m + a));
+            }
+            flight.order += 1;
+            let most = flight.weight.iter().fold(0.0f64, |a, &b| a.max(b));
+            if most < LEAST_WEIGHT {
+                if random.unit() * LEAST_WEIGHT >= most {
+                    return;
+                }
+                flight.weight = flight.weight.map(|w| w * LEAST_WEIGHT / most);
+            }
+        }
+    }
+
+    /// Counts where a flight crosses the surface that a view ray sweeps out.
+    fn catch(
+        &self,
+        ray: &Ray,
+        flight: &Flight,
+        path: &SlantPath,
+        end_m: f64,
+        tally: &mut Tally,
+        caught: &mut [f64; LOBE_COUNT],
+    ) {
+        let (x, w) = (flight.start, flight.direction);
+        let (o, v) = (ray.observer, ray.view);
+        if v.z.abs() < 1e-4 {
+            return;
+        }
+        // Same height: u = u₀ + u₁t along the view ray; same distance from the vertical: At² + 2Bt + C = 0.
+        let (u0, u1) = ((x.z - o.z) / v.z, w.z / v.z);
+        let across2 = v.x * v.x + v.y * v.y;
+        let a = w.x * w.x + w.y * w.y - across2 * u1 * u1;
+        let b = x.x * w.x + x.y * w.y - o.x * v.x * u1 - across2 * u0 * u1;
+        let c = x.x * x.x + x.y * x.y - o.x * o.x - 2.0 * o.x * v.x * u0 - across2 * u0 * u0;
+        let discriminant = b * b - a * c;
+        if discriminant < 0.0 {
+            return;
+        }
+        // Both roots without cancellation.
+        let q = -(b + discriminant.sqrt().copysign(b));
+        for t in [q / a, c / q] {
+            let u = u0 + u1 * t;
+            if !(t > 0.0 && t < end_m && u > 0.0) {
+                continue;
+            }
+            let (here, there) = (x + w * t, o + v * u);
+            let rho = here.x.hypot(here.y);
+            if rho < 1e-6 {
+                continue;
+            }
+            // Turns the view ray about the vertical until it passes through the crossing.
+            let around = DVec2::new(here.x, here.y) / rho;
+            let turn = around.rotate(DVec2::new(there.x, -there.y) / rho);
+            let across = turn.rotate(DVec2::new(v.x, v.y));
+            let view = DVec3::new(across.x, across.y, v.z);
+            let tangent = DVec3::new(-around.y, around.x, 0.0);
+            let facing = w.dot(view.cross(tangent)).abs();
+            let point = path.point(t);
+            let seen = ray.path.point(u);
+            let columns_m =
+                [point.columns_m[0] + seen.columns_m[0], point.columns_m[1] + seen.columns_m[1]];
+            let through = (-optical_depths(&self.setting.atmosphere, columns_m)[self.band]).exp();
+            let density = relative_densities(point.altitude_m);
+            let scatterers =
+                [self.molecules_per_m * density[0], AEROSOL_ALBEDO * self.aerosol_per_m * density[1]];
+            let value = through * mixed_phase(scatterers, -w.dot(view)) / (TAU * rho * facing.max(1e-12));
+            for lobe in 0..LOBE_COUNT {
+                let value = value * flight.weight[lobe];
+                tally[flight.order.min(TOLD_ORDERS - 1)][lobe] += value;
+                if flight.order > 0 {
+                    caught[lobe] += value;
+                }
+            }
+        }
+    }
+}

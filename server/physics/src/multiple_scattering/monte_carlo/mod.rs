@@ -1,0 +1,47 @@
+//! Monte Carlo references, one path at a time: slow, and independent of the solver.
+//!
+//! [`Tracer`] follows light from the eye to the source; it is exact wherever light is not rare. Far from a
+//! source in thick haze it is: [`ForwardTracer`] follows light from the source and catches it at many view rays
+//! at once, by the symmetry about the source's vertical. Each checks the other.
+
+mod backward;
+mod draws;
+mod forward;
+
+use crate::emission::LOBE_COUNT;
+pub use backward::Tracer;
+pub use forward::{Detector, ForwardTracer};
+
+/// Orders that are told apart.
+pub const TOLD_ORDERS: usize = 12;
+
+/// Radiance of orders two and more with its standard error, per lobe, m⁻² sr⁻¹ per watt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Mean over paths.
+    pub radiance_per_m2_sr: [f64; LOBE_COUNT],
+    /// Standard error of the mean.
+    pub standard_error_per_m2_sr: [f64; LOBE_COUNT],
+    /// Mean of order `i + 1` alone (the last one holds all later ones), `[order][lobe]`. Order 1 is a check
+    /// against `single_source` and is not part of the mean.
+    pub by_order_per_m2_sr: [[f64; LOBE_COUNT]; TOLD_ORDERS],
+}
+
+impl Estimate {
+    /// From means over `count` paths: of every order, and of the squares of orders two and more together.
+    fn from_sums(
+        orders: [[f64; LOBE_COUNT]; TOLD_ORDERS],
+        squares: [f64; LOBE_COUNT],
+        count: f64,
+    ) -> Self {
+        let mean: [f64; LOBE_COUNT] =
+            std::array::from_fn(|lobe| orders[1..].iter().map(|order| order[lobe]).sum());
+        Self {
+            radiance_per_m2_sr: mean,
+            standard_error_per_m2_sr: std::array::from_fn(|lobe| {
+                ((squares[lobe] - mean[lobe] * mean[lobe]).max(0.0) / count).sqrt()
+            }),
+            by_order_per_m2_sr: orders,
+        }
+    }
+}

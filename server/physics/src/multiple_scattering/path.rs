@@ -1,0 +1,110 @@
+//! A ray cut into steps, with everything that does not depend on azimuth or on where the source is.
+//!
+//! In a spherical atmosphere altitude, extinction and the local zenith angle along a ray depend on its start
+//! altitude and zenith angle alone, so one list of steps serves all azimuths and all distances of the source.
+//! A step adds S·(T₀ − T₁): the source function times what the air between lets through of it.
+
+use super::{
+    grid::{Between, FieldGrid, TOP_ALTITUDE_M},
+    lanes::{Lanes, lanes_from_bands},
+    optics::{SlantPath, optical_depths},
+    setting::SourceSetting,
+};
+use crate::{bands::BAND_COUNT, geometry::EARTH_RADIUS_M};
+
+/// Rays end where less than this is let through in every band.
+const LEAST_TRANSMISSION: f64 = 1e-4;
+/// Longest step in optical depth of the thickest band.
+const LONGEST_DEPTH: f64 = 0.5;
+
+/// One step, at its middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PathStep {
+    /// Arc over the ground from the start, metres at radius R.
+    pub(super) arc_m: f64,
+    pub(super) layer: Between,
+    /// Cosine of the zenith angle of the ray here.
+    pub(super) cos_zenith: f64,
+    /// T at the step's start less T at its end.
+    pub(super) weight: Lanes,
+}
+
+/// A ray's steps, and the ground at its end if it meets it.
+#[derive(Clone, Debug)]
+pub(super) struct SteppedPath {
+    pub(super) steps: Vec<PathStep>,
+    /// Arc to where the ray meets the ground [m], and what the air lets through of it.
+    pub(super) ground: Option<(f64, Lanes)>,
+}
+
+/// How long steps are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stride {
+    /// First step, metres.
+    pub(super) first_m: f64,
+    /// Step over path so far.
+    pub(super) growth: f64,
+}
+
+impl SteppedPath {
+    pub(super) fn new(
+        setting: &SourceSetting,
+        grid: &FieldGrid,
+        altitude_m: f64,
+        cos_zenith: f64,
+        stride: Stride,
+    ) -> Self {
+        let path = SlantPath::new(altitude_m, cos_zenith);
+        let ground_m = path.path_down_to_m(setting.ground_altitude_m);
+        let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
+        let sine = (1.0 - cos_zenith * cos_zenith).max(0.0).sqrt();
+        let arc_m = |u: f64| {
+            EARTH_RADIUS_M * (u * sine).atan2(EARTH_RADIUS_M + altitude_m + u * cos_zenith)
+        };
+        let thickest = BAND_COUNT - 1;
+        let beta = [
+            setting.atmosphere.molecule_extinction_per_m()[thickest],
+            setting.atmosphere.aerosol_extinction_per_m()[thickest],
+        ];
+        let mut steps = Vec::new();
+        let mut from_m = 0.0;
+        let mut before = [1.0; BAND_COUNT];
+        let mut here = path.point(0.0);
+        while from_m < end_m {
+            let extinction = beta[0] * here.density[0] + beta[1] * here.density[1];
+            let height_m = (here.altitude_m - setting.ground_altitude_m).max(0.0);
+            let climb_m = 0.4 * height_m + 120.0;
+            let step_m = (stride.growth * from_m + stride.first_m)
+                .min(LONGEST_DEPTH / extinction)
+                .min(climb_m / here.cos_zenith.abs().max(1e-6));
+            // No crumbs at the end.
+            let to_m = if from_m + 1.3 * step_m >= end_m { end_m } else { from_m + step_m };
+            let middle = path.point(0.5 * (from_m + to_m));
+            let next = path.point(to_m);
+            let after = optical_depths(&setting.atmosphere, next.columns_m).map(|depth| (-depth).exp());
+            steps.push(PathStep {
+                arc_m: arc_m(0.5 * (from_m + to_m)),
+                layer: grid.layer_at(middle.altitude_m),
+                cos_zenith: middle.cos_zenith,
+                weight: lanes_from_bands(std::array::from_fn(|b| (before[b] - after[b]).max(0.0))),
+            });
+            (from_m, before, here) = (to_m, after, next);
+            if before.iter().all(|&t| t < LEAST_TRANSMISSION) {
+                return Self { steps, ground: None };
+            }
+        }
+        Self { steps, ground: ground_m.map(|u| (arc_m(u), lanes_from_bands(before))) }
+    }
+}
+
+/// Where a ray's ground track is after `arc_m`, seen from the source's vertical: distance from it [m], and the
+/// cosine of the ray's azimuth there from the outward direction.
+///
+/// Flat: meridians converge by less than (420 km/R)²/6 = 1e-3 over the grid.
+#[inline]
+pub(super) fn track(start_m: f64, cos_azimuth: f64, sin_azimuth: f64, arc_m: f64) -> (f64, f32) {
+    let (x, y) = (start_m + arc_m * cos_azimuth, arc_m * sin_azimuth);
+    let distance_m = (x * x + y * y).sqrt();
+    let cosine = (x * cos_azimuth + y * sin_azimuth) / distance_m.max(1e-6);
+    (distance_m, cosine as f32)
+}

@@ -1,0 +1,136 @@
+//! What a field of multiply scattered light is solved for, and how finely.
+
+use crate::{
+    atmosphere::Atmosphere,
+    error::{PhysicsError, check_range},
+};
+
+/// Albedo of the ground unless another is asked for.
+pub const DEFAULT_GROUND_ALBEDO: f64 = 0.15;
+
+/// One source in its air above its ground.
+///
+/// The ground is the sphere through the lower of source and observer. For every observer as high as the source
+/// or higher that is the source's own altitude; an observer below the source needs a field of its own, with
+/// the ground at the observer's altitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SourceSetting {
+    /// The air.
+    pub atmosphere: Atmosphere,
+    /// Altitude of the source, metres, −2 000..=10 000.
+    pub source_altitude_m: f64,
+    /// Altitude of the ground, metres, −2 000..=source_altitude_m.
+    pub ground_altitude_m: f64,
+    /// Lambertian albedo of the ground, 0..=1, the same in all bands.
+    pub ground_albedo: f64,
+}
+
+impl SourceSetting {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`PhysicsError::OutOfRange`] naming `source_altitude`, `ground_altitude` or `ground_albedo`.
+    pub fn new(
+        atmosphere: Atmosphere,
+        source_altitude_m: f64,
+        ground_altitude_m: f64,
+        ground_albedo: f64,
+    ) -> Result<Self, PhysicsError> {
+        check_range("source_altitude", source_altitude_m, -2_000.0, 10_000.0, "m")?;
+        check_range("ground_altitude", ground_altitude_m, -2_000.0, source_altitude_m, "m")?;
+        check_range("ground_albedo", ground_albedo, 0.0, 1.0, "")?;
+        Ok(Self { atmosphere, source_altitude_m, ground_altitude_m, ground_albedo })
+    }
+
+    /// The setting of a source and an observer: the ground through the lower of the two.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn for_observer(
+        atmosphere: Atmosphere,
+        source_altitude_m: f64,
+        observer_altitude_m: f64,
+        ground_albedo: f64,
+    ) -> Result<Self, PhysicsError> {
+        Self::new(atmosphere, source_altitude_m, source_altitude_m.min(observer_altitude_m), ground_albedo)
+    }
+}
+
+/// How finely a field is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolution {
+    /// Step between rings in ln(1 + ρ/60 m).
+    pub ring_step: f64,
+    /// Parts into which each gap between layers is cut.
+    pub layer_cuts: usize,
+    /// Highest degree of the moments of first-order light.
+    pub first_degree: usize,
+    /// Highest degree of the moments of all later orders.
+    pub later_degree: usize,
+    /// First-order directions: from the source's direction, and around it in a half turn.
+    pub first_polar: usize,
+    /// See `first_polar`.
+    pub first_around: usize,
+    /// Gauss nodes in each piece of a first-order ray.
+    pub first_along: usize,
+    /// Zenith angles of later orders in each hemisphere.
+    pub polar_per_hemisphere: usize,
+    /// Azimuths of later orders in a half turn.
+    pub azimuths: usize,
+    /// Orders are computed until one adds less than this share anywhere within 300 km.
+    pub tolerance: f64,
+    /// No more orders than this; the rest is summed as a geometric series.
+    pub most_orders: usize,
+}
+
+impl Resolution {
+    /// For tables: seconds a field.
+    pub fn table() -> Self {
+        Self {
+            ring_step: 0.22,
+            layer_cuts: 1,
+            first_degree: 16,
+            later_degree: 8,
+            first_polar: 20,
+            first_around: 12,
+            first_along: 5,
+            polar_per_hemisphere: 8,
+            azimuths: 10,
+            tolerance: 1e-3,
+            most_orders: 8,
+        }
+    }
+
+    /// For the truth: a minute or so a field.
+    pub fn reference() -> Self {
+        Self {
+            ring_step: 0.11,
+            layer_cuts: 2,
+            first_degree: 24,
+            later_degree: 14,
+            first_polar: 36,
+            first_around: 26,
+            first_along: 8,
+            polar_per_hemisphere: 14,
+            azimuths: 18,
+            tolerance: 2e-4,
+            most_orders: 20,
+        }
+    }
+
+    /// For tests: a coarse field in a second.
+    pub fn coarse() -> Self {
+        Self {
+            ring_step: 0.4,
+            first_degree: 10,
+            later_degree: 5,
+            first_polar: 14,
+            first_around: 8,
+            first_along: 4,
+            polar_per_hemisphere: 6,
+            azimuths: 8,
+            most_orders: 6,
+            ..Self::table()
+        }
+    }
+}

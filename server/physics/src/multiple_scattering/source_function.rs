@@ -1,0 +1,210 @@
+//! The source function S = J/β of scattered light on the grid: amplitude and shape.
+//!
+//! S falls by many powers of ten over the grid, and inside it exponentially; its shape over direction changes
+//! little. So the logarithm of its mean over directions is interpolated, and linearly the moments over that.
+
+use super::{
+    grid::{Between, FieldGrid},
+    harmonics::{cosines, legendre, pair_count, pair_index},
+    lanes::{LANES, Lanes, arccos, exp_lanes},
+    setting::SourceSetting,
+};
+use crate::{
+    atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY,
+};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Smallest mean that is kept, m⁻² sr⁻¹ per watt: darkness.
+const DARKNESS: f64 = 1e-36;
+
+/// Moments of a field on the grid, `[point][pair][lane]`.
+#[derive(Clone, Debug)]
+pub(super) struct Moments {
+    pub(super) degree: usize,
+    pub(super) values: Vec<Lanes>,
+}
+
+impl Moments {
+    pub(super) fn at(&self, point: usize) -> &[Lanes] {
+        let pairs = pair_count(self.degree);
+        &self.values[point * pairs..(point + 1) * pairs]
+    }
+
+    /// Radiance moments → moments of the source function that they make: times χ_l of the local mix of
+    /// molecules (1, 0, 1/10) and aerosol (0.9·gˡ), over the extinction.
+    pub(super) fn scattered(mut self, setting: &SourceSetting, grid: &FieldGrid) -> Self {
+        let pairs = pair_count(self.degree);
+        let degree = self.degree;
+        self.values.par_chunks_mut(pairs).enumerate().for_each(|(point, values)| {
+            let (_, altitude_m) = grid.place_m(point);
+            let density = super::optics::relative_densities(altitude_m);
+            for l in 0..=degree {
+                let molecules = [1.0, 0.0, 0.1].get(l).copied().unwrap_or(0.0);
+                let aerosol = AEROSOL_ALBEDO * AEROSOL_ASYMMETRY.powi(l as i32);
+                let share: [f64; BAND_COUNT] = std::array::from_fn(|band| {
+                    let m = setting.atmosphere.molecule_extinction_per_m()[band] * density[0];
+                    let a = setting.atmosphere.aerosol_extinction_per_m()[band] * density[1];
+                    (m * molecules + a * aerosol) / (m + a)
+                });
+                let factor = super::lanes::lanes_from_bands(share);
+                for m in 0..=l {
+                    for lane in 0..LANES {
+                        values[pair_index(l, m)][lane] *= factor[lane];
+                    }
+                }
+            }
+        });
+        self
+    }
+
+    /// Adds moments of the same or a lower degree, times a factor for each point and lane.
+    pub(super) fn add(&mut self, other: &Moments, factor: impl Fn(usize) -> Lanes) {
+        let (pairs, other_pairs) = (pair_count(self.degree), pair_count(other.degree));
+        for (point, values) in self.values.chunks_mut(pairs).enumerate() {
+            let factor = factor(point);
+            for (sum, value) in values.iter_mut().zip(&other.values[point * other_pairs..]).take(other_pairs) {
+                for lane in 0..LANES {
+                    sum[lane] += factor[lane] * value[lane];
+                }
+            }
+        }
+    }
+
+    /// Mean over directions at a point: L₀₀/√4π.
+    pub(super) fn mean(&self, point: usize) -> [f64; LANES] {
+        let scale = 1.0 / (4.0 * PI).sqrt();
+        self.at(point)[0].map(|value| f64::from(value) * scale)
+    }
+}
+
+/// The source function ready to be sampled.
+#[derive(Clone, Debug)]
+pub(super) struct SourceFunction {
+    pub(super) degree: usize,
+    /// ln of the mean over directions, `[point]`.
+    pub(super) ln_mean: Vec<Lanes>,
+    /// Moments over the mean, `[point][pair]`.
+    shape: Vec<Lanes>,
+}
+
+/// The source function's shape for rays of one zenith angle in each layer, `[point][azimuth][lane]`.
+#[derive(Clone, Debug)]
+pub(super) struct DirectionTable {
+    intervals: usize,
+    shape: Vec<Lanes>,
+}
+
+impl SourceFunction {
+    pub(super) fn new(moments: &Moments) -> Self {
+        let pairs = pair_count(moments.degree);
+        let points = moments.values.len() / pairs;
+        let mut shape = moments.values.clone();
+        let mut ln_mean = Vec::with_capacity(points);
+        for (point, values) in shape.chunks_mut(pairs).enumerate() {
+            let mean = moments.mean(point).map(|value| value.max(DARKNESS));
+            ln_mean.push(mean.map(|value| value.ln() as f32));
+            for pair in values {
+                for lane in 0..LANES {
+                    pair[lane] = (f64::from(pair[lane]) / mean[lane]) as f32;
+                }
+            }
+        }
+        Self { degree: moments.degree, ln_mean, shape }
+    }
+
+    /// Shape at one point for one direction.
+    pub(super) fn shape_at(&self, point: usize, legendre: &[f32], cosines: &[f32]) -> Lanes {
+        let pairs = pair_count(self.degree);
+        let values = &self.shape[point * pairs..(point + 1) * pairs];
+        let mut sum = [0.0; LANES];
+        for l in 0..=self.degree {
+            for m in 0..=l {
+                let factor = legendre[pair_index(l, m)] * cosines[m];
+                for lane in 0..LANES {
+                    sum[lane] += factor * values[pair_index(l, m)][lane];
+                }
+            }
+        }
+        sum
+    }
+
+    /// Tabulates the shape over azimuth for the zenith angle of each layer: `cos_zenith[layer]`.
+    pub(super) fn table(&self, grid: &FieldGrid, cos_zenith: &[f64], intervals: usize) -> DirectionTable {
+        let (degree, pairs) = (self.degree, pair_count(self.degree));
+        let azimuthal: Vec<Vec<f32>> = (0..=intervals)
+            .map(|k| {
+                let cosine = (PI * k as f64 / intervals as f64).cos();
+                cosines(degree, cosine).iter().map(|&c| c as f32).collect()
+            })
+            .collect();
+        let polar: Vec<Vec<f32>> = cos_zenith
+            .iter()
+            .map(|&mu| legendre(degree, mu).iter().map(|&p| p as f32).collect())
+            .collect();
+        let mut shape = vec![[0.0; LANES]; grid.point_count() * (intervals + 1)];
+        shape.par_chunks_mut(intervals + 1).enumerate().for_each(|(point, out)| {
+            let values = &self.shape[point * pairs..(point + 1) * pairs];
+            let polar = &polar[point / grid.ring_count()];
+            for m in 0..=degree {
+                let mut mode = [0.0f32; LANES];
+                for l in m..=degree {
+                    let (p, value) = (polar[pair_index(l, m)], &values[pair_index(l, m)]);
+                    for lane in 0..LANES {
+                        mode[lane] += p * value[lane];
+                    }
+                }
+                for (out, cosines) in out.iter_mut().zip(&azimuthal) {
+                    for lane in 0..LANES {
+                        out[lane] += cosines[m] * mode[lane];
+                    }
+                }
+            }
+        });
+        DirectionTable { intervals, shape }
+    }
+
+    /// S at a place between grid points for the direction of a table, m⁻² sr⁻¹ per watt.
+    #[inline]
+    pub(super) fn sample(
+        &self,
+        table: &DirectionTable,
+        grid: &FieldGrid,
+        ring: Between,
+        layer: Between,
+        cos_azimuth: f32,
+    ) -> Lanes {
+        let position = arccos(cos_azimuth) * (table.intervals as f32 / std::f32::consts::PI);
+        let azimuth = (position as usize).min(table.intervals - 1);
+        let s = position - azimuth as f32;
+        let (wr, wz) = (ring.upper_weight as f32, layer.upper_weight as f32);
+        let first = layer.lower * grid.ring_count() + ring.lower;
+        let corners = [
+            (first, (1.0 - wr) * (1.0 - wz)),
+            (first + 1, wr * (1.0 - wz)),
+            (first + grid.ring_count(), (1.0 - wr) * wz),
+            (first + grid.ring_count() + 1, wr * wz),
+        ];
+        let mut ln_mean = [0.0; LANES];
+        let mut shape = [0.0; LANES];
+        for (point, weight) in corners {
+            let at = point * (table.intervals + 1) + azimuth;
+            let (near, far) = (&table.shape[at], &table.shape[at + 1]);
+            let (near_weight, far_weight) = (weight * (1.0 - s), weight * s);
+            let mean = &self.ln_mean[point];
+            for lane in 0..LANES {
+                ln_mean[lane] += weight * mean[lane];
+                shape[lane] += near_weight * near[lane] + far_weight * far[lane];
+            }
+        }
+        let mean = exp_lanes(&ln_mean);
+        let mut value = [0.0; LANES];
+        for lane in 0..LANES {
+            value[lane] = mean[lane] * shape[lane].max(0.0);
+        }
+        value
+    }
+}
+
+/// Unused lanes of a [`Moments`] entry are zero; this many are used.
+pub(super) const USED_LANES: usize = BAND_COUNT * LOBE_COUNT;

@@ -1,0 +1,170 @@
+//! From the source function of one order to the radiance of that order at every place of the grid.
+
+use super::{
+    grid::{Between, FieldGrid},
+    harmonics::{cosines, legendre, pair_count, pair_index},
+    lanes::{LANES, Lanes, exp_lanes},
+    path::{SteppedPath, Stride, track},
+    setting::{Resolution, SourceSetting},
+    source_function::{Moments, SourceFunction},
+};
+use crate::quadrature::gauss_legendre;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Azimuth intervals of the tables that rays are followed with.
+const TABLE_AZIMUTHS: usize = 24;
+/// Size of the bright part of the sky around a source, metres: it fills this over the distance, in radians.
+const BRIGHT_SIZE_M: f64 = 10_000.0;
+
+/// The radiance of one order, `[point]`.
+#[derive(Clone, Debug)]
+pub(super) struct Radiance {
+    pub(super) moments: Moments,
+    /// Flux through the horizontal from above, m⁻² per watt, `[point]`.
+    pub(super) down_flux: Vec<[f64; LANES]>,
+}
+
+/// ln of the radiance that the ground sends back [m⁻² sr⁻¹ per watt], `[ring]`.
+#[derive(Clone, Debug)]
+pub(super) struct GroundRadiance(pub(super) Vec<Lanes>);
+
+impl GroundRadiance {
+    /// A·E/π from the flux from above in the lowest layer.
+    pub(super) fn new(albedo: f64, grid: &FieldGrid, down_flux: &[[f64; LANES]]) -> Self {
+        let ln = |flux: f64| (albedo * flux / PI).max(1e-36).ln() as f32;
+        Self(down_flux[..grid.ring_count()].iter().map(|flux| flux.map(ln)).collect())
+    }
+
+    #[inline]
+    fn at(&self, ring: Between) -> Lanes {
+        let (near, far) = (&self.0[ring.lower], &self.0[ring.lower + 1]);
+        let w = ring.upper_weight as f32;
+        exp_lanes(&std::array::from_fn(|lane| near[lane] + w * (far[lane] - near[lane])))
+    }
+}
+
+/// Cosines of zenith angles with weights summing to 2: each hemisphere has its own nodes, as at the ground
+/// radiance jumps at the horizon, and they crowd there (μ = ±x²), where the haze of a far source glows.
+pub(super) fn zenith_nodes(per_hemisphere: usize) -> Vec<(f64, f64)> {
+    let half = gauss_legendre(per_hemisphere);
+    let up = half.iter().map(|&(x, weight)| (x * x, 2.0 * x * weight));
+    let down = half.iter().map(|&(x, weight)| (-x * x, 2.0 * x * weight));
+    down.chain(up).collect()
+}
+
+/// An azimuth of the quadrature: its cosine, sine, weight [rad], and cos m·azimuth.
+struct Azimuth {
+    cosine: f64,
+    sine: f64,
+    weight: f64,
+    cosines: Vec<f64>,
+}
+
+/// Azimuths over a half turn seen from `distance_m` away, weights summing to 2π for both halves; half of them
+/// crowd within the bright part around the source, which is at azimuth π.
+fn azimuths(nodes: &[(f64, f64)], distance_m: f64, degree: usize) -> Vec<Azimuth> {
+    let bright = (BRIGHT_SIZE_M / distance_m.max(1.0)).clamp(0.25, 0.5 * PI);
+    let inner = nodes.iter().map(|&(t, weight)| (bright * t * t, bright * 2.0 * t * weight));
+    let outer = nodes.iter().map(|&(t, weight)| (bright + (PI - bright) * t, (PI - bright) * weight));
+    inner
+        .chain(outer)
+        .map(|(from_source, weight)| {
+            let (sine, cosine) = (PI - from_source).sin_cos();
+            Azimuth { cosine, sine, weight: 2.0 * weight, cosines: cosines(degree, cosine) }
+        })
+        .collect()
+}
+
+/// What one place gathers over all directions.
+#[derive(Clone)]
+struct Gathered {
+    moments: Vec<[f64; LANES]>,
+    down_flux: [f64; LANES],
+}
+
+/// Radiance of one order from its source function and what the ground sends back.
+pub(super) fn transport(
+    setting: &SourceSetting,
+    resolution: &Resolution,
+    grid: &FieldGrid,
+    source: &SourceFunction,
+    ground: &GroundRadiance,
+) -> Radiance {
+    let degree = resolution.later_degree;
+    let pairs = pair_count(degree);
+    let azimuth_nodes = gauss_legendre(resolution.azimuths / 2);
+    let empty = Gathered { moments: vec![[0.0; LANES]; pairs], down_flux: [0.0; LANES] };
+    let mut gathered = vec![empty; grid.point_count()];
+    for (cos_zenith, zenith_weight) in zenith_nodes(resolution.polar_per_hemisphere) {
+        // Zenith angles turn by less than a degree in 100 km; the source function does not notice.
+        let table = source.table(grid, &vec![cos_zenith; grid.layer_count()], TABLE_AZIMUTHS);
+        let polar = legendre(degree, cos_zenith);
+        gathered.par_iter_mut().enumerate().for_each(|(point, place)| {
+            let (distance_m, altitude_m) = grid.place_m(point);
+            let from_source_m = distance_m.hypot(altitude_m - setting.source_altitude_m);
+            let stride = Stride { first_m: (0.25 * (from_source_m + 40.0)).min(600.0), growth: 0.3 };
+            let path = SteppedPath::new(setting, grid, altitude_m, cos_zenith, stride);
+            let mut modes = vec![[0.0f64; LANES]; degree + 1];
+            for azimuth in azimuths(&azimuth_nodes, distance_m, degree) {
+                let (cosine, sine) = (azimuth.cosine, azimuth.sine);
+                let radiance = along(&path, grid, source, &table, ground, distance_m, cosine, sine);
+                for (mode, cosine) in modes.iter_mut().zip(&azimuth.cosines) {
+                    for lane in 0..LANES {
+                        mode[lane] += cosine * azimuth.weight * f64::from(radiance[lane]);
+                    }
+                }
+            }
+            for lane in 0..LANES {
+                place.down_flux[lane] += zenith_weight * cos_zenith.max(0.0) * modes[0][lane];
+            }
+            for l in 0..=degree {
+                for m in 0..=l {
+                    let factor = zenith_weight * polar[pair_index(l, m)];
+                    for lane in 0..LANES {
+                        place.moments[pair_index(l, m)][lane] += factor * modes[m][lane];
+                    }
+                }
+            }
+        });
+    }
+    Radiance {
+        moments: Moments {
+            degree,
+            values: gathered.iter().flat_map(|p| p.moments.iter().map(|m| m.map(|v| v as f32))).collect(),
+        },
+        down_flux: gathered.iter().map(|p| p.down_flux).collect(),
+    }
+}
+
+/// Radiance at the start of a ray, m⁻² sr⁻¹ per watt.
+fn along(
+    path: &SteppedPath,
+    grid: &FieldGrid,
+    source: &SourceFunction,
+    table: &super::source_function::DirectionTable,
+    ground: &GroundRadiance,
+    start_m: f64,
+    cos_azimuth: f64,
+    sin_azimuth: f64,
+) -> Lanes {
+    let mut sum = [0.0; LANES];
+    for step in &path.steps {
+        let (distance_m, cosine) = track(start_m, cos_azimuth, sin_azimuth, step.arc_m);
+        let Some(ring) = grid.ring_at(distance_m) else { continue };
+        let value = source.sample(table, grid, ring, step.layer, cosine);
+        for lane in 0..LANES {
+            sum[lane] += step.weight[lane] * value[lane];
+        }
+    }
+    if let Some((arc_m, through)) = &path.ground {
+        let (distance_m, _) = track(start_m, cos_azimuth, sin_azimuth, *arc_m);
+        if let Some(ring) = grid.ring_at(distance_m) {
+            let value = ground.at(ring);
+            for lane in 0..LANES {
+                sum[lane] += through[lane] * value[lane];
+            }
+        }
+    }
+    sum
+}

@@ -1,0 +1,147 @@
+//! What an observer sees of a field: orders two and more of the sky's radiance.
+//!
+//!   b₂₊ = ∫ S·β·e^{−τ} du = Σ_steps S·(T₀ − T₁)     [m⁻² sr⁻¹ per watt]
+
+use super::{
+    field::SourceField,
+    harmonics::{cosines, legendre},
+    lanes::{LANES, Lanes, exp_lanes, outputs_from_lanes},
+    path::{SteppedPath, Stride, track},
+    source_function::DirectionTable,
+};
+use crate::{
+    error::{PhysicsError, check_range},
+    geometry::EARTH_RADIUS_M,
+    single_source::{RadiancePerWatt, SourceGeometry},
+};
+
+/// Steps of a view ray: the first one [m], and a step over the path so far.
+const VIEW_STRIDE: Stride = Stride { first_m: 40.0, growth: 0.18 };
+/// Azimuth intervals of a row's table.
+const ROW_AZIMUTHS: usize = 36;
+/// How far an altitude may be from the one a field was solved for, metres.
+const SAME_ALTITUDE_M: f64 = 1e-3;
+
+/// All rays of one elevation from one observer altitude, through one field: some milliseconds to make, then
+/// two or three microseconds a ray.
+#[derive(Clone, Debug)]
+pub struct ViewRow<'a> {
+    field: &'a SourceField,
+    path: SteppedPath,
+    table: DirectionTable,
+}
+
+impl<'a> ViewRow<'a> {
+    /// The row at `elevation_rad`, 0..=π/2.
+    ///
+    /// # Errors
+    /// [`PhysicsError::OutOfRange`] naming `elevation` or `observer_altitude` (from the field's ground to
+    /// 20 km).
+    pub fn new(
+        field: &'a SourceField,
+        observer_altitude_m: f64,
+        elevation_rad: f64,
+    ) -> Result<Self, PhysicsError> {
+        let path = view_path(field, observer_altitude_m, elevation_rad)?;
+        // r·sin(zenith angle) is the same all along a straight ray.
+        let across_m = (EARTH_RADIUS_M + observer_altitude_m) * elevation_rad.cos();
+        let cos_zenith: Vec<f64> = field
+            .grid
+            .layer_m()
+            .iter()
+            .map(|&z| {
+                let sine = across_m / (EARTH_RADIUS_M + z.max(observer_altitude_m));
+                (1.0 - sine * sine).max(0.0).sqrt()
+            })
+            .collect();
+        let table = field.source.table(&field.grid, &cos_zenith, ROW_AZIMUTHS);
+        Ok(Self { field, path, table })
+    }
+
+    /// Radiance of orders two and more per watt, m⁻² sr⁻¹, `[band][lobe]`: the source `distance_m` of arc away,
+    /// the ray `relative_azimuth_rad` beside it.
+    pub fn radiance_per_watt(&self, distance_m: f64, relative_azimuth_rad: f64) -> RadiancePerWatt {
+        let field = self.field;
+        // Azimuth 0 looks to the source: against the outward direction of the field.
+        let (sine, cosine) = relative_azimuth_rad.sin_cos();
+        let mut sum = [0.0f32; LANES];
+        for step in &self.path.steps {
+            let (from_source_m, cos_azimuth) = track(distance_m, -cosine, sine, step.arc_m);
+            let Some(ring) = field.grid.ring_at(from_source_m) else { continue };
+            let value = field.source.sample(&self.table, &field.grid, ring, step.layer, cos_azimuth);
+            for lane in 0..LANES {
+                sum[lane] += step.weight[lane] * value[lane];
+            }
+        }
+        outputs_from_lanes(&sum.map(f64::from))
+    }
+}
+
+impl SourceField {
+    /// Radiance of orders two and more per watt, m⁻² sr⁻¹, `[band][lobe]` as in
+    /// [`crate::single_source::radiance_per_watt_of`], which gives the first order: the sum of both is the sky.
+    ///
+    /// Sums the moments at every step: a fraction of a millisecond. [`ViewRow`] is for many rays.
+    ///
+    /// # Errors
+    /// [`PhysicsError`] naming `source_altitude` if the field was solved for another one, `elevation` or
+    /// `observer_altitude` as [`ViewRow::new`].
+    pub fn radiance_per_watt(
+        &self,
+        geometry: &SourceGeometry,
+        relative_azimuth_rad: f64,
+        elevation_rad: f64,
+    ) -> Result<RadiancePerWatt, PhysicsError> {
+        let solved_m = self.setting.source_altitude_m;
+        check_range(
+            "source_altitude",
+            geometry.source_altitude_m,
+            solved_m - SAME_ALTITUDE_M,
+            solved_m + SAME_ALTITUDE_M,
+            "m",
+        )?;
+        let path = view_path(self, geometry.observer_altitude_m, elevation_rad)?;
+        let (sine, cosine) = relative_azimuth_rad.sin_cos();
+        let mut sum = [0.0f32; LANES];
+        for step in &path.steps {
+            let (from_source_m, cos_azimuth) = track(geometry.distance_m, -cosine, sine, step.arc_m);
+            let Some(ring) = self.grid.ring_at(from_source_m) else { continue };
+            let degree = self.source.degree;
+            let polar: Vec<f32> = legendre(degree, step.cos_zenith).iter().map(|&p| p as f32).collect();
+            let azimuthal: Vec<f32> =
+                cosines(degree, f64::from(cos_azimuth)).iter().map(|&c| c as f32).collect();
+            let first = step.layer.lower * self.grid.ring_count() + ring.lower;
+            let (wr, wz) = (ring.upper_weight as f32, step.layer.upper_weight as f32);
+            let mut ln_mean: Lanes = [0.0; LANES];
+            let mut shape: Lanes = [0.0; LANES];
+            for (point, weight) in [
+                (first, (1.0 - wr) * (1.0 - wz)),
+                (first + 1, wr * (1.0 - wz)),
+                (first + self.grid.ring_count(), (1.0 - wr) * wz),
+                (first + self.grid.ring_count() + 1, wr * wz),
+            ] {
+                let corner = self.source.shape_at(point, &polar, &azimuthal);
+                for lane in 0..LANES {
+                    ln_mean[lane] += weight * self.source.ln_mean[point][lane];
+                    shape[lane] += weight * corner[lane];
+                }
+            }
+            let mean = exp_lanes(&ln_mean);
+            for lane in 0..LANES {
+                sum[lane] += step.weight[lane] * mean[lane] * shape[lane].max(0.0);
+            }
+        }
+        Ok(outputs_from_lanes(&sum.map(f64::from)))
+    }
+}
+
+fn view_path(
+    field: &SourceField,
+    observer_altitude_m: f64,
+    elevation_rad: f64,
+) -> Result<SteppedPath, PhysicsError> {
+    check_range("elevation", elevation_rad, 0.0, std::f64::consts::FRAC_PI_2 + 1e-9, "rad")?;
+    check_range("observer_altitude", observer_altitude_m, field.setting.ground_altitude_m, 20_000.0, "m")?;
+    let cos_zenith = elevation_rad.sin().min(1.0);
+    Ok(SteppedPath::new(&field.setting, &field.grid, observer_altitude_m, cos_zenith, VIEW_STRIDE))
+}
