@@ -14,7 +14,8 @@
 use skyglow_physics::{
     Atmosphere, Band, Lobe, Turbidity,
     multiple_scattering::{
-        DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow, monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
+        DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow,
+        monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
     },
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
@@ -22,12 +23,30 @@ use std::{collections::HashMap, error::Error, time::Instant};
 
 /// (azimuth from the source, elevation), degrees.
 const TEN: [(f64, f64); 12] = [
-    (0.0, 90.0), (0.0, 60.0), (0.0, 30.0), (0.0, 10.0), (45.0, 45.0), (45.0, 8.0), (90.0, 30.0), (90.0, 10.0),
-    (135.0, 60.0), (135.0, 5.0), (180.0, 30.0), (180.0, 10.0),
+    (0.0, 90.0),
+    (0.0, 60.0),
+    (0.0, 30.0),
+    (0.0, 10.0),
+    (45.0, 45.0),
+    (45.0, 8.0),
+    (90.0, 30.0),
+    (90.0, 10.0),
+    (135.0, 60.0),
+    (135.0, 5.0),
+    (180.0, 30.0),
+    (180.0, 10.0),
 ];
 const MITSUBA: [(f64, f64); 10] = [
-    (0.0, 90.0), (0.0, 60.0), (90.0, 60.0), (180.0, 60.0), (0.0, 30.0), (90.0, 30.0), (180.0, 30.0),
-    (0.0, 10.0), (90.0, 10.0), (180.0, 10.0),
+    (0.0, 90.0),
+    (0.0, 60.0),
+    (90.0, 60.0),
+    (180.0, 60.0),
+    (0.0, 30.0),
+    (90.0, 30.0),
+    (180.0, 30.0),
+    (0.0, 10.0),
+    (90.0, 10.0),
+    (180.0, 10.0),
 ];
 
 struct Options(HashMap<String, String>);
@@ -77,7 +96,10 @@ impl Statistics {
         let percentile = |values: &[f64]| {
             let mut sorted = values.to_vec();
             sorted.sort_by(f64::total_cmp);
-            sorted.get((sorted.len().saturating_sub(1) as f64 * 0.99).round() as usize).copied().unwrap_or(0.0)
+            sorted
+                .get((sorted.len().saturating_sub(1) as f64 * 0.99).round() as usize)
+                .copied()
+                .unwrap_or(0.0)
         };
         println!(
             "{name:28} n {:4}  bias {:+6.2} %  mean {:5.2} %  p99 {:6.2} %  MC noise {:5.2} %  beyond 2 sigma: mean {:5.2} %  p99 {:6.2} %",
@@ -102,7 +124,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let resolution = options.names(
         "resolution",
         "table",
-        &[("table", Resolution::table()), ("reference", Resolution::reference()), ("coarse", Resolution::coarse())],
+        &[
+            ("table", Resolution::table()),
+            ("reference", Resolution::reference()),
+            ("coarse", Resolution::coarse()),
+        ],
     )?[0];
     let bands = options.names("band", "R,G,B", &[("R", Band::R), ("G", Band::G), ("B", Band::B)])?;
     let lobes = options.names(
@@ -128,8 +154,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let field = SourceField::solve(setting, &resolution);
         let solve_s = started.elapsed().as_secs_f64();
         let truth = options.text("truth", "monte_carlo");
-        let finest = (truth == "reference")
-            .then(|| SourceField::solve(setting, &Resolution::reference()));
+        let finest = (truth == "reference").then(|| SourceField::solve(setting, &Resolution::reference()));
         println!(
             "# T {turbidity}: grid {:?}, solved in {:.2} s, largest shares of orders 2, 3, …: {:.4?}",
             field.size(),
@@ -157,7 +182,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             })
             .collect();
         let caught: Vec<Vec<Estimate>> = if truth == "forward" {
-            bands.iter().map(|band| ForwardTracer::new(setting, *band).estimate(&detectors, paths, seed)).collect()
+            bands
+                .iter()
+                .map(|band| ForwardTracer::new(setting, *band).estimate(&detectors, paths, seed))
+                .collect()
         } else {
             Vec::new()
         };
@@ -179,9 +207,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     };
                     let traced = match truth.as_str() {
                         "reference" => None,
-                        "forward" => Some(
-                            caught[band_index][distance_index * directions.len() + direction_index],
-                        ),
+                        "forward" => {
+                            Some(caught[band_index][distance_index * directions.len() + direction_index])
+                        }
                         _ => Some(tracer.estimate(azimuth, elevation, paths, seed)),
                     };
                     let finest = match &finest {
@@ -199,8 +227,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                         };
                         let total = first[b][f] + true_higher;
                         let solved = first[b][f] + higher[b][f];
-                        let (error, noise) =
-                            (solved / total - 1.0, true_error / total);
+                        let (error, noise) = (solved / total - 1.0, true_error / total);
                         println!(
                             "{turbidity:3} {distance_km:5} {band:?} {:8} {azimuth_deg:4} {elevation_deg:3}  {:.4e}  {solved:.4e}  {total:.4e}  {:8.3}  {:+7.2}  {:6.2}",
                             lobe.name(),
@@ -210,7 +237,10 @@ fn main() -> Result<(), Box<dyn Error>> {
                             100.0 * noise
                         );
                         if let (true, Some(traced)) = (tell_orders, &traced) {
-                            println!("#   first order of the tracer: {:+.2} %", 100.0 * (traced.by_order_per_m2_sr[0][f] / first[b][f] - 1.0));
+                            println!(
+                                "#   first order of the tracer: {:+.2} %",
+                                100.0 * (traced.by_order_per_m2_sr[0][f] / first[b][f] - 1.0)
+                            );
                             let orders: Vec<String> = traced
                                 .by_order_per_m2_sr
                                 .iter()

@@ -150,7 +150,8 @@ pub(super) fn escaping_w(
         (0..grid.point_count()).map(|point| {
             let values = source.at(point);
             let mut sum = [0.0; LANES];
-            for ((polar, &(_, weight)), through) in polar.iter().zip(&nodes).zip(&through[point / ring_count]) {
+            for ((polar, &(_, weight)), through) in polar.iter().zip(&nodes).zip(&through[point / ring_count])
+            {
                 for (lane, sum) in sum.iter_mut().enumerate().take(USED_LANES) {
                     let radiance: f64 = (0..=source.degree)
                         .map(|l| polar[pair_index(l, 0)] * f64::from(values[pair_index(l, 0)][lane]))
@@ -169,7 +170,8 @@ pub(super) fn escaping_w(
         let light = leaving.at(ring, layer);
         for lane in 0..USED_LANES {
             let band = lane / LOBE_COUNT;
-            escaped_w[lane] += (beta_m[band] * density[0] + beta_a[band] * density[1]) * light[lane] * volume_m3;
+            escaped_w[lane] +=
+                (beta_m[band] * density[0] + beta_a[band] * density[1]) * light[lane] * volume_m3;
         }
     });
     for (x, weight) in gauss_legendre(ESCAPE_ZENITHS) {

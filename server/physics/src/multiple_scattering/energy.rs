@@ -13,7 +13,10 @@ use super::{
     setting::SourceSetting,
     transport::Radiance,
 };
-use crate::{atmosphere::AEROSOL_ALBEDO, emission::LOBE_COUNT, geometry::EARTH_RADIUS_M, single_source::RadiancePerWatt};
+use crate::{
+    atmosphere::AEROSOL_ALBEDO, emission::LOBE_COUNT, geometry::EARTH_RADIUS_M,
+    single_source::RadiancePerWatt,
+};
 use std::f64::consts::PI;
 
 /// Power of the light of one order, W per watt of the source. Light that goes beyond 420 km from the source is
@@ -93,9 +96,8 @@ impl<'a> LogField<'a> {
         let first = layer.lower * self.grid.ring_count() + ring.lower;
         let above = if layer.upper_weight > 0.0 { first + self.grid.ring_count() } else { first };
         std::array::from_fn(|lane| {
-            let row = |p: usize| {
-                self.ln[p][lane] + ring.upper_weight * (self.ln[p + 1][lane] - self.ln[p][lane])
-            };
+            let row =
+                |p: usize| self.ln[p][lane] + ring.upper_weight * (self.ln[p + 1][lane] - self.ln[p][lane]);
             (row(first) + layer.upper_weight * (row(above) - row(first))).exp()
         })
     }

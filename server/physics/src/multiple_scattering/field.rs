@@ -42,7 +42,8 @@ impl SourceField {
             resolution.ring_step,
             resolution.layer_cuts,
         );
-        let rule = FirstOrderRule::new(resolution.first_polar, resolution.first_around, resolution.first_along);
+        let rule =
+            FirstOrderRule::new(resolution.first_polar, resolution.first_around, resolution.first_along);
         let first = FirstOrder::new(&setting, &rule, TOP_ALTITUDE_M);
         let direct = direct_budget(&setting);
         let mut radiance = first_radiance(&first, &grid, resolution.first_degree);

@@ -122,7 +122,8 @@ impl<'a> FirstOrder<'a> {
         let bright = (BRIGHT_SIZE_M / distance_m).clamp(0.2, 0.5 * PI);
         // Inside, θ = bright·t²: far away most of the light is within a degree or two of the source.
         let inner = self.rule.polar.iter().map(|&(t, weight)| (bright * t * t, bright * 2.0 * t * weight));
-        let outer = self.rule.polar.iter().map(|&(t, weight)| (bright + (PI - bright) * t, (PI - bright) * weight));
+        let outer =
+            self.rule.polar.iter().map(|&(t, weight)| (bright + (PI - bright) * t, (PI - bright) * weight));
         inner.chain(outer).collect()
     }
 
@@ -137,10 +138,8 @@ impl<'a> FirstOrder<'a> {
         let to_source = (self.source - place.position).normalize();
         let beside = DVec3::Y;
         let across = beside.cross(to_source);
-        let mut light = FirstOrderPlace {
-            moments: vec![[0.0; LANES]; pair_count(degree)],
-            down_flux: [0.0; LANES],
-        };
+        let mut light =
+            FirstOrderPlace { moments: vec![[0.0; LANES]; pair_count(degree)], down_flux: [0.0; LANES] };
         let mut moments = vec![[0.0f64; LANES]; pair_count(degree)];
         let from_source_m = (self.source - place.position).length();
         for (angle, weight) in self.polar_angles(from_source_m) {
@@ -148,8 +147,7 @@ impl<'a> FirstOrder<'a> {
             for k in 0..self.rule.around {
                 let turn = PI * (k as f64 + 0.5) / self.rule.around as f64;
                 let (sin_turn, cos_turn) = turn.sin_cos();
-                let view =
-                    to_source * cos_polar + (across * cos_turn + beside * sin_turn) * sin_polar;
+                let view = to_source * cos_polar + (across * cos_turn + beside * sin_turn) * sin_polar;
                 let Some(radiance) = self.along_ray(&place, view) else { continue };
                 // Both halves of the sphere at once: the other one is its mirror image.
                 let solid_angle = weight * sin_polar * TAU / self.rule.around as f64;

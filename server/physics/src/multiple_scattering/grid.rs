@@ -33,7 +33,12 @@ pub(super) struct Between {
 impl FieldGrid {
     /// Rings `ring_step` apart in ln(1 + ρ/60 m); layers dense about the source and the ground, each gap cut
     /// into `layer_cuts` parts.
-    pub(super) fn new(source_altitude_m: f64, ground_altitude_m: f64, ring_step: f64, layer_cuts: usize) -> Self {
+    pub(super) fn new(
+        source_altitude_m: f64,
+        ground_altitude_m: f64,
+        ring_step: f64,
+        layer_cuts: usize,
+    ) -> Self {
         let last = ((1.0 + OUTER_DISTANCE_M / RING_SCALE_M).ln() / ring_step).ceil() as usize;
         let ring_m = (0..=last).map(|k| RING_SCALE_M * (ring_step * k as f64).exp_m1()).collect();
         let mut layers: Vec<f64> = vec![ground_altitude_m, TOP_ALTITUDE_M];

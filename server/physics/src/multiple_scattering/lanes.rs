@@ -31,8 +31,8 @@ pub(super) fn exp_lanes(x: &Lanes) -> Lanes {
         let rounded = t + ROUND;
         let r = (t - (rounded - ROUND)) * std::f32::consts::LN_2;
         let power = f32::from_bits((rounded.to_bits() << 23).wrapping_add(127 << 23));
-        let series = 1.0
-            + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * (1.0 / 24.0 + r * (1.0 / 120.0 + r / 720.0)))));
+        let series =
+            1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * (1.0 / 24.0 + r * (1.0 / 120.0 + r / 720.0)))));
         result[lane] = power * series;
     }
     result
@@ -55,7 +55,10 @@ mod tests {
         for i in -800..800 {
             let x = i as f32 * 0.1;
             let got = exp_lanes(&[x; LANES])[7];
-            assert!((f64::from(got) / f64::from(x).exp() - 1.0).abs() < 1e-6 * (1.0 + f64::from(x).abs()), "{x}");
+            assert!(
+                (f64::from(got) / f64::from(x).exp() - 1.0).abs() < 1e-6 * (1.0 + f64::from(x).abs()),
+                "{x}"
+            );
         }
         for i in -1_000..=1_000 {
             let c = i as f32 / 1_000.0;

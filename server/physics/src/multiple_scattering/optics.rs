@@ -54,7 +54,8 @@ pub(super) struct SlantPoint {
 impl SlantPath {
     pub(super) fn new(altitude_m: f64, cos_zenith: f64) -> Self {
         let start_radius_m = EARTH_RADIUS_M + altitude_m;
-        let start_columns_m = columns_to_space_m(altitude_m, cos_zenith.abs(), relative_densities(altitude_m));
+        let start_columns_m =
+            columns_to_space_m(altitude_m, cos_zenith.abs(), relative_densities(altitude_m));
         let lowest = (cos_zenith < 0.0).then(|| {
             let sine2 = (1.0 - cos_zenith * cos_zenith).max(0.0);
             let altitude = start_radius_m * sine2.sqrt() - EARTH_RADIUS_M;
@@ -131,7 +132,10 @@ mod tests {
             });
             let got = ray.point(path_m).columns_m;
             for s in 0..2 {
-                assert!((got[s] / truth[s] - 1.0).abs() < 1e-5, "{altitude_m} {mu} {path_m}: {got:?} {truth:?}");
+                assert!(
+                    (got[s] / truth[s] - 1.0).abs() < 1e-5,
+                    "{altitude_m} {mu} {path_m}: {got:?} {truth:?}"
+                );
             }
         }
     }

@@ -58,9 +58,7 @@ impl SteppedPath {
         let ground_m = path.path_down_to_m(setting.ground_altitude_m);
         let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
         let sine = (1.0 - cos_zenith * cos_zenith).max(0.0).sqrt();
-        let arc_m = |u: f64| {
-            EARTH_RADIUS_M * (u * sine).atan2(EARTH_RADIUS_M + altitude_m + u * cos_zenith)
-        };
+        let arc_m = |u: f64| EARTH_RADIUS_M * (u * sine).atan2(EARTH_RADIUS_M + altitude_m + u * cos_zenith);
         let thickest = BAND_COUNT - 1;
         let beta = [
             setting.atmosphere.molecule_extinction_per_m()[thickest],

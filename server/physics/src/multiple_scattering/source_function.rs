@@ -9,9 +9,7 @@ use super::{
     lanes::{LANES, Lanes, arccos, exp_lanes},
     setting::SourceSetting,
 };
-use crate::{
-    atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY,
-};
+use crate::{atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -63,7 +61,8 @@ impl Moments {
         let (pairs, other_pairs) = (pair_count(self.degree), pair_count(other.degree));
         for (point, values) in self.values.chunks_mut(pairs).enumerate() {
             let factor = factor(point);
-            for (sum, value) in values.iter_mut().zip(&other.values[point * other_pairs..]).take(other_pairs) {
+            for (sum, value) in values.iter_mut().zip(&other.values[point * other_pairs..]).take(other_pairs)
+            {
                 for lane in 0..LANES {
                     sum[lane] += factor[lane] * value[lane];
                 }
@@ -138,10 +137,8 @@ impl SourceFunction {
                 cosines(degree, cosine).iter().map(|&c| c as f32).collect()
             })
             .collect();
-        let polar: Vec<Vec<f32>> = cos_zenith
-            .iter()
-            .map(|&mu| legendre(degree, mu).iter().map(|&p| p as f32).collect())
-            .collect();
+        let polar: Vec<Vec<f32>> =
+            cos_zenith.iter().map(|&mu| legendre(degree, mu).iter().map(|&p| p as f32).collect()).collect();
         let mut shape = vec![[0.0; LANES]; grid.point_count() * (intervals + 1)];
         shape.par_chunks_mut(intervals + 1).enumerate().for_each(|(point, out)| {
             let values = &self.shape[point * pairs..(point + 1) * pairs];

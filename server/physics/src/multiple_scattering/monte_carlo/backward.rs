@@ -78,13 +78,7 @@ impl Tracer {
 
     /// Estimates the radiance at one direction from `paths` paths (rounded up to whole streams).
     /// The same seed gives the same numbers on any number of threads.
-    pub fn estimate(
-        &self,
-        relative_azimuth_rad: f64,
-        elevation_rad: f64,
-        paths: u64,
-        seed: u64,
-    ) -> Estimate {
+    pub fn estimate(&self, relative_azimuth_rad: f64, elevation_rad: f64, paths: u64, seed: u64) -> Estimate {
         let [towards, beside, up] = self.observer_frame;
         let (sin_az, cos_az) = relative_azimuth_rad.sin_cos();
         let (sin_el, cos_el) = elevation_rad.sin_cos();
@@ -132,10 +126,8 @@ impl Tracer {
             let Some(hit) = self.draw_point(position, direction, random) else { break };
             position += direction * hit.path_m;
             let normal = position.normalize();
-            let scatterers = [
-                self.molecules_per_m * hit.density[0],
-                AEROSOL_ALBEDO * self.aerosol_per_m * hit.density[1],
-            ];
+            let scatterers =
+                [self.molecules_per_m * hit.density[0], AEROSOL_ALBEDO * self.aerosol_per_m * hit.density[1]];
             weight *= hit.weight;
             if let Some((light, from_source)) = self.direct(position, hit.altitude_m) {
                 let response = if hit.on_ground {

@@ -176,9 +176,8 @@ impl ForwardTracer {
             for (index, ray) in rays.iter().enumerate() {
                 self.catch(ray, &flight, &path, end_m, &mut tallies[index], &mut caught[index]);
             }
-            let depth_at = |u: f64| {
-                optical_depths(&self.setting.atmosphere, path.point(u).columns_m)[self.band]
-            };
+            let depth_at =
+                |u: f64| optical_depths(&self.setting.atmosphere, path.point(u).columns_m)[self.band];
             let (drawn, whole) = (-random.unit().ln(), depth_at(end_m));
             if drawn >= whole {
                 if ground_m.is_none() {
@@ -255,8 +254,7 @@ impl ForwardTracer {
             let facing = w.dot(view.cross(tangent)).abs();
             let point = path.point(t);
             let seen = ray.path.point(u);
-            let columns_m =
-                [point.columns_m[0] + seen.columns_m[0], point.columns_m[1] + seen.columns_m[1]];
+            let columns_m = [point.columns_m[0] + seen.columns_m[0], point.columns_m[1] + seen.columns_m[1]];
             let through = (-optical_depths(&self.setting.atmosphere, columns_m)[self.band]).exp();
             let density = relative_densities(point.altitude_m);
             let scatterers =

@@ -29,11 +29,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// From means over `count` paths: of every order, and of the squares of orders two and more together.
-    fn from_sums(
-        orders: [[f64; LOBE_COUNT]; TOLD_ORDERS],
-        squares: [f64; LOBE_COUNT],
-        count: f64,
-    ) -> Self {
+    fn from_sums(orders: [[f64; LOBE_COUNT]; TOLD_ORDERS], squares: [f64; LOBE_COUNT], count: f64) -> Self {
         let mean: [f64; LOBE_COUNT] =
             std::array::from_fn(|lobe| orders[1..].iter().map(|order| order[lobe]).sum());
         Self {
