@@ -2,6 +2,7 @@
 //! `accuracy` example compares panoramas with.
 //!
 //! `truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few]`: one JSON file a place; files that are there are kept.
+//! PLACES is how many random ones, or a list such as `48.2,14.6;42.6,7` of latitudes and longitudes.
 //! `few` takes three turbidities instead of seven, in about half the time.
 
 use skyglow_physics::{
@@ -40,13 +41,27 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     match arguments.as_slice() {
         [_, data, id, count, directions, out] => {
-            truth::<21>(&TURBIDITIES, data, id, count.parse()?, directions.parse()?, out)
+            truth::<21>(&TURBIDITIES, data, id, count, directions.parse()?, out)
         }
         [_, data, id, count, directions, out, few] if few == "few" => {
-            truth::<9>(&FEW_TURBIDITIES, data, id, count.parse()?, directions.parse()?, out)
+            truth::<9>(&FEW_TURBIDITIES, data, id, count, directions.parse()?, out)
         }
         _ => Err("usage: truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few]".into()),
     }
+}
+
+/// The places that the argument asks for.
+fn wanted_places(scene: &Scene, wanted: &str) -> Result<Vec<GeoPoint>, Box<dyn Error>> {
+    if let Ok(count) = wanted.parse() {
+        return Ok(places(scene, count));
+    }
+    wanted
+        .split(';')
+        .map(|place| {
+            let (latitude, longitude) = place.split_once(',').ok_or("PLACES: a number or LAT,LON;LAT,LON")?;
+            Ok(GeoPoint::from_deg(latitude.parse()?, longitude.parse()?)?)
+        })
+        .collect()
 }
 
 /// `SLOTS` is three bands times the turbidities.
@@ -54,7 +69,7 @@ fn truth<const SLOTS: usize>(
     turbidities: &[f64],
     data: &str,
     id: &str,
-    places_wanted: usize,
+    wanted: &str,
     directions: usize,
     out: &str,
 ) -> Result<(), Box<dyn Error>> {
@@ -63,7 +78,7 @@ fn truth<const SLOTS: usize>(
         turbidities.iter().map(|&t| Turbidity::new(t).map(Atmosphere::new)).collect::<Result<Vec<_>, _>>()?;
     let samples = stratified_samples(directions);
     std::fs::create_dir_all(out)?;
-    for (index, place) in places(&scene, places_wanted).into_iter().enumerate() {
+    for (index, place) in wanted_places(&scene, wanted)?.into_iter().enumerate() {
         let file = Path::new(out).join(format!("{id}-{index:02}.json"));
         if file.exists() {
             continue;

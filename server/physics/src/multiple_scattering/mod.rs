@@ -8,6 +8,8 @@
 //!
 //! [`monte_carlo`] is the judge: it shares nothing with the solver but columns and phase functions.
 
+#![expect(clippy::needless_range_loop, reason = "one lane indexes several arrays at once")]
+
 mod budget;
 mod energy;
 mod field;
