@@ -4,6 +4,7 @@
 //!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
 //!   directions=ten|wide|mitsuba  paths=65536  resolution=table|reference|coarse  source_m=0  observer_m=0
 //!   albedo=0.15  seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
+//!   and any field of `Resolution` by its name
 //!
 //! A line a direction: the first order, the total by both, the solver's relative error of the total and the
 //! standard error of the Monte Carlo total (first order by quadrature in both). Then the statistics, and the
@@ -121,7 +122,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .filter_map(|arg| arg.split_once('=').map(|(key, value)| (key.to_owned(), value.to_owned())))
             .collect(),
     );
-    let resolution = options.names(
+    let named = options.names(
         "resolution",
         "table",
         &[
@@ -130,6 +131,22 @@ fn main() -> Result<(), Box<dyn Error>> {
             ("coarse", Resolution::coarse()),
         ],
     )?[0];
+    let whole = |key: &str, default: usize| -> Result<usize, Box<dyn Error>> {
+        Ok(options.text(key, &default.to_string()).parse()?)
+    };
+    let resolution = Resolution {
+        ring_step: options.number("ring_step", named.ring_step)?,
+        layer_cuts: whole("layer_cuts", named.layer_cuts)?,
+        first_degree: whole("first_degree", named.first_degree)?,
+        later_degree: whole("later_degree", named.later_degree)?,
+        first_polar: whole("first_polar", named.first_polar)?,
+        first_around: whole("first_around", named.first_around)?,
+        first_along: whole("first_along", named.first_along)?,
+        polar_per_hemisphere: whole("polar_per_hemisphere", named.polar_per_hemisphere)?,
+        azimuths: whole("azimuths", named.azimuths)?,
+        tolerance: options.number("tolerance", named.tolerance)?,
+        most_orders: whole("most_orders", named.most_orders)?,
+    };
     let bands = options.names("band", "R,G,B", &[("R", Band::R), ("G", Band::G), ("B", Band::B)])?;
     let lobes = options.names(
         "lobe",

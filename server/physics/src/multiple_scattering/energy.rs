@@ -11,6 +11,7 @@ use super::{
     grid::{Between, FieldGrid},
     lanes::{LANES, outputs_from_lanes},
     setting::SourceSetting,
+    source_function::USED_LANES,
     transport::Radiance,
 };
 use crate::{
@@ -131,19 +132,19 @@ pub(super) fn field_power(
     grid.for_each_volume(|ring, layer, altitude_m, volume_m3| {
         let density = super::optics::relative_densities(altitude_m);
         let light = fluence.at(ring, layer);
-        for lane in 0..super::source_function::USED_LANES {
+        for (lane, light) in light.iter().enumerate().take(USED_LANES) {
             let band = lane / LOBE_COUNT;
             let (m, a) = (beta_m[band] * density[0], beta_a[band] * density[1]);
-            power.extinguished_w[lane] += (m + a) * light[lane] * volume_m3;
-            power.scattered_on_w[lane] += (m + AEROSOL_ALBEDO * a) * light[lane] * volume_m3;
+            power.extinguished_w[lane] += (m + a) * light * volume_m3;
+            power.scattered_on_w[lane] += (m + AEROSOL_ALBEDO * a) * light * volume_m3;
         }
     });
     let down = LogField::new(grid, radiance.down_flux.iter().copied());
     let stretch = (1.0 + setting.ground_altitude_m / EARTH_RADIUS_M).powi(2);
     grid.for_each_area(|ring, area_m2| {
         let arriving = down.at(ring, Between { lower: 0, upper_weight: 0.0 });
-        for lane in 0..super::source_function::USED_LANES {
-            power.at_ground_w[lane] += arriving[lane] * area_m2 * stretch;
+        for (sum, arriving) in power.at_ground_w.iter_mut().zip(arriving).take(USED_LANES) {
+            *sum += arriving * area_m2 * stretch;
         }
     });
     power.returned_w = power.at_ground_w.map(|w| w * setting.ground_albedo);

@@ -8,9 +8,8 @@
 //!
 //! [`monte_carlo`] is the judge: it shares nothing with the solver but columns and phase functions.
 
-#![expect(clippy::needless_range_loop, reason = "one lane indexes several arrays at once")]
-
 mod budget;
+mod direct;
 mod energy;
 mod field;
 mod first_order;
@@ -30,3 +29,6 @@ pub use field::SourceField;
 use lanes::{LANES, Lanes};
 pub use setting::{DEFAULT_GROUND_ALBEDO, Resolution, SourceSetting};
 pub use view::ViewRow;
+
+#[cfg(test)]
+mod tests;

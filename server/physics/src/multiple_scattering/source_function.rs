@@ -31,6 +31,9 @@ impl Moments {
 
     /// Radiance moments → moments of the source function that they make: times χ_l of the local mix of
     /// molecules (1, 0, 1/10) and aerosol (0.9·gˡ), over the extinction.
+    ///
+    /// The upper half of the degrees is tapered: cut off at once, the series of a peaked phase function rings,
+    /// and where light is thrown straight back the ringing of the peak is larger than the light.
     pub(super) fn scattered(mut self, setting: &SourceSetting, grid: &FieldGrid) -> Self {
         let pairs = pair_count(self.degree);
         let degree = self.degree;
@@ -39,7 +42,7 @@ impl Moments {
             let density = super::optics::relative_densities(altitude_m);
             for l in 0..=degree {
                 let molecules = [1.0, 0.0, 0.1].get(l).copied().unwrap_or(0.0);
-                let aerosol = AEROSOL_ALBEDO * AEROSOL_ASYMMETRY.powi(l as i32);
+                let aerosol = AEROSOL_ALBEDO * AEROSOL_ASYMMETRY.powi(l as i32) * taper(l, degree);
                 let share: [f64; BAND_COUNT] = std::array::from_fn(|band| {
                     let m = setting.atmosphere.molecule_extinction_per_m()[band] * density[0];
                     let a = setting.atmosphere.aerosol_extinction_per_m()[band] * density[1];
@@ -75,6 +78,12 @@ impl Moments {
         let scale = 1.0 / (4.0 * PI).sqrt();
         self.at(point)[0].map(|value| f64::from(value) * scale)
     }
+}
+
+/// 1 up to half the degree, from there to 0 at `degree` + 1 as a squared cosine.
+fn taper(l: usize, degree: usize) -> f64 {
+    let (l, half, end) = (l as f64, 0.5 * degree as f64, degree as f64 + 1.0);
+    if l <= half { 1.0 } else { (0.5 * PI * (l - half) / (end - half)).cos().powi(2) }
 }
 
 /// The source function ready to be sampled.

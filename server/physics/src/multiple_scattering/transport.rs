@@ -110,19 +110,19 @@ pub(super) fn transport(
                 let (cosine, sine) = (azimuth.cosine, azimuth.sine);
                 let radiance = along(&path, grid, source, &table, ground, distance_m, cosine, sine);
                 for (mode, cosine) in modes.iter_mut().zip(&azimuth.cosines) {
-                    for lane in 0..LANES {
-                        mode[lane] += cosine * azimuth.weight * f64::from(radiance[lane]);
+                    for (sum, value) in mode.iter_mut().zip(radiance) {
+                        *sum += cosine * azimuth.weight * f64::from(value);
                     }
                 }
             }
-            for lane in 0..LANES {
-                place.down_flux[lane] += zenith_weight * cos_zenith.max(0.0) * modes[0][lane];
+            for (sum, value) in place.down_flux.iter_mut().zip(modes[0]) {
+                *sum += zenith_weight * cos_zenith.max(0.0) * value;
             }
             for l in 0..=degree {
                 for m in 0..=l {
                     let factor = zenith_weight * polar[pair_index(l, m)];
-                    for lane in 0..LANES {
-                        place.moments[pair_index(l, m)][lane] += factor * modes[m][lane];
+                    for (sum, value) in place.moments[pair_index(l, m)].iter_mut().zip(modes[m]) {
+                        *sum += factor * value;
                     }
                 }
             }

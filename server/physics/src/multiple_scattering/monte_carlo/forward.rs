@@ -12,10 +12,11 @@
 
 use super::{
     super::{
-        optics::{SlantPath, optical_depths, relative_densities},
+        optics::{SlantPath, optical_depths},
         setting::SourceSetting,
     },
     Estimate, TOLD_ORDERS,
+    crossing::Ray,
     draws::{Random, lambertian_direction, mixed_phase, path_of_depth_m, scattered_direction},
 };
 use crate::{
@@ -25,7 +26,7 @@ use crate::{
     geometry::EARTH_RADIUS_M,
     single_source::SourceGeometry,
 };
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -56,13 +57,6 @@ pub struct ForwardTracer {
     aerosol_per_m: f64,
 }
 
-/// A detector in the frame of the source: z is its vertical, the origin the source.
-struct Ray {
-    observer: DVec3,
-    view: DVec3,
-    path: SlantPath,
-}
-
 /// A flight of light: start, direction, weight per lobe, and how often it was scattered before.
 struct Flight {
     start: DVec3,
@@ -88,7 +82,7 @@ impl ForwardTracer {
     /// estimates of different detectors are therefore correlated, those of other seeds are not.
     /// The same seed gives the same numbers on any number of threads.
     pub fn estimate(&self, detectors: &[Detector], paths: u64, seed: u64) -> Vec<Estimate> {
-        let rays: Vec<Ray> = detectors.iter().map(|detector| self.ray(detector)).collect();
+        let rays: Vec<Ray> = detectors.iter().map(|detector| Ray::new(&self.setting, detector)).collect();
         let streams = paths.div_ceil(STREAM_PATHS).max(1);
         let sums: Vec<_> = (0..streams)
             .into_par_iter()
@@ -125,26 +119,6 @@ impl ForwardTracer {
                 Estimate::from_sums(orders, squares, count)
             })
             .collect()
-    }
-
-    fn ray(&self, detector: &Detector) -> Ray {
-        let geometry = &detector.geometry;
-        let arc = geometry.distance_m / EARTH_RADIUS_M;
-        let (sine, cosine) = arc.sin_cos();
-        let half = (0.5 * arc).sin();
-        let radius = EARTH_RADIUS_M + geometry.observer_altitude_m;
-        let drop = radius * 2.0 * half * half;
-        let observer = DVec3::new(
-            radius * sine,
-            0.0,
-            geometry.observer_altitude_m - self.setting.source_altitude_m - drop,
-        );
-        let (sin_az, cos_az) = detector.relative_azimuth_rad.sin_cos();
-        let (sin_el, cos_el) = detector.elevation_rad.sin_cos();
-        let view = DVec3::new(-cosine, 0.0, sine) * (cos_el * cos_az)
-            + DVec3::Y * (cos_el * sin_az)
-            + DVec3::new(sine, 0.0, cosine) * sin_el;
-        Ray { observer, view, path: SlantPath::new(geometry.observer_altitude_m, sin_el) }
     }
 
     /// Follows one path from the source to its end.
@@ -218,48 +192,16 @@ impl ForwardTracer {
         tally: &mut Tally,
         caught: &mut [f64; LOBE_COUNT],
     ) {
-        let (x, w) = (flight.start, flight.direction);
-        let (o, v) = (ray.observer, ray.view);
-        if v.z.abs() < 1e-4 {
-            return;
-        }
-        // Same height: u = u₀ + u₁t along the view ray; same distance from the vertical: At² + 2Bt + C = 0.
-        let (u0, u1) = ((x.z - o.z) / v.z, w.z / v.z);
-        let across2 = v.x * v.x + v.y * v.y;
-        let a = w.x * w.x + w.y * w.y - across2 * u1 * u1;
-        let b = x.x * w.x + x.y * w.y - o.x * v.x * u1 - across2 * u0 * u1;
-        let c = x.x * x.x + x.y * x.y - o.x * o.x - 2.0 * o.x * v.x * u0 - across2 * u0 * u0;
-        let discriminant = b * b - a * c;
-        if discriminant < 0.0 {
-            return;
-        }
-        // Both roots without cancellation.
-        let q = -(b + discriminant.sqrt().copysign(b));
-        for t in [q / a, c / q] {
-            let u = u0 + u1 * t;
-            if !(t > 0.0 && t < end_m && u > 0.0) {
-                continue;
-            }
-            let (here, there) = (x + w * t, o + v * u);
-            let rho = here.x.hypot(here.y);
-            if rho < 1e-6 {
-                continue;
-            }
-            // Turns the view ray about the vertical until it passes through the crossing.
-            let around = DVec2::new(here.x, here.y) / rho;
-            let turn = around.rotate(DVec2::new(there.x, -there.y) / rho);
-            let across = turn.rotate(DVec2::new(v.x, v.y));
-            let view = DVec3::new(across.x, across.y, v.z);
-            let tangent = DVec3::new(-around.y, around.x, 0.0);
-            let facing = w.dot(view.cross(tangent)).abs();
-            let point = path.point(t);
-            let seen = ray.path.point(u);
+        for crossing in ray.crossings(flight.start, flight.direction, end_m).into_iter().flatten() {
+            let point = path.point(crossing.flight_m);
+            let seen = ray.path.point(crossing.view_m);
             let columns_m = [point.columns_m[0] + seen.columns_m[0], point.columns_m[1] + seen.columns_m[1]];
             let through = (-optical_depths(&self.setting.atmosphere, columns_m)[self.band]).exp();
-            let density = relative_densities(point.altitude_m);
-            let scatterers =
-                [self.molecules_per_m * density[0], AEROSOL_ALBEDO * self.aerosol_per_m * density[1]];
-            let value = through * mixed_phase(scatterers, -w.dot(view)) / (TAU * rho * facing.max(1e-12));
+            let scatterers = [
+                self.molecules_per_m * point.density[0],
+                AEROSOL_ALBEDO * self.aerosol_per_m * point.density[1],
+            ];
+            let value = through * mixed_phase(scatterers, crossing.cos_gamma) / (TAU * crossing.facing_m);
             for lobe in 0..LOBE_COUNT {
                 let value = value * flight.weight[lobe];
                 tally[flight.order.min(TOLD_ORDERS - 1)][lobe] += value;

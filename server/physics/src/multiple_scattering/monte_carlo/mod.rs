@@ -5,6 +5,7 @@
 //! at once, by the symmetry about the source's vertical. Each checks the other.
 
 mod backward;
+mod crossing;
 mod draws;
 mod forward;
 

@@ -1,0 +1,198 @@
+use super::{
+    monte_carlo::{Detector, ForwardTracer, Tracer},
+    *,
+};
+use crate::{
+    Atmosphere, Band, Turbidity,
+    quadrature::integrate_adaptive,
+    single_source::{SourceGeometry, radiance_per_watt_of},
+};
+use std::{f64::consts::PI, sync::LazyLock};
+
+fn setting(turbidity: f64, source_altitude_m: f64, ground_altitude_m: f64, albedo: f64) -> SourceSetting {
+    let atmosphere = Atmosphere::new(Turbidity::new(turbidity).unwrap());
+    SourceSetting::new(atmosphere, source_altitude_m, ground_altitude_m, albedo).unwrap()
+}
+
+fn at(distance_m: f64) -> SourceGeometry {
+    SourceGeometry { distance_m, source_altitude_m: 0.0, observer_altitude_m: 0.0 }
+}
+
+/// Turbidity 2, source and ground at sea level, the default ground: solved once for all tests here.
+static FIELD: LazyLock<SourceField> = LazyLock::new(|| {
+    SourceField::solve(setting(2.0, 0.0, 0.0, DEFAULT_GROUND_ALBEDO), &Resolution::coarse())
+});
+
+#[test]
+fn what_is_scattered_out_of_the_beams_is_scattered_in_absorbed_or_escapes() {
+    let powers = FIELD.powers();
+    assert!(powers.len() >= 6);
+    for power in powers {
+        // Direct light by quadrature; later orders on the coarse grid, counted at both ends of the transport.
+        let tolerance = if power.order == 0 { 1e-4 } else { 0.03 };
+        for (band, lobes) in power.imbalance().iter().enumerate() {
+            for (lobe, imbalance) in lobes.iter().enumerate() {
+                assert!(imbalance.abs() < tolerance, "order {} {band} {lobe}: {imbalance}", power.order);
+            }
+        }
+    }
+    // The check can fail: without what escapes nothing balances.
+    let first = &powers[1];
+    assert!(first.escaped_w()[1][0] > 0.3 * first.sent_w()[1][0]);
+    assert!(powers.windows(2).skip(1).all(|pair| pair[1].sent_w()[1][0] < 0.6 * pair[0].sent_w()[1][0]));
+}
+
+#[test]
+fn orders_converge_one_by_one() {
+    let changes = FIELD.changes();
+    assert_eq!(changes[0], 1.0);
+    assert!(changes.windows(2).all(|pair| pair[1] < pair[0]), "{changes:?}");
+    let few = Resolution { most_orders: 3, ..Resolution::coarse() };
+    let short = SourceField::solve(setting(2.0, 0.0, 0.0, DEFAULT_GROUND_ALBEDO), &few);
+    // The geometric tail already makes up for most of what three orders leave out.
+    let (long, short) = (
+        FIELD.radiance_per_watt(&at(10e3), 0.5, 0.8).unwrap(),
+        short.radiance_per_watt(&at(10e3), 0.5, 0.8).unwrap(),
+    );
+    assert!((short[1][0] / long[1][0] - 1.0).abs() < 0.02, "{short:?} {long:?}");
+}
+
+#[test]
+fn first_order_light_on_the_grid_is_that_of_single_source() {
+    // The flux from above at the ground, ∫ L sin φ dΩ over the sky of `single_source`.
+    let setting = setting(2.0, 0.0, 0.0, 0.0);
+    let resolution = Resolution::table();
+    let grid = grid::FieldGrid::new(0.0, 0.0, 0.4, 1);
+    let rule = first_order::FirstOrderRule::new(
+        resolution.first_polar,
+        resolution.first_around,
+        resolution.first_along,
+    );
+    let first = first_order::FirstOrder::new(&setting, &rule, grid::TOP_ALTITUDE_M);
+    for point in [9, 12, 15, 17] {
+        let (distance_m, altitude_m) = grid.place_m(point);
+        assert_eq!(altitude_m, 0.0);
+        let place = first.at(&grid, point, 2);
+        let flux = integrate_adaptive(0.0, 0.5 * PI, 1e-3, 0.0, |elevation| {
+            integrate_adaptive(0.0, PI, 1e-3, 0.0, |azimuth| {
+                let sky =
+                    radiance_per_watt_of(&setting.atmosphere, &at(distance_m), azimuth, elevation, 1e-4);
+                [0, 1, 2].map(|lobe| 2.0 * sky[1][lobe] * elevation.sin() * elevation.cos())
+            })
+        });
+        for (lobe, flux) in flux.iter().enumerate() {
+            let error = place.down_flux[3 + lobe] / flux - 1.0;
+            assert!(error.abs() < 0.02, "{distance_m} m, lobe {lobe}: {error}");
+        }
+    }
+}
+
+#[test]
+fn the_sky_is_mirror_symmetric_and_a_row_agrees_with_the_sum_of_moments() {
+    for elevation in [0.1f64, 0.6, 1.5] {
+        let row = ViewRow::new(&FIELD, 0.0, elevation).unwrap();
+        for (distance_m, azimuth) in [(400.0, 0.4), (7e3, 1.7), (60e3, 2.8)] {
+            let left = row.radiance_per_watt(distance_m, azimuth);
+            let right = row.radiance_per_watt(distance_m, -azimuth);
+            let exact = FIELD.radiance_per_watt(&at(distance_m), azimuth, elevation).unwrap();
+            for band in 0..3 {
+                for lobe in 0..3 {
+                    assert!(left[band][lobe] > 0.0 && left[band][lobe].is_finite());
+                    assert!((left[band][lobe] / right[band][lobe] - 1.0).abs() < 1e-5);
+                    let error = left[band][lobe] / exact[band][lobe] - 1.0;
+                    assert!(error.abs() < 0.02, "{distance_m} {azimuth} {elevation}: {error}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_zenith_is_brightened_as_was_measured_before() {
+    // Total over first order at turbidity 2, from an earlier Monte Carlo: 1.3 at 2 km, 2.2 at 50 km.
+    for (distance_m, low, high) in [(2e3, 1.2, 1.45), (50e3, 1.9, 3.0)] {
+        let first = radiance_per_watt_of(&FIELD.setting().atmosphere, &at(distance_m), 0.0, 0.5 * PI, 1e-6);
+        let more = FIELD.radiance_per_watt(&at(distance_m), 0.0, 0.5 * PI).unwrap();
+        let ratio = 1.0 + more[1][0] / first[1][0];
+        assert!(ratio > low && ratio < high, "{distance_m}: {ratio}");
+    }
+}
+
+#[test]
+fn a_brighter_ground_brightens_the_sky() {
+    let coarse = Resolution::coarse();
+    let dark = SourceField::solve(setting(2.0, 0.0, 0.0, 0.0), &coarse);
+    let snow = SourceField::solve(setting(2.0, 0.0, 0.0, 0.8), &coarse);
+    let zenith = |field: &SourceField| field.radiance_per_watt(&at(5e3), 0.0, 1.5).unwrap()[1][0];
+    assert!(zenith(&dark) < zenith(&FIELD));
+    // Little of the light reaches the ground: forward tracing has 1.23 here too (zenith at 5 km, albedo 0.8).
+    let brighter = zenith(&snow) / zenith(&FIELD);
+    assert!(brighter > 1.1 && brighter < 1.35, "{brighter}");
+}
+
+#[test]
+fn the_solver_agrees_with_light_traced_forward() {
+    let directions = [(0.0f64, 1.57f64), (0.0, 0.5), (1.6, 0.5), (3.1, 0.8)];
+    let detectors: Vec<Detector> = [2e3, 10e3]
+        .into_iter()
+        .flat_map(|distance_m| {
+            directions.map(|(relative_azimuth_rad, elevation_rad)| Detector {
+                geometry: at(distance_m),
+                relative_azimuth_rad,
+                elevation_rad,
+            })
+        })
+        .collect();
+    let traced = ForwardTracer::new(*FIELD.setting(), Band::G).estimate(&detectors, 60_000, 7);
+    for (detector, traced) in detectors.iter().zip(&traced) {
+        let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
+        let more = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
+        let first =
+            radiance_per_watt_of(&FIELD.setting().atmosphere, &detector.geometry, azimuth, elevation, 1e-6);
+        let total = first[1][0] + traced.radiance_per_m2_sr[0];
+        let noise = traced.standard_error_per_m2_sr[0] / total;
+        let error = (first[1][0] + more) / total - 1.0;
+        assert!(error.abs() < 0.05 + 4.0 * noise, "{detector:?}: {error} with noise {noise}");
+        // The tracer's own first order against the quadrature.
+        let check = traced.by_order_per_m2_sr[0][0] / first[1][0] - 1.0;
+        assert!(check.abs() < 0.1, "{detector:?}: first order {check}");
+        // Without the higher orders the check fails.
+        assert!((first[1][0] / total - 1.0).abs() > 0.05 + 4.0 * noise);
+    }
+}
+
+#[test]
+fn both_tracers_agree_and_are_the_same_on_any_number_of_threads() {
+    let setting = setting(2.0, 1_000.0, 300.0, 0.5);
+    let geometry = SourceGeometry { distance_m: 4e3, source_altitude_m: 1_000.0, observer_altitude_m: 300.0 };
+    let (azimuth, elevation) = (1.0, 0.7);
+    let backward = Tracer::new(setting, Band::G, &geometry);
+    let forward = ForwardTracer::new(setting, Band::G);
+    let detector = Detector { geometry, relative_azimuth_rad: azimuth, elevation_rad: elevation };
+    let run =
+        || (backward.estimate(azimuth, elevation, 20_000, 3), forward.estimate(&[detector], 60_000, 3)[0]);
+    let (b, f) = run();
+    for lobe in 0..3 {
+        let difference = b.radiance_per_m2_sr[lobe] - f.radiance_per_m2_sr[lobe];
+        let noise = b.standard_error_per_m2_sr[lobe].hypot(f.standard_error_per_m2_sr[lobe]);
+        assert!(difference.abs() < 4.0 * noise, "lobe {lobe}: {b:?} {f:?}");
+        assert!(noise < 0.2 * b.radiance_per_m2_sr[lobe], "lobe {lobe}: {b:?} {f:?}");
+    }
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(alone.install(run), (b, f));
+}
+
+#[test]
+fn wrong_settings_and_observers_are_refused_by_name() {
+    let atmosphere = Atmosphere::new(Turbidity::default());
+    let ground = SourceSetting::new(atmosphere, 100.0, 200.0, 0.15).unwrap_err().to_string();
+    assert!(ground.contains("ground_altitude"), "{ground}");
+    assert!(SourceSetting::new(atmosphere, 100.0, 0.0, 1.5).is_err());
+    assert!(SourceSetting::new(atmosphere, f64::NAN, 0.0, 0.15).is_err());
+    assert_eq!(SourceSetting::for_observer(atmosphere, 900.0, 300.0, 0.15).unwrap().ground_altitude_m, 300.0);
+    let elsewhere = SourceGeometry { source_altitude_m: 5.0, ..at(1e3) };
+    let error = FIELD.radiance_per_watt(&elsewhere, 0.0, 0.5).unwrap_err().to_string();
+    assert!(error.contains("source_altitude"), "{error}");
+    assert!(ViewRow::new(&FIELD, -10.0, 0.5).is_err());
+    assert!(ViewRow::new(&FIELD, 0.0, -0.1).is_err());
+}
