@@ -5,7 +5,7 @@ use half::f16;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, GeoPoint, LOBE_COUNT};
 use skyglow_scene::{PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 use skyglow_tables::{
-    OffsetAxis,
+    OffsetAxis, Scattering,
     resident::{FREQUENCY_COUNT, ResidentTables},
 };
 use std::sync::Arc;
@@ -75,6 +75,7 @@ pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
     }
     ResidentTables {
         turbidity,
+        scattering: Scattering::Single,
         checksum: format!("{:016x}", turbidity.to_bits() ^ basis_count as u64),
         observer_altitude_m,
         offset_count: OFFSET_COUNT,

@@ -4,6 +4,7 @@
 //!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
 //!   directions=ten|wide|mitsuba  paths=65536  resolution=table|reference|coarse  source_m=0  observer_m=0
 //!   albedo=0.15  seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
+//!   speed=yes|no (how long a row and a ray take)
 //!   and any field of `Resolution` by its name
 //!
 //! A line a direction: the first order, the total by both, the solver's relative error of the total and the
@@ -206,6 +207,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         } else {
             Vec::new()
         };
+        if options.text("speed", "no") == "yes" {
+            tell_speed(&field, observer_altitude_m)?;
+        }
         println!("# T  km  band lobe  az  el  first  total(solver)  total(MC)  MC/first  error%  noise%");
         for (distance_index, &distance_km) in distances_km.iter().enumerate() {
             let geometry =
@@ -278,5 +282,29 @@ fn main() -> Result<(), Box<dyn Error>> {
         part.print(name);
     }
     all.print("all");
+    Ok(())
+}
+
+/// Times rows and rays.
+fn tell_speed(field: &SourceField, observer_altitude_m: f64) -> Result<(), Box<dyn Error>> {
+    let (rows, rays) = (16, 4_000);
+    let (mut row_s, mut ray_s, mut sum) = (0.0, 0.0, 0.0);
+    for row in 0..rows {
+        let elevation = (f64::from(row) + 0.5) / f64::from(rows) * std::f64::consts::FRAC_PI_2;
+        let started = Instant::now();
+        let row = ViewRow::new(field, observer_altitude_m, elevation)?;
+        row_s += started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        for ray in 0..rays {
+            let share = f64::from(ray) / f64::from(rays);
+            sum += row.radiance_per_watt(250.0 * 1_200f64.powf(share), 37.0 * share)[1][0];
+        }
+        ray_s += started.elapsed().as_secs_f64();
+    }
+    println!(
+        "#   a row takes {:.2} ms, a ray {:.2} microseconds (sum {sum:.3e})",
+        1e3 * row_s / f64::from(rows),
+        1e6 * ray_s / f64::from(rows * rays)
+    );
     Ok(())
 }

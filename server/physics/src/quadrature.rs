@@ -85,7 +85,8 @@ fn kronrod<const N: usize>(
         // digits.
         let difference = (fine[k] - coarse[k]).abs();
         let scale = fine[k].abs().max(f64::MIN_POSITIVE);
-        error[k] = scale * (200.0 * difference / scale).powf(1.5).min(difference / scale);
+        let ratio = 200.0 * difference / scale;
+        error[k] = scale * (ratio * ratio.sqrt()).min(difference / scale);
     }
     (fine, error)
 }

@@ -17,7 +17,7 @@ pub mod spectrum;
 
 pub use axes::{OffsetAxis, TableAxes, lagrange_taps};
 pub use error::TablesError;
-pub use manifest::Manifest;
+pub use manifest::{Manifest, Scattering};
 pub use pack::{Pack, packs_in};
 pub use precompute::{PrecomputeOptions, Progress, Silent, precompute, precompute_together};
 pub use resident::ResidentTables;

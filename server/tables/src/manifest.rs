@@ -14,11 +14,26 @@ pub const FORMAT_VERSION: u32 = 2;
 pub const MODEL_VERSION: u32 = 1;
 
 /// Which orders of scattering a pack holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scattering {
     /// First order alone.
     Single,
+    /// All orders, with light that a Lambertian ground sends back.
+    Multiple,
+}
+
+impl Scattering {
+    /// Both, the better one last.
+    pub const ALL: [Self; 2] = [Self::Single, Self::Multiple];
+
+    /// Name in files, commands and requests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::Multiple => "multiple",
+        }
+    }
 }
 
 /// Error of a pack against the converged f64 integral, on single sources between its sample points: distance,
@@ -65,6 +80,9 @@ pub struct Manifest {
     pub turbidity: f64,
     /// Orders of scattering.
     pub scattering: Scattering,
+    /// Lambertian albedo of the ground that multiply scattered light was computed over.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_albedo: Option<f64>,
     /// Wavelengths of R, G, B, nanometres.
     pub bands_nm: Vec<f64>,
     /// Lobes in array order.
@@ -113,6 +131,9 @@ pub struct PackParameters {
     pub turbidity: f64,
     /// Orders of scattering.
     pub scattering: Scattering,
+    /// Lambertian albedo of the ground, where scattering is multiple.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_albedo: Option<f64>,
     /// Sample points.
     pub axes: TableAxes,
     /// M.
@@ -131,6 +152,7 @@ impl PackParameters {
             model_version: MODEL_VERSION,
             turbidity: self.turbidity,
             scattering: self.scattering,
+            ground_albedo: self.ground_albedo,
             bands_nm: Band::ALL.map(Band::wavelength_nm).to_vec(),
             lobes: Lobe::ALL.map(|lobe| lobe.name().to_owned()).to_vec(),
             azimuth_count: AZIMUTH_COUNT,
@@ -155,8 +177,10 @@ impl PackParameters {
             measured_error,
             checksum,
             command: format!(
-                "skyglow precompute --turbidity {} --scattering single --basis {}",
-                self.turbidity, self.basis_count
+                "skyglow precompute --turbidity {} --scattering {} --basis {}",
+                self.turbidity,
+                self.scattering.name(),
+                self.basis_count
             ),
         }
     }

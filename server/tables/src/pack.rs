@@ -8,7 +8,7 @@ use crate::{
     axes::{OffsetAxis, lagrange_taps},
     error::TablesError,
     images::IMAGE_COUNT,
-    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest},
+    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering},
     resident::{FREQUENCY_COUNT, ResidentTables},
 };
 use half::f16;
@@ -54,8 +54,8 @@ pub fn packs_in(folder: &Path) -> Result<Vec<PathBuf>, TablesError> {
 }
 
 /// File name of a pack, without folder.
-pub fn pack_file_name(turbidity: f64) -> String {
-    format!("turbidity-{turbidity:.2}-single.{PACK_EXTENSION}")
+pub fn pack_file_name(turbidity: f64, scattering: Scattering) -> String {
+    format!("turbidity-{turbidity:.2}-{}.{PACK_EXTENSION}", scattering.name())
 }
 
 /// Equal byte positions of `width`-byte values side by side: smooth tables then compress.
@@ -117,7 +117,7 @@ impl Pack {
     /// # Errors
     /// [`TablesError`] naming the file.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, TablesError> {
-        let path = folder.join(pack_file_name(self.manifest.turbidity));
+        let path = folder.join(pack_file_name(self.manifest.turbidity, self.manifest.scattering));
         let json = serde_json::to_vec_pretty(&self.manifest)
             .map_err(|error| TablesError::Manifest { path: path.clone(), reason: error.to_string() })?;
         let mut bytes = Vec::new();
@@ -247,6 +247,7 @@ impl Pack {
         );
         ResidentTables {
             turbidity: self.manifest.turbidity,
+            scattering: self.manifest.scattering,
             checksum: self.manifest.checksum.clone(),
             observer_altitude_m: axes.observer_altitude_m.clone(),
             offset_count: offsets,

@@ -17,7 +17,9 @@ use crate::{
 };
 use half::f16;
 use rayon::prelude::*;
-use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, Turbidity};
+use skyglow_physics::{
+    Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, Turbidity, multiple_scattering::DEFAULT_GROUND_ALBEDO,
+};
 use std::path::{Path, PathBuf};
 
 /// Watches a precompute.
@@ -42,6 +44,10 @@ impl Progress for Silent {
 pub struct PrecomputeOptions {
     /// Turbidity of the pack.
     pub turbidity: Turbidity,
+    /// Orders of scattering.
+    pub scattering: Scattering,
+    /// Lambertian albedo of the ground, 0..=1; nothing where scattering is single.
+    pub ground_albedo: f64,
     /// Sample points.
     pub axes: TableAxes,
     /// M, a multiple of 4.
@@ -62,6 +68,8 @@ impl PrecomputeOptions {
     pub fn full(turbidity: Turbidity) -> Self {
         Self {
             turbidity,
+            scattering: Scattering::Single,
+            ground_albedo: DEFAULT_GROUND_ALBEDO,
             axes: TableAxes::full(),
             basis_count: DEFAULT_BASIS_COUNT,
             training_geometries: 220,
@@ -74,6 +82,8 @@ impl PrecomputeOptions {
     pub fn coarse(turbidity: Turbidity) -> Self {
         Self {
             turbidity,
+            scattering: Scattering::Single,
+            ground_albedo: DEFAULT_GROUND_ALBEDO,
             axes: TableAxes::coarse(),
             basis_count: 16,
             training_geometries: 12,
@@ -85,7 +95,8 @@ impl PrecomputeOptions {
     fn parameters(&self, turbidity: Turbidity) -> PackParameters {
         PackParameters {
             turbidity: turbidity.value(),
-            scattering: Scattering::Single,
+            scattering: self.scattering,
+            ground_albedo: (self.scattering == Scattering::Multiple).then_some(self.ground_albedo),
             axes: self.axes.clone(),
             basis_count: self.basis_count,
             training_geometries: self.training_geometries,

@@ -1,6 +1,6 @@
 //! A pack laid out for evaluation: distances resampled to the rings of the polar grid.
 
-use crate::axes::OffsetAxis;
+use crate::{axes::OffsetAxis, manifest::Scattering};
 use half::f16;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 
@@ -14,6 +14,8 @@ pub const FREQUENCY_COUNT: usize = 129;
 pub struct ResidentTables {
     /// Turbidity of the pack.
     pub turbidity: f64,
+    /// Orders of scattering in it.
+    pub scattering: Scattering,
     /// Checksum of the pack file, hexadecimal.
     pub checksum: String,
     /// Observer altitudes of the table, metres, ascending.

@@ -6,8 +6,10 @@ use crate::geometry::EARTH_RADIUS_M;
 pub(super) const TOP_ALTITUDE_M: f64 = 62_000.0;
 /// Outermost ring of the grid, metres of arc.
 pub(super) const OUTER_DISTANCE_M: f64 = 420_000.0;
-/// Rings are even in ln(1 + ρ/this): as far apart as this close to the source.
-const RING_SCALE_M: f64 = 60.0;
+/// Rings are even in x = ln(1 + ρ/`RING_NEAR_M`) + ρ/`RING_FAR_M`: in proportion to distance, but no farther
+/// apart than a step of `RING_FAR_M`, as light in haze falls exponentially far from the source.
+const RING_NEAR_M: f64 = 60.0;
+const RING_FAR_M: f64 = 100_000.0;
 /// Distances above and below the source's altitude at which there is a layer, metres.
 const LAYER_OFFSETS_M: [f64; 26] = [
     0.0, 30.0, 80.0, 150.0, 250.0, 400.0, 600.0, 850.0, 1_150.0, 1_500.0, 2_000.0, 2_600.0, 3_400.0, 4_400.0,
@@ -30,8 +32,32 @@ pub(super) struct Between {
     pub(super) upper_weight: f64,
 }
 
+/// x of a ring.
+#[inline]
+fn ring_coordinate(distance_m: f64) -> f64 {
+    (distance_m / RING_NEAR_M).ln_1p() + distance_m / RING_FAR_M
+}
+
+/// dx/dρ, m⁻¹.
+fn ring_density_per_m(distance_m: f64) -> f64 {
+    1.0 / (RING_NEAR_M + distance_m) + 1.0 / RING_FAR_M
+}
+
+/// The distance with a given x, metres, by Newton's method; x is concave in ρ, so it climbs to the root from 0.
+fn ring_distance_m(coordinate: f64) -> f64 {
+    let mut distance_m = 0.0;
+    for _ in 0..200 {
+        let step_m = (coordinate - ring_coordinate(distance_m)) / ring_density_per_m(distance_m);
+        distance_m += step_m;
+        if step_m.abs() <= 1e-12 * distance_m {
+            break;
+        }
+    }
+    distance_m
+}
+
 impl FieldGrid {
-    /// Rings `ring_step` apart in ln(1 + ρ/60 m); layers dense about the source and the ground, each gap cut
+    /// Rings `ring_step` apart in x; layers dense about the source and the ground, each gap cut
     /// into `layer_cuts` parts.
     pub(super) fn new(
         source_altitude_m: f64,
@@ -39,8 +65,8 @@ impl FieldGrid {
         ring_step: f64,
         layer_cuts: usize,
     ) -> Self {
-        let last = ((1.0 + OUTER_DISTANCE_M / RING_SCALE_M).ln() / ring_step).ceil() as usize;
-        let ring_m = (0..=last).map(|k| RING_SCALE_M * (ring_step * k as f64).exp_m1()).collect();
+        let last = (ring_coordinate(OUTER_DISTANCE_M) / ring_step).ceil() as usize;
+        let ring_m = (0..=last).map(|k| ring_distance_m(ring_step * k as f64)).collect();
         let mut layers: Vec<f64> = vec![ground_altitude_m, TOP_ALTITUDE_M];
         for offset_m in LAYER_OFFSETS_M {
             layers.push(source_altitude_m + offset_m);
@@ -106,7 +132,7 @@ impl FieldGrid {
     /// Where a distance lies among the rings; None beyond the outermost.
     #[inline]
     pub(super) fn ring_at(&self, distance_m: f64) -> Option<Between> {
-        let position = (distance_m / RING_SCALE_M).ln_1p() / self.ring_step;
+        let position = ring_coordinate(distance_m) / self.ring_step;
         let lower = position as usize;
         (lower + 1 < self.ring_m.len()).then_some(Between { lower, upper_weight: position - lower as f64 })
     }
@@ -138,9 +164,8 @@ impl FieldGrid {
         let nodes = crate::quadrature::gauss_legendre(3);
         for ring in 0..self.ring_m.len() - 1 {
             for &(t, weight) in &nodes {
-                let position = self.ring_step * (ring as f64 + t);
-                let distance_m = RING_SCALE_M * position.exp_m1();
-                let width_m = weight * self.ring_step * RING_SCALE_M * position.exp();
+                let distance_m = ring_distance_m(self.ring_step * (ring as f64 + t));
+                let width_m = weight * self.ring_step / ring_density_per_m(distance_m);
                 let circle_m = std::f64::consts::TAU * EARTH_RADIUS_M * (distance_m / EARTH_RADIUS_M).sin();
                 visit(Between { lower: ring, upper_weight: t }, circle_m * width_m);
             }

@@ -59,7 +59,7 @@ impl SourceSetting {
 /// How finely a field is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// Step between rings in ln(1 + ρ/60 m).
+    /// Step between rings in ln(1 + ρ/60 m) + ρ/100 km.
     pub ring_step: f64,
     /// Parts into which each gap between layers is cut.
     pub layer_cuts: usize,
@@ -78,7 +78,9 @@ pub struct Resolution {
     /// Azimuths of later orders in a half turn, at least a third more than `later_degree`: with fewer the
     /// moments alias (23 % at 50 km in thick haze with 10 for degree 12).
     pub azimuths: usize,
-    /// Orders are computed until one adds less than this share anywhere within 300 km.
+    /// Orders are computed until one adds less than this share of the source function anywhere within 300 km;
+    /// the rest is summed as a geometric series. At turbidity 4, 0.05 instead of 0.005 moves no direction at
+    /// 50 and 100 km by more than 2e-3 of its radiance, and 0.15 by little more.
     pub tolerance: f64,
     /// No more orders than this; the rest is summed as a geometric series.
     pub most_orders: usize,
@@ -88,16 +90,16 @@ impl Resolution {
     /// For tables: seconds a field.
     pub fn table() -> Self {
         Self {
-            ring_step: 0.17,
+            ring_step: 0.2,
             layer_cuts: 1,
             first_degree: 24,
             later_degree: 12,
             first_polar: 20,
             first_around: 12,
             first_along: 5,
-            polar_per_hemisphere: 8,
+            polar_per_hemisphere: 12,
             azimuths: 16,
-            tolerance: 5e-3,
+            tolerance: 0.05,
             most_orders: 16,
         }
     }
