@@ -1,6 +1,6 @@
 //! Sky images of single sources: the samples that a basis is fitted to.
 
-use crate::axes::TableAxes;
+use crate::{axes::TableAxes, multiple::MultipleTable};
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
     panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
@@ -61,6 +61,7 @@ pub const MAX_TOGETHER: usize = 6;
 /// The images at one node of the axes, one set for each atmosphere.
 pub fn images_at_node(
     atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
     axes: &TableAxes,
     observer_altitude: usize,
     distance: usize,
@@ -68,6 +69,7 @@ pub fn images_at_node(
 ) -> Vec<SourceImages> {
     images_of(
         atmospheres,
+        multiple,
         &SourceGeometry {
             distance_m: axes.distance_m[distance],
             source_altitude_m: axes.source_altitude_m(observer_altitude, distance, offset),
@@ -77,20 +79,26 @@ pub fn images_at_node(
 }
 
 /// The images of any geometry, one set for each atmosphere. Several cost little more than one: rays, columns
-/// and angles are shared.
-pub fn images_of(atmospheres: &[Atmosphere], geometry: &SourceGeometry) -> Vec<SourceImages> {
+/// and angles are shared. `multiple` is empty for the first order alone, else it holds one table for each
+/// atmosphere, whose light is added.
+pub fn images_of(
+    atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
+    geometry: &SourceGeometry,
+) -> Vec<SourceImages> {
     match atmospheres.len() {
         0 => Vec::new(),
-        1 => images_together::<OUTPUT_COUNT>(atmospheres, geometry),
-        2 => images_together::<{ 2 * OUTPUT_COUNT }>(atmospheres, geometry),
-        3 => images_together::<{ 3 * OUTPUT_COUNT }>(atmospheres, geometry),
-        4 => images_together::<{ 4 * OUTPUT_COUNT }>(atmospheres, geometry),
-        5 => images_together::<{ 5 * OUTPUT_COUNT }>(atmospheres, geometry),
-        MAX_TOGETHER => images_together::<{ MAX_TOGETHER * OUTPUT_COUNT }>(atmospheres, geometry),
+        1 => images_together::<OUTPUT_COUNT>(atmospheres, multiple, geometry),
+        2 => images_together::<{ 2 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
+        3 => images_together::<{ 3 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
+        4 => images_together::<{ 4 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
+        5 => images_together::<{ 5 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
+        MAX_TOGETHER => images_together::<{ MAX_TOGETHER * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
         _ => {
             let (first, rest) = atmospheres.split_at(MAX_TOGETHER);
-            let mut images = images_of(first, geometry);
-            images.extend(images_of(rest, geometry));
+            let (first_multiple, rest_multiple) = multiple.split_at(multiple.len().min(MAX_TOGETHER));
+            let mut images = images_of(first, first_multiple, geometry);
+            images.extend(images_of(rest, rest_multiple, geometry));
             images
         }
     }
@@ -173,13 +181,12 @@ fn image_row<const N: usize>(radiance: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]
 /// `N` is the number of atmospheres times [`OUTPUT_COUNT`].
 fn images_together<const N: usize>(
     atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
     geometry: &SourceGeometry,
 ) -> Vec<SourceImages> {
     let nodes = gauss_legendre(NODES_PER_PIECE);
-    let weights = scale_weights();
     // [atmosphere][lobe][band][row][column]
     let mut values = vec![0.0f64; N * PIXEL_COUNT];
-    let mut mean = [0.0f64; N];
     for row in 0..ELEVATION_COUNT {
         let radiances: Vec<[f64; N]> = image_row(|azimuth| {
             radiance_per_watt_fixed(atmospheres, geometry, azimuth, elevation_rad(row), &nodes)
@@ -191,26 +198,30 @@ fn images_together<const N: usize>(
                 let (atmosphere, rest) = (slot / OUTPUT_COUNT, slot % OUTPUT_COUNT);
                 let image = atmosphere * IMAGE_COUNT + image_index(rest % LOBE_COUNT, rest / LOBE_COUNT);
                 values[image * PIXEL_COUNT + pixel] = value;
-                mean[image] += weights[pixel] * value;
             }
         }
     }
-    let lit = |mean: f64| mean > DARK_LOG_SCALE.exp();
-    (0..atmospheres.len())
-        .map(|atmosphere| {
-            let first = atmosphere * IMAGE_COUNT;
-            let mean: [f64; IMAGE_COUNT] = std::array::from_fn(|image| mean[first + image]);
-            let shape = values[first * PIXEL_COUNT..][..IMAGE_COUNT * PIXEL_COUNT]
-                .chunks_exact(PIXEL_COUNT)
-                .zip(mean)
-                .flat_map(|(image, mean)| {
-                    let factor = if lit(mean) { 1.0 / mean } else { 0.0 };
-                    image.iter().map(move |value| (value * factor) as f32)
-                })
-                .collect();
-            SourceImages { log_scale: mean.map(|m| if lit(m) { m.ln() } else { DARK_LOG_SCALE }), shape }
-        })
-        .collect()
+    for (images, table) in values.chunks_exact_mut(IMAGE_COUNT * PIXEL_COUNT).zip(multiple) {
+        table.add_to(geometry, images);
+    }
+    values.chunks_exact(IMAGE_COUNT * PIXEL_COUNT).map(scale_apart).collect()
+}
+
+/// Images `[image][row][column]` [m⁻² sr⁻¹] as scale and shape.
+fn scale_apart(images: &[f64]) -> SourceImages {
+    let weights = scale_weights();
+    let mut log_scale = [DARK_LOG_SCALE; IMAGE_COUNT];
+    let mut shape = Vec::with_capacity(images.len());
+    for (image, log_scale) in images.chunks_exact(PIXEL_COUNT).zip(&mut log_scale) {
+        let mean: f64 = weights.iter().zip(image).map(|(weight, value)| weight * value).sum();
+        let lit = mean > DARK_LOG_SCALE.exp();
+        if lit {
+            *log_scale = mean.ln();
+        }
+        let factor = if lit { 1.0 / mean } else { 0.0 };
+        shape.extend(image.iter().map(|value| (value * factor) as f32));
+    }
+    SourceImages { log_scale, shape }
 }
 
 #[cfg(test)]
@@ -223,7 +234,7 @@ mod tests {
         let atmosphere = Atmosphere::new(Turbidity::default());
         let geometry =
             SourceGeometry { distance_m: 20_000.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
-        let images = &images_of(&[atmosphere], &geometry)[0];
+        let images = &images_of(&[atmosphere], &[], &geometry)[0];
         let mean: f64 = scale_weights().iter().zip(&images.shape).map(|(w, &x)| w * f64::from(x)).sum();
         assert!((mean - 1.0).abs() < 1e-6);
         // Two atmospheres at once give the same as each alone, far away and in haze too, where rows are steep.
@@ -231,9 +242,9 @@ mod tests {
         let [clean, hazy] = [clean, hazy].map(|t| Atmosphere::new(Turbidity::new(t).unwrap()));
         for distance_m in [20_000.0, 200_000.0] {
             let geometry = SourceGeometry { distance_m, ..geometry };
-            let together = images_of(&[clean, hazy], &geometry);
+            let together = images_of(&[clean, hazy], &[], &geometry);
             for (one, both) in [clean, hazy].into_iter().zip(&together) {
-                let alone = &images_of(&[one], &geometry)[0];
+                let alone = &images_of(&[one], &[], &geometry)[0];
                 assert_eq!((&alone.shape, alone.log_scale), (&both.shape, both.log_scale));
             }
         }
@@ -249,7 +260,7 @@ mod tests {
             [(300.0, 0.0, 0.0), (5_000.0, 1_100.0, 300.0), (30_000.0, 400.0, 1_900.0), (200_000.0, 0.0, 0.0)]
         {
             let geometry = SourceGeometry { distance_m, source_altitude_m, observer_altitude_m };
-            let images = &images_of(&atmospheres, &geometry)[0];
+            let images = &images_of(&atmospheres, &[], &geometry)[0];
             let mut errors = Vec::new();
             for row in (0..ELEVATION_COUNT).step_by(7) {
                 for column in DENSE_COLUMN_COUNT..HALF_COLUMN_COUNT {

@@ -4,6 +4,7 @@ use crate::{
     axes::TableAxes,
     fit::WEIGHT_EXPONENT,
     images::{DARK_LOG_SCALE, NODES_PER_PIECE},
+    multiple::MultipleAxes,
 };
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Lobe};
@@ -122,6 +123,9 @@ pub struct Parameters {
     pub fit_iterations: usize,
     /// Log scale that stands for no light.
     pub dark_log_scale: f64,
+    /// Sample points of multiply scattered light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub multiple: Option<MultipleAxes>,
 }
 
 /// What decides a pack's content, before it is made.
@@ -131,9 +135,9 @@ pub struct PackParameters {
     pub turbidity: f64,
     /// Orders of scattering.
     pub scattering: Scattering,
-    /// Lambertian albedo of the ground, where scattering is multiple.
+    /// Sample points of multiply scattered light, where scattering is multiple.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub ground_albedo: Option<f64>,
+    pub multiple: Option<MultipleAxes>,
     /// Sample points.
     pub axes: TableAxes,
     /// M.
@@ -152,7 +156,7 @@ impl PackParameters {
             model_version: MODEL_VERSION,
             turbidity: self.turbidity,
             scattering: self.scattering,
-            ground_albedo: self.ground_albedo,
+            ground_albedo: self.multiple.as_ref().map(|multiple| multiple.ground_albedo),
             bands_nm: Band::ALL.map(Band::wavelength_nm).to_vec(),
             lobes: Lobe::ALL.map(|lobe| lobe.name().to_owned()).to_vec(),
             azimuth_count: AZIMUTH_COUNT,
@@ -173,6 +177,7 @@ impl PackParameters {
                 training_geometries: self.training_geometries,
                 fit_iterations: self.fit_iterations,
                 dark_log_scale: DARK_LOG_SCALE,
+                multiple: self.multiple.clone(),
             },
             measured_error,
             checksum,

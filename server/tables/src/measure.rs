@@ -3,8 +3,9 @@
 
 use crate::{
     axes::lagrange_taps,
-    images::HALF_COLUMN_COUNT,
+    images::{HALF_COLUMN_COUNT, image_index},
     manifest::{LobeError, MeasuredError},
+    multiple::MultipleTable,
     pack::Pack,
     resident::{FREQUENCY_COUNT, ResidentTables},
 };
@@ -76,13 +77,20 @@ const INVISIBLE_PER_M2_SR: f64 = 1e-22;
 type SourceErrors = [(Vec<f64>, Vec<f64>); LOBE_COUNT];
 
 /// Measures a pack on `sources` single sources, each in 40 directions, all bands and lobes that carry light.
-pub(crate) fn measure_error(pack: &Pack, sources: usize, advance: &(dyn Fn() + Sync)) -> MeasuredError {
+///
+/// The truth is the converged first order and, where scattering is multiple, the table of the orders after it.
+pub(crate) fn measure_error(
+    pack: &Pack,
+    multiple: Option<&MultipleTable>,
+    sources: usize,
+    advance: &(dyn Fn() + Sync),
+) -> MeasuredError {
     let Ok(turbidity) = Turbidity::new(pack.manifest().turbidity) else { return MeasuredError::default() };
     let atmosphere = Atmosphere::new(turbidity);
     let every: Vec<SourceErrors> = (1..=sources)
         .into_par_iter()
         .map(|i| {
-            let errors = source_errors(pack, &atmosphere, i);
+            let errors = source_errors(pack, &atmosphere, multiple, i);
             advance();
             errors
         })
@@ -124,7 +132,12 @@ pub(crate) fn measure_error(pack: &Pack, sources: usize, advance: &(dyn Fn() + S
 }
 
 /// Source `i` of an even spread over distance, observer altitude and offset.
-fn source_errors(pack: &Pack, atmosphere: &Atmosphere, i: usize) -> SourceErrors {
+fn source_errors(
+    pack: &Pack,
+    atmosphere: &Atmosphere,
+    multiple: Option<&MultipleTable>,
+    i: usize,
+) -> SourceErrors {
     let spread = |ratio: f64| (i as f64 * ratio).fract();
     let distance_m = 250.0 * 1_200f64.powf(spread(0.819_172_5));
     let observer_altitude_m = 6_000.0 * spread(0.671_043_6).powi(2);
@@ -144,7 +157,17 @@ fn source_errors(pack: &Pack, atmosphere: &Atmosphere, i: usize) -> SourceErrors
     let truth: Vec<_> = directions
         .iter()
         .map(|&(row, column)| {
-            radiance_per_watt_of(atmosphere, &geometry, azimuth_rad(column), elevation_rad(row), 1e-6)
+            let (azimuth, elevation) = (azimuth_rad(column), elevation_rad(row));
+            let mut truth = radiance_per_watt_of(atmosphere, &geometry, azimuth, elevation, 1e-6);
+            if let Some(table) = multiple {
+                let more = table.radiance_per_watt(&geometry, row, column);
+                for (band, lobes) in truth.iter_mut().enumerate() {
+                    for (lobe, value) in lobes.iter_mut().enumerate() {
+                        *value += more[image_index(lobe, band)];
+                    }
+                }
+            }
+            truth
         })
         .collect();
     let mut errors: SourceErrors = Default::default();

@@ -102,11 +102,6 @@ impl Pack {
         &self.manifest
     }
 
-    /// Measures the pack's error anew on `sources` sources (seconds) and puts it into the manifest.
-    pub fn measure(&mut self, sources: usize) {
-        self.manifest.measured_error = crate::measure::measure_error(self, sources, &|| ());
-    }
-
     pub(crate) fn manifest_mut(&mut self) -> &mut Manifest {
         &mut self.manifest
     }

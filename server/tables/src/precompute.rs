@@ -12,6 +12,7 @@ use crate::{
     images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node},
     manifest::{MeasuredError, PackParameters, Scattering},
     measure::measure_error,
+    multiple::{MultipleAxes, MultipleTable},
     pack::Pack,
     spectrum::even_spectrum,
 };
@@ -92,11 +93,17 @@ impl PrecomputeOptions {
         }
     }
 
+    /// Sample points of multiply scattered light; None for the first order alone.
+    fn multiple_axes(&self) -> Option<MultipleAxes> {
+        let axes = if self.axes == TableAxes::full() { MultipleAxes::full } else { MultipleAxes::coarse };
+        (self.scattering == Scattering::Multiple).then(|| axes(self.ground_albedo))
+    }
+
     fn parameters(&self, turbidity: Turbidity) -> PackParameters {
         PackParameters {
             turbidity: turbidity.value(),
             scattering: self.scattering,
-            ground_albedo: (self.scattering == Scattering::Multiple).then_some(self.ground_albedo),
+            multiple: self.multiple_axes(),
             axes: self.axes.clone(),
             basis_count: self.basis_count,
             training_geometries: self.training_geometries,
@@ -143,7 +150,8 @@ pub fn precompute_together(
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
     let checkpoints: Vec<Checkpoint> =
         parameters.iter().map(|p| Checkpoint::open(out, p)).collect::<Result<_, _>>()?;
-    let bases = make_bases(options, &atmospheres, &checkpoints, progress)?;
+    let multiple = make_multiple(options, &atmospheres, &checkpoints, progress)?;
+    let bases = make_bases(options, &atmospheres, &multiple, &checkpoints, progress)?;
     let projectors: Vec<Projector> = bases.iter().map(Projector::new).collect();
     let (observers, distances) = (options.axes.observer_altitude_m.len(), options.axes.distance_m.len());
     progress.begin("sky images", (observers * distances) as u64);
@@ -160,7 +168,8 @@ pub fn precompute_together(
             let values = match stored {
                 Some(values) => values,
                 None => {
-                    let values = make_part(options, &atmospheres, &projectors, observer, distance)?;
+                    let values =
+                        make_part(options, &atmospheres, &multiple, &projectors, observer, distance)?;
                     for (checkpoint, values) in checkpoints.iter().zip(&values) {
                         checkpoint.store(&name, values)?;
                     }
@@ -182,7 +191,7 @@ pub fn precompute_together(
             even_spectrum(&basis.functions),
         );
         pack.manifest_mut().measured_error =
-            measure_error(&pack, options.error_sources, &|| progress.advance(1));
+            measure_error(&pack, multiple.get(index), options.error_sources, &|| progress.advance(1));
         paths.push(pack.write(out)?);
     }
     for checkpoint in checkpoints {
@@ -250,9 +259,42 @@ fn node_raised_share(axes: &TableAxes, observer: usize, distance: usize, offset:
     raised_share(altitude_m - axes.observer_altitude_m[observer], axes.distance_m[distance])
 }
 
+/// Multiply scattered light of every turbidity; empty for the first order alone.
+fn make_multiple(
+    options: &PrecomputeOptions,
+    atmospheres: &[Atmosphere],
+    checkpoints: &[Checkpoint],
+    progress: &dyn Progress,
+) -> Result<Vec<MultipleTable>, TablesError> {
+    let Some(axes) = options.multiple_axes() else { return Ok(Vec::new()) };
+    let parts = axes.ground_altitude_m.len() * axes.offset_m.len();
+    progress.begin("multiple scattering", (parts * atmospheres.len()) as u64);
+    let distance_m = &options.axes.distance_m;
+    let name = |ground: usize, offset: usize| format!("multiple-{ground:02}-{offset:02}");
+    atmospheres
+        .iter()
+        .zip(checkpoints)
+        .map(|(&atmosphere, checkpoint)| {
+            let kept = |ground, offset| {
+                let part = checkpoint
+                    .load(&name(ground, offset))
+                    .filter(|part| part.len() == axes.part_len(distance_m.len()))?;
+                progress.advance(1);
+                Some(part)
+            };
+            let made = |ground, offset, part: &[f32]| {
+                progress.advance(1);
+                checkpoint.store(&name(ground, offset), part)
+            };
+            MultipleTable::solve(atmosphere, &axes, distance_m, kept, made)
+        })
+        .collect()
+}
+
 fn make_bases(
     options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
     checkpoints: &[Checkpoint],
     progress: &dyn Progress,
 ) -> Result<Vec<Basis>, TablesError> {
@@ -270,7 +312,7 @@ fn make_bases(
     let images: Vec<Vec<SourceImages>> = nodes
         .par_iter()
         .map(|&(observer, distance, offset)| {
-            let images = images_at_node(atmospheres, &options.axes, observer, distance, offset);
+            let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
             progress.advance(1);
             images
         })
@@ -297,6 +339,7 @@ fn part_len(options: &PrecomputeOptions) -> usize {
 fn make_part(
     options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
     projectors: &[Projector],
     observer: usize,
     distance: usize,
@@ -314,7 +357,7 @@ fn make_part(
             continue;
         }
         previous_altitude_m = altitude_m;
-        let images = images_at_node(atmospheres, &options.axes, observer, distance, offset);
+        let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
         let raised_share = node_raised_share(&options.axes, observer, distance, offset);
         for ((part, images), projector) in parts.iter_mut().zip(&images).zip(projectors) {
             for lobe in 0..LOBE_COUNT {

@@ -3,7 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot set itself up must stop")]
 
 use skyglow_physics::Turbidity;
-use skyglow_tables::{Pack, PrecomputeOptions, Progress, Silent, TablesError, packs_in, precompute};
+use skyglow_tables::{
+    Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError, packs_in, precompute,
+};
 use std::{
     path::{Path, PathBuf},
     sync::{
@@ -95,6 +97,30 @@ fn a_killed_run_goes_on_and_ends_with_the_same_bytes_on_any_number_of_threads() 
     let path = single.install(|| precompute(&options(), folder.path(), &Silent)).unwrap();
     assert!(std::fs::read(&path).unwrap() == pack_bytes().0, "the packs differ");
     assert!(!partial.exists());
+}
+
+#[test]
+fn a_pack_of_all_orders_is_brighter_than_the_first_alone_and_says_over_which_ground() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = PrecomputeOptions { scattering: Scattering::Multiple, ground_albedo: 0.3, ..options() };
+    let path = precompute(&options, folder.path(), &Silent).unwrap();
+    assert!(path.ends_with("turbidity-2.00-multiple.skyglow"));
+    let pack = Pack::open(&path).unwrap();
+    assert_eq!(pack.manifest().scattering, Scattering::Multiple);
+    assert_eq!(pack.manifest().ground_albedo, Some(0.3));
+    assert!(pack.manifest().command.contains("--scattering multiple"));
+    // Interpolated light of later orders is in the truth that errors are measured against, too.
+    assert!(pack.manifest().measured_error.lobes[0].median < 0.5);
+    let alone = Pack::open(&place(folder.path(), &pack_bytes().0)).unwrap();
+    assert_eq!(alone.manifest().ground_albedo, None);
+    let rings = [1_000.0, 30_000.0, 200_000.0];
+    let (all, first) = (pack.resident(&rings), alone.resident(&rings));
+    // The farther the source, the more of its light has turned more than once.
+    let factor = |ring: usize| {
+        let node = all.node_index(0, 0, 1, ring, 2);
+        f64::from(all.log_scale[node] - first.log_scale[node]).exp()
+    };
+    assert!(factor(0) > 1.02 && factor(1) > factor(0) && factor(2) > factor(1), "{}", factor(0));
 }
 
 fn refusal(bytes: &[u8]) -> String {

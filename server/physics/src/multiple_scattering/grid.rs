@@ -1,5 +1,6 @@
 //! The grid of places around a source: distance from its vertical by altitude.
 
+use super::lanes::quick_ln;
 use crate::geometry::EARTH_RADIUS_M;
 
 /// Top of the grid above the sphere, metres: 4e-4 of the molecules lie above.
@@ -36,6 +37,12 @@ pub(super) struct Between {
 #[inline]
 fn ring_coordinate(distance_m: f64) -> f64 {
     (distance_m / RING_NEAR_M).ln_1p() + distance_m / RING_FAR_M
+}
+
+/// As [`ring_coordinate`], to 1e-6, for every step of every ray.
+#[inline]
+fn quick_ring_coordinate(distance_m: f64) -> f64 {
+    f64::from(quick_ln((1.0 + distance_m / RING_NEAR_M) as f32)) + distance_m / RING_FAR_M
 }
 
 /// dx/dρ, m⁻¹.
@@ -132,7 +139,7 @@ impl FieldGrid {
     /// Where a distance lies among the rings; None beyond the outermost.
     #[inline]
     pub(super) fn ring_at(&self, distance_m: f64) -> Option<Between> {
-        let position = ring_coordinate(distance_m) / self.ring_step;
+        let position = quick_ring_coordinate(distance_m).max(0.0) / self.ring_step;
         let lower = position as usize;
         (lower + 1 < self.ring_m.len()).then_some(Between { lower, upper_weight: position - lower as f64 })
     }

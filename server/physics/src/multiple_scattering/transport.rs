@@ -94,6 +94,8 @@ pub(super) fn transport(
     let degree = resolution.later_degree;
     let pairs = pair_count(degree);
     let azimuth_nodes = gauss_legendre(resolution.azimuths / 2);
+    let rings: Vec<Vec<Azimuth>> =
+        (0..grid.ring_count()).map(|ring| azimuths(&azimuth_nodes, grid.place_m(ring).0, degree)).collect();
     let empty = Gathered { moments: vec![[0.0; LANES]; pairs], down_flux: [0.0; LANES] };
     let mut gathered = vec![empty; grid.point_count()];
     for (cos_zenith, zenith_weight) in zenith_nodes(resolution.polar_per_hemisphere) {
@@ -106,7 +108,7 @@ pub(super) fn transport(
             let stride = Stride { first_m: (0.25 * (from_source_m + 40.0)).min(600.0), growth: 0.3 };
             let path = SteppedPath::new(setting, grid, altitude_m, cos_zenith, stride);
             let mut modes = vec![[0.0f64; LANES]; degree + 1];
-            for azimuth in azimuths(&azimuth_nodes, distance_m, degree) {
+            for azimuth in &rings[point % rings.len()] {
                 let (cosine, sine) = (azimuth.cosine, azimuth.sine);
                 let radiance = along(&path, grid, source, &table, ground, distance_m, cosine, sine);
                 for (mode, cosine) in modes.iter_mut().zip(&azimuth.cosines) {

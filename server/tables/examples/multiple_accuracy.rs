@@ -1,0 +1,102 @@
+//! What interpolation costs: the table of multiply scattered light against fields solved for the very source.
+//!
+//! `multiple_accuracy TURBIDITY SOURCES CACHE_DIR`: parts of the table are kept in CACHE_DIR, which must be one
+//! turbidity's. Errors are relative to the whole radiance, first order included.
+
+use skyglow_physics::{
+    Atmosphere, BAND_COUNT, LOBE_COUNT, Turbidity,
+    multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting},
+    panorama::{azimuth_rad, elevation_rad},
+    single_source::{SourceGeometry, radiance_per_watt_of},
+};
+use skyglow_tables::{MultipleAxes, MultipleTable, TableAxes, images::image_index};
+use std::{error::Error, path::Path, time::Instant};
+
+/// Rows and columns tried of each source.
+const ROWS: [usize; 5] = [0, 3, 9, 25, 63];
+const COLUMNS: [usize; 5] = [0, 5, 28, 70, 120];
+
+/// Source `i` of an even spread over distance, observer altitude and offset.
+fn geometry(i: usize) -> SourceGeometry {
+    let spread = |ratio: f64| (i as f64 * ratio).fract();
+    let distance_m = 250.0 * 1_200f64.powf(spread(0.819_172_5));
+    let observer_altitude_m = 4_000.0 * spread(0.671_043_6).powi(2);
+    let highest_m = (0.4 * distance_m).min(4_000.0 - observer_altitude_m);
+    let offset_m = -observer_altitude_m + (observer_altitude_m + highest_m) * spread(0.549_700_5);
+    SourceGeometry { distance_m, source_altitude_m: observer_altitude_m + offset_m, observer_altitude_m }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, turbidity, sources, cache] = arguments.as_slice() else {
+        return Err("usage: multiple_accuracy TURBIDITY SOURCES CACHE_DIR".into());
+    };
+    let atmosphere = Atmosphere::new(Turbidity::new(turbidity.parse()?)?);
+    let axes = MultipleAxes::full(DEFAULT_GROUND_ALBEDO);
+    let cache = Path::new(cache);
+    std::fs::create_dir_all(cache)?;
+    let file = |ground: usize, offset: usize| cache.join(format!("{ground:02}-{offset:02}"));
+    let started = Instant::now();
+    let table = MultipleTable::solve(
+        atmosphere,
+        &axes,
+        &TableAxes::full().distance_m,
+        |ground, offset| {
+            let bytes = std::fs::read(file(ground, offset)).ok()?;
+            Some(bytemuck::pod_collect_to_vec::<u8, f32>(&bytes))
+        },
+        |ground, offset, part| {
+            println!("# ground {ground} offset {offset}: {:.1} s", started.elapsed().as_secs_f64());
+            let path = file(ground, offset);
+            std::fs::write(&path, bytemuck::cast_slice::<f32, u8>(part))
+                .map_err(|source| skyglow_tables::TablesError::Io { path, source })
+        },
+    )?;
+    println!("# table after {:.1} s", started.elapsed().as_secs_f64());
+    let mut all = Vec::new();
+    for i in 1..=sources.parse()? {
+        let geometry = geometry(i);
+        let setting = SourceSetting::for_observer(
+            atmosphere,
+            geometry.source_altitude_m,
+            geometry.observer_altitude_m,
+            DEFAULT_GROUND_ALBEDO,
+        )?;
+        let field = SourceField::solve(setting, &Resolution::table());
+        let mut errors = Vec::new();
+        for row in ROWS {
+            for column in COLUMNS {
+                let (azimuth, elevation) = (azimuth_rad(column), elevation_rad(row));
+                let own = field.radiance_per_watt(&geometry, azimuth, elevation)?;
+                let first = radiance_per_watt_of(&atmosphere, &geometry, azimuth, elevation, 1e-5);
+                let got = table.radiance_per_watt(&geometry, row, column);
+                for band in 0..BAND_COUNT {
+                    for lobe in 0..LOBE_COUNT {
+                        let own = own[band][lobe];
+                        errors.push(
+                            (got[image_index(lobe, band)] - own).abs() / (own + first[band][lobe]).max(1e-30),
+                        );
+                    }
+                }
+            }
+        }
+        let (mean, p99) = figures(&mut errors);
+        println!(
+            "{:9.0} m, source at {:5.0} m, observer at {:5.0} m: mean {:6.2} %, 99 % {:6.2} %",
+            geometry.distance_m,
+            geometry.source_altitude_m,
+            geometry.observer_altitude_m,
+            100.0 * mean,
+            100.0 * p99
+        );
+        all.extend(errors);
+    }
+    let (mean, p99) = figures(&mut all);
+    println!("all: mean {:.2} %, 99 % {:.2} %", 100.0 * mean, 100.0 * p99);
+    Ok(())
+}
+
+fn figures(errors: &mut [f64]) -> (f64, f64) {
+    errors.sort_by(f64::total_cmp);
+    (errors.iter().sum::<f64>() / errors.len() as f64, errors[errors.len() * 99 / 100])
+}

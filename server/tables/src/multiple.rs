@@ -1,0 +1,330 @@
+//! Multiply scattered light of single sources, tabulated for the images of a pack.
+//!
+//! Orders two and more are smooth where the first is not: they know no shadow edge, and near a source they are a
+//! small part of its light. So they are solved for few settings and interpolated in their logarithm: over the
+//! altitude ℓ of the ground, which is the lower of source and observer, over the offset Δ = h_c − h_o, and over
+//! azimuth. For Δ ≤ 0 the source stands on the ground, and one field ([`SourceField`]) serves every observer above
+//! it; for Δ > 0 the observer does, and each offset needs a field of its own.
+
+use crate::{
+    axes::lagrange_taps,
+    error::TablesError,
+    images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
+};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use skyglow_physics::{
+    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
+    multiple_scattering::{Resolution, SourceField, SourceSetting, ViewRow},
+    panorama::{azimuth_rad, elevation_rad},
+    single_source::SourceGeometry,
+};
+
+/// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
+const DARKNESS_PER_M2_SR: f64 = 1e-36;
+/// Offsets are interpolated in asinh(Δ/this), metres.
+const OFFSET_SCALE_M: f64 = 150.0;
+/// Nodes that an interpolation uses.
+const TAPS: usize = 4;
+
+/// How finely the fields of a table are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FieldResolution {
+    /// [`Resolution::table`].
+    Table,
+    /// [`Resolution::coarse`], for tests.
+    Coarse,
+}
+
+impl FieldResolution {
+    fn resolution(self) -> Resolution {
+        match self {
+            Self::Table => Resolution::table(),
+            Self::Coarse => Resolution::coarse(),
+        }
+    }
+}
+
+/// The sample points of multiply scattered light.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MultipleAxes {
+    /// Lambertian albedo of the ground, 0..=1.
+    pub ground_albedo: f64,
+    /// Altitudes ℓ of the ground, metres, ascending.
+    pub ground_altitude_m: Vec<f64>,
+    /// Offsets Δ, metres, ascending.
+    pub offset_m: Vec<f64>,
+    /// Panorama columns, ascending from 0 to 128.
+    pub column: Vec<usize>,
+    /// How finely the fields are solved.
+    pub field_resolution: FieldResolution,
+}
+
+impl MultipleAxes {
+    /// The axes of the packs that come with the program.
+    pub fn full(ground_albedo: f64) -> Self {
+        Self {
+            ground_albedo,
+            ground_altitude_m: vec![0.0, 600.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0],
+            offset_m: vec![
+                -6_000.0, -4_000.0, -2_500.0, -1_500.0, -900.0, -500.0, -250.0, -100.0, 0.0, 100.0, 350.0,
+                1_100.0, 3_500.0,
+            ],
+            column: vec![0, 1, 2, 4, 6, 9, 12, 16, 20, 25, 31, 38, 46, 55, 65, 76, 88, 101, 114, 128],
+            field_resolution: FieldResolution::Table,
+        }
+    }
+
+    /// Few points, for tests of everything but accuracy.
+    pub fn coarse(ground_albedo: f64) -> Self {
+        Self {
+            ground_altitude_m: vec![0.0, 3_000.0],
+            offset_m: vec![-2_000.0, 0.0],
+            column: vec![0, 16, 64, 128],
+            field_resolution: FieldResolution::Coarse,
+            ..Self::full(ground_albedo)
+        }
+    }
+
+    /// Numbers of the table of one (ground, offset) at `distances` distances.
+    pub(crate) fn part_len(&self, distances: usize) -> usize {
+        distances * ELEVATION_COUNT * self.column.len() * IMAGE_COUNT
+    }
+}
+
+/// ln of the radiance of orders two and more [m⁻² sr⁻¹ per watt] around sources in one atmosphere.
+#[derive(Clone, Debug)]
+pub struct MultipleTable {
+    axes: MultipleAxes,
+    log_distance: Vec<f64>,
+    /// `[ground][offset]`, each `[distance][row][column][image]`.
+    parts: Vec<Vec<f32>>,
+    /// For each panorama column the table's columns and their weights.
+    column_taps: Vec<Vec<(usize, f64)>>,
+}
+
+impl MultipleTable {
+    /// Solves the table for sources at the given distances [m]. `kept` may answer parts by (ground, offset), each
+    /// as [`MultipleTable`] keeps them; `made` is given each new one.
+    ///
+    /// Runs on the current rayon pool; the result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// A setting outside its range, or what `made` fails with.
+    pub fn solve(
+        atmosphere: Atmosphere,
+        axes: &MultipleAxes,
+        distance_m: &[f64],
+        kept: impl Fn(usize, usize) -> Option<Vec<f32>>,
+        made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError>,
+    ) -> Result<Self, TablesError> {
+        let mut parts = Vec::with_capacity(axes.ground_altitude_m.len() * axes.offset_m.len());
+        for (ground, &ground_m) in axes.ground_altitude_m.iter().enumerate() {
+            let mut on_ground = None;
+            for (offset, &offset_m) in axes.offset_m.iter().enumerate() {
+                if let Some(part) = kept(ground, offset) {
+                    parts.push(part);
+                    continue;
+                }
+                let resolution = axes.field_resolution.resolution();
+                let solve = |source_m: f64| {
+                    SourceSetting::new(atmosphere, source_m, ground_m, axes.ground_albedo)
+                        .map(|setting| SourceField::solve(setting, &resolution))
+                };
+                let raised;
+                let field = if offset_m > 0.0 {
+                    raised = solve(ground_m + offset_m)?;
+                    &raised
+                } else {
+                    match &mut on_ground {
+                        Some(field) => &*field,
+                        none => &*none.insert(solve(ground_m)?),
+                    }
+                };
+                let part = view(field, axes, distance_m, ground_m - offset_m.min(0.0))?;
+                made(ground, offset, &part)?;
+                parts.push(part);
+            }
+        }
+        Ok(Self {
+            axes: axes.clone(),
+            log_distance: distance_m.iter().map(|d| d.ln()).collect(),
+            parts,
+            column_taps: column_taps(&axes.column),
+        })
+    }
+
+    /// Adds the radiance [m⁻² sr⁻¹ per watt] around a source to images `[image][row][column]`.
+    pub fn add_to(&self, geometry: &SourceGeometry, images: &mut [f64]) {
+        let columns = self.axes.column.len();
+        let mut row_log = vec![0.0f64; columns * IMAGE_COUNT];
+        let taps = self.taps(geometry);
+        for row in 0..ELEVATION_COUNT {
+            row_log.fill(0.0);
+            for &(part, distance, weight) in &taps {
+                let start = (distance * ELEVATION_COUNT + row) * columns * IMAGE_COUNT;
+                let values = &self.parts[part][start..start + columns * IMAGE_COUNT];
+                for (sum, &value) in row_log.iter_mut().zip(values) {
+                    *sum += weight * f64::from(value);
+                }
+            }
+            for (column, taps) in self.column_taps.iter().enumerate() {
+                let mut log = [0.0f64; IMAGE_COUNT];
+                for &(node, weight) in taps {
+                    for (sum, value) in log.iter_mut().zip(&row_log[node * IMAGE_COUNT..]) {
+                        *sum += weight * value;
+                    }
+                }
+                for (image, log) in log.into_iter().enumerate() {
+                    images[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column] += log.exp();
+                }
+            }
+        }
+    }
+
+    /// The radiance [m⁻² sr⁻¹ per watt] at one grid direction, `[image]`: as [`Self::add_to`].
+    pub fn radiance_per_watt(
+        &self,
+        geometry: &SourceGeometry,
+        row: usize,
+        column: usize,
+    ) -> [f64; IMAGE_COUNT] {
+        let columns = self.axes.column.len();
+        let mut log = [0.0f64; IMAGE_COUNT];
+        for (part, distance, weight) in self.taps(geometry) {
+            for &(node, column_weight) in &self.column_taps[column] {
+                let start = ((distance * ELEVATION_COUNT + row) * columns + node) * IMAGE_COUNT;
+                for (sum, &value) in log.iter_mut().zip(&self.parts[part][start..start + IMAGE_COUNT]) {
+                    *sum += weight * column_weight * f64::from(value);
+                }
+            }
+        }
+        log.map(f64::exp)
+    }
+
+    /// (part, distance node, weight) of a geometry; no weight is zero.
+    fn taps(&self, geometry: &SourceGeometry) -> Vec<(usize, usize, f64)> {
+        let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
+        let offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
+        let bent = |offset_m: f64| (offset_m / OFFSET_SCALE_M).asinh();
+        let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent(offset_m)).collect();
+        let mut taps = Vec::with_capacity(TAPS * TAPS);
+        for (ground, ground_weight) in lagrange_taps(&self.axes.ground_altitude_m, ground_m, TAPS) {
+            for (offset, offset_weight) in lagrange_taps(&bent_axis, bent(offset_m), TAPS) {
+                for (distance, distance_weight) in
+                    lagrange_taps(&self.log_distance, geometry.distance_m.ln(), TAPS)
+                {
+                    let weight = ground_weight * offset_weight * distance_weight;
+                    if weight != 0.0 {
+                        taps.push((ground * self.axes.offset_m.len() + offset, distance, weight));
+                    }
+                }
+            }
+        }
+        taps
+    }
+}
+
+/// For each panorama column the table's columns around it and their weights, in azimuth.
+fn column_taps(columns: &[usize]) -> Vec<Vec<(usize, f64)>> {
+    let nodes: Vec<f64> = columns.iter().map(|&column| column as f64).collect();
+    (0..HALF_COLUMN_COUNT).map(|column| lagrange_taps(&nodes, column as f64, TAPS)).collect()
+}
+
+/// What an observer sees of a field, `[distance][row][column][image]`.
+fn view(
+    field: &SourceField,
+    axes: &MultipleAxes,
+    distance_m: &[f64],
+    observer_altitude_m: f64,
+) -> Result<Vec<f32>, TablesError> {
+    // [row][distance][column][image]
+    let rows: Vec<Vec<f32>> = (0..ELEVATION_COUNT)
+        .into_par_iter()
+        .map(|row| {
+            let rays = ViewRow::new(field, observer_altitude_m, elevation_rad(row))?;
+            let mut values = Vec::with_capacity(distance_m.len() * axes.column.len() * IMAGE_COUNT);
+            for &distance_m in distance_m {
+                for &column in &axes.column {
+                    let radiance = rays.radiance_per_watt(distance_m, azimuth_rad(column));
+                    let mut images = [0.0f32; IMAGE_COUNT];
+                    for band in 0..BAND_COUNT {
+                        for lobe in 0..LOBE_COUNT {
+                            images[image_index(lobe, band)] =
+                                radiance[band][lobe].max(DARKNESS_PER_M2_SR).ln() as f32;
+                        }
+                    }
+                    values.extend(images);
+                }
+            }
+            Ok(values)
+        })
+        .collect::<Result<_, TablesError>>()?;
+    let row_len = axes.column.len() * IMAGE_COUNT;
+    let mut part = Vec::with_capacity(axes.part_len(distance_m.len()));
+    for distance in 0..distance_m.len() {
+        for row in &rows {
+            part.extend_from_slice(&row[distance * row_len..(distance + 1) * row_len]);
+        }
+    }
+    Ok(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_physics::Turbidity;
+
+    fn table(distance_m: &[f64]) -> (Atmosphere, MultipleTable) {
+        let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
+        let axes = MultipleAxes::coarse(0.15);
+        (
+            atmosphere,
+            MultipleTable::solve(atmosphere, &axes, distance_m, |_, _| None, |_, _, _| Ok(())).unwrap(),
+        )
+    }
+
+    #[test]
+    fn at_its_nodes_the_table_is_the_field_and_images_are_what_single_directions_are() {
+        let distance_m = [2_000.0, 30_000.0];
+        let (atmosphere, table) = table(&distance_m);
+        let geometry =
+            SourceGeometry { distance_m: 30_000.0, source_altitude_m: 3_000.0, observer_altitude_m: 5_000.0 };
+        let setting = SourceSetting::for_observer(atmosphere, 3_000.0, 5_000.0, 0.15).unwrap();
+        let field = SourceField::solve(setting, &Resolution::coarse());
+        let mut images = vec![0.0; IMAGE_COUNT * PIXEL_COUNT];
+        table.add_to(&geometry, &mut images);
+        for (row, column) in [(0, 0), (10, 64), (63, 128), (30, 16)] {
+            let truth = ViewRow::new(&field, 5_000.0, elevation_rad(row))
+                .unwrap()
+                .radiance_per_watt(30_000.0, azimuth_rad(column));
+            let got = table.radiance_per_watt(&geometry, row, column);
+            for band in 0..BAND_COUNT {
+                for lobe in 0..LOBE_COUNT {
+                    let image = image_index(lobe, band);
+                    assert!(
+                        (got[image] / truth[band][lobe] - 1.0).abs() < 1e-4,
+                        "{row} {column} {band} {lobe}"
+                    );
+                    let sample = images[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
+                    assert!((sample / got[image] - 1.0).abs() < 1e-9);
+                }
+            }
+        }
+        // The check can fail: another distance is another sky.
+        let near = SourceGeometry { distance_m: 20_000.0, ..geometry };
+        let ratio = table.radiance_per_watt(&near, 10, 64)[0] / table.radiance_per_watt(&geometry, 10, 64)[0];
+        assert!(ratio > 1.2, "{ratio}");
+    }
+
+    #[test]
+    fn the_columns_of_every_table_reach_from_the_source_to_its_back_and_sum_to_one() {
+        for axes in [MultipleAxes::full(0.15), MultipleAxes::coarse(0.15)] {
+            assert_eq!((axes.column[0], axes.column[axes.column.len() - 1]), (0, HALF_COLUMN_COUNT - 1));
+            for taps in column_taps(&axes.column) {
+                assert!((taps.iter().map(|tap| tap.1).sum::<f64>() - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+}
