@@ -2,7 +2,7 @@
 //!
 //! Plain PCA (the paper's Eq. 4) minimises absolute error and is wrong by 70–700 % for a dark place near a
 //! city. Here image n at direction p weighs w = max(x, δ)^−q, x the image over its mean, δ a thousandth of
-//! its zenith: nearly relative error, without wasting functions on what is too dim to see. Elementwise
+//! its zenith or more ([`dim_factor`]): nearly relative error, without wasting functions on what is too dim to see. Elementwise
 //! weights have no closed form; alternating least squares starts from a PCA of pixel-weighted images and solves
 //! coefficients and functions in turn. One basis serves all bands, lobes and altitudes.
 //!
@@ -12,10 +12,11 @@
 use crate::{
     error::TablesError,
     images::{HALF_COLUMN_COUNT, PIXEL_COUNT},
+    manifest::Scattering,
 };
 use faer::{Accum, Mat, Par, Side, linalg::matmul::matmul, linalg::solvers::Solve};
 use rayon::prelude::*;
-use skyglow_physics::ELEVATION_COUNT;
+use skyglow_physics::{ELEVATION_COUNT, geometry::EARTH_RADIUS_M};
 use std::sync::LazyLock;
 
 /// Exponent q of the weights: 1 would be pure relative error; slightly less keeps the bright part honest.
@@ -27,6 +28,11 @@ const DIM_OVER_ZENITH: f32 = 1e-3;
 const RAISED_DIM_FACTOR: f64 = 100.0;
 /// Elevation of the source at which half of that factor counts, degrees.
 const RAISED_DEG: f64 = 6.0;
+/// In the first order alone, a far source leaves the haze over a low observer in the Earth's shadow: low rows are
+/// black there too, and δ grows by up to this factor. All orders fill them.
+const SHADOW_DIM_FACTOR: f64 = 9.0;
+/// Depth of the observer in the shadow at which half of that factor counts, metres.
+const SHADOW_DEPTH_M: f64 = 400.0;
 /// δ over the image's mean at the least, for images that are dark overhead.
 const DIM_OVER_MEAN: f32 = 1e-4;
 
@@ -68,11 +74,25 @@ pub fn raised_share(offset_m: f64, distance_m: f64) -> f64 {
     raised * raised / (1.0 + raised * raised)
 }
 
-/// Weights w of one image (over its mean), one a sample, for a source of that [`raised_share`].
-pub fn sample_weights(shape: &[f32], raised_share: f64) -> Vec<f32> {
+/// How much δ grows for a source: where `scattering` and geometry leave low rows black, they must not decide the fit.
+pub fn dim_factor(scattering: Scattering, offset_m: f64, distance_m: f64) -> f64 {
+    let raised = 1.0 + RAISED_DIM_FACTOR * raised_share(offset_m, distance_m);
+    match scattering {
+        Scattering::Multiple => raised,
+        Scattering::Single => {
+            // Height of the source's horizontal plane above the observer.
+            let depth_m = (offset_m + 0.5 * distance_m * distance_m / EARTH_RADIUS_M).max(0.0);
+            let depth = depth_m / SHADOW_DEPTH_M;
+            raised + SHADOW_DIM_FACTOR * depth * depth / (1.0 + depth * depth)
+        }
+    }
+}
+
+/// Weights w of one image (over its mean), one a sample, for a source of that [`dim_factor`].
+pub fn sample_weights(shape: &[f32], dim_factor: f64) -> Vec<f32> {
     let zenith_row = &shape[(ELEVATION_COUNT - 1) * HALF_COLUMN_COUNT..];
     let zenith = zenith_row.iter().sum::<f32>() / zenith_row.len() as f32;
-    let dim_over_zenith = DIM_OVER_ZENITH * (1.0 + RAISED_DIM_FACTOR * raised_share) as f32;
+    let dim_over_zenith = DIM_OVER_ZENITH * dim_factor as f32;
     let dim = (dim_over_zenith * zenith).max(DIM_OVER_MEAN);
     shape
         .iter()
@@ -139,8 +159,8 @@ fn solve_normal_equations(a: Mat<f64>, y: Mat<f64>, stage: &'static str) -> Resu
 pub struct TrainingImage {
     /// Image over its mean, [`PIXEL_COUNT`] samples.
     pub shape: Vec<f32>,
-    /// [`raised_share`] of its source.
-    pub raised_share: f64,
+    /// [`dim_factor`] of its source.
+    pub dim_factor: f64,
     /// Factor on w.
     pub importance: f64,
 }
@@ -159,7 +179,7 @@ pub fn fit_basis(
     faer::set_global_parallelism(Par::Seq);
     let shapes: Vec<&[f32]> = images.iter().map(|image| image.shape.as_slice()).collect();
     let weights: Vec<Vec<f32>> =
-        images.par_iter().map(|image| sample_weights(&image.shape, image.raised_share)).collect();
+        images.par_iter().map(|image| sample_weights(&image.shape, image.dim_factor)).collect();
     let rms = pixel_rms(&shapes);
     let mut basis = orthonormal(start_by_pca(&shapes, &rms, count), &rms)?;
     advance();

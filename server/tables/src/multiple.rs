@@ -4,7 +4,9 @@
 //! small part of its light. So they are solved for few settings and interpolated in their logarithm: over the
 //! altitude ℓ of the ground, which is the lower of source and observer, over the offset Δ = h_c − h_o, and over
 //! azimuth. For Δ ≤ 0 the source stands on the ground, and one field ([`SourceField`]) serves every observer above
-//! it; for Δ > 0 the observer does, and each offset needs a field of its own.
+//! it; for Δ > 0 the observer does, and each offset needs a field of its own. Between such offsets a near source's
+//! light moves up the sky, which no interpolation follows; there a field of the next larger offset is seen from an
+//! observer raised to the wanted one. It is that of a ground lower by the difference, and is interpolated as such.
 
 use crate::{
     axes::lagrange_taps,
@@ -26,6 +28,23 @@ const DARKNESS_PER_M2_SR: f64 = 1e-36;
 const OFFSET_SCALE_M: f64 = 150.0;
 /// Nodes that an interpolation uses.
 const TAPS: usize = 4;
+
+/// Offsets above zero that have fields of their own, metres.
+const RAISED_M: [f64; 4] = [100.0, 350.0, 1_100.0, 3_500.0];
+
+/// The offset of the field that serves an offset, metres: 0 for a source on the ground, else the next of
+/// [`RAISED_M`].
+fn solved_offset_m(offset_m: f64) -> f64 {
+    if offset_m <= 0.0 {
+        return 0.0;
+    }
+    RAISED_M.into_iter().find(|&solved_m| solved_m >= offset_m).unwrap_or(RAISED_M[RAISED_M.len() - 1])
+}
+
+/// How far an observer of an offset above zero is raised in its field, metres.
+fn raised_by_m(offset_m: f64) -> f64 {
+    if offset_m > 0.0 { (solved_offset_m(offset_m) - offset_m).max(0.0) } else { 0.0 }
+}
 
 /// How finely the fields of a table are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -68,8 +87,8 @@ impl MultipleAxes {
             ground_albedo,
             ground_altitude_m: vec![0.0, 600.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0],
             offset_m: vec![
-                -6_000.0, -4_000.0, -2_500.0, -1_500.0, -900.0, -500.0, -250.0, -100.0, 0.0, 100.0, 350.0,
-                1_100.0, 3_500.0,
+                -6_000.0, -4_000.0, -2_500.0, -1_500.0, -900.0, -500.0, -250.0, -100.0, 0.0, 30.0, 60.0,
+                100.0, 200.0, 350.0, 1_100.0, 3_500.0,
             ],
             column: vec![0, 1, 2, 4, 6, 9, 12, 16, 20, 25, 31, 38, 46, 55, 65, 76, 88, 101, 114, 128],
             field_resolution: FieldResolution::Table,
@@ -121,28 +140,24 @@ impl MultipleTable {
     ) -> Result<Self, TablesError> {
         let mut parts = Vec::with_capacity(axes.ground_altitude_m.len() * axes.offset_m.len());
         for (ground, &ground_m) in axes.ground_altitude_m.iter().enumerate() {
-            let mut on_ground = None;
+            // Offsets ascend, so those of one field follow one another.
+            let mut solved: Option<(f64, SourceField)> = None;
             for (offset, &offset_m) in axes.offset_m.iter().enumerate() {
                 if let Some(part) = kept(ground, offset) {
                     parts.push(part);
                     continue;
                 }
-                let resolution = axes.field_resolution.resolution();
-                let solve = |source_m: f64| {
-                    SourceSetting::new(atmosphere, source_m, ground_m, axes.ground_albedo)
-                        .map(|setting| SourceField::solve(setting, &resolution))
+                let above_m = solved_offset_m(offset_m);
+                let field = match solved.take() {
+                    Some((solved_m, field)) if solved_m == above_m => field,
+                    _ => SourceField::solve(
+                        SourceSetting::new(atmosphere, ground_m + above_m, ground_m, axes.ground_albedo)?,
+                        &axes.field_resolution.resolution(),
+                    ),
                 };
-                let raised;
-                let field = if offset_m > 0.0 {
-                    raised = solve(ground_m + offset_m)?;
-                    &raised
-                } else {
-                    match &mut on_ground {
-                        Some(field) => &*field,
-                        none => &*none.insert(solve(ground_m)?),
-                    }
-                };
-                let part = view(field, axes, distance_m, ground_m - offset_m.min(0.0))?;
+                let observer_m = ground_m + if offset_m > 0.0 { raised_by_m(offset_m) } else { -offset_m };
+                let part = view(&field, axes, distance_m, observer_m)?;
+                solved = Some((above_m, field));
                 made(ground, offset, &part)?;
                 parts.push(part);
             }
@@ -210,8 +225,9 @@ impl MultipleTable {
         let bent = |offset_m: f64| (offset_m / OFFSET_SCALE_M).asinh();
         let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent(offset_m)).collect();
         let mut taps = Vec::with_capacity(TAPS * TAPS);
-        for (ground, ground_weight) in lagrange_taps(&self.axes.ground_altitude_m, ground_m, TAPS) {
-            for (offset, offset_weight) in lagrange_taps(&bent_axis, bent(offset_m), TAPS) {
+        for (offset, offset_weight) in lagrange_taps(&bent_axis, bent(offset_m), TAPS) {
+            let lowered_m = ground_m - raised_by_m(self.axes.offset_m[offset]);
+            for (ground, ground_weight) in ground_taps(&self.axes.ground_altitude_m, lowered_m) {
                 for (distance, distance_weight) in
                     lagrange_taps(&self.log_distance, geometry.distance_m.ln(), TAPS)
                 {
@@ -223,6 +239,17 @@ impl MultipleTable {
             }
         }
         taps
+    }
+}
+
+/// As [`lagrange_taps`]; a little below the lowest ground along the line through the lowest two.
+fn ground_taps(ground_altitude_m: &[f64], ground_m: f64) -> Vec<(usize, f64)> {
+    match ground_altitude_m {
+        &[lowest_m, next_m, ..] if ground_m < lowest_m && ground_m > lowest_m - RAISED_M[1] => {
+            let t = (ground_m - lowest_m) / (next_m - lowest_m);
+            vec![(0, 1.0 - t), (1, t)]
+        }
+        nodes => lagrange_taps(nodes, ground_m, TAPS),
     }
 }
 

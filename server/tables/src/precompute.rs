@@ -5,10 +5,10 @@
 //! is computed by one thread in a fixed order).
 
 use crate::{
-    axes::TableAxes,
+    axes::{OffsetAxis, TableAxes},
     checkpoint::Checkpoint,
     error::TablesError,
-    fit::{Basis, Projector, TrainingImage, fit_basis, raised_share, sample_weights},
+    fit::{Basis, Projector, TrainingImage, dim_factor, fit_basis, raised_share, sample_weights},
     images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node},
     manifest::{MeasuredError, PackParameters, Scattering},
     measure::measure_error,
@@ -200,19 +200,19 @@ pub fn precompute_together(
     Ok(paths)
 }
 
-/// Node geometries spread evenly over the axes (additive recurrence). Sources below the sea, above the highest
-/// altitude or up an impossible slope are left out: the basis need not serve them.
+/// Highest observer and source of the everyday half of the training set, metres.
+const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
+
+/// Node geometries of the training set, every other one from anywhere on the axes and from everyday places. Sources
+/// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them.
 fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
     let axes = &options.axes;
-    let counts = [axes.observer_altitude_m.len(), axes.distance_m.len(), axes.offset_count];
     let mut nodes = Vec::with_capacity(options.training_geometries);
     for i in 1..100 * options.training_geometries {
-        // Powers of 1/1.2207…, the three-dimensional golden ratio.
-        let spread = |k: usize| {
-            ((i as f64 * [0.819_172_5, 0.671_043_6, 0.549_700_5][k] + 0.3).fract() * counts[k] as f64)
-                as usize
-        };
-        let node = (spread(0), spread(1), spread(2));
+        // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
+        let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
+        let node =
+            if nodes.len() % 2 == 0 { node_anywhere(axes, spread) } else { everyday_node(axes, spread) };
         let altitude_m = axes.source_altitude_m(node.0, node.1, node.2);
         let offset_m = altitude_m - axes.observer_altitude_m[node.0];
         let steepest_m = (0.7 * axes.distance_m[node.1] + 50.0).min(3_500.0);
@@ -224,6 +224,42 @@ fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
         }
     }
     nodes
+}
+
+/// A node from numbers 0..1, all observers, distances and offsets alike.
+fn node_anywhere(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let counts = [axes.observer_altitude_m.len(), axes.distance_m.len(), axes.offset_count];
+    let [observer, distance, offset] = std::array::from_fn(|k| (spread[k] * counts[k] as f64) as usize);
+    (observer, distance, offset)
+}
+
+/// A node where people and lights are, observer and source between the sea and 1 500 m, low ones more often: few
+/// nodes have both low, and in haze a far light seen from the coast is a sky of its own.
+fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let observers = axes.observer_altitude_m.partition_point(|&z| z <= EVERYDAY_ALTITUDE_M);
+    let observer = (spread[0].powf(1.5) * observers as f64) as usize;
+    let distance = (spread[1].sqrt() * axes.distance_m.len() as f64) as usize;
+    let source_m = EVERYDAY_ALTITUDE_M * spread[2] * spread[2];
+    let axis = OffsetAxis::at_distance(axes.distance_m[distance], axes.offset_count);
+    let offset = axis.position(source_m - axes.observer_altitude_m[observer]).round() as usize;
+    (observer, distance, offset)
+}
+
+/// The basis that a pack of one turbidity would have, without its tables: to judge what the fit can do.
+///
+/// # Errors
+/// [`TablesError::Fit`] when a least-squares step breaks down.
+pub fn basis_alone(options: &PrecomputeOptions, multiple: &[MultipleTable]) -> Result<Basis, TablesError> {
+    let nodes = training_nodes(options);
+    let atmospheres = [Atmosphere::new(options.turbidity)];
+    let images: Vec<Vec<SourceImages>> = nodes
+        .par_iter()
+        .map(|&(observer, distance, offset)| {
+            images_at_node(&atmospheres, multiple, &options.axes, observer, distance, offset)
+        })
+        .collect();
+    let set = training_set(options, &nodes, &images, 0);
+    fit_basis(&set, options.basis_count, options.fit_iterations, &|| ())
 }
 
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
@@ -239,14 +275,16 @@ fn training_set(
 ) -> Vec<TrainingImage> {
     let mut set = Vec::with_capacity(nodes.len() * IMAGE_COUNT);
     for (&(observer, distance, offset), images) in nodes.iter().zip(images) {
-        let raised_share = node_raised_share(&options.axes, observer, distance, offset);
+        let (offset_m, distance_m) = node_offset_m(&options.axes, observer, distance, offset);
+        let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
+        let raised_share = raised_share(offset_m, distance_m);
         for (lobe, shapes) in
             Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
         {
             let lobe = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
             set.extend(shapes.chunks_exact(PIXEL_COUNT).map(|shape| TrainingImage {
                 shape: shape.to_vec(),
-                raised_share,
+                dim_factor,
                 importance: lobe * (1.0 - raised_share),
             }));
         }
@@ -254,9 +292,10 @@ fn training_set(
     set
 }
 
-fn node_raised_share(axes: &TableAxes, observer: usize, distance: usize, offset: usize) -> f64 {
+/// Offset and distance of a node, metres.
+fn node_offset_m(axes: &TableAxes, observer: usize, distance: usize, offset: usize) -> (f64, f64) {
     let altitude_m = axes.source_altitude_m(observer, distance, offset);
-    raised_share(altitude_m - axes.observer_altitude_m[observer], axes.distance_m[distance])
+    (altitude_m - axes.observer_altitude_m[observer], axes.distance_m[distance])
 }
 
 /// Multiply scattered light of every turbidity; empty for the first order alone.
@@ -358,14 +397,15 @@ fn make_part(
         }
         previous_altitude_m = altitude_m;
         let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
-        let raised_share = node_raised_share(&options.axes, observer, distance, offset);
+        let (offset_m, distance_m) = node_offset_m(&options.axes, observer, distance, offset);
+        let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
         for ((part, images), projector) in parts.iter_mut().zip(&images).zip(projectors) {
             for lobe in 0..LOBE_COUNT {
                 let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
                 // The green image's weights serve all three bands: a third of the normal equations, and the
                 // mean error rises by a tenth of itself.
                 let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
-                let rows = projector.project(&sample_weights(shapes[1], raised_share), &shapes)?;
+                let rows = projector.project(&sample_weights(shapes[1], dim_factor), &shapes)?;
                 for (band, row) in rows.into_iter().enumerate() {
                     part.push(images.log_scale[image_index(lobe, band)] as f32);
                     part.extend(row.into_iter().map(|c| c as f32));
