@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = SceneStore::new(data).open(&SceneId::parse(id)?)?;
     let place = GeoPoint::from_deg(latitude.parse()?, longitude.parse()?)?;
     let turbidity = Turbidity::new(turbidity.parse()?)?;
-    let observer_altitude_m = scene.terrain_altitude_m(place).unwrap_or(0.0) + 2.0;
+    let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
     let (emission, lamp) = (EmissionMix::garstang(), LampPreset::Mixed.lamp());
     let rings: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
     let tables = packs_in(Path::new(packs))?

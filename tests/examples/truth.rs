@@ -84,7 +84,7 @@ fn truth<const SLOTS: usize>(
             continue;
         }
         let start = Instant::now();
-        let observer_altitude_m = scene.terrain_altitude_m(place).unwrap_or(0.0) + 2.0;
+        let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
         let pixels = scene.source_pixels_within(place, FARTHEST_SOURCE_M);
         let sources = point_sources(place, &pixels);
         let view: Vec<_> = samples.iter().map(|&sample| grid_direction(sample)).collect();

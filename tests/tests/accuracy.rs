@@ -124,7 +124,7 @@ fn skies_of_the_demo_are_within_five_per_cent_of_the_direct_sum_in_the_mean() {
     // Over the sea 60 km off the coast, and near a city at the edge of the map.
     for (latitude_deg, longitude_deg) in [(42.6, 7.0), (48.2, 14.6)] {
         let place = GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap();
-        let observer_altitude_m = scene.terrain_altitude_m(place).unwrap_or(0.0) + 2.0;
+        let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
         let sources = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
         let directions: Vec<_> = stratified_samples(DIRECTIONS).into_iter().map(grid_direction).collect();
         let truth: Vec<[f64; 6]> = direct_sum(

@@ -109,7 +109,7 @@ impl Engine {
         &self.info
     }
 
-    /// True once every pipeline has run.
+    /// True once every pipeline has run, and until a device fails that cannot be made anew at once.
     pub fn is_ready(&self) -> bool {
         self.stats.ready.load(Ordering::Acquire)
     }

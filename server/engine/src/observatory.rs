@@ -151,12 +151,16 @@ impl Observatory {
         self.shelf.len()
     }
 
-    /// All scenes, by id. Reads files.
+    /// All scenes that can be read, by id; what is wrong with others is logged. Reads files.
     ///
     /// # Errors
     /// [`EngineError::Scene`].
     pub fn scenes(&self) -> Result<Vec<SceneMetadata>, EngineError> {
-        Ok(self.shelf.store().list()?)
+        let list = self.shelf.store().list()?;
+        for error in &list.damaged {
+            tracing::error!(%error, "a scene is left out of the list");
+        }
+        Ok(list.scenes)
     }
 
     /// A scene, open and as it is on disk now. May read files.

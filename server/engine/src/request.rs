@@ -82,6 +82,15 @@ impl ExecutorKind {
             ExecutorKind::Cpu => "cpu",
         }
     }
+
+    /// The choice that opens this kind and no other.
+    pub(crate) const fn choice(self) -> DeviceChoice {
+        match self {
+            ExecutorKind::Gpu => DeviceChoice::Gpu,
+            ExecutorKind::Lavapipe => DeviceChoice::Lavapipe,
+            ExecutorKind::Cpu => DeviceChoice::Cpu,
+        }
+    }
 }
 
 /// Which device to use.

@@ -54,6 +54,9 @@ pub(crate) fn spawn(
         .name("skyglow-render".into())
         .spawn(move || match device::open(config.device, config.budget_bytes, &set) {
             Ok((executor, opened)) => {
+                // A device that is lost comes back as what it was: answers name their executor, and its kind is part
+                // of their ETags.
+                let config = EngineConfig { device: opened.kind.choice(), ..config };
                 let _ = opened_sender.send(Ok(opened));
                 Worker::new(config, set, stats, executor, commands).run();
             }
@@ -84,6 +87,9 @@ fn fits(batch: &[Ticket], ticket: &Ticket) -> bool {
     nodes + ticket.prepared.nodes.len() <= crate::MAX_BATCH_NODES
         && ticket.prepared.is_compatible(&batch[0].prepared)
 }
+
+/// How long a device that could not be made anew is left before the next try.
+const REPAIR_INTERVAL: Duration = Duration::from_secs(5);
 
 struct Worker {
     config: EngineConfig,
@@ -117,7 +123,7 @@ impl Worker {
         }
     }
 
-    /// Runs every pipeline once, so that no caller waits for a compiler.
+    /// Runs every pipeline once, so that no caller waits for a compiler, and the engine is ready if all of them ran.
     fn warm_up(&mut self) {
         let requests = device::warm_up_requests(&self.set);
         for request in &requests {
@@ -132,13 +138,27 @@ impl Worker {
         self.stats.ready.store(true, Ordering::Release);
     }
 
+    /// The next command, tried for while the device is down: nobody sends work to a server that is not ready.
+    fn next_command(&mut self) -> Option<Command> {
+        loop {
+            if self.stats.ready.load(Ordering::Acquire) {
+                return self.commands.recv().ok();
+            }
+            match self.commands.recv_timeout(REPAIR_INTERVAL) {
+                Ok(command) => return Some(command),
+                Err(RecvTimeoutError::Timeout) => self.warm_up(),
+                Err(RecvTimeoutError::Disconnected) => return None,
+            }
+        }
+    }
+
     /// The next requests to render together; None when the engine is dropped and nothing waits.
     fn next_batch(&mut self) -> Option<Vec<Ticket>> {
         let first = loop {
             if let Some(ticket) = self.waiting.pop_front() {
                 break ticket;
             }
-            match self.commands.recv().ok()? {
+            match self.next_command()? {
                 Command::Render(ticket) => break *ticket,
                 Command::LoseDevice => self.lose(),
             }
@@ -189,8 +209,12 @@ impl Worker {
         }
         let requests: Vec<&Prepared> = batch.iter().map(|ticket| &ticket.prepared).collect();
         match self.render(&requests) {
-            Ok(output) => self.answer_rendered(batch, output),
+            Ok(output) => {
+                self.stats.ready.store(true, Ordering::Release);
+                self.answer_rendered(batch, output);
+            }
             Err(fault) => {
+                self.stats.ready.store(false, Ordering::Release);
                 self.stats.failed.fetch_add(batch.len() as u64, Ordering::Relaxed);
                 for ticket in batch {
                     let _ = ticket.answer.send(Err(EngineError::Device(fault.clone())));
@@ -247,5 +271,62 @@ impl Worker {
             Ok((executor, _)) => self.executor = Some(executor),
             Err(error) => tracing::error!(%error, "no device could be opened"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{request::DeviceChoice, synthetic};
+    use std::sync::atomic::AtomicBool;
+
+    /// A device that fails while its flag is down.
+    struct Moody(Arc<AtomicBool>);
+
+    impl Executor for Moody {
+        fn kind(&self) -> ExecutorKind {
+            ExecutorKind::Gpu
+        }
+
+        fn resident_bytes(&self) -> u64 {
+            0
+        }
+
+        fn render(&mut self, batch: &[&Prepared]) -> Result<BatchOutput, DeviceFault> {
+            if !self.0.load(Ordering::SeqCst) {
+                return Err(DeviceFault::Lost("in a drill".into()));
+            }
+            let dark = Panorama::dark().samples().to_vec();
+            Ok(BatchOutput { radiance_w_m2_sr: vec![dark; batch.len()], passes: Vec::new() })
+        }
+
+        fn lose(&mut self) {}
+    }
+
+    #[test]
+    fn an_engine_is_not_ready_while_its_device_cannot_be_made_anew() {
+        let set = Arc::new(TableSet::new(vec![Arc::new(synthetic::tables(2.0, 4))]).unwrap());
+        let stats = Arc::new(StatsCell::default());
+        let works = Arc::new(AtomicBool::new(true));
+        // No device fits into no memory, so that what is lost stays lost.
+        let config = EngineConfig { device: DeviceChoice::Gpu, budget_bytes: 0, ..EngineConfig::default() };
+        let (_queue, commands) = sync_channel(1);
+        let device = Box::new(Moody(Arc::clone(&works)));
+        let mut worker = Worker::new(config, Arc::clone(&set), Arc::clone(&stats), device, commands);
+        let ready = || stats.ready.load(Ordering::Acquire);
+        assert!(!ready());
+        worker.warm_up();
+        assert!(ready());
+        works.store(false, Ordering::SeqCst);
+        let (answer, mut receiver) = oneshot::channel();
+        let prepared = device::warm_up_requests(&set).remove(0);
+        worker.answer(vec![Ticket { prepared, answer }]);
+        assert!(matches!(receiver.try_recv(), Ok(Err(EngineError::Device(_)))));
+        assert!(!ready());
+        // Once a device is there again, the next try finds it.
+        works.store(true, Ordering::SeqCst);
+        worker.executor = Some(Box::new(Moody(works)));
+        worker.warm_up();
+        assert!(ready());
     }
 }

@@ -14,6 +14,7 @@ pub mod emission;
 pub mod error;
 pub mod error_metric;
 pub mod geometry;
+pub mod interpolation;
 pub mod lamp;
 pub mod multiple_scattering;
 pub mod panorama;

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
+    assert!(arguments.len() >= 4, "usage: measure RADIANCE LAT LON [TERRAIN]...");
     let number = |i: usize| arguments[i].parse::<f64>().expect("a number");
     let place = GeoPoint::from_deg(number(2), number(3)).expect("a place");
     let dir = tempfile::tempdir().expect("a folder");

@@ -44,4 +44,4 @@ pub use metadata::{
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 pub use scene::Scene;
 pub use scene_id::SceneId;
-pub use store::SceneStore;
+pub use store::{SceneList, SceneStore};

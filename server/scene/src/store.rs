@@ -25,6 +25,15 @@ pub struct SceneStore {
     scenes_dir: PathBuf,
 }
 
+/// The scenes of a folder.
+#[derive(Debug, Default)]
+pub struct SceneList {
+    /// Those that can be read, by id.
+    pub scenes: Vec<SceneMetadata>,
+    /// What is wrong with the others.
+    pub damaged: Vec<SceneError>,
+}
+
 impl SceneStore {
     /// The scenes of a data folder; the folder need not exist.
     pub fn new(data_dir: impl AsRef<Path>) -> Self {
@@ -51,27 +60,30 @@ impl SceneStore {
         staging::clear_stale(&self.scenes_dir)
     }
 
-    /// What is said about each scene, by id. Reads `metadata.json` alone.
+    /// What is said about each scene, by id. Reads `metadata.json` alone; a damaged scene does not hide the others.
     ///
     /// # Errors
-    /// [`SceneError::Io`], or [`SceneError::Damaged`] naming the scene.
-    pub fn list(&self) -> Result<Vec<SceneMetadata>, SceneError> {
+    /// [`SceneError::Io`] where the folder cannot be read.
+    pub fn list(&self) -> Result<SceneList, SceneError> {
+        let mut list = SceneList::default();
         let entries = match std::fs::read_dir(&self.scenes_dir) {
             Ok(entries) => entries,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(list),
             Err(error) => return Err(SceneError::io(&self.scenes_dir)(error)),
         };
-        let mut scenes = Vec::new();
         for entry in entries {
             let name = entry.map_err(SceneError::io(&self.scenes_dir))?.file_name();
             // Folders of unfinished ingests start with a dot and are no ids.
             let Some(id) = name.to_str().and_then(|name| SceneId::parse(name).ok()) else { continue };
             if self.exists(&id) {
-                scenes.push(self.read_metadata(&id)?.metadata);
+                match self.read_metadata(&id) {
+                    Ok(stored) => list.scenes.push(stored.metadata),
+                    Err(error) => list.damaged.push(error),
+                }
             }
         }
-        scenes.sort_by(|a, b| a.id.cmp(&b.id));
-        Ok(scenes)
+        list.scenes.sort_by(|a, b| a.id.cmp(&b.id));
+        Ok(list)
     }
 
     fn read_metadata(&self, id: &SceneId) -> Result<StoredScene, SceneError> {

@@ -266,7 +266,7 @@ fn an_id_that_is_taken_is_refused_and_the_scene_there_stays() {
     assert!(bench.ingest(&options).is_err());
     let still = bench.store.open(&first.metadata().id).unwrap();
     assert_eq!(still.metadata(), first.metadata());
-    assert_eq!(bench.store.list().unwrap().len(), 1);
+    assert_eq!(bench.store.list().unwrap().scenes.len(), 1);
 }
 
 #[test]

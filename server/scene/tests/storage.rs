@@ -39,7 +39,7 @@ fn a_scene_comes_back_as_it_was_stored() {
     assert!(metadata.terrain && metadata.crs == "WGS 84" && metadata.grid.width == 200);
     assert_eq!(metadata.places_count, 2);
     assert_eq!(scene.places()[0].name, "B", "the most populous first");
-    let listed = bench.store.list().unwrap();
+    let listed = bench.store.list().unwrap().scenes;
     assert_eq!(listed.len(), 1);
     assert_eq!(&listed[0], metadata);
     let text = serde_json::to_string(metadata).unwrap();
@@ -62,7 +62,7 @@ fn what_a_killed_ingest_left_is_cleared_at_the_next_and_what_is_in_use_is_not() 
     drop(in_use);
     assert_eq!(bench.store.clear_stale(), 1);
     assert!(!running.exists());
-    assert_eq!(bench.store.list().unwrap().len(), 1);
+    assert_eq!(bench.store.list().unwrap().scenes.len(), 1);
 }
 
 #[test]
@@ -124,9 +124,22 @@ fn a_cut_changed_or_missing_file_is_refused_by_its_name() {
 #[test]
 fn a_store_that_is_not_there_is_empty_and_unknown_scenes_are_told() {
     let store = SceneStore::new("/no/such/folder");
-    assert!(store.list().unwrap().is_empty());
+    assert!(store.list().unwrap().scenes.is_empty());
     let error = store.open(&SceneId::parse("nothing").unwrap()).unwrap_err();
     assert!(matches!(error, SceneError::UnknownScene { .. }), "{error}");
+}
+
+#[test]
+fn a_damaged_scene_is_named_and_does_not_hide_the_others() {
+    let bench = Bench::new();
+    bench.scene(&TestRaster::scattered(50, 50));
+    let broken = bench.store.scenes_dir().join("broken");
+    std::fs::create_dir(&broken).unwrap();
+    std::fs::write(broken.join("metadata.json"), "{").unwrap();
+    let list = bench.store.list().unwrap();
+    assert_eq!(list.scenes.iter().map(|scene| scene.id.as_str()).collect::<Vec<_>>(), ["light"]);
+    assert_eq!(list.damaged.len(), 1);
+    assert!(list.damaged[0].to_string().contains("broken"), "{}", list.damaged[0]);
 }
 
 #[test]

@@ -69,11 +69,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         print!("{distance_m:7} m {source_altitude_m:5} {observer_altitude_m:5}:");
         for (low, high) in ROWS {
             let (mut mean, mut signed, mut count) = (0.0, 0.0, 0);
-            for p in low * HALF_COLUMN_COUNT..high * HALF_COLUMN_COUNT {
+            let rows = low * HALF_COLUMN_COUNT..high * HALF_COLUMN_COUNT;
+            for (p, &exact) in rows.clone().zip(&shape[rows]) {
                 let value: f64 = (0..basis.count)
                     .map(|k| rounded[k] * f64::from(basis.functions[k * PIXEL_COUNT + p]))
                     .sum();
-                let exact = f64::from(shape[p]);
+                let exact = f64::from(exact);
                 let error = (value.max(0.0) - exact) / exact.max(floor);
                 mean += error.abs();
                 signed += error;

@@ -16,7 +16,7 @@ pub mod precompute;
 pub mod resident;
 pub mod spectrum;
 
-pub use axes::{OffsetAxis, TableAxes, lagrange_taps};
+pub use axes::{OffsetAxis, TableAxes};
 pub use error::TablesError;
 pub use manifest::{Manifest, Scattering};
 pub use multiple::{MultipleAxes, MultipleTable};

@@ -7,7 +7,9 @@ use crate::{
     multiple::MultipleAxes,
 };
 use serde::{Deserialize, Serialize};
-use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Lobe};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Band, ELEVATION_COUNT, Lobe, multiple_scattering::DEFAULT_GROUND_ALBEDO,
+};
 
 /// Version of the file format and of what its node numbers mean; a pack of another version is refused.
 pub const FORMAT_VERSION: u32 = 2;
@@ -149,6 +151,22 @@ pub struct PackParameters {
 }
 
 impl PackParameters {
+    /// The command that makes the pack.
+    fn command(&self) -> String {
+        let albedo = match &self.multiple {
+            Some(multiple) if multiple.ground_albedo != DEFAULT_GROUND_ALBEDO => {
+                format!(" --ground-albedo {}", multiple.ground_albedo)
+            }
+            _ => String::new(),
+        };
+        format!(
+            "skyglow precompute --turbidity {} --scattering {}{albedo} --basis {}",
+            self.turbidity,
+            self.scattering.name(),
+            self.basis_count
+        )
+    }
+
     /// The manifest of a finished pack.
     pub fn manifest(&self, measured_error: MeasuredError, checksum: String) -> Manifest {
         Manifest {
@@ -181,12 +199,7 @@ impl PackParameters {
             },
             measured_error,
             checksum,
-            command: format!(
-                "skyglow precompute --turbidity {} --scattering {} --basis {}",
-                self.turbidity,
-                self.scattering.name(),
-                self.basis_count
-            ),
+            command: self.command(),
         }
     }
 }

@@ -2,7 +2,6 @@
 //! engine would, against the converged integral.
 
 use crate::{
-    axes::lagrange_taps,
     images::{HALF_COLUMN_COUNT, image_index},
     manifest::{LobeError, MeasuredError},
     multiple::MultipleTable,
@@ -12,6 +11,7 @@ use crate::{
 use rayon::prelude::*;
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Lobe, Turbidity,
+    interpolation::lagrange_taps,
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, radiance_per_watt_of},
 };

@@ -9,7 +9,6 @@
 //! observer raised to the wanted one. It is that of a ground lower by the difference, and is interpolated as such.
 
 use crate::{
-    axes::lagrange_taps,
     error::TablesError,
     images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
 };
@@ -17,6 +16,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
+    interpolation::lagrange_taps,
     multiple_scattering::{Resolution, SourceField, SourceSetting, ViewRow},
     panorama::{azimuth_rad, elevation_rad},
     single_source::SourceGeometry,
@@ -135,33 +135,40 @@ impl MultipleTable {
         atmosphere: Atmosphere,
         axes: &MultipleAxes,
         distance_m: &[f64],
-        kept: impl Fn(usize, usize) -> Option<Vec<f32>>,
-        made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError>,
+        kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
+        made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
-        let mut parts = Vec::with_capacity(axes.ground_altitude_m.len() * axes.offset_m.len());
-        for (ground, &ground_m) in axes.ground_altitude_m.iter().enumerate() {
-            // Offsets ascend, so those of one field follow one another.
-            let mut solved: Option<(f64, SourceField)> = None;
-            for (offset, &offset_m) in axes.offset_m.iter().enumerate() {
-                if let Some(part) = kept(ground, offset) {
-                    parts.push(part);
-                    continue;
-                }
-                let above_m = solved_offset_m(offset_m);
-                let field = match solved.take() {
-                    Some((solved_m, field)) if solved_m == above_m => field,
-                    _ => SourceField::solve(
-                        SourceSetting::new(atmosphere, ground_m + above_m, ground_m, axes.ground_albedo)?,
-                        &axes.field_resolution.resolution(),
-                    ),
+        // [ground][offset]: side by side, for a field alone does not keep every thread busy.
+        let parts: Vec<Vec<Vec<f32>>> = axes
+            .ground_altitude_m
+            .par_iter()
+            .enumerate()
+            .map(|(ground, &ground_m)| {
+                // Offsets ascend, so those of one field follow one another.
+                let mut solved: Option<(f64, SourceField)> = None;
+                let part = |(offset, &offset_m): (usize, &f64)| {
+                    if let Some(part) = kept(ground, offset) {
+                        return Ok(part);
+                    }
+                    let above_m = solved_offset_m(offset_m);
+                    let field = match solved.take() {
+                        Some((solved_m, field)) if solved_m == above_m => field,
+                        _ => SourceField::solve(
+                            SourceSetting::new(atmosphere, ground_m + above_m, ground_m, axes.ground_albedo)?,
+                            &axes.field_resolution.resolution(),
+                        ),
+                    };
+                    let observer_m =
+                        ground_m + if offset_m > 0.0 { raised_by_m(offset_m) } else { -offset_m };
+                    let part = view(&field, axes, distance_m, observer_m)?;
+                    solved = Some((above_m, field));
+                    made(ground, offset, &part)?;
+                    Ok(part)
                 };
-                let observer_m = ground_m + if offset_m > 0.0 { raised_by_m(offset_m) } else { -offset_m };
-                let part = view(&field, axes, distance_m, observer_m)?;
-                solved = Some((above_m, field));
-                made(ground, offset, &part)?;
-                parts.push(part);
-            }
-        }
+                axes.offset_m.iter().enumerate().map(part).collect::<Result<Vec<_>, TablesError>>()
+            })
+            .collect::<Result<_, _>>()?;
+        let parts = parts.into_iter().flatten().collect();
         Ok(Self {
             axes: axes.clone(),
             log_distance: distance_m.iter().map(|d| d.ln()).collect(),
@@ -327,16 +334,12 @@ mod tests {
                 .unwrap()
                 .radiance_per_watt(30_000.0, azimuth_rad(column));
             let got = table.radiance_per_watt(&geometry, row, column);
-            for band in 0..BAND_COUNT {
-                for lobe in 0..LOBE_COUNT {
-                    let image = image_index(lobe, band);
-                    assert!(
-                        (got[image] / truth[band][lobe] - 1.0).abs() < 1e-4,
-                        "{row} {column} {band} {lobe}"
-                    );
-                    let sample = images[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
-                    assert!((sample / got[image] - 1.0).abs() < 1e-9);
-                }
+            for (slot, &truth) in truth.as_flattened().iter().enumerate() {
+                // `[band][lobe]`
+                let image = image_index(slot % LOBE_COUNT, slot / LOBE_COUNT);
+                assert!((got[image] / truth - 1.0).abs() < 1e-4, "{row} {column} {slot}");
+                let sample = images[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
+                assert!((sample / got[image] - 1.0).abs() < 1e-9);
             }
         }
         // The check can fail: another distance is another sky.

@@ -5,7 +5,7 @@
 //! The manifest lies beside the pack as `.json` too; the two must agree.
 
 use crate::{
-    axes::{OffsetAxis, lagrange_taps},
+    axes::OffsetAxis,
     error::TablesError,
     images::IMAGE_COUNT,
     manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering},
@@ -13,7 +13,7 @@ use crate::{
 };
 use half::f16;
 use rayon::prelude::*;
-use skyglow_physics::ELEVATION_COUNT;
+use skyglow_physics::{ELEVATION_COUNT, interpolation::lagrange_taps};
 use std::{
     fs::File,
     io::Write,

@@ -108,7 +108,7 @@ fn a_pack_of_all_orders_is_brighter_than_the_first_alone_and_says_over_which_gro
     let pack = Pack::open(&path).unwrap();
     assert_eq!(pack.manifest().scattering, Scattering::Multiple);
     assert_eq!(pack.manifest().ground_albedo, Some(0.3));
-    assert!(pack.manifest().command.contains("--scattering multiple"));
+    assert!(pack.manifest().command.contains("--scattering multiple --ground-albedo 0.3"));
     // Interpolated light of later orders is in the truth that errors are measured against, too.
     assert!(pack.manifest().measured_error.lobes[0].median < 0.5);
     let alone = Pack::open(&place(folder.path(), &pack_bytes().0)).unwrap();

@@ -7,7 +7,7 @@ use crate::{
     table::aligned,
 };
 use clap::Args;
-use skyglow_scene::SceneStore;
+use skyglow_scene::{SceneList, SceneStore};
 
 /// List the scenes, each with the report of its ingest
 #[derive(Debug, Args)]
@@ -20,20 +20,22 @@ pub(crate) struct Scenes {
 }
 
 impl Scenes {
-    /// Runs the command.
+    /// Runs the command. A damaged scene is an error, after all others are listed.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let store = SceneStore::new(self.data.folder());
-        let scenes = store.list().map_err(Failure::work)?;
+        let SceneList { scenes, mut damaged } = store.list().map_err(Failure::work)?;
+        let outcome = if damaged.is_empty() { Ok(()) } else { Err(Failure::work(damaged.swap_remove(0))) };
         if self.json.json {
-            return super::print_json(&scenes);
+            super::print_json(&scenes)?;
+            return outcome;
         }
-        if scenes.is_empty() {
+        if scenes.is_empty() && outcome.is_ok() {
             return super::print_line(&format!("no scenes in {}", store.scenes_dir().display()));
         }
         for scene in &scenes {
             super::print_line(&format!("{} ({})", scene.id, scene.title))?;
             super::print_line(aligned(&report::rows(scene)).trim_end())?;
         }
-        Ok(())
+        outcome
     }
 }

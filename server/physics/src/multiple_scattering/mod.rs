@@ -21,6 +21,7 @@ mod optics;
 mod path;
 mod setting;
 mod source_function;
+mod sum;
 mod transport;
 mod view;
 
@@ -28,6 +29,7 @@ pub use energy::OrderPower;
 pub use field::SourceField;
 use lanes::{LANES, Lanes};
 pub use setting::{DEFAULT_GROUND_ALBEDO, Resolution, SourceSetting};
+pub use sum::{MultipleSum, SumDensity};
 pub use view::ViewRow;
 
 #[cfg(test)]
