@@ -1,13 +1,18 @@
 #!/bin/sh
 # Makes table packs in precomputed/ for the turbidities of precomputed/turbidities.txt:
-# `make_packs.sh missing` those that are not there, `make_packs.sh all` every one anew.
+# `make_packs.sh missing` those that are not there, `make_packs.sh all` every one anew. Packs of another scattering
+# than the one below do not count, and stay where they are.
 set -eu
 cd "$(dirname "$0")/.."
 
 skyglow="${CARGO_TARGET_DIR:-target}/release/skyglow"
 which="${1:-missing}"
+# What comes with the project.
+scattering=multiple
 
-on_disk="$("$skyglow" packs --packs precomputed --json | tr -d ' \n' | grep -o '"turbidity":[0-9.]*' | cut -d: -f2 || true)"
+# Turbidity and scattering stand side by side in a pack's manifest.
+on_disk="$("$skyglow" packs --packs precomputed --json | tr -d ' \n' |
+    grep -o "\"turbidity\":[0-9.]*,\"scattering\":\"$scattering\"" | grep -o '[0-9.][0-9.]*' || true)"
 
 have() { # have TURBIDITY
     for other in $on_disk; do
@@ -24,5 +29,5 @@ for turbidity in $(grep -v '^ *\(#\|$\)' precomputed/turbidities.txt); do
     wanted="${wanted:+$wanted,}$turbidity"
 done
 [ -n "$wanted" ] || exit 0
-echo "precomputed/: making the packs for turbidity $wanted" >&2
-"$skyglow" precompute --turbidity "$wanted" --out precomputed
+echo "precomputed/: making the packs of $scattering scattering for turbidity $wanted" >&2
+"$skyglow" precompute --turbidity "$wanted" --scattering "$scattering" --out precomputed

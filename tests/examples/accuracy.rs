@@ -11,7 +11,7 @@ use skyglow_physics::{
     photometry::luminance_cd_m2,
 };
 use skyglow_scene::{RING_COUNT, SceneId, SceneStore, ring_distance_m};
-use skyglow_tables::{Pack, packs_in};
+use skyglow_tables::{Pack, Scattering, packs_in};
 use std::{error::Error, path::Path, sync::Arc};
 
 /// One truth file.
@@ -71,7 +71,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|path| Pack::open(path).map(|pack| Arc::new(pack.resident(&rings))))
         .collect::<Result<Vec<_>, _>>()?;
     let device = DeviceChoice::from_name(device).ok_or("device: auto, gpu, lavapipe or cpu")?;
-    let resident: Vec<f64> = tables.iter().map(|t| t.turbidity).collect();
+    // The truth files hold first-order light.
+    let comparable = tables.iter().filter(|t| t.scattering == Scattering::Single);
+    let resident: Vec<f64> = comparable.map(|t| t.turbidity).collect();
     let engine = Engine::start(EngineConfig { device, tables, ..EngineConfig::default() })?;
     println!("executor {:?}, packs {resident:?}", engine.info().executor);
     println!(
@@ -95,6 +97,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 polar: polar.clone(),
                 observer_altitude_m: truth.observer_altitude_m,
                 turbidity: Turbidity::new(turbidity)?,
+                scattering: Scattering::Single,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
                 basis: None,

@@ -10,7 +10,7 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{RING_COUNT, SceneId, SceneStore, ring_distance_m};
-use skyglow_tables::{Pack, packs_in};
+use skyglow_tables::{Pack, Scattering, packs_in};
 use std::{error::Error, path::Path, sync::Arc, time::Instant};
 
 const ROUNDS: usize = 30;
@@ -32,6 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|path| Pack::open(path).map(|pack| Arc::new(pack.resident(&rings))))
         .collect::<Result<Vec<_>, _>>()?;
 
+    // All kinds of packs take the same passes.
+    let scattering = tables.iter().map(|tables| tables.scattering).max().unwrap_or(Scattering::Single);
+
     let start = Instant::now();
     let polar = Arc::new(scene.polar_grid(place));
     println!("polar grid: {:.1} ms, {} lit cells", 1e3 * start.elapsed().as_secs_f64(), polar.cells.len());
@@ -45,6 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 polar: Arc::clone(&polar),
                 observer_altitude_m,
                 turbidity,
+                scattering,
                 emission,
                 flux_per_dnb_flux: lamp.flux_per_dnb_flux,
                 basis: None,

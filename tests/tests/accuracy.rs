@@ -9,7 +9,7 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{RING_COUNT, Scene, SceneId, SceneStore, create_demo, ring_distance_m};
-use skyglow_tables::{Pack, packs_in};
+use skyglow_tables::{Pack, Scattering, packs_in};
 use skyglow_tests::tree;
 use std::sync::Arc;
 
@@ -43,6 +43,7 @@ fn error(
             polar: Arc::new(scene.polar_grid(place)),
             observer_altitude_m,
             turbidity: Turbidity::new(TURBIDITIES[turbidity]).unwrap(),
+            scattering: Scattering::Single,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
             basis: None,
@@ -97,6 +98,7 @@ fn skies_of_the_demo_are_within_five_per_cent_of_stored_direct_sums_at_every_tur
                     polar: Arc::clone(&polar),
                     observer_altitude_m: truth.observer_altitude_m,
                     turbidity: Turbidity::new(turbidity).unwrap(),
+                    scattering: Scattering::Single,
                     emission: EmissionMix::garstang(),
                     flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
                     basis: None,

@@ -1,7 +1,7 @@
 // Puts the viewer together: state in the URL, controls, map, and the sky of the picked place.
 
 import { api, type SkyParameters } from "./api/client.ts";
-import type { NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
+import type { Atmosphere, NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
 import type { SkyMap } from "./map/sky_map.ts";
 import { SkySession } from "./session.ts";
 import { brightness_mag_arcsec2 } from "./photometry.ts";
@@ -16,12 +16,14 @@ import { place_name } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
 import { show_numbers, show_site } from "./ui/numbers.ts";
 import { show_readout } from "./ui/readout.ts";
+import { resident_scatterings, scattering_title, turbidity_within } from "./ui/scattering.ts";
 import { Search } from "./ui/search.ts";
 import { wire_switches } from "./ui/switches.ts";
 
 class Viewer {
   private state: ViewState = state_from_fragment(location.hash);
   private scenes: readonly Scene[] = [];
+  private atmospheres: readonly Atmosphere[] = [];
   private places: readonly NamedPlace[] = [];
   private answer: SkyAnswer | null = null;
   private map: SkyMap | null = null;
@@ -45,6 +47,7 @@ class Viewer {
   private readonly controls = new Controls({
     scene: (scene) => this.change({ scene, place: null, view: null }, { push: true }),
     turbidity: (turbidity) => this.change({ turbidity }),
+    scattering: (scattering) => this.change({ scattering, turbidity: turbidity_within(this.atmospheres, scattering, this.state.turbidity) }),
     lamp: (lamp) => this.change({ lamp }),
     emission: (emission) => this.change({ emission }),
     projection: (projection) => this.change({ projection }),
@@ -83,6 +86,7 @@ class Viewer {
     try {
       const [scenes, atmospheres] = await Promise.all([api.scenes(signal), api.atmospheres(signal)]);
       this.scenes = scenes;
+      this.atmospheres = atmospheres;
       this.controls.set_scenes(scenes);
       this.controls.set_atmospheres(atmospheres);
       if (scenes.length === 0) {
@@ -91,6 +95,7 @@ class Viewer {
     } catch (reason) {
       this.notice.show(reason);
     }
+    this.drop_absent_scattering();
     this.controls.show(this.state, null);
     await this.start_map(map_code);
     addEventListener("popstate", () => this.restore());
@@ -155,6 +160,17 @@ class Viewer {
     this.write_url(false);
   }
 
+  /** A link may come from a server with other tables. */
+  private drop_absent_scattering(): void {
+    const { scattering } = this.state;
+    const resident = resident_scatterings(this.atmospheres);
+    const best = resident[0];
+    if (scattering === null || best === undefined || resident.includes(scattering)) return;
+    this.notice.show(new Error(`This server has no tables for scattering of ${scattering_title(scattering)}; showing ${scattering_title(best)} instead.`));
+    this.state = { ...this.state, scattering: null };
+    this.write_url(false);
+  }
+
   private pick(place: Place): void {
     this.notice.clear();
     this.change({ place }, { push: true });
@@ -172,6 +188,7 @@ class Viewer {
   private restore(): void {
     const scene_before = this.state.scene;
     this.state = state_from_fragment(location.hash);
+    this.drop_absent_scattering();
     if (this.state.view !== null) this.map?.jump_to(this.state.view);
     if (this.state.scene !== scene_before) this.enter_scene();
     else this.show_state();
@@ -197,10 +214,10 @@ class Viewer {
   }
 
   private parameters(place: Place): SkyParameters {
-    const { turbidity, lamp, emission } = this.state;
+    const { turbidity, scattering, lamp, emission } = this.state;
     // Five decimals are a metre; a link restores the very same request.
     const rounded = (degrees: number) => +degrees.toFixed(5);
-    const air = turbidity === null ? {} : { turbidity };
+    const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }) };
     return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), lamp, emission, ...air };
   }
 

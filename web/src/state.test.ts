@@ -7,6 +7,7 @@ const EVERYTHING: ViewState = {
   place: { latitude_deg: -1.28638, longitude_deg: 36.81722 },
   view: { zoom: 7.31, latitude_deg: -1.25, longitude_deg: 36.9 },
   turbidity: 3.2,
+  scattering: "single",
   lamp: "led_4000k",
   emission: "shielded",
   projection: "fisheye",
@@ -30,7 +31,7 @@ test("a place on the equator and the prime meridian is not taken for a missing o
 });
 
 test("what makes no sense in a fragment takes its default", () => {
-  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&projection=mercator&scene=../etc&lamp=%3Cb%3E&radiance=7&map=3/1");
+  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&projection=mercator&scene=../etc&lamp=%3Cb%3E&radiance=7&map=3/1");
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });
 

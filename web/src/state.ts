@@ -1,5 +1,6 @@
 // What the viewer shows, and its form in the URL's fragment, so that a link or a reload restores it.
 
+import type { ScatteringName } from "./api/client.ts";
 import { COLOUR_MAPS, type ColourMapName } from "./sky/colour_maps.ts";
 import type { SkyKind } from "./sky/grid.ts";
 import type { ProjectionName } from "./sky/projection.ts";
@@ -15,6 +16,8 @@ export interface MapView {
   longitude_deg: number;
 }
 
+const SCATTERING_NAMES: readonly ScatteringName[] = ["multiple", "single"];
+
 export const LAYERS = ["radiance", "elevation"] as const;
 export type LayerName = (typeof LAYERS)[number];
 
@@ -26,6 +29,8 @@ export interface ViewState {
   view: MapView | null;
   /** null: the server's default. */
   turbidity: number | null;
+  /** null: the best that the server has. */
+  scattering: ScatteringName | null;
   lamp: string;
   emission: string;
   projection: ProjectionName;
@@ -40,6 +45,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   place: null,
   view: null,
   turbidity: null,
+  scattering: null,
   lamp: "mixed",
   emission: "garstang",
   projection: "equirectangular",
@@ -83,6 +89,7 @@ export function state_from_fragment(fragment: string): ViewState {
         ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }
         : null,
     turbidity: number_in(query.get("turbidity"), 1, 100),
+    scattering: SCATTERING_NAMES.find((name) => name === query.get("scattering")) ?? null,
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
     emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,
     projection: one_of(query.get("projection"), ["equirectangular", "fisheye"], DEFAULT_STATE.projection),
@@ -106,6 +113,7 @@ export function fragment_from_state(state: ViewState): string {
     parts.push(`map=${+zoom.toFixed(2)}/${+latitude_deg.toFixed(4)}/${+longitude_deg.toFixed(4)}`);
   }
   add("turbidity", state.turbidity, null);
+  add("scattering", state.scattering, null);
   add("lamp", state.lamp, DEFAULT_STATE.lamp);
   add("emission", state.emission, DEFAULT_STATE.emission);
   add("projection", state.projection, DEFAULT_STATE.projection);

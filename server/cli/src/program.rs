@@ -5,7 +5,7 @@ use crate::{
     progress::{self, Stages},
     settings::Device,
 };
-use skyglow_engine::{Engine, EngineConfig, Observatory, observatory};
+use skyglow_engine::{Engine, EngineConfig, Observatory, observatory, resident_tables};
 use skyglow_http::SkySource;
 use skyglow_scene::{DEMO_ID, SceneId, SceneStore, create_demo};
 use skyglow_tables::packs_in;
@@ -23,7 +23,7 @@ pub(crate) fn open(data: &Path, packs: &Path, device: Device) -> Result<Arc<dyn 
             packs.display()
         )));
     }
-    let (tables, manifests) = observatory::resident_tables(&paths).map_err(Failure::work)?;
+    let (tables, manifests) = resident_tables(&paths).map_err(Failure::work)?;
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
     let observatory = Observatory::new(engine, manifests, data, observatory::OPEN_SCENE_COUNT);

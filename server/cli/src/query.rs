@@ -4,11 +4,12 @@ use crate::failure::Failure;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use skyglow_http::{
     error::ApiError,
+    kind_facts::KindFacts,
     parameters::{MOST_BASIS_FUNCTIONS, Parameter, ParameterSet},
     source::SourceFacts,
 };
 use skyglow_physics::Turbidity;
-use skyglow_tables::{Manifest, packs_in};
+use skyglow_tables::{Manifest, Scattering, packs_in};
 use std::{marker::PhantomData, path::Path};
 
 /// The flags of a set of parameters, as a query string.
@@ -22,6 +23,11 @@ impl<Set> QueryFlags<Set> {
     /// `name=value&…`, percent-encoded.
     pub(crate) fn query(&self) -> &str {
         &self.query
+    }
+
+    /// Whether a parameter was given this value, of letters and digits.
+    pub(crate) fn says(&self, parameter: &Parameter, value: &str) -> bool {
+        self.query.split('&').any(|pair| pair.split_once('=') == Some((parameter.name, value)))
     }
 }
 
@@ -80,15 +86,28 @@ fn percent_encoded(text: &str) -> String {
         .collect()
 }
 
-/// What is allowed at all, whatever packs are resident: to find slips before anything is loaded, and for the
-/// reference, which needs no packs.
-pub(crate) fn widest_facts() -> SourceFacts {
+/// What is allowed at all, whatever packs are resident: to find slips before anything is loaded.
+fn widest_facts() -> SourceFacts {
+    widest_facts_with(&Scattering::ALL)
+}
+
+/// What is allowed for the reference, which needs no packs and sums first-order light.
+pub(crate) fn reference_facts() -> SourceFacts {
+    widest_facts_with(&[Scattering::Single])
+}
+
+fn widest_facts_with(scatterings: &[Scattering]) -> SourceFacts {
+    let kind = |&scattering| KindFacts {
+        scattering,
+        turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
+        basis_count: MOST_BASIS_FUNCTIONS as usize,
+        ground_albedo: None,
+    };
     SourceFacts {
         executor: "reference".to_owned(),
         adapter: String::new(),
-        turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
+        kinds: scatterings.iter().map(kind).collect(),
         altitude_range_m: (0.0, 100_000.0),
-        basis_count: MOST_BASIS_FUNCTIONS as usize,
         pack_checksums: String::new(),
     }
 }
@@ -103,14 +122,31 @@ pub(crate) fn facts_of_packs(folder: &Path) -> SourceFacts {
         .filter_map(|text| serde_json::from_slice(&text).ok())
         .collect();
     let mut facts = widest_facts();
-    let turbidities = manifests.iter().map(|manifest| manifest.turbidity);
-    if let Some(ends) = turbidities.map(|t| (t, t)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) {
-        facts.turbidity_range = ends;
-        facts.basis_count = manifests.iter().map(|manifest| manifest.basis_count).max().unwrap_or(0);
+    let kinds: Vec<KindFacts> = Scattering::ALL.iter().filter_map(|&s| kind_facts(&manifests, s)).collect();
+    if !kinds.is_empty() {
+        facts.kinds = kinds;
     }
     let highest_m = manifests.iter().filter_map(|manifest| manifest.axes.observer_altitude_m.last().copied());
     facts.altitude_range_m.1 = highest_m.reduce(f64::min).unwrap_or(facts.altitude_range_m.1);
     facts
+}
+
+/// What the packs of one scattering will serve; None where there are none.
+fn kind_facts(manifests: &[Manifest], scattering: Scattering) -> Option<KindFacts> {
+    let mut packs = manifests.iter().filter(|manifest| manifest.scattering == scattering);
+    let first = packs.next()?;
+    let mut facts = KindFacts {
+        scattering,
+        turbidity_range: (first.turbidity, first.turbidity),
+        basis_count: first.basis_count,
+        ground_albedo: first.ground_albedo,
+    };
+    for pack in packs {
+        let (least, most) = facts.turbidity_range;
+        facts.turbidity_range = (least.min(pack.turbidity), most.max(pack.turbidity));
+        facts.basis_count = facts.basis_count.max(pack.basis_count);
+    }
+    Some(facts)
 }
 
 /// A refused parameter is wrong usage; anything else is work that failed.
@@ -127,6 +163,10 @@ pub(crate) fn failure(error: &ApiError) -> Failure {
 mod tests {
     use super::*;
     use skyglow_http::{accept::Format, parameters::PanoramaParameters};
+    use skyglow_tables::{
+        TableAxes,
+        manifest::{MeasuredError, PackParameters},
+    };
 
     fn query(arguments: &[&str]) -> String {
         let command = QueryFlags::<PanoramaParameters>::augment_args(Command::new("test"));
@@ -151,5 +191,39 @@ mod tests {
         assert!((sky.place.latitude_deg() + 1.3).abs() < 1e-12);
         assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
         assert_eq!(view.options.sky, skyglow_display::Sky::Total);
+    }
+
+    #[test]
+    fn manifests_tell_what_the_packs_of_each_scattering_serve() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(facts_of_packs(folder.path()), widest_facts());
+        let (single, multiple) = (Scattering::Single, Scattering::Multiple);
+        for (turbidity, scattering, basis_count) in
+            [(4.0, multiple, 32), (1.5, single, 64), (2.0, multiple, 16), (6.0, single, 64)]
+        {
+            let parameters = PackParameters {
+                turbidity,
+                scattering,
+                ground_albedo: (scattering == multiple).then_some(0.2),
+                axes: TableAxes::coarse(),
+                basis_count,
+                training_geometries: 1,
+                fit_iterations: 1,
+            };
+            let manifest = parameters.manifest(MeasuredError::default(), String::new());
+            let pack = folder.path().join(format!("{turbidity}-{}.skyglow", scattering.name()));
+            std::fs::write(&pack, "").unwrap();
+            std::fs::write(pack.with_extension("json"), serde_json::to_vec(&manifest).unwrap()).unwrap();
+        }
+        let kind = |scattering, turbidity_range, basis_count, ground_albedo| KindFacts {
+            scattering,
+            turbidity_range,
+            basis_count,
+            ground_albedo,
+        };
+        assert_eq!(
+            facts_of_packs(folder.path()).kinds,
+            [kind(single, (1.5, 6.0), 64, None), kind(multiple, (2.0, 4.0), 32, Some(0.2))]
+        );
     }
 }

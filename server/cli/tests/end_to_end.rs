@@ -179,6 +179,7 @@ fn the_command_line_gives_the_numbers_of_the_api() {
     let printed = skyglow(&[&["sky", "--json"], &common[..], &engine[..]].concat()).expect_status(0).json();
     let answered = server.get(&format!("/api/v1/scenes/demo/sky?{PLACE}")).json();
     assert_eq!(printed, answered);
+    assert_eq!((&printed["scattering"], &printed["ground_albedo"]), (&"single".into(), &Value::Null));
 
     let table = skyglow(&[&["sky"], &common[..], &engine[..]].concat()).expect_status(0);
     assert!(
@@ -197,6 +198,8 @@ fn the_command_line_gives_the_numbers_of_the_api() {
         (["--turbidity", "6"], 2, "2 to 3"),
         (["--altitude", "9000"], 2, "altitude"),
         (["--basis", "1000"], 2, "basis"),
+        // The packs here hold light of the first order.
+        (["--scattering", "multiple"], 2, "not resident; allowed: single"),
     ] {
         let refused = skyglow(&[&["sky"], &common[..], &engine[..], &arguments[..]].concat());
         let refused = refused.expect_status(status);

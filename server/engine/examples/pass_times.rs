@@ -4,6 +4,7 @@
 
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest, synthetic};
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
+use skyglow_tables::Scattering;
 use std::{sync::Arc, time::Instant};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -54,6 +55,7 @@ fn measure(
                 polar: Arc::new(synthetic::polar_grid(seed as u64, lit_cells)),
                 observer_altitude_m: 1661.0,
                 turbidity: Turbidity::new(turbidity)?,
+                scattering: Scattering::Single,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
                 basis: None,

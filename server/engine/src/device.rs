@@ -62,9 +62,12 @@ fn open_cpu(set: &TableSet) -> (Box<dyn Executor>, Opened) {
 
 /// Requests that between them run every pipeline.
 pub(crate) fn warm_up_requests(set: &TableSet) -> Vec<Prepared> {
-    let turbidities = set.turbidities();
-    let mut wanted = vec![turbidities[0]];
-    if let [first, second, ..] = turbidities[..] {
+    // One kind is enough, since all run the same pipelines: that with the most packs, or there may be no two to blend.
+    let Some(packs) = set.kinds().iter().max_by_key(|packs| packs.turbidities.len()) else {
+        return Vec::new();
+    };
+    let mut wanted = vec![packs.turbidities[0]];
+    if let [first, second, ..] = packs.turbidities[..] {
         wanted.push(0.5 * (first + second));
     }
     let polar = Arc::new(synthetic::polar_grid_of(&[(0, 0, 1.0, 10.0)]));
@@ -75,6 +78,7 @@ pub(crate) fn warm_up_requests(set: &TableSet) -> Vec<Prepared> {
                 polar: Arc::clone(&polar),
                 observer_altitude_m: 10.0,
                 turbidity: Turbidity::new(turbidity).ok()?,
+                scattering: packs.kind.scattering,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: [1.0; 3],
                 basis: None,

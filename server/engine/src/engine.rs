@@ -2,6 +2,7 @@
 
 use crate::{
     error::EngineError,
+    packs::ResidentKind,
     prepare::Prepared,
     request::{DeviceChoice, ExecutorKind, RenderRequest, Rendered},
     stats::{EngineStats, StatsCell},
@@ -62,12 +63,10 @@ pub struct EngineInfo {
     pub driver: String,
     /// Bytes of packs and workspace.
     pub resident_bytes: u64,
-    /// Turbidities of the packs, ascending.
-    pub turbidities: Vec<f64>,
+    /// The kinds of packs with their turbidities, the best last; never empty.
+    pub kinds: Vec<ResidentKind>,
     /// Observer altitudes allowed, metres.
     pub altitude_range_m: [f64; 2],
-    /// Most basis functions.
-    pub basis_count: usize,
 }
 
 /// Renders skies on its own thread. Dropping it ends the thread after the work in hand.
@@ -97,9 +96,8 @@ impl Engine {
             adapter: opened.adapter,
             driver: opened.driver,
             resident_bytes: opened.resident_bytes,
-            turbidities: set.turbidities(),
+            kinds: set.kinds().to_vec(),
             altitude_range_m: [0.0, set.observer_altitude_m().last().copied().unwrap_or(0.0)],
-            basis_count: set.basis_count(),
         };
         Ok(Self { set, info, stats, queue: Some(queue), capacity, thread: Some(thread) })
     }

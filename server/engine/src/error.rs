@@ -1,5 +1,6 @@
 //! What can go wrong between a request and its panorama.
 
+use crate::packs::PackKind;
 use skyglow_scene::SceneError;
 use skyglow_tables::TablesError;
 use thiserror::Error;
@@ -26,14 +27,22 @@ pub enum EngineError {
         /// Highest allowed, metres.
         maximum_m: f64,
     },
-    /// No resident packs around this turbidity.
+    /// No resident packs of this kind.
+    #[error("no packs with {kind} are resident; resident is {}", listed(resident))]
+    KindNotResident {
+        /// The kind asked for.
+        kind: PackKind,
+        /// The kinds that are resident.
+        resident: Vec<PackKind>,
+    },
+    /// No resident packs of the kind asked for around this turbidity.
     #[error("turbidity is {turbidity}; resident is {minimum} to {maximum}")]
     TurbidityOutOfRange {
         /// Turbidity asked for.
         turbidity: f64,
-        /// Lowest resident.
+        /// Lowest resident of that kind.
         minimum: f64,
-        /// Highest resident.
+        /// Highest resident of that kind.
         maximum: f64,
     },
     /// More basis functions than the tables hold, or none.
@@ -54,10 +63,12 @@ pub enum EngineError {
     #[error("no table packs are resident")]
     NoTables,
     /// Packs that cannot be interpolated between, or are not what they say.
-    #[error("the pack for turbidity {turbidity} does not fit: {reason}")]
+    #[error("the pack for turbidity {turbidity} with {kind} does not fit: {reason}")]
     IncompatibleTables {
         /// The pack's turbidity.
         turbidity: f64,
+        /// The pack's kind.
+        kind: PackKind,
         /// What is wrong.
         reason: String,
     },
@@ -116,6 +127,10 @@ pub enum EngineError {
         /// What the system said.
         reason: String,
     },
+}
+
+fn listed(kinds: &[PackKind]) -> String {
+    kinds.iter().map(PackKind::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// A failure of the device while it worked.

@@ -12,6 +12,7 @@ pub mod error;
 mod executor;
 mod gpu;
 pub mod observatory;
+pub mod packs;
 pub mod plan;
 pub mod prepare;
 pub mod reference;
@@ -27,9 +28,8 @@ mod worker;
 
 pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
-pub use observatory::{
-    Observatory, Observer, ObserverHeight, SiteAnswer, SkyAnswer, SkyRequest, resident_tables,
-};
+pub use observatory::{Observatory, Observer, ObserverHeight, SiteAnswer, SkyAnswer, SkyRequest};
+pub use packs::{PackKind, ResidentKind, resident_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};
 pub use stats::EngineStats;
 pub use table_set::TableSet;

@@ -7,15 +7,9 @@ use crate::{
     scene_shelf::SceneShelf,
 };
 use skyglow_physics::{Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Lamp, SkyQuantities, Turbidity};
-use skyglow_scene::{
-    Ground, PolarGrid, RING_COUNT, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer,
-    ring_distance_m,
-};
-use skyglow_tables::{Manifest, Pack, ResidentTables};
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use skyglow_scene::{Ground, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer};
+use skyglow_tables::{Manifest, Scattering};
+use std::{path::Path, sync::Arc};
 
 /// Scenes that an observatory keeps open unless told otherwise.
 pub const OPEN_SCENE_COUNT: usize = 8;
@@ -48,6 +42,8 @@ pub struct SkyRequest {
     pub observer_height: ObserverHeight,
     /// Turbidity, in the resident range.
     pub turbidity: Turbidity,
+    /// Orders of scattering, of which packs are resident.
+    pub scattering: Scattering,
     /// The lamp.
     pub lamp: Lamp,
     /// Where lamps send their light.
@@ -101,27 +97,12 @@ pub struct SkyAnswer {
     pub flux_dnb_w: f64,
     /// Turbidity used.
     pub turbidity: Turbidity,
+    /// Orders of scattering used.
+    pub scattering: Scattering,
     /// Lamp used.
     pub lamp: Lamp,
     /// Emission used.
     pub emission: EmissionMix,
-}
-
-/// Opens packs and lays them out on the rings of the scenes' polar grids.
-///
-/// # Errors
-/// [`EngineError::Tables`] naming the file that is refused.
-pub fn resident_tables(packs: &[PathBuf]) -> Result<(Vec<Arc<ResidentTables>>, Vec<Manifest>), EngineError> {
-    let ring_distances_m: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
-    let mut tables = Vec::new();
-    let mut manifests = Vec::new();
-    for path in packs {
-        let pack = Pack::open(path)?;
-        tables.push(Arc::new(pack.resident(&ring_distances_m)));
-        manifests.push(pack.manifest().clone());
-    }
-    manifests.sort_by(|a, b| a.turbidity.total_cmp(&b.turbidity));
-    Ok((tables, manifests))
 }
 
 impl Observatory {
@@ -136,7 +117,7 @@ impl Observatory {
         &self.engine
     }
 
-    /// The resident packs, ascending in turbidity.
+    /// The resident packs, by kind, then ascending in turbidity.
     pub fn atmospheres(&self) -> &[Manifest] {
         &self.manifests
     }
@@ -254,6 +235,7 @@ impl View {
             polar: Arc::clone(&self.polar),
             observer_altitude_m: self.observer.altitude_m,
             turbidity: request.turbidity,
+            scattering: request.scattering,
             emission: request.emission,
             flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
             basis: request.basis,
@@ -272,6 +254,7 @@ impl View {
             local_optical_depth: atmosphere.vertical_optical_depth(self.observer.altitude_m),
             flux_dnb_w: self.polar.flux_dnb_w,
             turbidity: request.turbidity,
+            scattering: request.scattering,
             lamp: request.lamp,
             emission: request.emission,
         }

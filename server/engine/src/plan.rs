@@ -199,6 +199,7 @@ mod tests {
     use super::*;
     use crate::{request::RenderRequest, synthetic};
     use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_tables::Scattering;
     use std::sync::Arc;
 
     fn prepared(turbidity: f64, cells: &[(usize, u32, f32, f32)], set: &TableSet) -> Prepared {
@@ -206,6 +207,7 @@ mod tests {
             polar: Arc::new(synthetic::polar_grid_of(cells)),
             observer_altitude_m: 300.0,
             turbidity: Turbidity::new(turbidity).unwrap(),
+            scattering: Scattering::Single,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: [1.0; 3],
             basis: Some(10),

@@ -2,6 +2,7 @@
 
 use crate::{
     error::EngineError,
+    packs::ResidentKind,
     request::{RenderRequest, WorkCount},
     table_set::TableSet,
     taps::{Taps, lagrange_taps},
@@ -58,7 +59,7 @@ pub struct Prepared {
     pub columns: Vec<LitColumn>,
     /// Interpolation over observer altitude.
     pub altitude_taps: Taps,
-    /// Interpolation over the set's packs.
+    /// Interpolation over the set's packs, all of the request's kind.
     pub turbidity_taps: Taps,
     /// Lobe weights, summing to 1.
     pub emission: [f32; LOBE_COUNT],
@@ -72,12 +73,13 @@ impl Prepared {
     /// Checks a request against the resident tables and lists its work.
     ///
     /// # Errors
-    /// Altitude, turbidity or basis out of range, or a malformed polar grid.
+    /// Scattering that is not resident, altitude, turbidity or basis out of range, or a malformed polar grid.
     pub fn new(request: &RenderRequest, set: &TableSet) -> Result<Self, EngineError> {
         let observer_altitude_m = checked_altitude_m(request.observer_altitude_m, set)?;
         let altitude_taps = lagrange_taps(set.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M);
-        let turbidity_taps = turbidity_taps(request.turbidity.value(), set)?;
-        let resident = set.basis_count();
+        let packs = set.kind(request.kind())?;
+        let turbidity_taps = turbidity_taps(request.turbidity.value(), packs)?;
+        let resident = packs.basis_count;
         let basis_count = request.basis.unwrap_or(resident);
         if basis_count == 0 || basis_count > resident {
             return Err(EngineError::BasisOutOfRange { basis: basis_count, maximum: resident });
@@ -176,15 +178,15 @@ fn checked_altitude_m(altitude_m: f64, set: &TableSet) -> Result<f64, EngineErro
     Ok(altitude_m.max(0.0))
 }
 
-fn turbidity_taps(turbidity: f64, set: &TableSet) -> Result<Taps, EngineError> {
-    let nodes = set.turbidities();
+fn turbidity_taps(turbidity: f64, packs: &ResidentKind) -> Result<Taps, EngineError> {
+    let nodes = &packs.turbidities;
     let (minimum, maximum) = (nodes[0], nodes[nodes.len() - 1]);
     if !(minimum - SAME_TURBIDITY..=maximum + SAME_TURBIDITY).contains(&turbidity) {
         return Err(EngineError::TurbidityOutOfRange { turbidity, minimum, maximum });
     }
     // Radiance is closest to a cubic in the logarithm of turbidity: a fifth of the error of one in turbidity.
     let log_nodes: Vec<f64> = nodes.iter().map(|node| node.ln()).collect();
-    Ok(lagrange_taps(&log_nodes, turbidity.ln(), SAME_TURBIDITY))
+    Ok(lagrange_taps(&log_nodes, turbidity.ln(), SAME_TURBIDITY).shifted(packs.first))
 }
 
 fn check_grid(polar: &PolarGrid, ring_count: usize) -> Result<(), EngineError> {
@@ -216,6 +218,7 @@ mod tests {
     use super::*;
     use crate::synthetic;
     use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_tables::Scattering;
     use std::sync::Arc;
 
     fn set() -> TableSet {
@@ -227,6 +230,7 @@ mod tests {
             polar: Arc::new(polar),
             observer_altitude_m: 100.0,
             turbidity: Turbidity::new(2.0).unwrap(),
+            scattering: Scattering::Single,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: [1.0; 3],
             basis: None,

@@ -1,8 +1,10 @@
 //! What the engine is asked, and what it answers.
 
+use crate::packs::PackKind;
 use serde::Serialize;
 use skyglow_physics::{BAND_COUNT, EmissionMix, Panorama, Turbidity};
 use skyglow_scene::PolarGrid;
+use skyglow_tables::Scattering;
 use std::sync::Arc;
 
 /// One sky to render.
@@ -14,12 +16,21 @@ pub struct RenderRequest {
     pub observer_altitude_m: f64,
     /// Turbidity, within the resident range.
     pub turbidity: Turbidity,
+    /// Orders of scattering, of which packs are resident.
+    pub scattering: Scattering,
     /// Where the lamps send their light.
     pub emission: EmissionMix,
     /// s_b: the lamps' flux in bands R, G, B per DNB flux.
     pub flux_per_dnb_flux: [f64; BAND_COUNT],
-    /// Number of basis functions; None for all resident.
+    /// Number of basis functions; None for all resident with that scattering.
     pub basis: Option<usize>,
+}
+
+impl RenderRequest {
+    /// The kind of packs that it is rendered from.
+    pub fn kind(&self) -> PackKind {
+        PackKind { scattering: self.scattering }
+    }
 }
 
 /// A rendered sky.

@@ -33,9 +33,34 @@ impl Noise {
     }
 }
 
-/// One made-up pack per turbidity, on common axes.
+/// One made-up pack of first-order light per turbidity, on common axes.
 pub fn table_set(turbidities: &[f64], basis_count: usize) -> Vec<Arc<ResidentTables>> {
-    turbidities.iter().map(|&turbidity| Arc::new(tables(turbidity, basis_count))).collect()
+    table_set_of(Scattering::Single, turbidities, basis_count)
+}
+
+/// One made-up pack per turbidity, on common axes.
+pub fn table_set_of(
+    scattering: Scattering,
+    turbidities: &[f64],
+    basis_count: usize,
+) -> Vec<Arc<ResidentTables>> {
+    let pack = |&turbidity| match scattering {
+        Scattering::Single => tables(turbidity, basis_count),
+        Scattering::Multiple => with_all_orders(tables(turbidity, basis_count)),
+    };
+    turbidities.iter().map(|turbidity| Arc::new(pack(turbidity))).collect()
+}
+
+/// Makes a made-up pack brighter, the more the farther the source, as multiple scattering does.
+fn with_all_orders(mut tables: ResidentTables) -> ResidentTables {
+    tables.scattering = Scattering::Multiple;
+    tables.checksum.insert_str(0, "multiple-");
+    let (rings, offsets) = (tables.ring_distance_m.len(), tables.offset_count);
+    for (node, log_scale) in tables.log_scale.iter_mut().enumerate() {
+        let distance_m = tables.ring_distance_m[node / offsets % rings];
+        *log_scale += (1.0 + distance_m / 20_000.0).ln() as f32;
+    }
+    tables
 }
 
 /// A made-up pack: brightness falls with distance and altitude, the first function is a glow towards the source,

@@ -1,6 +1,10 @@
 //! The resident packs as one interpolable set.
 
-use crate::{error::EngineError, twin::natural_log};
+use crate::{
+    error::EngineError,
+    packs::{PackKind, ResidentKind},
+    twin::natural_log,
+};
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 use skyglow_tables::{
     OffsetAxis,
@@ -8,10 +12,11 @@ use skyglow_tables::{
 };
 use std::sync::Arc;
 
-/// Packs in ascending turbidity, all on the same axes.
+/// Packs by kind, then in ascending turbidity, all on the same axes.
 #[derive(Clone, Debug)]
 pub struct TableSet {
     tables: Vec<Arc<ResidentTables>>,
+    kinds: Vec<ResidentKind>,
     rings: Vec<RingAxis>,
 }
 
@@ -32,13 +37,15 @@ impl TableSet {
     ///
     /// # Errors
     /// [`EngineError::NoTables`] for none; [`EngineError::IncompatibleTables`] where axes differ, a turbidity
-    /// comes twice, or an array has the wrong length or a value that is not finite.
+    /// comes twice in one kind, or an array has the wrong length or a value that is not finite.
     pub fn new(mut tables: Vec<Arc<ResidentTables>>) -> Result<Self, EngineError> {
-        tables.sort_by(|a, b| a.turbidity.total_cmp(&b.turbidity));
+        tables
+            .sort_by(|a, b| PackKind::of(a).cmp(&PackKind::of(b)).then(a.turbidity.total_cmp(&b.turbidity)));
         let first = tables.first().ok_or(EngineError::NoTables)?.clone();
         for (position, pack) in tables.iter().enumerate() {
+            let kind = PackKind::of(pack);
             let refuse =
-                |reason: String| EngineError::IncompatibleTables { turbidity: pack.turbidity, reason };
+                |reason: String| EngineError::IncompatibleTables { turbidity: pack.turbidity, kind, reason };
             check_lengths(pack).map_err(refuse)?;
             for (axis, ours, theirs) in [
                 ("observer altitudes", &pack.observer_altitude_m, &first.observer_altitude_m),
@@ -51,7 +58,10 @@ impl TableSet {
             if pack.offset_axis != first.offset_axis {
                 return Err(refuse("its offset axes differ from those of the first pack".into()));
             }
-            if position > 0 && tables[position - 1].turbidity == pack.turbidity {
+            if let Some(before) = position.checked_sub(1).map(|before| &tables[before])
+                && PackKind::of(before) == kind
+                && before.turbidity == pack.turbidity
+            {
                 return Err(refuse("this turbidity comes twice".into()));
             }
         }
@@ -63,17 +73,28 @@ impl TableSet {
             per_step_below: (1.0 / axis.step_below) as f32,
             per_step_above: (1.0 / axis.step_above) as f32,
         });
-        Ok(Self { rings: rings.collect(), tables })
+        Ok(Self { rings: rings.collect(), kinds: ResidentKind::all_of(&tables), tables })
     }
 
-    /// The packs, ascending in turbidity.
+    /// The packs, by kind, then ascending in turbidity.
     pub fn tables(&self) -> &[Arc<ResidentTables>] {
         &self.tables
     }
 
-    /// Turbidities, ascending.
-    pub fn turbidities(&self) -> Vec<f64> {
-        self.tables.iter().map(|pack| pack.turbidity).collect()
+    /// The kinds that there are packs of, the best last; never empty.
+    pub fn kinds(&self) -> &[ResidentKind] {
+        &self.kinds
+    }
+
+    /// The packs of a kind.
+    ///
+    /// # Errors
+    /// [`EngineError::KindNotResident`] naming the kinds that are.
+    pub fn kind(&self, kind: PackKind) -> Result<&ResidentKind, EngineError> {
+        self.kinds.iter().find(|resident| resident.kind == kind).ok_or_else(|| EngineError::KindNotResident {
+            kind,
+            resident: self.kinds.iter().map(|resident| resident.kind).collect(),
+        })
     }
 
     /// Observer altitudes of every pack, metres, ascending.
@@ -110,7 +131,7 @@ impl TableSet {
         self.tables[0].ring_distance_m.len()
     }
 
-    /// Most basis functions that any pack has.
+    /// Most basis functions that any pack has, of whatever kind: what buffers must hold.
     pub fn basis_count(&self) -> usize {
         self.tables.iter().map(|pack| pack.basis_count).max().unwrap_or(0)
     }
@@ -160,11 +181,19 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
 mod tests {
     use super::*;
     use crate::synthetic;
+    use skyglow_tables::Scattering;
 
     #[test]
-    fn packs_are_sorted_by_turbidity() {
-        let set = TableSet::new(synthetic::table_set(&[3.0, 1.5, 2.0], 8)).unwrap();
-        assert_eq!(set.turbidities(), [1.5, 2.0, 3.0]);
+    fn packs_are_sorted_by_kind_and_turbidity_and_one_turbidity_may_be_in_both_kinds() {
+        let mut tables = synthetic::table_set_of(Scattering::Multiple, &[3.0, 1.5, 2.0], 8);
+        tables.extend(synthetic::table_set(&[4.0, 2.0], 12));
+        let set = TableSet::new(tables).unwrap();
+        let order: Vec<_> = set.tables().iter().map(|pack| (pack.scattering, pack.turbidity)).collect();
+        let (one, all) = (Scattering::Single, Scattering::Multiple);
+        assert_eq!(order, [(one, 2.0), (one, 4.0), (all, 1.5), (all, 2.0), (all, 3.0)]);
+        let kinds: Vec<_> = set.kinds().iter().map(|k| (k.kind.scattering, k.first, k.basis_count)).collect();
+        assert_eq!(kinds, [(one, 0, 12), (all, 2, 8)]);
+        assert_eq!(set.kinds()[1].turbidities, [1.5, 2.0, 3.0]);
     }
 
     #[test]
@@ -188,7 +217,10 @@ mod tests {
             change(Arc::make_mut(&mut tables[1]));
             TableSet::new(tables).unwrap_err().to_string()
         };
-        assert!(refusal(|pack| pack.turbidity = 2.0).contains("twice"));
+        assert!(
+            refusal(|pack| pack.turbidity = 2.0)
+                .contains("with single scattering does not fit: this turbidity comes twice")
+        );
         assert!(refusal(|pack| pack.offset_axis[1].bend_m += 1.0).contains("offset axes differ"));
         assert!(refusal(|pack| pack.log_scale.truncate(5)).contains("log_scale has"));
         assert!(refusal(|pack| pack.basis_spectrum[3] = f32::NAN).contains("not finite"));

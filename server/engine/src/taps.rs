@@ -17,6 +17,14 @@ impl Taps {
         Self { count: 1, index: [index, 0, 0, 0], weight: [1.0, 0.0, 0.0, 0.0] }
     }
 
+    /// The same taps on nodes that begin at `first` in a longer list.
+    pub fn shifted(mut self, first: usize) -> Self {
+        for index in &mut self.index[..self.count] {
+            *index += first;
+        }
+        self
+    }
+
     /// Nodes, in ascending order.
     pub fn indices(&self) -> &[usize] {
         &self.index[..self.count]

@@ -8,6 +8,7 @@ use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
 use skyglow_engine::{DeviceChoice, EngineError, Observatory, ObserverHeight, SkyRequest};
 use skyglow_physics::{Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity};
 use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
+use skyglow_tables::Scattering;
 use std::path::Path;
 
 /// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, and ground at 1000 m.
@@ -52,6 +53,7 @@ fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeigh
         place: GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap(),
         observer_height,
         turbidity: Turbidity::new(2.5).unwrap(),
+        scattering: Scattering::Single,
         lamp: LampPreset::Mixed.lamp(),
         emission: EmissionMix::garstang(),
         basis: None,

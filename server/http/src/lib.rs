@@ -11,6 +11,7 @@ pub mod app;
 pub mod config;
 pub mod error;
 pub mod etag;
+pub mod kind_facts;
 pub mod layers;
 pub mod listener;
 pub mod metrics;

@@ -2,10 +2,12 @@
 
 use crate::{
     answers::AtmosphereAnswer,
+    kind_facts::KindFacts,
+    parameters::{BASIS, SCATTERING, TURBIDITY},
     source::{BoxFuture, EyeHeight, RenderedSky, SiteFacts, SkyQuery, SkySource, SourceError, SourceFacts},
 };
 use skyglow_engine::{
-    EngineError, EngineStats, Observatory,
+    EngineError, EngineStats, Observatory, PackKind, ResidentKind,
     observatory::{ObserverHeight, SkyRequest},
 };
 use skyglow_physics::GeoPoint;
@@ -24,14 +26,11 @@ impl ObservatorySource {
     /// Puts an observatory behind the interface.
     pub fn new(observatory: Arc<Observatory>) -> Self {
         let info = observatory.engine().info();
-        let ends =
-            |values: &[f64]| (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0));
         let facts = SourceFacts {
             executor: info.executor.name().to_owned(),
             adapter: info.adapter.clone(),
-            turbidity_range: ends(&info.turbidities),
+            kinds: info.kinds.iter().map(|kind| kind_facts(kind, observatory.atmospheres())).collect(),
             altitude_range_m: (info.altitude_range_m[0], info.altitude_range_m[1]),
-            basis_count: info.basis_count,
             pack_checksums: observatory
                 .engine()
                 .tables()
@@ -44,6 +43,22 @@ impl ObservatorySource {
     }
 }
 
+/// The first and the last of ascending values.
+fn ends(values: &[f64]) -> (f64, f64) {
+    (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0))
+}
+
+fn kind_facts(resident: &ResidentKind, manifests: &[Manifest]) -> KindFacts {
+    // Packs of one kind lie over one ground.
+    let pack = manifests.iter().find(|manifest| PackKind::of_manifest(manifest) == resident.kind);
+    KindFacts {
+        scattering: resident.kind.scattering,
+        turbidity_range: ends(&resident.turbidities),
+        basis_count: resident.basis_count,
+        ground_albedo: pack.and_then(|pack| pack.ground_albedo),
+    }
+}
+
 impl From<EngineError> for SourceError {
     fn from(error: EngineError) -> Self {
         match error {
@@ -53,14 +68,19 @@ impl From<EngineError> for SourceError {
                 SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }
             }
             EngineError::TurbidityOutOfRange { turbidity, minimum, maximum } => SourceError::OutOfRange {
-                parameter: "turbidity",
+                parameter: TURBIDITY.name,
                 value: turbidity.to_string(),
                 allowed: format!("{minimum} to {maximum}"),
             },
             EngineError::BasisOutOfRange { basis, maximum } => SourceError::OutOfRange {
-                parameter: "basis",
+                parameter: BASIS.name,
                 value: basis.to_string(),
                 allowed: format!("a whole number from 1 to {maximum}"),
+            },
+            EngineError::KindNotResident { kind, resident } => SourceError::NotResident {
+                parameter: SCATTERING.name,
+                value: kind.scattering.name().to_owned(),
+                resident: resident.iter().map(|kind| kind.scattering.name()).collect::<Vec<_>>().join(", "),
             },
             EngineError::OutsideScene { bounds, .. } => SourceError::OutsideScene { bounds },
             EngineError::Scene(error) => error.into(),
@@ -82,15 +102,14 @@ impl From<SceneError> for SourceError {
 
 /// A pack as the interface describes it.
 fn atmosphere(manifest: &Manifest) -> AtmosphereAnswer {
-    let ends = |axis: &[f64]| [axis.first().copied().unwrap_or(0.0), axis.last().copied().unwrap_or(0.0)];
-    let scattering = serde_json::to_value(manifest.scattering).ok();
     AtmosphereAnswer {
         turbidity: manifest.turbidity,
-        scattering: scattering.as_ref().and_then(|value| value.as_str()).unwrap_or("single").to_owned(),
+        scattering: manifest.scattering.name().to_owned(),
+        ground_albedo: manifest.ground_albedo,
         bands_nm: manifest.bands_nm.clone(),
-        observer_altitude_m: ends(&manifest.axes.observer_altitude_m),
+        observer_altitude_m: ends(&manifest.axes.observer_altitude_m).into(),
         source_altitude_m: [0.0, skyglow_tables::axes::HIGHEST_ALTITUDE_M],
-        distance_m: ends(&manifest.axes.distance_m),
+        distance_m: ends(&manifest.axes.distance_m).into(),
         basis_count: manifest.basis_count,
         checksum: manifest.checksum.clone(),
         measured_error: serde_json::to_value(&manifest.measured_error).ok(),
@@ -155,6 +174,7 @@ impl SkySource for ObservatorySource {
                     EyeHeight::AboveSea(altitude_m) => ObserverHeight::AboveSea(altitude_m),
                 },
                 turbidity: query.turbidity,
+                scattering: query.scattering,
                 lamp: query.lamp,
                 emission: query.emission,
                 basis: query.basis,

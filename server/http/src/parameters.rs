@@ -117,9 +117,9 @@ parameters! {
     HEIGHT = "height", Kind::Number { minimum: 0.0, maximum: 100_000.0, unit: " m" }, "2", false;
     /// Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range.
     ALTITUDE = "altitude", Kind::Number { minimum: -1000.0, maximum: 100_000.0, unit: " m" }, "", false;
-    /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range.
+    /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range.
     TURBIDITY = "turbidity", Kind::Number { minimum: Turbidity::MINIMUM, maximum: Turbidity::MAXIMUM, unit: "" }, "2.5", false;
-    /// Orders of scattering; the default is the best that is resident.
+    /// Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`.
     SCATTERING = "scattering", Kind::Choice(&["single", "multiple"]), "", false;
     /// Lamp: its flux in the bands R, G, B per flux that the satellite saw.
     LAMP = "lamp", Kind::Text {
@@ -231,9 +231,12 @@ mod tests {
     use super::*;
     use skyglow_display::Colormap;
     use skyglow_physics::LampPreset;
+    use skyglow_tables::Scattering;
 
     #[test]
-    fn the_table_names_every_colour_map_and_lamp_that_there_is() {
+    fn the_table_names_every_colour_map_scattering_and_lamp_that_there_is() {
+        let Kind::Choice(scatterings) = SCATTERING.kind else { panic!("not a choice") };
+        assert_eq!(scatterings, Scattering::ALL.map(Scattering::name));
         let Kind::Choice(maps) = COLORMAP.kind else { panic!("not a choice") };
         assert_eq!(maps, Colormap::ALL.map(Colormap::name));
         for preset in LampPreset::ALL {

@@ -4,12 +4,14 @@
 use crate::{
     answers::AtmosphereAnswer,
     error::ApiError,
+    kind_facts::KindFacts,
     parameters::{ALTITUDE, HEIGHT},
     problem::Mistake,
 };
 use skyglow_engine::EngineStats;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{Ground, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
+use skyglow_tables::Scattering;
 use std::{future::Future, pin::Pin, sync::Arc};
 use thiserror::Error;
 
@@ -20,12 +22,10 @@ pub struct SourceFacts {
     pub executor: String,
     /// Name of the device.
     pub adapter: String,
-    /// Smallest and largest turbidity resident.
-    pub turbidity_range: (f64, f64),
+    /// The packs resident, by scattering, the best last; one at least.
+    pub kinds: Vec<KindFacts>,
     /// Lowest and highest observer altitude resident, metres.
     pub altitude_range_m: (f64, f64),
-    /// Most basis functions resident.
-    pub basis_count: usize,
     /// Checksums of all resident packs, one after another; part of every ETag.
     pub pack_checksums: String,
 }
@@ -60,6 +60,8 @@ pub struct SkyQuery {
     pub eye_height: EyeHeight,
     /// Turbidity, in the resident range.
     pub turbidity: Turbidity,
+    /// Orders of scattering, of which packs are resident.
+    pub scattering: Scattering,
     /// The lamp.
     pub lamp: Lamp,
     /// Where lamps send their light.
@@ -135,6 +137,16 @@ pub enum SourceError {
         value: String,
         /// What is resident.
         allowed: String,
+    },
+    /// A value for which no tables are resident at all.
+    #[error("{parameter} is {value}; resident is {resident}")]
+    NotResident {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// The value asked for.
+        value: String,
+        /// What is resident.
+        resident: String,
     },
     /// No such tile.
     #[error("{0}")]
@@ -220,6 +232,13 @@ impl From<SourceError> for ApiError {
                 allowed,
                 Mistake::OutOfRange.words().to_owned(),
                 Mistake::OutOfRange,
+            ),
+            SourceError::NotResident { parameter, value, resident } => ApiError::parameter(
+                parameter,
+                value,
+                resident,
+                Mistake::NotResident.words().to_owned(),
+                Mistake::NotResident,
             ),
             SourceError::UnknownTile(reason) => ApiError::UnknownTile { reason },
             SourceError::Busy => ApiError::Busy { retry_after_s: 1 },

@@ -40,7 +40,9 @@ function answer(query) {
   const lamp = LAMPS[query.get("lamp") ?? "mixed"];
   if (lamp === undefined) return { errors: [{ parameter: "lamp", value: query.get("lamp"), allowed: Object.keys(LAMPS).join(", "), message: "is not allowed" }] };
   if (!(turbidity >= 1.5 && turbidity <= 6)) return { errors: [{ parameter: "turbidity", value: String(turbidity), allowed: "1.5 to 6", message: "is out of range" }] };
-  const sky = radiance(place, turbidity, lamp);
+  const scattering = query.get("scattering") ?? "multiple";
+  const brighter = scattering === "multiple" ? 1.3 : 1;
+  const sky = radiance(place, turbidity, lamp.map((flux) => flux * brighter));
   return {
     sky,
     common: {
@@ -49,6 +51,8 @@ function answer(query) {
       coverage: 0.87,
       calibration: 1,
       turbidity,
+      scattering,
+      ground_albedo: scattering === "multiple" ? 0.15 : null,
       local_optical_depth: [0.08, 0.15, 0.31],
       warnings: warnings(place),
     },
@@ -67,7 +71,7 @@ function api(path, query, response) {
     return false;
   };
   if (path === "scenes") return json([scene]);
-  if (path === "atmospheres") return json([{ turbidity: 1.5 }, { turbidity: 6 }]);
+  if (path === "atmospheres") return json(["single", "multiple"].flatMap((scattering) => [1.5, 6].map((turbidity) => ({ scattering, turbidity }))));
   if (path === "scenes/demo/places") return json(TOWNS);
   if (path === "scenes/demo/site") {
     const place = { latitude_deg: Number(query.get("lat")) };

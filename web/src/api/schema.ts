@@ -16,13 +16,15 @@ export type Assumptions = {
   executor: string;
   /** Upward flux within 300 km of the place, DNB watts, calibration included; that of the whole scene is `flux_dnb_w` in its report. */
   flux_within_300_km_dnb_w: number;
+  /** Lambertian albedo of that ground; null where scattering is single. */
+  ground_albedo?: number | null;
   /** The lamp. */
   lamp: LampAnswer;
   /** Vertical optical depth above the observer in R, G, B. */
   local_optical_depth: number[];
   /** Where the observer is. */
   observer: ObserverAnswer;
-  /** `single` or `multiple`. */
+  /** `single`: first order alone; `multiple`: all orders, with light that the ground sends back. */
   scattering: string;
   /** The scene. */
   scene: SceneReference;
@@ -44,11 +46,13 @@ export type AtmosphereAnswer = {
   checksum: string;
   /** Nearest and farthest source, metres. */
   distance_m: number[];
+  /** Lambertian albedo of that ground; null where scattering is single. */
+  ground_albedo?: number | null;
   /** Measured relative error of the images of single sources. */
   measured_error?: Record<string, unknown> | null;
   /** Lowest and highest observer altitude, metres. */
   observer_altitude_m: number[];
-  /** `single` or `multiple`. */
+  /** `single`: first order alone; `multiple`: all orders, with light that the ground sends back. */
   scattering: string;
   /** Lowest and highest source altitude, metres. */
   source_altitude_m: number[];
@@ -330,7 +334,7 @@ export interface Gets {
     query: Record<string, never>;
     answer: Blob;
   };
-  /** Lists the resident table packs, ascending in turbidity. */
+  /** Lists the resident table packs: those of first-order scattering, then those of all orders, each ascending in turbidity. */
   "/api/v1/atmospheres": {
     path: Record<string, never>;
     query: Record<string, never>;
@@ -372,9 +376,9 @@ export interface Gets {
       height?: number;
       /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
-      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
-      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
       /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
@@ -436,9 +440,9 @@ export interface Gets {
       height?: number;
       /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
-      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
-      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
       /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
@@ -486,9 +490,9 @@ export interface Gets {
       height?: number;
       /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
-      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
-      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
       /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
@@ -524,9 +528,9 @@ export interface Gets {
       height?: number;
       /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
-      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
-      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
       /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
@@ -588,9 +592,9 @@ export interface Gets {
       height?: number;
       /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
-      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
-      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
       /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
@@ -638,9 +642,9 @@ export interface Gets {
       height?: number;
       /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
-      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
-      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
       /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;
@@ -725,9 +729,9 @@ export interface Gets {
       height?: number;
       /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
       altitude?: number;
-      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs narrow the range. Allowed: 1 to 20. */
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
       turbidity?: number;
-      /** Orders of scattering; the default is the best that is resident. Allowed: single, multiple. */
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
       scattering?: "single" | "multiple";
       /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
       lamp?: string;

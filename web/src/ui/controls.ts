@@ -1,5 +1,6 @@
 // The controls beside the map: what the sky depends on, and how it is shown.
 
+import type { ScatteringName } from "../api/client.ts";
 import type { Atmosphere, Scene } from "../api/types.ts";
 import type { ColourMapName } from "../sky/colour_maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
@@ -7,10 +8,13 @@ import type { ProjectionName } from "../sky/projection.ts";
 import { LAYERS, type LayerName, type ViewState } from "../state.ts";
 import { by_id, debounced, make } from "./dom.ts";
 import { EMISSIONS, LAMPS } from "./lamps.ts";
+import { resident_scatterings, SCATTERINGS, turbidity_ends } from "./scattering.ts";
 
 export interface ControlEvents {
   scene: (id: string) => void;
   turbidity: (turbidity: number) => void;
+  /** null: the best that the server has. */
+  scattering: (scattering: ScatteringName | null) => void;
   lamp: (lamp: string) => void;
   emission: (emission: string) => void;
   projection: (projection: ProjectionName) => void;
@@ -69,6 +73,8 @@ export class Controls {
   private readonly scene_note = by_id("scene-note", HTMLElement);
   private readonly turbidity = by_id("turbidity", HTMLInputElement);
   private readonly turbidity_value = by_id("turbidity-value", HTMLOutputElement);
+  private readonly scattering = by_id("scattering", HTMLSelectElement);
+  private atmospheres: readonly Atmosphere[] = [];
   private readonly lamp = by_id("lamp", HTMLSelectElement);
   private readonly emission = by_id("emission", HTMLSelectElement);
   private readonly colours = by_id("colours", HTMLSelectElement);
@@ -81,6 +87,10 @@ export class Controls {
     this.turbidity.addEventListener("input", () => {
       this.show_turbidity();
       changed(Number(this.turbidity.value));
+    });
+    this.scattering.addEventListener("change", () => {
+      const chosen = SCATTERINGS.find(([name]) => name === this.scattering.value)?.[0] ?? null;
+      events.scattering(chosen === resident_scatterings(this.atmospheres)[0] ? null : chosen);
     });
     this.lamp.addEventListener("change", () => events.lamp(this.lamp.value));
     this.emission.addEventListener("change", () => events.emission(this.emission.value));
@@ -110,9 +120,21 @@ export class Controls {
   }
 
   set_atmospheres(atmospheres: readonly Atmosphere[]): void {
-    const values = atmospheres.map(({ turbidity }) => turbidity);
-    if (values.length === 0) return;
-    const [least, most] = [Math.min(...values), Math.max(...values)];
+    this.atmospheres = atmospheres;
+    this.show_air(null);
+  }
+
+  /** What can be chosen of scattering, and of turbidity with that scattering. */
+  private show_air(scattering: ScatteringName | null): void {
+    const resident = resident_scatterings(this.atmospheres);
+    const best = resident[0];
+    if (best !== undefined) {
+      fill(this.scattering, SCATTERINGS.filter(([name]) => resident.includes(name)), scattering ?? best);
+    }
+    this.scattering.disabled = resident.length < 2;
+    const ends = turbidity_ends(this.atmospheres, scattering);
+    if (ends === null) return;
+    const [least, most] = ends;
     this.turbidity.min = String(least);
     this.turbidity.max = String(most);
     this.turbidity.disabled = least === most;
@@ -129,6 +151,7 @@ export class Controls {
       this.scene_note.classList.toggle("illustrative", scene.illustrative);
       by_id("layer-elevation", HTMLInputElement).disabled = !scene.terrain;
     }
+    this.show_air(state.scattering);
     this.turbidity.value = String(state.turbidity ?? DEFAULT_TURBIDITY);
     this.show_turbidity();
     fill(this.lamp, LAMPS, state.lamp);

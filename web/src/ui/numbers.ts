@@ -6,6 +6,7 @@ import { compass_name } from "../sky/projection.ts";
 import { lamp_title } from "./lamps.ts";
 import { make } from "./dom.ts";
 import { magnitude, ratio, short_number, with_prefix } from "./format.ts";
+import { scattering_title } from "./scattering.ts";
 
 const BORTLE = [
   "",
@@ -75,6 +76,8 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
   const bortle = make("div", "bortle", make("span", "zenith-name", "Bortle class"), make("div", "zenith-value", bortle_number, make("small", "", "of 9")), steps, make("span", "bortle-name", BORTLE[sky.bortle_class] ?? ""));
 
   const brightest = `towards ${compass_name(sky.brightest_azimuth_deg)}, ${sky.brightest_elevation_deg.toFixed(0)}° up`;
+  const { ground_albedo } = answer;
+  const ground = ground_albedo === null || ground_albedo === undefined ? "" : `over ground of albedo ${short_number(ground_albedo)}`;
   const list = make(
     "dl",
     "number-list",
@@ -86,6 +89,7 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
     row("Observer", `${Math.round(answer.observer.altitude_m)}`, "m above sea level", "altitude"),
     row("Light known within 300 km", `${(100 * answer.coverage).toFixed(answer.coverage > 0.995 ? 0 : 1)}`, "%", "coverage"),
     row("Air overhead", (answer.local_optical_depth[1] ?? NaN).toFixed(3), "optical depth", "optical_depth"),
+    row("Scattering", scattering_title(answer.scattering), "", "scattering", ground),
   );
 
   const notes = [

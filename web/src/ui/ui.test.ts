@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { ApiError, plain_words } from "../api/problem.ts";
 import { coordinates, ratio, with_prefix } from "./format.ts";
 import { distance_and_bearing, place_name } from "./nearby.ts";
+import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./scattering.ts";
 import { matching_places, place_from_text } from "./search.ts";
 
 const NAIROBI = { name: "Nairobi", latitude_deg: -1.286, longitude_deg: 36.817, population: 4_400_000 };
@@ -47,6 +48,26 @@ test("quantities take the prefix that keeps them readable", () => {
   assert.equal(ratio(0.0000004), "< 0.001");
   assert.equal(ratio(1234.5), "1,235");
   assert.equal(coordinates(-1.28, 36.8), "1.2800° S, 36.8000° E");
+});
+
+test("each scattering has its own turbidities, and the best is the default", () => {
+  const packs = [
+    { scattering: "single", turbidity: 1.5 },
+    { scattering: "single", turbidity: 6 },
+    { scattering: "multiple", turbidity: 4 },
+    { scattering: "multiple", turbidity: 2 },
+  ];
+  assert.deepEqual(resident_scatterings(packs), ["multiple", "single"]);
+  assert.deepEqual(turbidity_ends(packs, null), [2, 4]);
+  assert.deepEqual(turbidity_ends(packs, "single"), [1.5, 6]);
+  assert.equal(turbidity_within(packs, null, 5.5), 4);
+  assert.equal(turbidity_within(packs, "single", 5.5), 5.5);
+  assert.equal(turbidity_within(packs, "multiple", null), null);
+  const first_order = packs.slice(0, 2);
+  assert.deepEqual(resident_scatterings(first_order), ["single"]);
+  assert.deepEqual(turbidity_ends(first_order, null), [1.5, 6]);
+  assert.equal(turbidity_ends(first_order, "multiple"), null);
+  assert.deepEqual(["multiple", "single"].map(scattering_title), ["all orders", "first order alone"]);
 });
 
 test("a problem document becomes a headline and one sentence for each bad parameter", () => {

@@ -10,7 +10,7 @@ use serde::Serialize;
 use skyglow_tables::{Manifest, Pack, TablesError, manifest::LobeError, packs_in};
 use std::path::{Path, PathBuf};
 
-/// List the table packs, each read whole and checked: turbidity, checksum, measured error; status 1 where one is damaged
+/// List the table packs, each read whole and checked: turbidity, scattering, checksum, measured error; status 1 where one is damaged
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  skyglow packs\n  skyglow packs verify")]
 pub(crate) struct Packs {
@@ -86,7 +86,8 @@ fn percent(manifest: &Manifest, error: impl Fn(&LobeError) -> f64) -> String {
 }
 
 fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
-    let head = ["pack", "MB", "turbidity", "scattering", "basis", "error (median)", "(90 %)", "checksum"];
+    let head =
+        ["pack", "MB", "turbidity", "scattering", "ground", "basis", "error (median)", "(90 %)", "checksum"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for entry in entries {
         let name = entry.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -94,7 +95,8 @@ fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
         match &entry.manifest {
             Some(manifest) => row.extend([
                 manifest.turbidity.to_string(),
-                format!("{:?}", manifest.scattering).to_lowercase(),
+                manifest.scattering.name().to_owned(),
+                manifest.ground_albedo.map_or_else(|| "-".to_owned(), |albedo| format!("albedo {albedo}")),
                 manifest.basis_count.to_string(),
                 percent(manifest, |lobe| lobe.median),
                 percent(manifest, |lobe| lobe.p90),

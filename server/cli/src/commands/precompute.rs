@@ -4,13 +4,13 @@ use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
 use skyglow_http::parameters::MOST_BASIS_FUNCTIONS;
 use skyglow_physics::Turbidity;
-use skyglow_tables::{PrecomputeOptions, precompute_together};
+use skyglow_tables::{PrecomputeOptions, Scattering, precompute_together};
 use std::path::PathBuf;
 
 /// Make the table pack of one turbidity, or of several at once (minutes; goes on where a killed run stopped)
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs\n  skyglow precompute --turbidity 1.5,2.5,6 --out packs   (shares most of the work)"
+    after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs\n  skyglow precompute --turbidity 1.5,2.5,6 --out packs   (shares most of the work)\n  skyglow precompute --turbidity 2.5 --ground-albedo 0.8 --out snow"
 )]
 pub(crate) struct Precompute {
     /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 thick haze; several with commas
@@ -24,8 +24,11 @@ pub(crate) struct Precompute {
     )]
     turbidity: Vec<Turbidity>,
     /// Orders of scattering
-    #[arg(long, env = "SKYGLOW_SCATTERING", value_enum, default_value = "single")]
-    scattering: Scattering,
+    #[arg(long, env = "SKYGLOW_SCATTERING", value_enum, default_value = "multiple")]
+    scattering: Orders,
+    /// Albedo of the ground, 0 to 1, which sends light back up; with multiple scattering alone [default: 0.15]
+    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = albedo, allow_negative_numbers = true)]
+    ground_albedo: Option<f64>,
     /// Folder of the pack and its manifest [default: where `serve` looks for packs]
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
     out: Option<PathBuf>,
@@ -35,9 +38,24 @@ pub(crate) struct Precompute {
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Scattering {
+enum Orders {
+    /// All orders, with the light that the ground sends back
+    Multiple,
     /// First order alone
     Single,
+}
+
+impl From<Orders> for Scattering {
+    fn from(orders: Orders) -> Self {
+        match orders {
+            Orders::Multiple => Self::Multiple,
+            Orders::Single => Self::Single,
+        }
+    }
+}
+
+fn albedo(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|albedo| (0.0..=1.0).contains(albedo)).ok_or("allowed is 0 to 1".to_owned())
 }
 
 fn multiple_of_4(text: &str) -> Result<usize, String> {
@@ -51,16 +69,80 @@ fn multiple_of_4(text: &str) -> Result<usize, String> {
 impl Precompute {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let Scattering::Single = self.scattering;
+        let options = self.options()?;
         let out = self.out.unwrap_or_else(folders::packs_folder_in_force);
-        let first = self.turbidity.first().copied().unwrap_or_default();
-        let mut options = PrecomputeOptions::full(first);
-        options.basis_count = self.basis.unwrap_or(options.basis_count);
         let paths =
             precompute_together(&self.turbidity, &options, &out, &Stages::new()).map_err(Failure::work)?;
         for path in paths {
             super::print_line(&path.display().to_string())?;
         }
         Ok(())
+    }
+
+    fn options(&self) -> Result<PrecomputeOptions, Failure> {
+        let scattering = Scattering::from(self.scattering);
+        if scattering == Scattering::Single && self.ground_albedo.is_some() {
+            return Err(Failure::Usage(
+                "--ground-albedo means nothing with --scattering single: light of the first order never comes \
+                 from the ground"
+                    .to_owned(),
+            ));
+        }
+        let first = self.turbidity.first().copied().unwrap_or_default();
+        let full = PrecomputeOptions::full(first);
+        Ok(PrecomputeOptions {
+            scattering,
+            ground_albedo: self.ground_albedo.unwrap_or(full.ground_albedo),
+            basis_count: self.basis.unwrap_or(full.basis_count),
+            ..full
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use skyglow_physics::multiple_scattering::DEFAULT_GROUND_ALBEDO;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        precompute: Precompute,
+    }
+
+    fn options(arguments: &[&str]) -> Result<PrecomputeOptions, Failure> {
+        let line = Line::try_parse_from([&["precompute", "--turbidity", "3"], arguments].concat());
+        line.map_err(Failure::work)?.precompute.options()
+    }
+
+    #[test]
+    fn all_orders_over_the_usual_ground_are_what_is_made_when_nobody_says() {
+        let default = options(&[]).unwrap();
+        let full = PrecomputeOptions::full(Turbidity::new(3.0).unwrap());
+        let wanted = PrecomputeOptions { scattering: Scattering::Multiple, ..full };
+        assert_eq!(default, wanted);
+        assert_eq!(default.ground_albedo, DEFAULT_GROUND_ALBEDO);
+        let help = Line::command_help();
+        assert!(help.contains(&format!("[default: {DEFAULT_GROUND_ALBEDO}]")), "{help}");
+        assert_eq!(options(&["--scattering", "single"]).unwrap().scattering, Scattering::Single);
+        assert_eq!(options(&["--ground-albedo", "0.8"]).unwrap().ground_albedo, 0.8);
+    }
+
+    #[test]
+    fn an_albedo_is_a_share_and_belongs_to_multiple_scattering() {
+        for wrong in ["1.01", "-0.1", "NaN", "white"] {
+            let refused = options(&["--ground-albedo", wrong]).unwrap_err().to_string();
+            assert!(refused.contains("ground-albedo"), "{refused}");
+        }
+        let refused = options(&["--scattering", "single", "--ground-albedo", "0.15"]).unwrap_err();
+        assert!(matches!(refused, Failure::Usage(_)), "{refused}");
+        assert!(options(&["--scattering", "double"]).is_err());
+    }
+
+    impl Line {
+        fn command_help() -> String {
+            <Self as clap::CommandFactory>::command().render_long_help().to_string()
+        }
     }
 }

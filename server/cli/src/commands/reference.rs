@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Serialize;
 use skyglow_http::{
     answers::{Assumptions, PanoramaAnswer},
-    parameters::ReferenceParameters,
+    parameters::{ReferenceParameters, SCATTERING},
     request,
     source::{RenderedSky, SkyQuery},
 };
@@ -20,8 +20,9 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{SceneId, SceneStore};
+use skyglow_tables::Scattering;
 
-/// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
+/// Compute the sky of single scattering by summing every pixel exactly (slow; needs no packs) and print it as JSON
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > truth.json"
@@ -68,7 +69,12 @@ struct DirectionAnswer {
 impl Reference {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let facts = query::widest_facts();
+        if self.query.says(&SCATTERING, Scattering::Multiple.name()) {
+            return Err(Failure::Usage(
+                "scattering=multiple: the reference sums single scattering; allowed: single".to_owned(),
+            ));
+        }
+        let facts = query::reference_facts();
         let (query, light) = request::sky(Some(self.query.query()), self.scene.clone(), &facts)
             .map_err(|error| query::failure(&error))?;
         let scene = SceneStore::new(self.data.folder()).open(&self.scene).map_err(Failure::work)?;

@@ -52,6 +52,10 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     };
     let address = listener.local_addr().map_err(Failure::work)?;
     let facts = source.facts();
+    for kind in &facts.kinds {
+        let (least, most) = kind.turbidity_range;
+        tracing::info!("packs with {} scattering, turbidity {least} to {most}", kind.scattering.name());
+    }
     tracing::info!(executor = facts.executor, adapter = facts.adapter, "serving http://{address}");
     let (end, ended) = tokio::sync::oneshot::channel::<()>();
     let serving = serve(listener, router(source, http.clone()), &http, async {

@@ -75,6 +75,7 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         row("observer", format!("{:.0} m above sea level", observer.altitude_m)),
         row("turbidity", format!("{} at sea level", assumptions.turbidity)),
         row("optical depth there", format!("{:.3} {:.3} {:.3} (R, G, B)", depth[0], depth[1], depth[2])),
+        row("scattering", scattering(assumptions)),
         row("lamp", assumptions.lamp.preset.clone().unwrap_or_else(|| "custom".to_owned())),
         row(
             "emission",
@@ -94,4 +95,11 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         rows.push(row("note", "an illustrative scene: made-up light, not a measurement".to_owned()));
     }
     rows
+}
+
+fn scattering(assumptions: &Assumptions) -> String {
+    match assumptions.ground_albedo {
+        Some(albedo) => format!("{}, over ground of albedo {albedo}", assumptions.scattering),
+        None => assumptions.scattering.clone(),
+    }
 }

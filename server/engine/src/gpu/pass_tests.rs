@@ -16,7 +16,7 @@ use crate::{
     twin,
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, EmissionMix, Panorama, Turbidity};
-use skyglow_tables::resident::FREQUENCY_COUNT;
+use skyglow_tables::{Scattering, resident::FREQUENCY_COUNT};
 use std::sync::{Arc, mpsc::channel};
 
 /// 12 functions: not a multiple of eight, so that padding is seen.
@@ -28,6 +28,7 @@ fn prepared(seed: u64, observer_altitude_m: f64, turbidity: f64, set: &TableSet)
         polar: Arc::new(synthetic::polar_grid(seed, 900)),
         observer_altitude_m,
         turbidity: Turbidity::new(turbidity).unwrap(),
+        scattering: Scattering::Single,
         emission: EmissionMix::new([0.5, 0.3, 0.2]).unwrap(),
         flux_per_dnb_flux: [0.4, 0.6, 0.2],
         basis: None,

@@ -4,6 +4,7 @@
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest, synthetic};
 use skyglow_physics::{EmissionMix, Turbidity};
 use skyglow_scene::PolarGrid;
+use skyglow_tables::Scattering;
 use std::sync::Arc;
 
 /// An engine on made-up packs.
@@ -18,6 +19,7 @@ pub(crate) fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
         polar: Arc::new(polar),
         observer_altitude_m: 1661.0,
         turbidity: Turbidity::new(turbidity).unwrap(),
+        scattering: Scattering::Single,
         emission: EmissionMix::garstang(),
         flux_per_dnb_flux: [0.408, 0.642, 0.186],
         basis: None,

@@ -77,8 +77,10 @@ pub struct Assumptions {
     pub turbidity: f64,
     /// Vertical optical depth above the observer in R, G, B.
     pub local_optical_depth: [f64; 3],
-    /// `single` or `multiple`.
+    /// `single`: first order alone; `multiple`: all orders, with light that the ground sends back.
     pub scattering: String,
+    /// Lambertian albedo of that ground; null where scattering is single.
+    pub ground_albedo: Option<f64>,
     /// The lamp.
     pub lamp: LampAnswer,
     /// The emission.
@@ -113,7 +115,8 @@ impl Assumptions {
             calibration: sky.calibration,
             turbidity: query.turbidity.value(),
             local_optical_depth: sky.local_optical_depth,
-            scattering: "single".to_owned(),
+            scattering: query.scattering.name().to_owned(),
+            ground_albedo: facts.kind(query.scattering).and_then(|kind| kind.ground_albedo),
             lamp: query.lamp.into(),
             emission: query.emission.into(),
             clouds: "none".to_owned(),

@@ -8,8 +8,10 @@ use utoipa::ToSchema;
 pub struct AtmosphereAnswer {
     /// Its turbidity.
     pub turbidity: f64,
-    /// `single` or `multiple`.
+    /// `single`: first order alone; `multiple`: all orders, with light that the ground sends back.
     pub scattering: String,
+    /// Lambertian albedo of that ground; null where scattering is single.
+    pub ground_albedo: Option<f64>,
     /// Wavelengths of the bands, nm.
     pub bands_nm: Vec<f64>,
     /// Lowest and highest observer altitude, metres.

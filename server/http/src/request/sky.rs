@@ -1,6 +1,7 @@
 //! The parameters of a sky: where, in what air, under which lamps.
 
 use crate::{
+    kind_facts::KindFacts,
     parameters as p,
     problem::Mistake,
     reader::Reader,
@@ -25,13 +26,15 @@ pub(super) fn read_light(reader: &mut Reader) -> Sky {
 pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyQuery> {
     let place = read_place(reader);
     let eye_height = read_eye_height(reader, facts);
-    let turbidity = read_turbidity(reader, facts);
+    let kind = read_kind(reader, facts);
+    let turbidity = read_turbidity(reader, facts, kind);
     let lamp = read_lamp(reader);
     let emission = read_emission(reader);
-    let basis = read_basis(reader, facts);
+    let basis = read_basis(reader, facts, kind);
     read_what_is_not_there_yet(reader);
     reader.is_fine().then_some(())?;
-    Some(SkyQuery { scene, place: place?, eye_height, turbidity: turbidity?, lamp, emission, basis })
+    let (turbidity, scattering) = (turbidity?, kind?.scattering);
+    Some(SkyQuery { scene, place: place?, eye_height, turbidity, scattering, lamp, emission, basis })
 }
 
 fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
@@ -61,30 +64,45 @@ fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
     EyeHeight::AboveGround(height_m.unwrap_or(2.0))
 }
 
-fn read_basis(reader: &mut Reader, facts: &SourceFacts) -> Option<usize> {
+/// The packs that the scattering asks for; None where it is refused, and what depends on it cannot be checked.
+fn read_kind<'a>(reader: &mut Reader, facts: &'a SourceFacts) -> Option<&'a KindFacts> {
+    let Some(name) = reader.choice(&p::SCATTERING) else {
+        return reader.text(&p::SCATTERING).is_none().then(|| facts.best_kind()).flatten();
+    };
+    let kind = facts.kinds.iter().find(|kind| kind.scattering.name() == name);
+    if kind.is_none() {
+        reader.fail(&p::SCATTERING, Mistake::NotResident, None, Some(facts.scatterings()));
+    }
+    kind
+}
+
+fn read_basis(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>) -> Option<usize> {
     let basis = reader.whole_number_of_any_size(&p::BASIS)?;
-    let allowed = Some(format!("a whole number from 1 to {}", facts.basis_count));
+    let allowed =
+        kind.map(|kind| facts.allowed_with(kind, format!("a whole number from 1 to {}", kind.basis_count)));
     if basis < 1 {
         reader.fail(&p::BASIS, Mistake::NotAllowed, None, allowed);
         return None;
     }
     let basis = usize::try_from(basis).unwrap_or(usize::MAX);
-    if basis > facts.basis_count {
+    if kind.is_some_and(|kind| basis > kind.basis_count) {
         let message = Some("is more than is resident".to_owned());
         reader.fail(&p::BASIS, Mistake::NotResident, message, allowed);
     }
     Some(basis)
 }
 
-fn read_turbidity(reader: &mut Reader, facts: &SourceFacts) -> Option<Turbidity> {
-    let (minimum, maximum) = facts.turbidity_range;
+fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>) -> Option<Turbidity> {
     let given = reader.number_of_any_size(&p::TURBIDITY);
     if reader.text(&p::TURBIDITY).is_some() && given.is_none() {
         return None;
     }
     let value = given.unwrap_or(Turbidity::default().value());
-    if !(minimum..=maximum).contains(&value) {
-        let allowed = format!("{minimum} to {maximum}");
+    if let Some(kind) = kind
+        && let (minimum, maximum) = kind.turbidity_range
+        && !(minimum..=maximum).contains(&value)
+    {
+        let allowed = facts.allowed_with(kind, format!("{minimum} to {maximum}"));
         reader.fail(&p::TURBIDITY, Mistake::OutOfRange, None, Some(allowed));
         return None;
     }
@@ -119,9 +137,6 @@ fn read_emission(reader: &mut Reader) -> EmissionMix {
 
 /// Parameters whose only possible value, for now, is what the answer says anyway.
 fn read_what_is_not_there_yet(reader: &mut Reader) {
-    if reader.choice(&p::SCATTERING) == Some("multiple") {
-        reader.fail(&p::SCATTERING, Mistake::NotResident, None, Some("single".to_owned()));
-    }
     if reader.text(&p::CLOUDS).is_some_and(|clouds| clouds != "none") {
         reader.fail(&p::CLOUDS, Mistake::NotSupportedYet, None, None);
     }

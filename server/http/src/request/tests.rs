@@ -1,19 +1,23 @@
 //! What is read and what is refused.
 
 use super::*;
-use crate::{problem::Mistake, source::EyeHeight};
+use crate::{kind_facts::KindFacts, problem::Mistake, source::EyeHeight};
 use skyglow_display::{PictureOptions, Projection};
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
+use skyglow_tables::Scattering;
 
 fn facts() -> SourceFacts {
     SourceFacts {
         executor: "cpu".into(),
         adapter: "none".into(),
-        turbidity_range: (1.5, 6.0),
+        kinds: vec![kind(Scattering::Single, (1.5, 6.0), 64)],
         altitude_range_m: (0.0, 6000.0),
-        basis_count: 64,
         pack_checksums: "x".into(),
     }
+}
+
+fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize) -> KindFacts {
+    KindFacts { scattering, turbidity_range, basis_count, ground_albedo: None }
 }
 
 fn read(query: &str) -> Result<(SkyQuery, View), ApiError> {
@@ -37,7 +41,7 @@ fn the_defaults_are_those_of_the_interface() {
     assert_eq!(sky.turbidity, Turbidity::default());
     assert_eq!(sky.lamp, LampPreset::Mixed.lamp());
     assert_eq!(sky.emission, EmissionMix::garstang());
-    assert_eq!(sky.basis, None);
+    assert_eq!((sky.scattering, sky.basis), (Scattering::Single, None));
     assert_eq!(view.options, PictureOptions::new(Projection::Equirectangular));
     assert_eq!(view.raster_size_px, (256, 64));
 }
@@ -81,6 +85,37 @@ fn what_is_not_built_yet_is_said_to_be_so() {
     assert_eq!(refused("lat=-1&lon=36&basis=128").0, "/problems/not-resident");
     for fine in ["clouds=none", "scattering=single", "terrain=on", "terrain=off", "basis=64"] {
         assert!(read(&format!("lat=-1&lon=36&{fine}")).is_ok(), "{fine}");
+    }
+}
+
+#[test]
+fn the_default_scattering_is_the_best_resident_and_sets_the_ranges() {
+    let mut facts = facts();
+    facts.kinds.push(kind(Scattering::Multiple, (2.0, 5.0), 32));
+    let read = |query: &str| {
+        panorama(Some(&format!("lat=-1&lon=36{query}")), SceneId::parse("demo").unwrap(), &facts, Format::Png)
+    };
+    let asked = |query: &str| read(query).unwrap().0.scattering;
+    assert_eq!((asked(""), asked("&scattering=multiple")), (Scattering::Multiple, Scattering::Multiple));
+    assert_eq!(asked("&scattering=single&turbidity=5.5&basis=64"), Scattering::Single);
+    for (query, allowed) in [
+        ("&turbidity=5.5", "2 to 5 with multiple scattering"),
+        ("&scattering=single&turbidity=6.5", "1.5 to 6 with single scattering"),
+        ("&basis=33", "a whole number from 1 to 32 with multiple scattering"),
+    ] {
+        assert_eq!(read(query).unwrap_err().problem().errors[0].allowed, allowed, "{query}");
+    }
+}
+
+#[test]
+fn scattering_that_is_refused_does_not_refuse_what_depends_on_it() {
+    for (scattering, code, allowed) in
+        [("multiple", Mistake::NotResident, "single"), ("double", Mistake::NotAllowed, "single, multiple")]
+    {
+        let query = format!("lat=-1&lon=36&scattering={scattering}&turbidity=9&basis=200");
+        let errors = read(&query).unwrap_err().problem().errors;
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert_eq!((errors[0].code, errors[0].allowed.as_str()), (code, allowed));
     }
 }
 

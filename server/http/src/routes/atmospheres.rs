@@ -3,7 +3,8 @@
 use super::frame::{Answer, Asked};
 use crate::{answers::AtmosphereAnswer, problem::Problem, respond::Keep};
 
-/// Lists the resident table packs, ascending in turbidity.
+/// Lists the resident table packs: those of first-order scattering, then those of all orders, each ascending in
+/// turbidity.
 #[utoipa::path(
     get,
     path = "/api/v1/atmospheres",

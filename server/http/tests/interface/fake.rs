@@ -4,12 +4,14 @@ use skyglow_engine::EngineStats;
 use skyglow_http::{
     SkySource,
     answers::AtmosphereAnswer,
+    kind_facts::KindFacts,
     source::{BoxFuture, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts},
 };
 use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Panorama, SkyQuantities};
 use skyglow_scene::{
     GridMetadata, Ground, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer,
 };
+use skyglow_tables::Scattering;
 use std::{
     sync::{
         Arc, Mutex,
@@ -48,9 +50,13 @@ impl Default for Fake {
             facts: SourceFacts {
                 executor: "cpu".into(),
                 adapter: "made up".into(),
-                turbidity_range: (1.5, 6.0),
+                kinds: vec![KindFacts {
+                    scattering: Scattering::Single,
+                    turbidity_range: (1.5, 6.0),
+                    basis_count: 64,
+                    ground_albedo: None,
+                }],
                 altitude_range_m: (0.0, 6000.0),
-                basis_count: 64,
                 pack_checksums: "abc".into(),
             },
             mood: Mutex::default(),
@@ -84,6 +90,18 @@ pub(crate) fn sky_of(turbidity: f64) -> Panorama {
 }
 
 impl Fake {
+    /// With packs of all orders beside those of the first, for fewer turbidities.
+    pub(crate) fn with_both_kinds() -> Self {
+        let mut fake = Self::default();
+        fake.facts.kinds.push(KindFacts {
+            scattering: Scattering::Multiple,
+            turbidity_range: (2.0, 5.0),
+            basis_count: 32,
+            ground_albedo: Some(0.15),
+        });
+        fake
+    }
+
     fn ground(&self) -> Ground {
         *self.ground.lock().unwrap()
     }
@@ -127,7 +145,10 @@ impl Fake {
             return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m: 0.0, maximum_m: 6000.0 });
         }
         self.rendered.fetch_add(1, Ordering::SeqCst);
-        let panorama = sky_of(query.turbidity.value());
+        let mut panorama = sky_of(query.turbidity.value());
+        if query.scattering == Scattering::Multiple {
+            panorama.samples_mut().iter_mut().for_each(|sample| *sample *= 2.0);
+        }
         Ok(RenderedSky {
             quantities: SkyQuantities::of(&panorama),
             panorama,
@@ -175,17 +196,19 @@ impl SkySource for Fake {
     }
 
     fn atmospheres(&self) -> Vec<AtmosphereAnswer> {
-        vec![AtmosphereAnswer {
+        let pack = |kind: &KindFacts| AtmosphereAnswer {
             turbidity: 2.5,
-            scattering: "single".into(),
+            scattering: kind.scattering.name().into(),
+            ground_albedo: kind.ground_albedo,
             bands_nm: vec![680.0, 550.0, 440.0],
             observer_altitude_m: [0.0, 6000.0],
             source_altitude_m: [0.0, 6000.0],
             distance_m: [250.0, 300_000.0],
-            basis_count: 64,
+            basis_count: kind.basis_count,
             checksum: "abc".into(),
             measured_error: None,
-        }]
+        };
+        self.facts.kinds.iter().map(pack).collect()
     }
 
     fn scenes(&self) -> Result<Vec<SceneMetadata>, SourceError> {

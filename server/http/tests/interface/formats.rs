@@ -124,7 +124,7 @@ async fn every_number_comes_with_what_it_depends_on() {
     assert_eq!(sky["turbidity"], 2.5);
     assert_eq!(sky["calibration"], 1.0);
     assert_eq!(sky["terrain_occlusion"], false);
-    assert_eq!(sky["scattering"], "single");
+    assert_eq!((&sky["scattering"], &sky["ground_albedo"]), (&"single".into(), &Value::Null));
     assert_eq!(sky["clouds"], "none");
     assert_eq!(sky["local_optical_depth"].as_array().unwrap().len(), 3);
     assert_eq!(sky["scene"]["illustrative"], true);

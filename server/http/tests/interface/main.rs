@@ -10,5 +10,6 @@ mod fuzz;
 mod limits;
 mod problems;
 mod resources;
+mod scattering;
 mod server;
 mod whole;

@@ -26,7 +26,11 @@ impl Server {
     }
 
     pub(crate) async fn with(config: HttpConfig) -> Self {
-        let fake = Arc::new(Fake::default());
+        Self::over(Fake::default(), config).await
+    }
+
+    pub(crate) async fn over(fake: Fake, config: HttpConfig) -> Self {
+        let fake = Arc::new(fake);
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let base = format!("http://{}", listener.local_addr().unwrap());
         let (stop, stopped) = oneshot::channel::<()>();

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
 use skyglow_http::{HttpConfig, ObservatorySource, SkySource, router, serve};
 use skyglow_scene::{SceneStore, create_demo};
+use skyglow_tables::Scattering;
 use std::sync::Arc;
 
 /// A server over the demo scene; its folder lives as long as it.
@@ -21,11 +22,9 @@ impl Whole {
         let data = folder.path().to_owned();
         let observatory = tokio::task::spawn_blocking(move || {
             create_demo(&SceneStore::new(&data), &mut |_| {}).unwrap();
-            let config = EngineConfig {
-                device: DeviceChoice::Cpu,
-                tables: synthetic::table_set(&[1.5, 2.5, 4.0], 8),
-                ..EngineConfig::default()
-            };
+            let mut tables = synthetic::table_set(&[1.5, 2.5, 4.0, 6.0], 8);
+            tables.extend(synthetic::table_set_of(Scattering::Multiple, &[1.5, 2.5, 4.0], 8));
+            let config = EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() };
             Observatory::new(Engine::start(config).unwrap(), Vec::new(), &data, 2)
         })
         .await
@@ -100,7 +99,17 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
     let (status, problem) = whole.json("/api/v1/scenes/demo/sky?lat=80&lon=0").await;
     assert_eq!((status, &problem["bounds"]), (404, &scene["bounds"]));
     let (status, problem) = whole.json(&format!("/api/v1/scenes/demo/sky?{place}&turbidity=5")).await;
-    assert_eq!((status, &problem["errors"][0]["allowed"]), (422, &json!("1.5 to 4")));
+    assert_eq!(
+        (status, &problem["errors"][0]["allowed"]),
+        (422, &json!("1.5 to 4 with multiple scattering"))
+    );
+    let (status, single) =
+        whole.json(&format!("/api/v1/scenes/demo/sky?{place}&turbidity=5&scattering=single")).await;
+    assert_eq!((status, &single["scattering"]), (200, &json!("single")));
+    let (_, single) = whole.json(&format!("/api/v1/scenes/demo/sky?{place}&scattering=single")).await;
+    assert_eq!(sky["scattering"], "multiple");
+    let zenith = |sky: &Value| sky["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap();
+    assert!(zenith(&sky) > 1.001 * zenith(&single), "{} {}", zenith(&sky), zenith(&single));
     let (status, _) = whole.json(&format!("/api/v1/scenes/demo/sky?{place}&height=99000")).await;
     assert_eq!(status, 422);
     let (status, _) = whole.json("/api/v1/scenes/none/sky?lat=0&lon=0").await;

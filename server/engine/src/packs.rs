@@ -1,0 +1,146 @@
+//! The packs of a folder, and which of them turbidity is interpolated between.
+
+use crate::error::EngineError;
+use serde::Serialize;
+use skyglow_scene::{RING_COUNT, ring_distance_m};
+use skyglow_tables::{Manifest, Pack, ResidentTables, Scattering};
+use std::{fmt, path::PathBuf, sync::Arc};
+
+/// What packs have in common that turbidity is interpolated between. The order is from the coarsest model of the
+/// air to the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct PackKind {
+    /// Orders of scattering.
+    pub scattering: Scattering,
+}
+
+impl PackKind {
+    /// The kind of a pack.
+    pub fn of(tables: &ResidentTables) -> Self {
+        Self { scattering: tables.scattering }
+    }
+
+    /// The kind of the pack that a manifest describes.
+    pub fn of_manifest(manifest: &Manifest) -> Self {
+        Self { scattering: manifest.scattering }
+    }
+}
+
+impl fmt::Display for PackKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} scattering", self.scattering.name())
+    }
+}
+
+/// The resident packs of one kind.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResidentKind {
+    /// The kind.
+    #[serde(flatten)]
+    pub kind: PackKind,
+    /// Turbidities of its packs, ascending; never empty.
+    pub turbidities: Vec<f64>,
+    /// Most basis functions that any of them has.
+    pub basis_count: usize,
+    /// Index of the first of them in the table set; the others follow.
+    #[serde(skip)]
+    pub(crate) first: usize,
+}
+
+impl ResidentKind {
+    /// The kinds of packs that are sorted by kind, then turbidity.
+    pub(crate) fn all_of(tables: &[Arc<ResidentTables>]) -> Vec<Self> {
+        let mut first = 0;
+        tables
+            .chunk_by(|a, b| PackKind::of(a) == PackKind::of(b))
+            .map(|packs| {
+                let kind = Self {
+                    kind: PackKind::of(&packs[0]),
+                    turbidities: packs.iter().map(|pack| pack.turbidity).collect(),
+                    basis_count: packs.iter().map(|pack| pack.basis_count).max().unwrap_or(0),
+                    first,
+                };
+                first += packs.len();
+                kind
+            })
+            .collect()
+    }
+}
+
+/// Opens packs and lays them out on the rings of the scenes' polar grids; the manifests come sorted by kind, then
+/// turbidity.
+///
+/// # Errors
+/// [`EngineError::Tables`] naming the file that is refused; [`EngineError::IncompatibleTables`] where packs of one
+/// kind were computed over grounds of different albedo: what lies between them is the sky over neither.
+pub fn resident_tables(packs: &[PathBuf]) -> Result<(Vec<Arc<ResidentTables>>, Vec<Manifest>), EngineError> {
+    let ring_distances_m: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
+    let mut tables = Vec::new();
+    let mut manifests = Vec::new();
+    for path in packs {
+        let pack = Pack::open(path)?;
+        tables.push(Arc::new(pack.resident(&ring_distances_m)));
+        manifests.push(pack.manifest().clone());
+    }
+    manifests.sort_by(|a, b| {
+        PackKind::of_manifest(a).cmp(&PackKind::of_manifest(b)).then(a.turbidity.total_cmp(&b.turbidity))
+    });
+    check_grounds(&manifests)?;
+    Ok((tables, manifests))
+}
+
+fn check_grounds(sorted: &[Manifest]) -> Result<(), EngineError> {
+    let words = |albedo: Option<f64>| albedo.map_or_else(|| "none".to_owned(), |albedo| albedo.to_string());
+    for pair in sorted.windows(2) {
+        let [before, pack] = pair else { continue };
+        let kind = PackKind::of_manifest(pack);
+        if kind == PackKind::of_manifest(before) && pack.ground_albedo != before.ground_albedo {
+            return Err(EngineError::IncompatibleTables {
+                turbidity: pack.turbidity,
+                kind,
+                reason: format!(
+                    "its ground albedo is {}, that of the pack for turbidity {} is {}",
+                    words(pack.ground_albedo),
+                    before.turbidity,
+                    words(before.ground_albedo)
+                ),
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_tables::{
+        TableAxes,
+        manifest::{MeasuredError, PackParameters},
+    };
+
+    fn manifest(turbidity: f64, scattering: Scattering, ground_albedo: Option<f64>) -> Manifest {
+        let parameters = PackParameters {
+            turbidity,
+            scattering,
+            ground_albedo,
+            axes: TableAxes::coarse(),
+            basis_count: 8,
+            training_geometries: 1,
+            fit_iterations: 1,
+        };
+        parameters.manifest(MeasuredError::default(), String::new())
+    }
+
+    #[test]
+    fn packs_of_one_kind_lie_over_one_ground() {
+        let first_order = manifest(2.0, Scattering::Single, None);
+        let all_orders = |turbidity, albedo| manifest(turbidity, Scattering::Multiple, Some(albedo));
+        check_grounds(&[first_order.clone(), all_orders(2.0, 0.15), all_orders(3.0, 0.15)]).unwrap();
+        let snow = check_grounds(&[first_order, all_orders(2.0, 0.15), all_orders(3.0, 0.8)]).unwrap_err();
+        assert_eq!(
+            snow.to_string(),
+            "the pack for turbidity 3 with multiple scattering does not fit: its ground albedo is 0.8, that of the \
+             pack for turbidity 2 is 0.15"
+        );
+    }
+}

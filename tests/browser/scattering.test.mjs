@@ -1,0 +1,95 @@
+// The orders of scattering: said with every sky, and chosen where the server has tables of both kinds.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { assert_no_faults, get_json, launch, open_page, SERVER, sky_shown } from "./support/browser.mjs";
+import { demo } from "./support/sky.mjs";
+
+const TITLES = { multiple: "all orders", single: "first order alone" };
+
+let browser;
+let here;
+let packs;
+let best;
+
+before(async () => {
+  browser = await launch();
+  here = await demo();
+  packs = await get_json("atmospheres");
+  best = packs.some(({ scattering }) => scattering === "multiple") ? "multiple" : "single";
+});
+after(() => browser?.close());
+
+const fragment = (more = "") => `#scene=${here.scene.id}&lat=${here.beside.latitude_deg}&lon=${here.beside.longitude_deg}${more}`;
+const said = (page) => page.locator("[data-value=scattering] b").textContent();
+
+/** Makes the server look as if it had these packs: whatever is asked for, it renders what it has. */
+async function pretend(page, pretended) {
+  const asked = [];
+  await page.route("**/api/v1/atmospheres", (route) => route.fulfill({ json: pretended }));
+  await page.route(/\/(sky|panorama\.json)\?/, async (route) => {
+    const url = new URL(route.request().url());
+    const wanted = url.searchParams.get("scattering");
+    asked.push(wanted);
+    url.searchParams.delete("scattering");
+    const response = await fetch(url);
+    const scattering = wanted ?? "multiple";
+    const json = { ...(await response.json()), scattering, ground_albedo: scattering === "multiple" ? 0.15 : null };
+    await route.fulfill({ json });
+  });
+  return asked;
+}
+
+test("the scattering of a sky is among its numbers, and a choice of one is none", async () => {
+  const opened = await open_page(browser, fragment());
+  const { page, context } = opened;
+  await sky_shown(page);
+  assert.equal(await said(page), TITLES[best]);
+  const kinds = new Set(packs.map(({ scattering }) => scattering));
+  const select = page.getByLabel("Scattering");
+  assert.equal(await select.inputValue(), best);
+  assert.equal(await select.isDisabled(), kinds.size === 1);
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("first-order light can be chosen, with its own turbidities, and a link restores it", async () => {
+  const opened = await open_page(browser);
+  const { page, context } = opened;
+  const both = [["single", 2], ["single", 3], ["multiple", 2], ["multiple", 4]].map(([scattering, turbidity]) => ({ ...packs[0], scattering, turbidity }));
+  const asked = await pretend(page, both);
+  await page.goto(`${SERVER}/${fragment("&turbidity=3.6")}`);
+  await page.reload();
+  await sky_shown(page);
+  assert.equal(await said(page), TITLES.multiple);
+  assert.match(await page.locator("[data-value=scattering]").textContent(), /albedo 0\.15/);
+  assert.equal(await page.locator("#turbidity").getAttribute("max"), "4");
+  await page.getByLabel("Scattering").selectOption("first order alone");
+  await page.waitForFunction((title) => document.querySelector("[data-value=scattering] b")?.textContent === title, TITLES.single);
+  assert.ok(asked.includes(null) && asked.includes("single"), `${asked}`);
+  assert.match(page.url(), /turbidity=3&scattering=single/, "3.6 is beyond the packs of the first order");
+  assert.equal(await page.locator("#turbidity").getAttribute("max"), "3");
+  await page.reload();
+  await sky_shown(page);
+  assert.equal(await said(page), TITLES.single);
+  assert.equal(await page.getByLabel("Scattering").inputValue(), "single");
+  await page.getByLabel("Scattering").selectOption("all orders");
+  await page.waitForFunction((title) => document.querySelector("[data-value=scattering] b")?.textContent === title, TITLES.multiple);
+  assert.doesNotMatch(page.url(), /scattering/, "the best is what a link without it means");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a link to scattering that the server has no tables for shows what it has and says so", async () => {
+  const opened = await open_page(browser);
+  const { page, context } = opened;
+  await page.route("**/api/v1/atmospheres", (route) => route.fulfill({ json: packs.filter(({ scattering }) => scattering === best) }));
+  const absent = best === "single" ? "multiple" : "single";
+  await page.goto(`${SERVER}/${fragment(`&scattering=${absent}`)}`);
+  await page.reload();
+  await sky_shown(page);
+  assert.match(await page.getByRole("alert").textContent(), new RegExp(`no tables for scattering of ${TITLES[absent]}`));
+  assert.equal(await said(page), TITLES[best]);
+  assert.doesNotMatch(page.url(), /scattering/);
+  assert_no_faults(opened);
+  await context.close();
+});

@@ -1,0 +1,34 @@
+// Orders of scattering: what they are called, and what the server's packs serve of each.
+
+import type { ScatteringName } from "../api/client.ts";
+import type { Atmosphere } from "../api/types.ts";
+
+/** The best first. */
+export const SCATTERINGS: readonly [name: ScatteringName, title: string][] = [
+  ["multiple", "all orders"],
+  ["single", "first order alone"],
+];
+
+export function scattering_title(scattering: string): string {
+  return SCATTERINGS.find(([name]) => name === scattering)?.[1] ?? scattering;
+}
+
+type Pack = Pick<Atmosphere, "turbidity" | "scattering">;
+
+/** What there are packs of, the best first: the server takes that where the request names none. */
+export function resident_scatterings(packs: readonly Pack[]): ScatteringName[] {
+  return SCATTERINGS.map(([name]) => name).filter((name) => packs.some(({ scattering }) => scattering === name));
+}
+
+/** Smallest and largest turbidity of a scattering (null: the best); null without packs. */
+export function turbidity_ends(packs: readonly Pack[], scattering: ScatteringName | null): [least: number, most: number] | null {
+  const wanted = scattering ?? resident_scatterings(packs)[0];
+  const values = packs.filter((pack) => pack.scattering === wanted).map(({ turbidity }) => turbidity);
+  return values.length === 0 ? null : [Math.min(...values), Math.max(...values)];
+}
+
+/** A turbidity that the packs of a scattering reach; null, the server's default, stays so. */
+export function turbidity_within(packs: readonly Pack[], scattering: ScatteringName | null, turbidity: number | null): number | null {
+  const ends = turbidity_ends(packs, scattering);
+  return turbidity === null || ends === null ? turbidity : Math.min(Math.max(turbidity, ends[0]), ends[1]);
+}
