@@ -75,6 +75,12 @@ impl Horizon {
         Ok(Self { elevation_rad })
     }
 
+    /// From tan e of the highest ground in each column, as [`terrain_elevation_tangent`] has it; ground below the
+    /// horizontal plane (or none, or NaN) hides nothing.
+    pub fn from_tangents(tangents: &[f64; AZIMUTH_COUNT]) -> Self {
+        Self { elevation_rad: tangents.iter().map(|tangent| tangent.max(0.0).atan()).collect() }
+    }
+
     /// Whether nothing is hidden.
     pub fn is_flat(&self) -> bool {
         self.elevation_rad.iter().all(|&elevation| elevation == 0.0)
