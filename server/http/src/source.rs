@@ -8,7 +8,7 @@ use crate::{
     problem::Mistake,
 };
 use skyglow_engine::EngineStats;
-use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Panorama, SkyQuantities, Turbidity};
+use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{Ground, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
 use std::{future::Future, pin::Pin, sync::Arc};
 use thiserror::Error;
@@ -66,13 +66,17 @@ pub struct SkyQuery {
     pub emission: EmissionMix,
     /// Basis functions; None for all.
     pub basis: Option<usize>,
+    /// Whether terrain hides the sky.
+    pub terrain_hides: bool,
 }
 
 /// A rendered sky.
 #[derive(Clone, Debug)]
 pub struct RenderedSky {
-    /// Radiance of artificial light.
+    /// Radiance of artificial light, 0 below the horizon.
     pub panorama: Panorama,
+    /// Below it terrain hides the sky; flat where nothing does.
+    pub horizon: Horizon,
     /// The reported quantities.
     pub quantities: SkyQuantities,
     /// Observer's altitude, metres above sea level.
@@ -89,7 +93,7 @@ pub struct RenderedSky {
     pub flux_dnb_w: f64,
     /// Basis functions used.
     pub basis_count: usize,
-    /// Name and time [µs] of each pass, for the batch it was in.
+    /// Name and time [µs] of each pass, for the batch it was in; before them `horizon`, where one was computed.
     pub passes: Vec<(&'static str, f64)>,
 }
 

@@ -95,9 +95,11 @@ impl Horizon {
     pub fn elevation_at_rad(&self, azimuth_rad: f64) -> f64 {
         let turns = azimuth_rad * (1.0 / TAU);
         let column = (turns - turns.floor()) * AZIMUTH_COUNT as f64;
-        let left = column.floor();
-        let weight = column - left;
-        let left = left as usize % AZIMUTH_COUNT;
+        // A column's own azimuth comes back from its division by 2π with a last digit too many or too few.
+        let nearest = column.round();
+        let column = if (column - nearest).abs() < 1e-9 { nearest } else { column };
+        let weight = column - column.floor();
+        let left = column.floor() as usize % AZIMUTH_COUNT;
         let (low, high) = (self.elevation_rad[left], self.elevation_rad[(left + 1) % AZIMUTH_COUNT]);
         low + weight * (high - low)
     }

@@ -6,7 +6,9 @@ use skyglow_http::{
     answers::AtmosphereAnswer,
     source::{BoxFuture, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts},
 };
-use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Panorama, SkyQuantities};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
+};
 use skyglow_scene::{
     GridMetadata, Ground, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer,
 };
@@ -40,6 +42,7 @@ pub(crate) struct Fake {
     pub(crate) ready: AtomicBool,
     pub(crate) version: Mutex<String>,
     pub(crate) ground: Mutex<Ground>,
+    pub(crate) horizon: Mutex<Horizon>,
 }
 
 impl Default for Fake {
@@ -58,6 +61,7 @@ impl Default for Fake {
             ready: AtomicBool::new(true),
             version: Mutex::new("v1".into()),
             ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
+            horizon: Mutex::default(),
         }
     }
 }
@@ -127,10 +131,14 @@ impl Fake {
             return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m: 0.0, maximum_m: 6000.0 });
         }
         self.rendered.fetch_add(1, Ordering::SeqCst);
-        let panorama = sky_of(query.turbidity.value());
+        let mut panorama = sky_of(query.turbidity.value());
+        let horizon =
+            if query.terrain_hides { self.horizon.lock().unwrap().clone() } else { Horizon::flat() };
+        horizon.darken(&mut panorama);
         Ok(RenderedSky {
-            quantities: SkyQuantities::of(&panorama),
+            quantities: SkyQuantities::of_visible(&panorama, &horizon),
             panorama,
+            horizon,
             altitude_m,
             ground: self.ground(),
             coverage: 0.75,
