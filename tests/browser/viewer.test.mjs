@@ -150,6 +150,32 @@ test("another lamp and hazier air change the numbers to the API's for them", asy
   await context.close();
 });
 
+test("terrain hides the sky below the horizon, says so where one points, and can be left out", async () => {
+  const valley = { latitude_deg: 46.02, longitude_deg: 7.75 };
+  const opened = await open_page(browser, fragment(valley));
+  const { page, context, asked } = opened;
+  await sky_shown(page);
+  const panorama = await get_json(sky_path(here.scene, "panorama.json", valley));
+  const column = panorama.horizon_deg.indexOf(Math.max(...panorama.horizon_deg));
+  const azimuth_deg = column * panorama.grid.azimuth_step_deg;
+  assert.ok(panorama.horizon_deg[column] > 3, `the highest ground is at ${panorama.horizon_deg[column]} degrees`);
+  const canvas = page.locator(".sky-overlay");
+  const box = await canvas.boundingBox();
+  const plot = { left: 34, top: 8, width: box.width - 42, height: box.height - 36 };
+  const position = { x: plot.left + (azimuth_deg / 360) * plot.width, y: plot.top + (1 - 1 / 90) * plot.height };
+  await canvas.hover({ position });
+  assert.match((await page.locator("#sky-readout").textContent()) ?? "", /below the horizon/);
+  await shot(page, "terrain");
+  await page.selectOption("#terrain", "off");
+  const open = await get_json(sky_path(here.scene, "sky", valley, "&terrain=off"));
+  await numbers_shown(page, open.sky);
+  await page.waitForFunction(() => !document.querySelector("#sky-readout")?.textContent?.includes("below the horizon"));
+  assert.match(page.url(), /terrain=off/);
+  assert.ok(asked.some((path) => /panorama\.json\?.*terrain=off/.test(path)));
+  assert_no_faults(opened);
+  await context.close();
+});
+
 test("the natural sky can be added to picture, numbers and readout", async () => {
   const opened = await open_page(browser, fragment(here.beside));
   const { page, context, asked } = opened;

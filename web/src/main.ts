@@ -38,7 +38,7 @@ class Viewer {
   private readonly sky_view = new SkyView(by_id("sky-view", HTMLElement), this.state, (sample) => {
     show_readout(by_id("sky-readout", HTMLElement), sample, this.state.sky);
     const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
-    this.legend.point(shown === undefined ? null : brightness_mag_arcsec2(shown));
+    this.legend.point(shown === undefined || sample?.is_below_horizon === true ? null : brightness_mag_arcsec2(shown));
   });
   private readonly search = new Search(by_id("search", HTMLInputElement), by_id("search-list", HTMLElement), (place) => {
     this.pick(place);
@@ -50,6 +50,7 @@ class Viewer {
     scattering: (scattering) => this.change({ scattering, turbidity: turbidity_within(this.atmospheres, scattering, this.state.turbidity) }),
     lamp: (lamp) => this.change({ lamp }),
     emission: (emission) => this.change({ emission }),
+    terrain: (terrain) => this.change({ terrain }),
     projection: (projection) => this.change({ projection }),
     sky: (sky) => this.change({ sky }),
     colours: (colours) => this.change({ colours }),
@@ -214,11 +215,12 @@ class Viewer {
   }
 
   private parameters(place: Place): SkyParameters {
-    const { turbidity, scattering, lamp, emission } = this.state;
+    const { turbidity, scattering, lamp, emission, terrain } = this.state;
     // Five decimals are a metre; a link restores the very same request.
     const rounded = (degrees: number) => +degrees.toFixed(5);
     const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }) };
-    return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), lamp, emission, ...air };
+    const ground = terrain === "on" ? {} : { terrain };
+    return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), lamp, emission, ...ground, ...air };
   }
 
   private show_look(): void {

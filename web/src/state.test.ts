@@ -10,6 +10,7 @@ const EVERYTHING: ViewState = {
   scattering: "single",
   lamp: "led_4000k",
   emission: "shielded",
+  terrain: "off",
   projection: "fisheye",
   sky: "total",
   colours: "cividis",
@@ -31,7 +32,7 @@ test("a place on the equator and the prime meridian is not taken for a missing o
 });
 
 test("what makes no sense in a fragment takes its default", () => {
-  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&projection=mercator&scene=../etc&lamp=%3Cb%3E&radiance=7&map=3/1");
+  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1");
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });
 

@@ -21,6 +21,8 @@ const SCATTERING_NAMES: readonly ScatteringName[] = ["multiple", "single"];
 export const LAYERS = ["radiance", "elevation"] as const;
 export type LayerName = (typeof LAYERS)[number];
 
+export type TerrainKind = "on" | "off";
+
 export interface ViewState {
   /** null until the list of scenes is known. */
   scene: string | null;
@@ -33,6 +35,8 @@ export interface ViewState {
   scattering: ScatteringName | null;
   lamp: string;
   emission: string;
+  /** Whether terrain hides the sky below the horizon. */
+  terrain: TerrainKind;
   projection: ProjectionName;
   sky: SkyKind;
   colours: ColourMapName;
@@ -48,6 +52,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   scattering: null,
   lamp: "mixed",
   emission: "garstang",
+  terrain: "on",
   projection: "equirectangular",
   sky: "artificial",
   colours: "inferno",
@@ -92,6 +97,7 @@ export function state_from_fragment(fragment: string): ViewState {
     scattering: SCATTERING_NAMES.find((name) => name === query.get("scattering")) ?? null,
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
     emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,
+    terrain: one_of(query.get("terrain"), ["on", "off"], DEFAULT_STATE.terrain),
     projection: one_of(query.get("projection"), ["equirectangular", "fisheye"], DEFAULT_STATE.projection),
     sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
     colours: one_of(query.get("colours"), COLOUR_MAPS, DEFAULT_STATE.colours),
@@ -116,6 +122,7 @@ export function fragment_from_state(state: ViewState): string {
   add("scattering", state.scattering, null);
   add("lamp", state.lamp, DEFAULT_STATE.lamp);
   add("emission", state.emission, DEFAULT_STATE.emission);
+  add("terrain", state.terrain, DEFAULT_STATE.terrain);
   add("projection", state.projection, DEFAULT_STATE.projection);
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);

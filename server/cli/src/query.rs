@@ -204,7 +204,7 @@ mod tests {
             let parameters = PackParameters {
                 turbidity,
                 scattering,
-                ground_albedo: (scattering == multiple).then_some(0.2),
+                multiple: (scattering == multiple).then(|| skyglow_tables::MultipleAxes::coarse(0.2)),
                 axes: TableAxes::coarse(),
                 basis_count,
                 training_geometries: 1,

@@ -6,7 +6,9 @@ use skyglow_display::{
     Colormap, PictureOptions, Projection, Sky, Style, encode_exr, encode_png, encode_tiff, encode_webp,
     picture, raster,
 };
-use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Lamp, LampPreset, Panorama, panorama};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, Lamp, LampPreset, Panorama, panorama,
+};
 use std::{error::Error, path::PathBuf, time::Instant};
 
 /// A large sodium town in the east, a small LED town in the north-north-west, a dark south.
@@ -57,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         {
             let options = PictureOptions { style, ..PictureOptions::new(projection) };
             let name = format!("{}-{style_name}", projection.name());
-            let image = timed(&format!("{name} picture"), || picture(&sky, &options))?;
+            let image = timed(&format!("{name} picture"), || picture(&sky, &Horizon::flat(), &options))?;
             let bytes = timed(&format!("{name} PNG"), || encode_png(&image))?;
             std::fs::write(folder.join(format!("{name}.png")), bytes)?;
             let bytes = timed(&format!("{name} WebP"), || encode_webp(&image))?;
@@ -65,7 +67,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let name = projection.name();
         let size = projection.default_raster_size_px();
-        let floats = timed(&format!("{name} raster"), || raster(&sky, projection, size, Sky::Artificial))?;
+        let floats = timed(&format!("{name} raster"), || {
+            raster(&sky, &Horizon::flat(), projection, size, Sky::Artificial)
+        })?;
         std::fs::write(
             folder.join(format!("{name}.exr")),
             timed(&format!("{name} EXR"), || encode_exr(&floats))?,
@@ -86,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         std::fs::write(
             folder.join(format!("map-{}.png", colormap.name())),
-            encode_png(&picture(&sky, &options)?)?,
+            encode_png(&picture(&sky, &Horizon::flat(), &options)?)?,
         )?;
     }
     Ok(())

@@ -255,7 +255,7 @@ fn power_label(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::{Colormap, picture};
-    use skyglow_physics::Panorama;
+    use skyglow_physics::{Horizon, Panorama};
 
     #[test]
     fn labels_are_short_and_right() {
@@ -274,7 +274,10 @@ mod tests {
         let panorama = Panorama::dark();
         let with = PictureOptions::new(Projection::Equirectangular);
         let without = PictureOptions { legend: false, ..with };
-        let (a, b) = (picture(&panorama, &with).unwrap(), picture(&panorama, &without).unwrap());
+        let (a, b) = (
+            picture(&panorama, &Horizon::flat(), &with).unwrap(),
+            picture(&panorama, &Horizon::flat(), &without).unwrap(),
+        );
         assert_eq!((b.width(), b.height()), (1024, 256));
         assert_eq!((a.width(), a.height()), (1024, 256 + strip_height_px(1024)));
         // Along the bar's middle, the first and last colours are the ends of the map.
@@ -307,7 +310,7 @@ mod tests {
         // Light ink beside the bar, in its height: nothing else is drawn there but the word at its right.
         let tips = |radiance: f32| {
             let panorama = Panorama::from_samples(vec![radiance; Panorama::LEN]).unwrap();
-            let image = picture(&panorama, &options).unwrap();
+            let image = picture(&panorama, &Horizon::flat(), &options).unwrap();
             let bar: Vec<u32> =
                 (0..1024).filter(|&x| image.get_pixel(x, 256 + 29).0 == Colormap::Inferno.rgb(0.5)).collect();
             assert!(!bar.is_empty());
@@ -324,7 +327,7 @@ mod tests {
     fn a_tiny_picture_still_has_room_for_its_legend() {
         let options =
             PictureOptions { width_px: 64, height_px: 64, ..PictureOptions::new(Projection::Fisheye) };
-        let image = picture(&Panorama::dark(), &options).unwrap();
+        let image = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap();
         assert_eq!(image.width(), SMALLEST_WIDTH_PX);
     }
 }

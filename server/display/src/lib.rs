@@ -14,6 +14,7 @@ pub mod colormap;
 pub mod encode;
 pub mod error;
 pub mod false_colour;
+pub mod ground;
 pub mod legend;
 pub mod options;
 pub mod picture;

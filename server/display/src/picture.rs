@@ -3,6 +3,7 @@
 use crate::{
     colormap::TABLE_LEN,
     error::DisplayError,
+    ground::{GroundMap, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
     options::{PictureOptions, Style},
     projection::View,
@@ -10,9 +11,9 @@ use crate::{
     sampler::{Sampler, taps},
 };
 use image::{Rgb, RgbImage};
-use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, Panorama};
 
-/// What is not sky: the ground, the corners of a fisheye, the legend's strip.
+/// What is neither sky nor ground that hides it: below an open horizon, the corners of a fisheye, the legend's strip.
 pub const GROUND_RGB: [u8; 3] = [22, 24, 29];
 
 /// Colours a sky.
@@ -75,13 +76,20 @@ impl<'a> Painter<'a> {
 }
 
 /// The picture of a panorama: `options.width_px` × `options.height_px` of sky, with the legend's strip below
-/// it where one is asked for (the canvas is then at least [`legend::SMALLEST_WIDTH_PX`] wide).
+/// it where one is asked for (the canvas is then at least [`legend::SMALLEST_WIDTH_PX`] wide). Below `horizon` the
+/// ground is drawn, by the profile itself and not by the panorama's rows.
 ///
 /// # Errors
 /// [`DisplayError`] naming the first option out of its range.
-pub fn picture(panorama: &Panorama, options: &PictureOptions) -> Result<RgbImage, DisplayError> {
+pub fn picture(
+    panorama: &Panorama,
+    horizon: &Horizon,
+    options: &PictureOptions,
+) -> Result<RgbImage, DisplayError> {
     options.check()?;
-    let painter = Painter::new(panorama, options);
+    let panorama = without_ground(panorama, horizon);
+    let painter = Painter::new(&panorama, options);
+    let mut ground = GroundMap::new(horizon, (options.width_px, options.height_px));
     let view = View::new(options.projection, options.width_px, options.height_px);
     let (canvas_width_px, canvas_height_px) = canvas_size_px(options);
     let offset_px = (canvas_width_px - options.width_px) / 2;
@@ -90,11 +98,14 @@ pub fn picture(panorama: &Panorama, options: &PictureOptions) -> Result<RgbImage
     for y in 0..options.height_px {
         for x in 0..options.width_px {
             let direction = view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, &mut beyond)) {
+            if ground.is_ground(direction) {
+                canvas.put_pixel(x + offset_px, y, Rgb(TERRAIN_RGB));
+            } else if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, &mut beyond)) {
                 canvas.put_pixel(x + offset_px, y, Rgb(rgb));
             }
         }
     }
+    ground.draw_skyline(&mut canvas, offset_px);
     if options.legend {
         legend::draw_compass(&mut canvas, options, &view, offset_px)?;
         legend::draw_strip(&mut canvas, options, beyond)?;
@@ -152,40 +163,44 @@ mod tests {
 
     #[test]
     fn a_light_low_in_the_east_is_a_quarter_along_the_bottom_of_the_equirectangular_picture() {
-        let image = picture(&beacon(0, 64), &plain(Projection::Equirectangular, 256, 64)).unwrap();
+        let image =
+            picture(&beacon(0, 64), &Horizon::flat(), &plain(Projection::Equirectangular, 256, 64)).unwrap();
         assert_eq!(image.get_pixel(64, 63).0, [255; 3]);
         assert_eq!(image.pixels().filter(|p| p.0 != [0; 3]).count(), 1);
     }
 
     #[test]
     fn a_light_in_the_north_is_in_column_0() {
-        let image = picture(&beacon(30, 0), &plain(Projection::Equirectangular, 256, 64)).unwrap();
+        let image =
+            picture(&beacon(30, 0), &Horizon::flat(), &plain(Projection::Equirectangular, 256, 64)).unwrap();
         assert_eq!(image.get_pixel(0, 63 - 30).0, [255; 3]);
     }
 
     #[test]
     fn on_the_fisheye_east_is_left_north_is_up_and_the_zenith_in_the_middle() {
         let options = plain(Projection::Fisheye, 256, 256);
-        let (x, y) = centre_of_light(&picture(&beacon(20, 64), &options).unwrap());
+        let (x, y) = centre_of_light(&picture(&beacon(20, 64), &Horizon::flat(), &options).unwrap());
         assert!(x < 60.0 && (y - 128.0).abs() < 1.0, "{x} {y}");
-        let (x, y) = centre_of_light(&picture(&beacon(20, 0), &options).unwrap());
+        let (x, y) = centre_of_light(&picture(&beacon(20, 0), &Horizon::flat(), &options).unwrap());
         assert!(y < 60.0 && (x - 128.0).abs() < 1.0, "{x} {y}");
         let mut zenith = Panorama::dark();
         for column in 0..AZIMUTH_COUNT {
             zenith.samples_mut()[Panorama::index(1, 63, column)] = 1.0;
         }
-        let (x, y) = centre_of_light(&picture(&zenith, &options).unwrap());
+        let (x, y) = centre_of_light(&picture(&zenith, &Horizon::flat(), &options).unwrap());
         assert!((x - 128.0).abs() < 1.0 && (y - 128.0).abs() < 1.0, "{x} {y}");
-        let image = picture(&zenith, &options).unwrap();
+        let image = picture(&zenith, &Horizon::flat(), &options).unwrap();
         assert_eq!(image.get_pixel(2, 2).0, GROUND_RGB);
     }
 
     #[test]
     fn a_camera_looking_south_east_has_the_east_on_its_left() {
         let projection = Projection::Perspective { azimuth_deg: 135.0, elevation_deg: 10.0, fov_deg: 120.0 };
-        let (x, _) = centre_of_light(&picture(&beacon(6, 64), &plain(projection, 400, 200)).unwrap());
+        let (x, _) = centre_of_light(
+            &picture(&beacon(6, 64), &Horizon::flat(), &plain(projection, 400, 200)).unwrap(),
+        );
         assert!(x < 150.0, "{x}");
-        let image = picture(&beacon(6, 64), &plain(projection, 400, 200)).unwrap();
+        let image = picture(&beacon(6, 64), &Horizon::flat(), &plain(projection, 400, 200)).unwrap();
         assert_eq!(image.get_pixel(200, 199).0, GROUND_RGB);
     }
 
@@ -197,7 +212,7 @@ mod tests {
             let range = ColourRange::of(scale);
             let mut options = plain(Projection::Equirectangular, 64, 16);
             options.style = Style::FalseColour { colormap: Colormap::Viridis, range };
-            let image = picture(&panorama, &options).unwrap();
+            let image = picture(&panorama, &Horizon::flat(), &options).unwrap();
             let expected = Colormap::Viridis.rgb(range.position(luminance));
             let got = image.get_pixel(11, 7).0;
             assert!((0..3).all(|i| got[i].abs_diff(expected[i]) <= 2), "{got:?} {expected:?}");
@@ -209,15 +224,17 @@ mod tests {
         let mut options = plain(Projection::Equirectangular, 64, 16);
         let range = ColourRange { scale: Scale::Magnitude, min: 20.0, max: 24.0 };
         options.style = Style::FalseColour { colormap: Colormap::Grey, range };
-        assert_eq!(picture(&Panorama::dark(), &options).unwrap().get_pixel(3, 3).0, [0; 3]);
+        assert_eq!(picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap().get_pixel(3, 3).0, [0; 3]);
         options.sky = Sky::Total;
-        let grey = picture(&Panorama::dark(), &options).unwrap().get_pixel(3, 3).0[0];
+        let grey = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap().get_pixel(3, 3).0[0];
         assert!((127..=128).contains(&grey), "{grey}");
     }
 
     #[test]
     fn options_out_of_range_are_refused_by_name() {
-        let refused = |options: PictureOptions| picture(&Panorama::dark(), &options).unwrap_err().to_string();
+        let refused = |options: PictureOptions| {
+            picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap_err().to_string()
+        };
         assert!(refused(plain(Projection::Fisheye, 0, 100)).contains("width is 0"));
         assert!(refused(plain(Projection::Fisheye, 100, 50_000)).contains("height_px is 50000"));
         let narrow = Projection::Perspective { azimuth_deg: 0.0, elevation_deg: 0.0, fov_deg: 180.0 };

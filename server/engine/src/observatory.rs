@@ -6,10 +6,16 @@ use crate::{
     request::{RenderRequest, Rendered},
     scene_shelf::SceneShelf,
 };
-use skyglow_physics::{Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Lamp, SkyQuantities, Turbidity};
+use skyglow_physics::{
+    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, SkyQuantities, Turbidity,
+};
 use skyglow_scene::{Ground, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer};
 use skyglow_tables::{Manifest, Scattering};
-use std::{path::Path, sync::Arc};
+use std::{
+    path::Path,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 /// Scenes that an observatory keeps open unless told otherwise.
 pub const OPEN_SCENE_COUNT: usize = 8;
@@ -50,6 +56,8 @@ pub struct SkyRequest {
     pub emission: EmissionMix,
     /// Basis functions; None for all.
     pub basis: Option<usize>,
+    /// Whether the scene's terrain hides the sky below the observer's horizon.
+    pub terrain_hides: bool,
 }
 
 /// Where an answer was observed.
@@ -83,9 +91,13 @@ pub struct SkyAnswer {
     pub scene: SceneMetadata,
     /// Where.
     pub observer: Observer,
-    /// The panorama and how it was made.
+    /// The panorama, dark below the horizon, and how it was made.
     pub rendered: Rendered,
-    /// The reported quantities.
+    /// The observer's horizon; flat where terrain does not hide or the scene has none.
+    pub horizon: Horizon,
+    /// How long the horizon took; None where none was computed.
+    pub horizon_time: Option<Duration>,
+    /// The reported quantities, of the sky above the horizon.
     pub quantities: SkyQuantities,
     /// Covered share of the 300 km disc, 0..=1.
     pub coverage: f64,
@@ -208,6 +220,8 @@ struct View {
     scene: Arc<Scene>,
     polar: Arc<PolarGrid>,
     observer: Observer,
+    /// None where nothing hides, and nothing is computed for it.
+    horizon: Option<(Horizon, Duration)>,
 }
 
 impl View {
@@ -227,7 +241,11 @@ impl View {
             ground,
         };
         let polar = Arc::new(scene.polar_grid(place));
-        Ok(Self { scene, polar, observer })
+        let horizon = (request.terrain_hides && scene.metadata().terrain).then(|| {
+            let start = Instant::now();
+            (scene.horizon(place, observer.altitude_m), start.elapsed())
+        });
+        Ok(Self { scene, polar, observer, horizon })
     }
 
     fn render_request(&self, request: &SkyRequest) -> RenderRequest {
@@ -242,13 +260,18 @@ impl View {
         }
     }
 
-    fn answer(&self, request: &SkyRequest, rendered: Rendered) -> SkyAnswer {
+    fn answer(self, request: &SkyRequest, mut rendered: Rendered) -> SkyAnswer {
         let atmosphere = Atmosphere::new(request.turbidity);
+        let (horizon, horizon_time) = self.horizon.unzip();
+        let horizon = horizon.unwrap_or_default();
+        horizon.darken(&mut rendered.panorama);
         SkyAnswer {
             scene: self.scene.metadata().clone(),
             observer: self.observer,
-            quantities: SkyQuantities::of(&rendered.panorama),
+            quantities: SkyQuantities::of_visible(&rendered.panorama, &horizon),
             rendered,
+            horizon,
+            horizon_time,
             coverage: self.polar.coverage,
             calibration: self.scene.metadata().calibration,
             local_optical_depth: atmosphere.vertical_optical_depth(self.observer.altitude_m),

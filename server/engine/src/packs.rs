@@ -114,7 +114,7 @@ fn check_grounds(sorted: &[Manifest]) -> Result<(), EngineError> {
 mod tests {
     use super::*;
     use skyglow_tables::{
-        TableAxes,
+        MultipleAxes, TableAxes,
         manifest::{MeasuredError, PackParameters},
     };
 
@@ -122,7 +122,7 @@ mod tests {
         let parameters = PackParameters {
             turbidity,
             scattering,
-            ground_albedo,
+            multiple: ground_albedo.map(MultipleAxes::coarse),
             axes: TableAxes::coarse(),
             basis_count: 8,
             training_geometries: 1,

@@ -6,7 +6,9 @@ mod common;
 use common::engine;
 use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
 use skyglow_engine::{DeviceChoice, EngineError, Observatory, ObserverHeight, SkyRequest};
-use skyglow_physics::{Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, EmissionMix, GeoPoint, Horizon, LampPreset, Panorama, Turbidity,
+};
 use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
 use skyglow_tables::Scattering;
 use std::path::Path;
@@ -57,6 +59,7 @@ fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeigh
         lamp: LampPreset::Mixed.lamp(),
         emission: EmissionMix::garstang(),
         basis: None,
+        terrain_hides: true,
     }
 }
 
@@ -157,4 +160,56 @@ fn a_scene_that_changes_on_disk_is_opened_again() {
     std::fs::remove_dir_all(data.path().join("scenes/town")).unwrap();
     assert!(observatory.sky_blocking(&request).is_err());
     assert_eq!(observatory.open_scene_count(), 0);
+}
+
+#[test]
+fn terrain_makes_the_sky_below_its_horizon_dark_and_leaves_the_rest_bit_for_bit() {
+    let data = tempfile::tempdir().unwrap();
+    // A wall of 4 km along column 5, 5.6 km west of the observer, who has the town in the east.
+    store_town_on(data.path(), 1.0, &|_, column| if column == 5 { 5000.0 } else { 1000.25 });
+    let observatory = observatory(data.path());
+    let on = request(-1.4, 36.505, ObserverHeight::AboveGround(2.0));
+    let off = SkyRequest { terrain_hides: false, ..on.clone() };
+    let (on, off) = (observatory.sky_blocking(&on).unwrap(), observatory.sky_blocking(&off).unwrap());
+    let west_deg = on.horizon.elevations_rad()[192].to_degrees();
+    assert!((west_deg - (4000.0f64 / 5560.0).atan().to_degrees()).abs() < 1.0, "{west_deg}");
+    assert_eq!(on.horizon.elevations_rad()[64], 0.0, "the plain in the east");
+    let mut hidden = 0;
+    for band in 0..3 {
+        for row in 0..64 {
+            for column in 0..AZIMUTH_COUNT {
+                let at = Panorama::index(band, row, column);
+                let (masked, open) =
+                    (on.rendered.panorama.samples()[at], off.rendered.panorama.samples()[at]);
+                let is_hidden = on.horizon.hides_sample(row, column);
+                assert_eq!(masked, if is_hidden { 0.0 } else { open }, "{band} {row} {column}");
+                hidden += usize::from(is_hidden);
+            }
+        }
+    }
+    assert!(hidden > 1000, "{hidden}");
+    assert!(on.quantities.horizontal_illuminance_lx < off.quantities.horizontal_illuminance_lx);
+    assert_eq!(on.quantities.zenith_luminance_cd_m2, off.quantities.zenith_luminance_cd_m2);
+    assert!(on.horizon_time.is_some() && off.horizon_time.is_none());
+}
+
+#[test]
+fn over_flat_ground_terrain_changes_no_bit_and_without_it_there_is_no_work_for_it() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let with_terrain = observatory(data.path());
+    let on = request(-1.35, 36.5, ObserverHeight::AboveGround(2.0));
+    let off = SkyRequest { terrain_hides: false, ..on.clone() };
+    let (on, off) = (with_terrain.sky_blocking(&on).unwrap(), with_terrain.sky_blocking(&off).unwrap());
+    assert_eq!(on.horizon, Horizon::flat());
+    assert_eq!(on.rendered.panorama, off.rendered.panorama);
+    assert_eq!(on.quantities, off.quantities);
+    assert!(on.horizon_time.is_some() && off.horizon_time.is_none());
+
+    let bare = tempfile::tempdir().unwrap();
+    let options = IngestOptions { id: Some(town()), ..IngestOptions::new(data.path().join("lights.tif")) };
+    ingest(&SceneStore::new(bare.path()), &options, &mut |_| {}).unwrap();
+    let request = request(-1.35, 36.5, ObserverHeight::AboveSea(1002.25));
+    let answer = observatory(bare.path()).sky_blocking(&request).unwrap();
+    assert!(answer.horizon_time.is_none() && answer.horizon.is_flat());
 }

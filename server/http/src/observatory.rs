@@ -178,8 +178,11 @@ impl SkySource for ObservatorySource {
                 lamp: query.lamp,
                 emission: query.emission,
                 basis: query.basis,
+                terrain_hides: query.terrain_hides,
             };
             let answer = self.observatory.sky(request).await?;
+            let horizon_time = answer.horizon_time.map(|time| ("horizon", 1e6 * time.as_secs_f64()));
+            let passes = answer.rendered.passes.iter().map(|pass| (pass.name, pass.microseconds));
             Ok(RenderedSky {
                 altitude_m: answer.observer.altitude_m,
                 ground: answer.observer.ground,
@@ -189,7 +192,8 @@ impl SkySource for ObservatorySource {
                 local_optical_depth: answer.local_optical_depth,
                 flux_dnb_w: answer.flux_dnb_w,
                 basis_count: answer.rendered.basis_count,
-                passes: answer.rendered.passes.iter().map(|pass| (pass.name, pass.microseconds)).collect(),
+                passes: horizon_time.into_iter().chain(passes).collect(),
+                horizon: answer.horizon,
                 panorama: answer.rendered.panorama,
             })
         })

@@ -9,7 +9,7 @@ use crate::{
     problem::Mistake,
 };
 use skyglow_engine::EngineStats;
-use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Panorama, SkyQuantities, Turbidity};
+use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{Ground, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
 use skyglow_tables::Scattering;
 use std::{future::Future, pin::Pin, sync::Arc};
@@ -68,13 +68,17 @@ pub struct SkyQuery {
     pub emission: EmissionMix,
     /// Basis functions; None for all.
     pub basis: Option<usize>,
+    /// Whether terrain hides the sky.
+    pub terrain_hides: bool,
 }
 
 /// A rendered sky.
 #[derive(Clone, Debug)]
 pub struct RenderedSky {
-    /// Radiance of artificial light.
+    /// Radiance of artificial light, 0 below the horizon.
     pub panorama: Panorama,
+    /// Below it terrain hides the sky; flat where nothing does.
+    pub horizon: Horizon,
     /// The reported quantities.
     pub quantities: SkyQuantities,
     /// Observer's altitude, metres above sea level.
@@ -91,7 +95,7 @@ pub struct RenderedSky {
     pub flux_dnb_w: f64,
     /// Basis functions used.
     pub basis_count: usize,
-    /// Name and time [µs] of each pass, for the batch it was in.
+    /// Name and time [µs] of each pass, for the batch it was in; before them `horizon`, where one was computed.
     pub passes: Vec<(&'static str, f64)>,
 }
 

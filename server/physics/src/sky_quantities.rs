@@ -1,6 +1,7 @@
 //! The numbers reported for a panorama: artificial light alone, and with the natural sky.
 
 use crate::{
+    horizon::Horizon,
     panorama::{
         AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad, solid_angle_sr,
     },
@@ -19,6 +20,10 @@ pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
 
 /// What is reported of a sky. Luminances are artificial light alone unless the name says `total`; `total`
 /// is artificial plus a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are None for a sky without light.
+///
+/// Where terrain hides part of the sky, all of them speak of the visible part: means are over visible directions,
+/// illuminances are what the visible sky gives, and the brightest direction is one of them. A mean over no visible
+/// direction at all is 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SkyQuantities {
     /// Mean over grid directions within 5° of the zenith, weighted by solid angle, cd m⁻².
@@ -35,13 +40,13 @@ pub struct SkyQuantities {
     pub sqm_luminance_cd_m2: f64,
     /// What such a meter would read with the natural sky, mag arcsec⁻².
     pub sqm_total_brightness_mag_arcsec2: f64,
-    /// Mean over the upper hemisphere, cd m⁻².
+    /// Mean over the visible sky (the upper hemisphere less what terrain hides), cd m⁻².
     pub mean_luminance_cd_m2: f64,
-    /// E = ∫ L sin φ dΩ, lux.
+    /// E = ∫ L sin φ dΩ over the visible sky, lux.
     pub horizontal_illuminance_lx: f64,
-    /// The same with the natural sky (π times its luminance), lux.
+    /// The same with the natural sky (π times its luminance, less what terrain hides of it), lux.
     pub horizontal_total_illuminance_lx: f64,
-    /// Largest luminance on the grid, cd m⁻².
+    /// Largest visible luminance on the grid, cd m⁻².
     pub brightest_luminance_cd_m2: f64,
     /// Azimuth of that direction, degrees clockwise from north.
     pub brightest_azimuth_deg: f64,
@@ -55,14 +60,15 @@ pub struct SkyQuantities {
     pub zenith_radiance_w_m2_sr: [f64; 3],
 }
 
-/// Weight of a grid direction, given its angle to the zenith.
-fn weighted_mean_radiance(panorama: &Panorama, weight: impl Fn(f64) -> f64) -> [f64; 3] {
+/// Mean radiance over the visible directions of a panorama whose hidden samples are 0, in R, G, B, W m⁻² sr⁻¹;
+/// `weight` of a grid direction, given its angle to the zenith [rad]. 0 where nothing with a weight is visible.
+fn weighted_mean_radiance(panorama: &Panorama, horizon: &Horizon, weight: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut total = 0.0;
     for row in 0..ELEVATION_COUNT {
         let w = weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row);
         if w > 0.0 {
-            total += w * AZIMUTH_COUNT as f64;
+            total += w * visible_columns(horizon, row) as f64;
             for (band, sum) in sum.iter_mut().enumerate() {
                 let start = Panorama::index(band, row, 0);
                 let row_sum: f64 =
@@ -71,7 +77,12 @@ fn weighted_mean_radiance(panorama: &Panorama, weight: impl Fn(f64) -> f64) -> [
             }
         }
     }
-    sum.map(|s| s / total)
+    if total > 0.0 { sum.map(|s| s / total) } else { [0.0; 3] }
+}
+
+/// Number of columns whose sample in a row is sky.
+fn visible_columns(horizon: &Horizon, row: usize) -> usize {
+    (0..AZIMUTH_COUNT).filter(|&column| !horizon.hides_sample(row, column)).count()
 }
 
 /// Illuminance [lx] on a vertical surface facing `facing_azimuth_rad`: ∫ L max(0, n·v) dΩ over the sky.
@@ -88,27 +99,43 @@ pub fn vertical_illuminance_lx(panorama: &Panorama, facing_azimuth_rad: f64) -> 
 }
 
 impl SkyQuantities {
-    /// All quantities of a panorama of artificial light.
+    /// All quantities of a panorama of artificial light that nothing hides.
     pub fn of(panorama: &Panorama) -> Self {
+        Self::of_visible(panorama, &Horizon::flat())
+    }
+
+    /// All quantities of the sky above a horizon. `panorama` is artificial light with its hidden samples 0, as
+    /// [`Horizon::darken`] leaves it.
+    pub fn of_visible(panorama: &Panorama, horizon: &Horizon) -> Self {
         let natural = natural_sky_luminance_cd_m2();
         let zenith_radiance_w_m2_sr =
-            weighted_mean_radiance(panorama, |angle| if angle <= ZENITH_CAP_RAD { 1.0 } else { 0.0 });
+            weighted_mean_radiance(
+                panorama,
+                horizon,
+                |angle| if angle <= ZENITH_CAP_RAD { 1.0 } else { 0.0 },
+            );
         let zenith = luminance_cd_m2(zenith_radiance_w_m2_sr);
         let sigma = SQM_FWHM_RAD / (8.0 * std::f64::consts::LN_2).sqrt();
-        let sqm = luminance_cd_m2(weighted_mean_radiance(panorama, |angle| {
+        let sqm = luminance_cd_m2(weighted_mean_radiance(panorama, horizon, |angle| {
             (-0.5 * (angle / sigma) * (angle / sigma)).exp()
         }));
-        let mean = luminance_cd_m2(weighted_mean_radiance(panorama, |_| 1.0));
+        let mean = luminance_cd_m2(weighted_mean_radiance(panorama, horizon, |_| 1.0));
         // sin φ averaged over the cell is exact for a uniform sky: E = πL.
         let step = PI / 2.0 / ELEVATION_COUNT as f64;
         let mut horizontal = 0.0;
-        let mut brightest = (0.0, 0, 0);
+        // What is hidden is taken from π, so that an open sky gives π itself.
+        let mut hidden_projected_sr = 0.0;
+        let mut brightest = (0.0, horizon.first_visible_row(0).min(ELEVATION_COUNT - 1), 0);
         for row in 0..ELEVATION_COUNT {
             let (low, high) = (row as f64 * step, (row + 1) as f64 * step);
             let projected_sr = std::f64::consts::TAU / AZIMUTH_COUNT as f64
                 * 0.5
                 * (high.sin() * high.sin() - low.sin() * low.sin());
             for column in 0..AZIMUTH_COUNT {
+                if horizon.hides_sample(row, column) {
+                    hidden_projected_sr += projected_sr;
+                    continue;
+                }
                 let luminance = panorama.luminance_cd_m2(row, column);
                 horizontal += luminance * projected_sr;
                 if luminance > brightest.0 {
@@ -131,7 +158,7 @@ impl SkyQuantities {
             sqm_total_brightness_mag_arcsec2: total_brightness(sqm),
             mean_luminance_cd_m2: mean,
             horizontal_illuminance_lx: horizontal,
-            horizontal_total_illuminance_lx: horizontal + PI * natural,
+            horizontal_total_illuminance_lx: horizontal + (PI - hidden_projected_sr) * natural,
             brightest_luminance_cd_m2: brightest.0,
             brightest_azimuth_deg: azimuth_rad(brightest.2).to_degrees(),
             brightest_elevation_deg: elevation_rad(brightest.1).to_degrees(),

@@ -187,6 +187,45 @@ impl Grid {
         inside.then_some((column, row))
     }
 
+    /// Fractional (column, row) of a place given as a unit vector, also outside the grid: of the turns around
+    /// the Earth the one nearest to `near`, which lies on the same path. `None` where a projection has no place.
+    pub(crate) fn position_near(&self, target: DVec3, near: (f64, f64)) -> Option<(f64, f64)> {
+        match &self.kind {
+            GridKind::Geographic(grid) => {
+                let axes = grid.axes;
+                let (longitude, latitude) = (target.y.atan2(target.x), target.z.clamp(-1.0, 1.0).asin());
+                let column = (longitude.to_degrees() - axes.first_longitude_deg) / axes.longitude_step_deg;
+                let row = (latitude.to_degrees() - axes.first_latitude_deg) / axes.latitude_step_deg;
+                let turn = 360.0 / axes.longitude_step_deg;
+                Some((column - turn * ((column - near.0) / turn).round(), row))
+            }
+            GridKind::Lattice(lattice) => lattice.position_near(target, near),
+        }
+    }
+
+    /// Columns of a whole turn around the Earth where the grid spans so much of it that a path may meet the grid
+    /// again on its other side; `None` for smaller grids and projections.
+    pub(crate) fn turn_columns(&self) -> Option<f64> {
+        let turn = 360.0 / self.axes()?.longitude_step_deg;
+        (f64::from(self.width) > 0.5 * turn).then_some(turn)
+    }
+
+    /// A circle on the sphere that holds the grid: its centre as a unit vector and its angular radius, radians; π,
+    /// the whole sphere, for grids that are large or leave the world.
+    pub(crate) fn cap(&self) -> (DVec3, f64) {
+        const STEPS: u32 = 16;
+        let border = (0..=STEPS).flat_map(|i| {
+            let (c, r) = (i * (self.width - 1) / STEPS, i * (self.height - 1) / STEPS);
+            [(c, 0), (c, self.height - 1), (0, r), (self.width - 1, r)]
+        });
+        let points: Vec<DVec3> = border.flat_map(|(column, row)| self.corners(column, row)).collect();
+        let center = points.iter().sum::<DVec3>().normalize_or_zero();
+        let radius_rad = points.iter().map(|point| center.distance(*point)).fold(0.0, f64::max);
+        // Chords are shorter than their arcs and the border bulges between its points: by less than a tenth here.
+        let is_small = points.iter().all(|point| point.is_finite()) && (1e-9..0.5).contains(&radius_rad);
+        if is_small { (center, 1.1 * radius_rad) } else { (DVec3::Z, std::f64::consts::PI) }
+    }
+
     /// The pixel at a place; `None` outside the grid.
     pub(crate) fn pixel_at(&self, place: GeoPoint) -> Option<(u32, u32)> {
         self.position_of(place).map(|(column, row)| (column as u32, row as u32))

@@ -80,7 +80,18 @@ impl Lattice {
 
     /// Pixel coordinates of a place given as a unit vector; `None` well outside or off the world.
     pub(crate) fn position_of(&self, target: DVec3) -> Option<(f64, f64)> {
-        let (mut x, mut y) = self.nearest_node(target)?;
+        self.solve(target, self.nearest_node(target)?, f64::from(self.step))
+    }
+
+    /// The same from a guess, for the next place on a path: also far outside, where the outermost cells are
+    /// continued and positions only say on which side of the grid a place lies.
+    pub(crate) fn position_near(&self, target: DVec3, guess: (f64, f64)) -> Option<(f64, f64)> {
+        let reach = 4.0 * f64::from(self.width.max(self.height));
+        self.solve(target, guess, reach).or_else(|| self.position_of(target))
+    }
+
+    /// Newton's method from a guess; positions stay within `reach` pixels of the grid.
+    fn solve(&self, target: DVec3, (mut x, mut y): (f64, f64), reach: f64) -> Option<(f64, f64)> {
         for _ in 0..20 {
             let (point, along_x, along_y) = self.chord_point(x, y);
             // The point's radius is a little below 1: stretch the target to it, the rest is tangential.
@@ -92,7 +103,6 @@ impl Lattice {
             if !(dx.is_finite() && dy.is_finite()) {
                 return None;
             }
-            let reach = f64::from(self.step);
             x = (x + dx).clamp(-reach, f64::from(self.width) + reach);
             y = (y + dy).clamp(-reach, f64::from(self.height) + reach);
             if dx.abs() + dy.abs() < 1e-7 {

@@ -13,7 +13,7 @@ use crate::metadata::{Place, SceneMetadata};
 use crate::polar_grid::{PolarAccumulator, PolarGrid};
 use crate::terrain::Terrain;
 use skyglow_physics::geometry::LocalFrame;
-use skyglow_physics::{GeoPoint, SourcePixel};
+use skyglow_physics::{GeoPoint, Horizon, SourcePixel};
 
 /// A scene in memory. It needs neither its files nor GDAL to answer; share it in an `Arc`.
 #[derive(Debug)]
@@ -51,6 +51,21 @@ impl Scene {
     /// Terrain elevation, metres, bilinear, at least 0; `None` where the terrain has no data at that place.
     pub fn terrain_altitude_m(&self, place: GeoPoint) -> Option<f64> {
         self.terrain.elevation_m(place).map(|elevation_m| elevation_m.max(0.0))
+    }
+
+    /// The elevation of the ground against the sky, seen by an eye at an altitude over a place: from the scene's
+    /// terrain with the Earth's curvature, without refraction, out to where no ground of the scene can matter.
+    /// Below the ground counts as on it. Where there is no terrain nothing hides the sky.
+    ///
+    /// * `eye_altitude_m`: metres above sea level.
+    ///
+    /// Takes about a millisecond on two cores; the first call for a scene also makes bounds of its terrain, a tenth of
+    /// a second for ten million samples.
+    pub fn horizon(&self, place: GeoPoint, eye_altitude_m: f64) -> Horizon {
+        if self.terrain.is_empty() {
+            return Horizon::flat();
+        }
+        self.terrain.horizon(place, eye_altitude_m.max(self.ground(place).altitude_m()))
     }
 
     /// The raster's radiance at a place, nW cm⁻² sr⁻¹, without the calibration: 0 where it measured no

@@ -1,7 +1,11 @@
 //! Terrain elevation as the rasters gave it: each file on its own grid, tiles packed in memory and unpacked
 //! when asked for.
 
+mod cell;
+mod height_bounds;
 mod layer;
+mod ray;
+mod skyline;
 mod tile;
 
 pub(crate) use layer::{LayerBuilder, TerrainLayer};

@@ -28,7 +28,7 @@ export type Assumptions = {
   scattering: string;
   /** The scene. */
   scene: SceneReference;
-  /** Whether terrain hides lights and sky: not yet. */
+  /** Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without terrain. Lights are not hidden yet. */
   terrain_occlusion: boolean;
   /** Turbidity at sea level. */
   turbidity: number;
@@ -136,11 +136,11 @@ export type PanoramaAnswer = Assumptions & {
   bands_nm: number[];
   /** Where the samples are. */
   grid: PanoramaGrid;
-  /** Elevation below which the terrain hides the sky, by column, degrees: 0 everywhere while `terrain_occlusion` is false. */
+  /** Elevation below which the terrain hides the sky, by column, degrees, 0 to 90: 0 everywhere where `terrain_occlusion` is false. */
   horizon_deg: number[];
   /** Which light the samples hold: `artificial` or `total`. */
   light: Light;
-  /** `radiance[band][row][column]`. */
+  /** `radiance[band][row][column]`; 0 below the horizon, whichever light. */
   radiance: number[][][];
   /** The numbers. */
   sky: QuantitiesAnswer;
@@ -192,7 +192,7 @@ export type Problem = {
   type: string;
 };
 
-/** The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. */
+/** The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of the sky, all are of the visible part. */
 export type QuantitiesAnswer = {
   /** Bortle class of the total at the zenith, 1..=9. */
   bortle_class: number;
@@ -200,13 +200,13 @@ export type QuantitiesAnswer = {
   brightest_azimuth_deg: number;
   /** Its elevation, degrees. */
   brightest_elevation_deg: number;
-  /** Largest luminance, cd m⁻². */
+  /** Largest visible luminance, cd m⁻². */
   brightest_luminance_cd_m2: number;
-  /** Horizontal illuminance, lx. */
+  /** Horizontal illuminance by the visible sky, lx. */
   horizontal_illuminance_lx: number;
   /** With the natural sky, lx. */
   horizontal_total_illuminance_lx: number;
-  /** Mean over the upper hemisphere, cd m⁻². */
+  /** Mean over the visible sky, cd m⁻². */
   mean_luminance_cd_m2: number;
   /** Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2). */
   naked_eye_limit_mag: number;
@@ -388,7 +388,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -425,7 +425,7 @@ export interface Gets {
     };
     answer: PanoramaAnswer;
   };
-  /** Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats; A says where sky is. */
+  /** Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats, 0 where terrain hides the sky; A says where the projection shows the upper hemisphere. */
   "/api/v1/scenes/{scene}/panorama.exr": {
     path: {
       /** The scene's id */
@@ -452,7 +452,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -502,7 +502,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -540,7 +540,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -577,7 +577,7 @@ export interface Gets {
     };
     answer: Blob;
   };
-  /** Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; NaN where there is no sky. */
+  /** Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; 0 where terrain hides the sky, NaN where the projection shows nothing above the horizontal plane. */
   "/api/v1/scenes/{scene}/panorama.tif": {
     path: {
       /** The scene's id */
@@ -604,7 +604,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -654,7 +654,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -741,7 +741,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides lights and sky. Hiding is not built yet: either value is accepted, and answers say `terrain_occlusion` false. Allowed: on, off. */
+      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;

@@ -14,6 +14,8 @@ export interface SkySample {
   artificial_cd_m2: number;
   /** With the natural sky, cd m⁻². */
   total_cd_m2: number;
+  /** Whether terrain hides the sky there: both luminances are then 0. */
+  is_below_horizon: boolean;
 }
 
 /** Luminance of the whole sky. Row 0 is lowest, column 0 looks north. */
@@ -54,6 +56,21 @@ export class SkyGrid {
     }
   }
 
+  /** Whether terrain hides a sample of the grid. */
+  is_hidden(row: number, column: number): boolean {
+    return this.elevation_first_deg + row * this.elevation_step_deg < (this.horizon_deg[column] ?? 0);
+  }
+
+  /** Elevation of the terrain horizon at any azimuth, degrees: linear between the columns, 0 where there is none. */
+  horizon_at(azimuth_deg: number): number {
+    if (this.horizon_deg.length === 0) return 0;
+    const across = (azimuth_deg - this.azimuth_first_deg) / this.azimuth_step_deg;
+    const left = Math.floor(across);
+    const wrapped = (column: number) => ((column % this.azimuth_count) + this.azimuth_count) % this.azimuth_count;
+    const low = this.horizon_deg[wrapped(left)] ?? 0;
+    return low + (across - left) * ((this.horizon_deg[wrapped(left + 1)] ?? 0) - low);
+  }
+
   /** The sample nearest to a direction: exactly the API's value, nothing interpolated. */
   nearest(azimuth_deg: number, elevation_deg: number): SkySample {
     const turn = Math.round((azimuth_deg - this.azimuth_first_deg) / this.azimuth_step_deg);
@@ -61,17 +78,29 @@ export class SkyGrid {
     const step = Math.round((elevation_deg - this.elevation_first_deg) / this.elevation_step_deg);
     const row = Math.min(Math.max(step, 0), this.elevation_count - 1);
     const artificial_cd_m2 = this.artificial_cd_m2[row * this.azimuth_count + column] ?? 0;
+    const is_below_horizon = this.is_hidden(row, column);
     return {
       azimuth_deg: this.azimuth_first_deg + column * this.azimuth_step_deg,
       elevation_deg: this.elevation_first_deg + row * this.elevation_step_deg,
       artificial_cd_m2,
-      total_cd_m2: artificial_cd_m2 + NATURAL_SKY_CD_M2,
+      total_cd_m2: is_below_horizon ? 0 : artificial_cd_m2 + NATURAL_SKY_CD_M2,
+      is_below_horizon,
     };
   }
 
-  /** log10 luminance for drawing, [row][column]; darkness counts as `floor_cd_m2`. */
+  /**
+   * log10 luminance for drawing, [row][column]; darkness counts as `floor_cd_m2`. Hidden samples take the lowest visible
+   * one of their column, so that no darkness of the ground runs into the sky above it.
+   */
   log_luminance(kind: SkyKind, floor_cd_m2: number): Float32Array {
     const added = kind === "total" ? NATURAL_SKY_CD_M2 : 0;
-    return Float32Array.from(this.artificial_cd_m2, (value) => Math.log10(Math.max(value + added, floor_cd_m2)));
+    const values = Float32Array.from(this.artificial_cd_m2, (value) => Math.log10(Math.max(value + added, floor_cd_m2)));
+    for (let column = 0; column < this.azimuth_count; column++) {
+      let lowest = 0;
+      while (lowest < this.elevation_count && this.is_hidden(lowest, column)) lowest++;
+      const value = values[lowest * this.azimuth_count + column];
+      for (let row = 0; value !== undefined && row < lowest; row++) values[row * this.azimuth_count + column] = value;
+    }
+    return values;
   }
 }

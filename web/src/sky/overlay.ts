@@ -91,8 +91,12 @@ export function draw_horizon(context: CanvasRenderingContext2D, projection: Proj
     if (column === 0) context.moveTo(x_px, y_px);
     else context.lineTo(x_px, y_px);
   });
-  context.lineWidth = 1.5;
-  context.strokeStyle = "rgba(143, 214, 255, 0.75)";
+  // Once around: to the first column again, which lies at the strip's right edge or where the disc closes.
+  const around_deg = grid.azimuth_first_deg + grid.azimuth_count * grid.azimuth_step_deg;
+  const last = projection.point_from_direction({ azimuth_deg: around_deg, elevation_deg: Math.max(grid.horizon_at(around_deg), 0) });
+  context.lineTo(last.x_px, last.y_px);
+  context.lineWidth = 1.2;
+  context.strokeStyle = "rgb(164, 156, 144)";
   context.stroke();
 }
 

@@ -7,6 +7,8 @@ import { log_luminance_ends, SCALE } from "./scale.ts";
 
 const TABLE_SIZE = 1024;
 const DARKEST_CD_M2 = 1e-9;
+/** Ground that hides the sky: brown-grey, as in the server's pictures. */
+export const GROUND_RGB = [58, 54, 49] as const;
 
 /** The grid in scale units 0..1 with one row added below (the horizon) and one above (the zenith). */
 function padded_scale_values(grid: SkyGrid, kind: SkyKind): Float32Array {
@@ -43,12 +45,17 @@ export function paint_sky(
   const width = grid.azimuth_count;
   const last_row = grid.elevation_count + 1;
   const { data } = picture;
+  const has_ground = grid.horizon_deg.some((elevation_deg) => elevation_deg > 0);
   for (let y = 0; y < picture.height; y++) {
     for (let x = 0; x < picture.width; x++) {
       const at = (y * picture.width + x) * 4;
       const direction = projection.direction_from_point((x + 0.5) / pixels_per_css_px, (y + 0.5) / pixels_per_css_px);
       if (direction === null) {
         data[at + 3] = 0;
+        continue;
+      }
+      if (has_ground && direction.elevation_deg < grid.horizon_at(direction.azimuth_deg)) {
+        [data[at], data[at + 1], data[at + 2], data[at + 3]] = [...GROUND_RGB, 255];
         continue;
       }
       const across = (direction.azimuth_deg - grid.azimuth_first_deg) / grid.azimuth_step_deg + width;

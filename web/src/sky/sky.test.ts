@@ -4,7 +4,7 @@ import type { PanoramaAnswer } from "../api/types.ts";
 import { luminance_from_brightness_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
 import { COLOUR_MAPS, colour_table } from "./colour_maps.ts";
 import { SkyGrid } from "./grid.ts";
-import { paint_sky } from "./paint.ts";
+import { GROUND_RGB, paint_sky } from "./paint.ts";
 import { compass_name, equirectangular, fisheye } from "./projection.ts";
 import { SCALE, scale_position } from "./scale.ts";
 
@@ -108,4 +108,48 @@ test("every colour map gets lighter all the way, so that its order is seen witho
 
 test("compass names wrap around", () => {
   assert.deepEqual([0, 44, 90, 225, 359, -1].map(compass_name), ["N", "NE", "E", "SW", "N", "N"]);
+});
+
+/** A hill of 20° around the east; its samples are dark as the API has them. */
+function answer_with_hill(): PanoramaAnswer {
+  const answer = answer_with_light_at(40, 200);
+  const horizon_deg = Array.from({ length: 256 }, (_, column) => Math.max(20 - Math.abs(column - 64), 0));
+  for (const band of answer.radiance) {
+    band.forEach((values, row) => values.forEach((_, column) => {
+      if ((row + 0.5) * STEP_DEG < horizon_deg[column]!) values[column] = 0;
+    }));
+  }
+  return { ...answer, horizon_deg };
+}
+
+test("below the horizon there is no light, the natural sky included", () => {
+  const grid = new SkyGrid(answer_with_hill());
+  const hidden = grid.nearest(90, 10);
+  assert.equal(hidden.is_below_horizon, true);
+  assert.deepEqual([hidden.artificial_cd_m2, hidden.total_cd_m2], [0, 0]);
+  assert.equal(grid.nearest(90, 30).is_below_horizon, false);
+  assert.equal(grid.nearest(270, 0).is_below_horizon, false);
+  assert.equal(new SkyGrid(answer_with_light_at(0, 0)).nearest(90, 0).is_below_horizon, false);
+});
+
+test("the horizon is linear between columns, and wraps", () => {
+  const grid = new SkyGrid({ ...answer_with_light_at(0, 0), horizon_deg: Array.from({ length: 256 }, (_, column) => (column === 0 ? 8 : 0)) });
+  assert.equal(grid.horizon_at(0), 8);
+  assert.equal(grid.horizon_at(360), 8);
+  assert.ok(Math.abs(grid.horizon_at(359.296875) - 4) < 1e-9);
+});
+
+test("ground is painted up to the profile, and the sky above it keeps its colour", () => {
+  const grid = new SkyGrid(answer_with_hill());
+  for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
+    const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
+    paint_sky(picture, grid, "artificial", "inferno", projection, 1);
+    const colour_at = (azimuth_deg: number, elevation_deg: number) => {
+      const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
+      return [...picture.data.slice((Math.floor(y_px) * 420 + Math.floor(x_px)) * 4).slice(0, 3)];
+    };
+    assert.deepEqual(colour_at(90, 18), [...GROUND_RGB], projection.name);
+    assert.deepEqual(colour_at(90, 21.5), colour_at(90, 40), projection.name);
+    assert.notDeepEqual(colour_at(270, 5), [...GROUND_RGB], projection.name);
+  }
 });

@@ -5,7 +5,7 @@ import type { Atmosphere, Scene } from "../api/types.ts";
 import type { ColourMapName } from "../sky/colour_maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
-import { LAYERS, type LayerName, type ViewState } from "../state.ts";
+import { LAYERS, type LayerName, type TerrainKind, type ViewState } from "../state.ts";
 import { by_id, debounced, make } from "./dom.ts";
 import { EMISSIONS, LAMPS } from "./lamps.ts";
 import { resident_scatterings, SCATTERINGS, turbidity_ends } from "./scattering.ts";
@@ -17,6 +17,7 @@ export interface ControlEvents {
   scattering: (scattering: ScatteringName | null) => void;
   lamp: (lamp: string) => void;
   emission: (emission: string) => void;
+  terrain: (terrain: TerrainKind) => void;
   projection: (projection: ProjectionName) => void;
   sky: (sky: SkyKind) => void;
   colours: (colours: ColourMapName) => void;
@@ -77,6 +78,7 @@ export class Controls {
   private atmospheres: readonly Atmosphere[] = [];
   private readonly lamp = by_id("lamp", HTMLSelectElement);
   private readonly emission = by_id("emission", HTMLSelectElement);
+  private readonly terrain = by_id("terrain", HTMLSelectElement);
   private readonly colours = by_id("colours", HTMLSelectElement);
   private readonly press_projection: (value: ProjectionName) => void;
   private readonly press_sky: (value: SkyKind) => void;
@@ -94,6 +96,7 @@ export class Controls {
     });
     this.lamp.addEventListener("change", () => events.lamp(this.lamp.value));
     this.emission.addEventListener("change", () => events.emission(this.emission.value));
+    this.terrain.addEventListener("change", () => events.terrain(this.terrain.value as TerrainKind));
     this.colours.addEventListener("change", () => events.colours(this.colours.value as ColourMapName));
     this.press_projection = wire_group<ProjectionName>("projection", events.projection);
     this.press_sky = wire_group<SkyKind>("sky-kind", events.sky);
@@ -150,12 +153,14 @@ export class Controls {
       this.scene_note.textContent = parts.filter((part) => part !== "").join(" · ");
       this.scene_note.classList.toggle("illustrative", scene.illustrative);
       by_id("layer-elevation", HTMLInputElement).disabled = !scene.terrain;
+      this.terrain.disabled = !scene.terrain;
     }
     this.show_air(state.scattering);
     this.turbidity.value = String(state.turbidity ?? DEFAULT_TURBIDITY);
     this.show_turbidity();
     fill(this.lamp, LAMPS, state.lamp);
     fill(this.emission, EMISSIONS, state.emission);
+    this.terrain.value = state.terrain;
     this.colours.value = state.colours;
     this.press_projection(state.projection);
     this.press_sky(state.sky);

@@ -20,13 +20,26 @@ export function show_readout(container: HTMLElement, sample: SkySample | null, k
   container.dataset["azimuthDeg"] = String(sample.azimuth_deg);
   container.dataset["elevationDeg"] = String(sample.elevation_deg);
   container.dataset["luminanceCdM2"] = String(luminance_cd_m2);
-  const item = (name: string, value: string, unit: string) =>
-    make("span", "readout-item", make("small", "", name), " ", make("b", "", value), unit === "" ? "" : ` ${unit}`);
+  if (sample.is_below_horizon) {
+    container.dataset["luminanceCdM2"] = "0";
+    container.replaceChildren(...direction_items(sample), make("span", "readout-item", make("b", "", "below the horizon")));
+    return;
+  }
   container.replaceChildren(
-    item("azimuth", `${sample.azimuth_deg.toFixed(1)}°`, compass_name(sample.azimuth_deg)),
-    item("elevation", `${sample.elevation_deg.toFixed(1)}°`, ""),
+    ...direction_items(sample),
     item("brightness", magnitude(brightness_mag_arcsec2(luminance_cd_m2)), "mag/arcsec²"),
     item("luminance", with_prefix(luminance_cd_m2, "cd/m²"), ""),
     item(kind === "total" ? "artificial alone" : "with natural sky", magnitude(brightness_mag_arcsec2(other_cd_m2)), "mag/arcsec²"),
   );
+}
+
+function item(name: string, value: string, unit: string): HTMLElement {
+  return make("span", "readout-item", make("small", "", name), " ", make("b", "", value), unit === "" ? "" : ` ${unit}`);
+}
+
+function direction_items({ azimuth_deg, elevation_deg }: SkySample): HTMLElement[] {
+  return [
+    item("azimuth", `${azimuth_deg.toFixed(1)}°`, compass_name(azimuth_deg)),
+    item("elevation", `${elevation_deg.toFixed(1)}°`, ""),
+  ];
 }

@@ -64,8 +64,9 @@ impl Panorama {
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");
         }
-        let image = || picture(&sky.panorama, options);
-        let floats = || raster(&sky.panorama, options.projection, view.raster_size_px, options.sky);
+        let image = || picture(&sky.panorama, &sky.horizon, options);
+        let floats =
+            || raster(&sky.panorama, &sky.horizon, options.projection, view.raster_size_px, options.sky);
         let bytes = match self.output.format {
             Format::Png => image().and_then(|image| encode_png(&image)),
             Format::WebP => image().and_then(|image| encode_webp(&image)),

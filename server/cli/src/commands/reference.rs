@@ -15,7 +15,7 @@ use skyglow_http::{
     source::{RenderedSky, SkyQuery},
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, PointSource, SkyQuantities,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, Horizon, PointSource, SkyQuantities,
     direct_sum::{GridSample, direct_sum, grid_direction, panorama_between, stratified_samples},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
@@ -62,7 +62,7 @@ struct DirectionAnswer {
     column: usize,
     azimuth_deg: f64,
     elevation_deg: f64,
-    /// In R, G, B, W m⁻² sr⁻¹.
+    /// In R, G, B, W m⁻² sr⁻¹; 0 where terrain hides the sky.
     radiance: [f64; BAND_COUNT],
 }
 
@@ -88,11 +88,18 @@ impl Reference {
         let ground = scene.ground(query.place);
         let altitude_m = query.eye_height.altitude_m(ground);
         let sources = point_sources(query.place, &scene.source_pixels_within(query.place, FARTHEST_SOURCE_M));
-        let radiance = sum(&query, altitude_m, &sources, &self.directions.0);
-        let panorama = panorama_between(&self.directions.0, &radiance);
+        let horizon =
+            if query.terrain_hides { scene.horizon(query.place, altitude_m) } else { Horizon::flat() };
+        // Ground needs no sum, and what lies between directions of the sky is not to take from its darkness.
+        let is_sky = |&(row, column): &GridSample| !horizon.hides_sample(row, column);
+        let visible: Vec<GridSample> = self.directions.0.iter().copied().filter(is_sky).collect();
+        let radiance = sum(&query, altitude_m, &sources, &visible);
+        let mut panorama = panorama_between(&visible, &radiance);
+        horizon.darken(&mut panorama);
         let sky = RenderedSky {
-            quantities: SkyQuantities::of(&panorama),
+            quantities: SkyQuantities::of_visible(&panorama, &horizon),
             panorama,
+            horizon,
             altitude_m,
             ground,
             coverage: scene.coverage(query.place),
@@ -121,13 +128,14 @@ impl Reference {
                 fields.remove("radiance");
             }
             let natural_w_m2_sr = light.added_radiance_w_m2_sr();
-            let directions: Vec<DirectionAnswer> = self
-                .directions
-                .0
-                .iter()
-                .zip(&radiance)
+            let of_sky = visible.iter().zip(&radiance);
+            let mut directions: Vec<DirectionAnswer> = of_sky
                 .map(|(&sample, bands)| direction_answer(sample, bands.map(|value| value + natural_w_m2_sr)))
                 .collect();
+            let is_ground = |&&(row, column): &&GridSample| sky.horizon.hides_sample(row, column);
+            let hidden = self.directions.0.iter().filter(is_ground);
+            directions.extend(hidden.map(|&sample| direction_answer(sample, [0.0; BAND_COUNT])));
+            directions.sort_by_key(|direction| (direction.row, direction.column));
             fields.insert("directions".to_owned(), serde_json::to_value(directions).map_err(Failure::work)?);
         }
         super::print_json(&answer)

@@ -84,6 +84,11 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
                 emission.lambert, emission.horizon, emission.oblique
             ),
         ),
+        row(
+            "terrain",
+            if assumptions.terrain_occlusion { "hides the sky below the horizon" } else { "hides nothing" }
+                .to_owned(),
+        ),
         row("calibration", assumptions.calibration.to_string()),
         row("coverage", format!("{:.1} % of the 300 km around", 100.0 * assumptions.coverage)),
         row("computed by", format!("{}, {} basis functions", assumptions.executor, assumptions.basis_count)),

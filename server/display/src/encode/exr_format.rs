@@ -15,8 +15,8 @@ const ENCODING: Encoding = Encoding {
     line_order: LineOrder::Increasing,
 };
 
-/// Channels R, G, B in W m⁻² sr⁻¹, each with an attribute (`channelR`, …) that says so; where the projection leaves pixels without sky also A, 1 on sky and 0
-/// elsewhere. Lossless, the same bytes each time.
+/// Channels R, G, B in W m⁻² sr⁻¹, each with an attribute (`channelR`, …) that says so; where the projection leaves pixels outside the upper
+/// hemisphere also A, 1 inside it and 0 elsewhere. Ground that hides the sky is 0 in R, G and B. Lossless, the same bytes each time.
 ///
 /// # Errors
 /// [`DisplayError::Encoding`], only by a defect.
@@ -24,7 +24,8 @@ pub fn encode_exr(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
     let mut attributes = LayerAttributes::named("sky");
     attributes.software_name = Some(Text::from("Skyglow"));
     attributes.comments = Some(Text::from(
-        "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top",
+        "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top; \
+             0 where terrain hides the sky",
     ));
     for (channel, band) in ["R", "G", "B"].into_iter().zip(BAND_NAMES) {
         let text = Text::from(format!("{band}, {RADIANCE_UNIT}").as_str());
@@ -57,7 +58,7 @@ mod tests {
     use super::*;
     use crate::{Projection, Sky, raster::raster};
     use exr::prelude::{ReadChannels, ReadLayers, read};
-    use skyglow_physics::Panorama;
+    use skyglow_physics::{Horizon, Panorama};
 
     /// Channel names with their samples, in the file's order (alphabetical).
     fn channels(bytes: &[u8]) -> Vec<(String, Vec<f32>)> {
@@ -77,7 +78,9 @@ mod tests {
     fn an_exr_decodes_to_the_same_floats_in_channels_named_r_g_b() {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
-        let raster = raster(&panorama, Projection::Equirectangular, (256, 64), Sky::Artificial).unwrap();
+        let raster =
+            raster(&panorama, &Horizon::flat(), Projection::Equirectangular, (256, 64), Sky::Artificial)
+                .unwrap();
         let channels = channels(&encode_exr(&raster).unwrap());
         assert_eq!(channels.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["B", "G", "R"]);
         for (pixel, radiance) in raster.radiance_w_m2_sr.iter().enumerate() {
@@ -87,8 +90,14 @@ mod tests {
 
     #[test]
     fn the_channels_of_an_exr_say_their_unit() {
-        let raster =
-            raster(&Panorama::dark(), Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
+        let raster = raster(
+            &Panorama::dark(),
+            &Horizon::flat(),
+            Projection::Equirectangular,
+            (64, 16),
+            Sky::Artificial,
+        )
+        .unwrap();
         let bytes = encode_exr(&raster).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
         for (name, band) in
@@ -102,7 +111,8 @@ mod tests {
 
     #[test]
     fn an_exr_of_a_fisheye_has_an_alpha_that_says_where_sky_is() {
-        let raster = raster(&Panorama::dark(), Projection::Fisheye, (40, 40), Sky::Total).unwrap();
+        let raster =
+            raster(&Panorama::dark(), &Horizon::flat(), Projection::Fisheye, (40, 40), Sky::Total).unwrap();
         let channels = channels(&encode_exr(&raster).unwrap());
         assert_eq!(channels[0].0, "A");
         for (alpha, &sky) in channels[0].1.iter().zip(&raster.has_sky) {

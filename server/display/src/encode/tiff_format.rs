@@ -11,8 +11,8 @@ use tiff::{
 /// GDAL's own tag: names and units of the bands.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
-/// Three float32 bands R, G, B in W m⁻² sr⁻¹, deflated, named with their unit as GDAL reads it; pixels without sky are NaN, which the GDAL no-data
-/// tag says too. There is no georeference: columns are azimuths or projected directions, not places.
+/// Three float32 bands R, G, B in W m⁻² sr⁻¹, deflated, named with their unit as GDAL reads it; pixels that show nothing of
+/// the upper hemisphere are NaN, which the GDAL no-data tag says too; ground that hides the sky is 0. There is no georeference: columns are azimuths or projected directions, not places.
 ///
 /// # Errors
 /// [`DisplayError::Encoding`], only by a defect.
@@ -30,7 +30,8 @@ pub fn encode_tiff(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
         image.encoder().write_tag(Tag::Software, "Skyglow")?;
         image.encoder().write_tag(
             Tag::ImageDescription,
-            "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top",
+            "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top; \
+             0 where terrain hides the sky",
         )?;
         image.encoder().write_tag(GDAL_METADATA, gdal_metadata().as_str())?;
         image.encoder().write_tag(Tag::GdalNodata, "nan")?;
@@ -59,13 +60,15 @@ fn gdal_metadata() -> String {
 mod tests {
     use super::*;
     use crate::{Projection, Sky, raster::raster};
-    use skyglow_physics::Panorama;
+    use skyglow_physics::{Horizon, Panorama};
     use tiff::decoder::{Decoder, DecodingResult};
 
     #[test]
     fn the_bands_of_a_tiff_are_named_with_their_unit() {
         let size = Projection::Equirectangular.default_raster_size_px();
-        let raster = raster(&Panorama::dark(), Projection::Equirectangular, size, Sky::Artificial).unwrap();
+        let raster =
+            raster(&Panorama::dark(), &Horizon::flat(), Projection::Equirectangular, size, Sky::Artificial)
+                .unwrap();
         let mut decoder = Decoder::new(Cursor::new(encode_tiff(&raster).unwrap())).unwrap();
         let metadata = decoder.get_tag_ascii_string(GDAL_METADATA).unwrap();
         for (sample, band) in ["red 600-700 nm", "green 500-600 nm", "blue 400-500 nm"].iter().enumerate() {
@@ -81,7 +84,7 @@ mod tests {
         let panorama = Panorama::from_samples(samples).unwrap();
         for (projection, size) in [(Projection::Equirectangular, (256, 64)), (Projection::Fisheye, (50, 50))]
         {
-            let raster = raster(&panorama, projection, size, Sky::Artificial).unwrap();
+            let raster = raster(&panorama, &Horizon::flat(), projection, size, Sky::Artificial).unwrap();
             let bytes = encode_tiff(&raster).unwrap();
             let mut decoder = Decoder::new(Cursor::new(bytes)).unwrap();
             assert_eq!(decoder.dimensions().unwrap(), size);

@@ -87,7 +87,8 @@ pub struct Assumptions {
     pub emission: EmissionAnswer,
     /// `none`: clouds are not modelled yet.
     pub clouds: String,
-    /// Whether terrain hides lights and sky: not yet.
+    /// Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without
+    /// terrain. Lights are not hidden yet.
     pub terrain_occlusion: bool,
     /// Upward flux within 300 km of the place, DNB watts, calibration included; that of the whole scene is
     /// `flux_dnb_w` in its report.
@@ -120,7 +121,7 @@ impl Assumptions {
             lamp: query.lamp.into(),
             emission: query.emission.into(),
             clouds: "none".to_owned(),
-            terrain_occlusion: false,
+            terrain_occlusion: query.terrain_hides && scene.terrain,
             flux_within_300_km_dnb_w: sky.flux_dnb_w,
             basis_count: sky.basis_count,
             executor: facts.executor.clone(),

@@ -38,9 +38,9 @@ pub struct PanoramaAnswer {
     pub unit: String,
     /// Which light the samples hold: `artificial` or `total`.
     pub light: Light,
-    /// `radiance[band][row][column]`.
+    /// `radiance[band][row][column]`; 0 below the horizon, whichever light.
     pub radiance: Vec<Vec<Vec<f32>>>,
-    /// Elevation below which the terrain hides the sky, by column, degrees: 0 everywhere while
+    /// Elevation below which the terrain hides the sky, by column, degrees, 0 to 90: 0 everywhere where
     /// `terrain_occlusion` is false.
     pub horizon_deg: Vec<f64>,
     /// The numbers.
@@ -64,7 +64,14 @@ impl PanoramaAnswer {
         let samples = sky.panorama.samples();
         let row_of = |band: usize, row: usize| -> Vec<f32> {
             let start = Panorama::index(band, row, 0);
-            samples[start..start + AZIMUTH_COUNT].iter().map(|radiance| radiance + added).collect()
+            let row_samples = samples[start..start + AZIMUTH_COUNT].iter().enumerate();
+            row_samples
+                .map(
+                    |(column, radiance)| {
+                        if sky.horizon.hides_sample(row, column) { 0.0 } else { radiance + added }
+                    },
+                )
+                .collect()
         };
         Self {
             assumptions,
@@ -85,7 +92,12 @@ impl PanoramaAnswer {
             radiance: (0..Band::ALL.len())
                 .map(|band| (0..ELEVATION_COUNT).map(|row| row_of(band, row)).collect())
                 .collect(),
-            horizon_deg: vec![0.0; AZIMUTH_COUNT],
+            horizon_deg: sky
+                .horizon
+                .elevations_rad()
+                .iter()
+                .map(|elevation| elevation.to_degrees())
+                .collect(),
             sky: (&sky.quantities).into(),
         }
     }

@@ -6,7 +6,8 @@ use skyglow_physics::SkyQuantities;
 use utoipa::ToSchema;
 
 /// The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a
-/// uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light.
+/// uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
+/// the sky, all are of the visible part.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct QuantitiesAnswer {
     /// Mean within 5° of the zenith, cd m⁻².
@@ -23,13 +24,13 @@ pub struct QuantitiesAnswer {
     pub sqm_luminance_cd_m2: f64,
     /// What such a meter reads with the natural sky, mag arcsec⁻².
     pub sqm_total_brightness_mag_arcsec2: f64,
-    /// Mean over the upper hemisphere, cd m⁻².
+    /// Mean over the visible sky, cd m⁻².
     pub mean_luminance_cd_m2: f64,
-    /// Horizontal illuminance, lx.
+    /// Horizontal illuminance by the visible sky, lx.
     pub horizontal_illuminance_lx: f64,
     /// With the natural sky, lx.
     pub horizontal_total_illuminance_lx: f64,
-    /// Largest luminance, cd m⁻².
+    /// Largest visible luminance, cd m⁻².
     pub brightest_luminance_cd_m2: f64,
     /// Its azimuth, degrees clockwise from north.
     pub brightest_azimuth_deg: f64,

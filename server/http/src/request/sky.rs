@@ -31,10 +31,20 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
     let lamp = read_lamp(reader);
     let emission = read_emission(reader);
     let basis = read_basis(reader, facts, kind);
+    let terrain_hides = reader.choice(&p::TERRAIN) != Some("off");
     read_what_is_not_there_yet(reader);
     reader.is_fine().then_some(())?;
-    let (turbidity, scattering) = (turbidity?, kind?.scattering);
-    Some(SkyQuery { scene, place: place?, eye_height, turbidity, scattering, lamp, emission, basis })
+    Some(SkyQuery {
+        scene,
+        place: place?,
+        eye_height,
+        turbidity: turbidity?,
+        scattering: kind?.scattering,
+        lamp,
+        emission,
+        basis,
+        terrain_hides,
+    })
 }
 
 fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
@@ -140,7 +150,6 @@ fn read_what_is_not_there_yet(reader: &mut Reader) {
     if reader.text(&p::CLOUDS).is_some_and(|clouds| clouds != "none") {
         reader.fail(&p::CLOUDS, Mistake::NotSupportedYet, None, None);
     }
-    reader.choice(&p::TERRAIN);
     for parameter in [&p::TOLERANCE, &p::SCENARIO] {
         if reader.text(parameter).is_some() {
             reader.fail(parameter, Mistake::NotSupportedYet, None, None);

@@ -42,6 +42,7 @@ fn the_defaults_are_those_of_the_interface() {
     assert_eq!(sky.lamp, LampPreset::Mixed.lamp());
     assert_eq!(sky.emission, EmissionMix::garstang());
     assert_eq!((sky.scattering, sky.basis), (Scattering::Single, None));
+    assert!(sky.terrain_hides && !read("lat=-1&lon=36&terrain=off").unwrap().0.terrain_hides);
     assert_eq!(view.options, PictureOptions::new(Projection::Equirectangular));
     assert_eq!(view.raster_size_px, (256, 64));
 }

@@ -90,9 +90,9 @@ formats! {
     get_panorama_webp, "webp", Format::WebP, PanoramaParameters, Vec<u8>, "image/webp",
         "The sky as lossless WebP, with its legend.";
     get_panorama_exr, "exr", Format::Exr, RasterParameters, Vec<u8>, "image/x-exr",
-        "Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats; A says where sky is.";
+        "Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats, 0 where terrain hides the sky; A says where the projection shows the upper hemisphere.";
     get_panorama_tif, "tif", Format::Tiff, RasterParameters, Vec<u8>, "image/tiff",
-        "Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; NaN where there is no sky.";
+        "Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; 0 where terrain hides the sky, NaN where the projection shows nothing above the horizontal plane.";
     get_panorama_json, "json", Format::Json, GridParameters, PanoramaAnswer, "application/json",
         "The raw grid with its numbers; it has no projection and no style.";
 }
@@ -136,8 +136,11 @@ fn encode(
     format: Format,
 ) -> Result<Vec<u8>, ApiError> {
     let options = &view.options;
-    let image = || picture(&rendered.panorama, options);
-    let floats = || raster(&rendered.panorama, options.projection, view.raster_size_px, options.sky);
+    let image = || picture(&rendered.panorama, &rendered.horizon, options);
+    let floats = || {
+        let size_px = view.raster_size_px;
+        raster(&rendered.panorama, &rendered.horizon, options.projection, size_px, options.sky)
+    };
     let bytes = match format {
         Format::Png => image().and_then(|image| encode_png(&image)),
         Format::WebP => image().and_then(|image| encode_webp(&image)),

@@ -29,14 +29,19 @@ async fn what_changes_the_answer_changes_its_tag_and_what_does_not_does_not() {
             .to_owned()
     };
     let plain = tag("").await;
-    for same in
-        ["&turbidity=2.5", "&lamp=mixed", "&projection=equirectangular", "&terrain=off", "&height=2.0"]
+    for same in ["&turbidity=2.5", "&lamp=mixed", "&projection=equirectangular", "&terrain=on", "&height=2.0"]
     {
         assert_eq!(tag(same).await, plain, "{same}");
     }
-    for other in
-        ["&turbidity=2.6", "&lamp=hps", "&projection=fisheye", "&width=500", "&sky=total", "&basis=32"]
-    {
+    for other in [
+        "&turbidity=2.6",
+        "&lamp=hps",
+        "&projection=fisheye",
+        "&width=500",
+        "&sky=total",
+        "&basis=32",
+        "&terrain=off",
+    ] {
         assert_ne!(tag(other).await, plain, "{other}");
     }
     *server.fake.version.lock().unwrap() = "v2".into();

@@ -7,7 +7,9 @@ use skyglow_http::{
     kind_facts::KindFacts,
     source::{BoxFuture, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts},
 };
-use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Panorama, SkyQuantities};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
+};
 use skyglow_scene::{
     GridMetadata, Ground, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer,
 };
@@ -42,6 +44,7 @@ pub(crate) struct Fake {
     pub(crate) ready: AtomicBool,
     pub(crate) version: Mutex<String>,
     pub(crate) ground: Mutex<Ground>,
+    pub(crate) horizon: Mutex<Horizon>,
 }
 
 impl Default for Fake {
@@ -64,6 +67,7 @@ impl Default for Fake {
             ready: AtomicBool::new(true),
             version: Mutex::new("v1".into()),
             ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
+            horizon: Mutex::default(),
         }
     }
 }
@@ -149,9 +153,13 @@ impl Fake {
         if query.scattering == Scattering::Multiple {
             panorama.samples_mut().iter_mut().for_each(|sample| *sample *= 2.0);
         }
+        let horizon =
+            if query.terrain_hides { self.horizon.lock().unwrap().clone() } else { Horizon::flat() };
+        horizon.darken(&mut panorama);
         Ok(RenderedSky {
-            quantities: SkyQuantities::of(&panorama),
+            quantities: SkyQuantities::of_visible(&panorama, &horizon),
             panorama,
+            horizon,
             altitude_m,
             ground: self.ground(),
             coverage: 0.75,

@@ -3,7 +3,7 @@ use crate::{
     server::{PLACE, Server, header},
 };
 use serde_json::Value;
-use skyglow_physics::{Panorama, photometry};
+use skyglow_physics::{AZIMUTH_COUNT, Horizon, Panorama, photometry};
 use std::io::Cursor;
 
 async fn body(server: &Server, path: &str) -> (String, Vec<u8>) {
@@ -123,7 +123,7 @@ async fn every_number_comes_with_what_it_depends_on() {
     assert_eq!(sky["emission"], serde_json::json!({"lambert": 1.0, "horizon": 0.0, "oblique": 0.0}));
     assert_eq!(sky["turbidity"], 2.5);
     assert_eq!(sky["calibration"], 1.0);
-    assert_eq!(sky["terrain_occlusion"], false);
+    assert_eq!(sky["terrain_occlusion"], true);
     assert_eq!((&sky["scattering"], &sky["ground_albedo"]), (&"single".into(), &Value::Null));
     assert_eq!(sky["clouds"], "none");
     assert_eq!(sky["local_optical_depth"].as_array().unwrap().len(), 3);
@@ -145,4 +145,42 @@ async fn the_total_sky_adds_the_natural_one_to_the_samples() {
     };
     let added = sample("total").await - sample("artificial").await;
     assert!((added / photometry::natural_sky_luminance_cd_m2() - 1.0).abs() < 1e-4, "{added}");
+}
+
+#[tokio::test]
+async fn terrain_hides_the_sky_in_every_format_and_off_shows_all_of_it() {
+    let server = Server::start().await;
+    let horizon = Horizon::new(vec![20f64.to_radians(); AZIMUTH_COUNT]).unwrap();
+    *server.fake.horizon.lock().unwrap() = horizon.clone();
+    for light in ["artificial", "total"] {
+        let path = format!("/api/v1/scenes/demo/panorama.json?{PLACE}&sky={light}");
+        let (_, on) = server.json(&path).await;
+        let (_, off) = server.json(&format!("{path}&terrain=off")).await;
+        assert_eq!(
+            (&on["terrain_occlusion"], &off["terrain_occlusion"]),
+            (&Value::Bool(true), &Value::Bool(false))
+        );
+        assert!((on["horizon_deg"][7].as_f64().unwrap() - 20.0).abs() < 1e-9);
+        assert!(off["horizon_deg"].as_array().unwrap().iter().all(|elevation| *elevation == 0.0));
+        for row in 0..64 {
+            let (masked, open) = (&on["radiance"][1][row][64], &off["radiance"][1][row][64]);
+            if horizon.hides_sample(row, 64) {
+                assert_eq!(masked, 0.0, "{row}");
+            } else {
+                assert_eq!(masked, open, "{row}");
+            }
+        }
+        let lux = |answer: &Value| answer["sky"]["horizontal_total_illuminance_lx"].as_f64().unwrap();
+        assert!(lux(&on) < 0.95 * lux(&off));
+    }
+    let (_, sky) = server.json(&format!("/api/v1/scenes/demo/sky?{PLACE}")).await;
+    let (_, open) = server.json(&format!("/api/v1/scenes/demo/sky?{PLACE}&terrain=off")).await;
+    assert!(sky["sky"]["brightest_elevation_deg"].as_f64().unwrap() > 20.0);
+    assert!(open["sky"]["brightest_elevation_deg"].as_f64().unwrap() < 20.0);
+    let (_, png) = body(&server, &format!("/api/v1/scenes/demo/panorama.png?{PLACE}")).await;
+    let png = image::load_from_memory(&png).unwrap().into_rgb8();
+    // 256 rows of pixels are 90°: 20° end 57 rows above the bottom.
+    assert_eq!(png.get_pixel(300, 205).0, skyglow_display::ground::TERRAIN_RGB);
+    assert_eq!(png.get_pixel(300, 199).0, skyglow_display::ground::SKYLINE_RGB);
+    assert!(png.get_pixel(300, 190).0 != skyglow_display::ground::TERRAIN_RGB);
 }

@@ -1,5 +1,6 @@
 //! One terrain raster: its grid, a pyramid of packed tiles, and a cache of unpacked ones.
 
+use super::height_bounds::HeightBounds;
 use super::tile::{self, SAMPLES, SIDE, TileEntry};
 use crate::grid::Grid;
 use crate::grid_sections;
@@ -7,7 +8,7 @@ use crate::sections::{Flaw, Sections};
 use skyglow_physics::GeoPoint;
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Unpacked tiles by level and number.
 type TileCache = HashMap<(usize, usize), Arc<Vec<f32>>>;
@@ -22,6 +23,8 @@ pub(crate) struct TerrainLayer {
     levels: Vec<LevelIndex>,
     blob: Vec<u8>,
     cache: Mutex<TileCache>,
+    /// Made when a horizon is first asked for; it takes a pass over all samples.
+    bounds: OnceLock<HeightBounds>,
 }
 
 #[derive(Debug, Clone)]
@@ -61,6 +64,38 @@ impl TerrainLayer {
         }
         let value = self.tile(level, number)[row % SIDE * SIDE + column % SIDE];
         value.is_finite().then_some(f64::from(value))
+    }
+
+    /// The highest samples by blocks. The first call takes a pass over all samples.
+    pub(super) fn bounds(&self) -> &HeightBounds {
+        self.bounds.get_or_init(|| HeightBounds::of(self))
+    }
+
+    /// Whether [`Self::bounds`] was ever asked for.
+    #[cfg(test)]
+    pub(super) fn has_bounds(&self) -> bool {
+        self.bounds.get().is_some()
+    }
+
+    /// Tiles along a row of tiles of the finest level.
+    pub(super) fn tile_columns(&self) -> usize {
+        self.levels[0].tile_columns()
+    }
+
+    /// Number of tiles of the finest level.
+    pub(super) fn tile_count(&self) -> usize {
+        self.levels[0].tiles.len()
+    }
+
+    /// The samples of a tile of the finest level, unpacked past the cache; `None` for one that is all void.
+    pub(super) fn unpacked(&self, number: usize) -> Option<Vec<f32>> {
+        let entry = &self.levels[0].tiles[number];
+        if entry.length == 0 { None } else { tile::unpack(entry, &self.blob).ok() }
+    }
+
+    /// The samples of a tile of the finest level, from the cache; `None` for one that is all void.
+    pub(super) fn cached(&self, number: usize) -> Option<Arc<Vec<f32>>> {
+        (self.levels[0].tiles[number].length > 0).then(|| self.tile(0, number))
     }
 
     fn lock(&self) -> MutexGuard<'_, TileCache> {
@@ -152,7 +187,7 @@ impl TerrainLayer {
         }
         let blob = sections.bytes(&format!("blob{number}"))?.into_owned();
         let sample_size_m = grid.pixel_size_m();
-        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default() })
+        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default(), bounds: OnceLock::new() })
     }
 }
 
@@ -172,6 +207,7 @@ impl LayerBuilder {
             levels: vec![level],
             blob: Vec::new(),
             cache: Mutex::default(),
+            bounds: OnceLock::new(),
         };
         Self { layer, rows: Vec::new() }
     }

@@ -1,0 +1,197 @@
+//! Ground that hides the sky: what is seen in its place, and what lies just above it.
+
+use image::{Rgb, RgbImage};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Horizon, Panorama};
+use std::borrow::Cow;
+
+/// Ground that hides the sky: a neutral brown-grey, lighter than the dark end of every colour map but Viridis' and
+/// without the saturated hue of that one, so that it is not taken for a dark sky.
+pub const TERRAIN_RGB: [u8; 3] = [58, 54, 49];
+/// The line along its upper edge: light and as neutral, so that the edge is seen before any colour.
+pub const SKYLINE_RGB: [u8; 3] = [164, 156, 144];
+
+/// The panorama with its hidden samples filled from the lowest visible one of their column, as the lowest row holds
+/// down to an open horizon: between the profile and the first visible row the sky then has its colour, and none of
+/// the ground's darkness runs into it. Visible samples stay bit for bit.
+pub(crate) fn without_ground<'a>(panorama: &'a Panorama, horizon: &Horizon) -> Cow<'a, Panorama> {
+    if horizon.is_flat() {
+        return Cow::Borrowed(panorama);
+    }
+    let mut filled = panorama.clone();
+    for column in 0..AZIMUTH_COUNT {
+        let lowest = horizon.first_visible_row(column);
+        if lowest == ELEVATION_COUNT {
+            continue;
+        }
+        for band in 0..BAND_COUNT {
+            let value = panorama.samples()[Panorama::index(band, lowest, column)];
+            for row in 0..lowest {
+                filled.samples_mut()[Panorama::index(band, row, column)] = value;
+            }
+        }
+    }
+    Cow::Owned(filled)
+}
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    Sky,
+    Ground,
+    /// Corners of a fisheye.
+    Nothing,
+}
+
+/// The ground of a picture, by pixel; nothing is kept of a picture whose horizon is flat.
+#[derive(Clone, Debug)]
+pub(crate) struct GroundMap<'a> {
+    horizon: Option<&'a Horizon>,
+    shown: Vec<Shown>,
+    size_px: (u32, u32),
+}
+
+impl<'a> GroundMap<'a> {
+    /// For a picture of `size_px` whose pixels come row by row.
+    pub(crate) fn new(horizon: &'a Horizon, size_px: (u32, u32)) -> Self {
+        Self { horizon: (!horizon.is_flat()).then_some(horizon), shown: Vec::new(), size_px }
+    }
+
+    /// Whether the next pixel shows ground that hides the sky, or lies below such ground.
+    pub(crate) fn is_ground(&mut self, direction: Option<Direction>) -> bool {
+        let Some(horizon) = self.horizon else { return false };
+        let shown = match direction {
+            Some(direction) if horizon.hides(direction) => Shown::Ground,
+            Some(direction) if direction.elevation_rad >= 0.0 => Shown::Sky,
+            _ => Shown::Nothing,
+        };
+        self.shown.push(shown);
+        shown == Shown::Ground
+    }
+
+    /// Draws the line along the upper edge of the ground, on the ground's side, at `offset_px` from the left.
+    pub(crate) fn draw_skyline(&self, canvas: &mut RgbImage, offset_px: u32) {
+        let (width, height) = self.size_px;
+        let thickness_px = (f64::from(width) / 1024.0).round().max(1.0) as u32;
+        let at = |x: u32, y: u32| self.shown.get((y * width + x) as usize).copied();
+        for y in 0..height {
+            for x in 0..width {
+                if at(x, y) != Some(Shown::Ground) {
+                    continue;
+                }
+                let is_edge = (1..=thickness_px).any(|step| {
+                    let left = x.checked_sub(step).map(|x| (x, y));
+                    let up = y.checked_sub(step).map(|y| (x, y));
+                    let right = (x + step < width).then_some((x + step, y));
+                    let down = (y + step < height).then_some((x, y + step));
+                    [left, up, right, down].into_iter().flatten().any(|(x, y)| at(x, y) == Some(Shown::Sky))
+                });
+                if is_edge {
+                    canvas.put_pixel(x + offset_px, y, Rgb(SKYLINE_RGB));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Colormap, PictureOptions, Projection, Sky, Style, picture, picture::GROUND_RGB};
+    use std::f64::consts::FRAC_PI_2;
+
+    /// A hill in the east: 30° high at azimuth 90°, linear to 0 at 45° and 135°.
+    fn hill() -> Horizon {
+        let elevation_deg = |column: usize| (30.0 - 30.0 / 32.0 * (column as f64 - 64.0).abs()).max(0.0);
+        Horizon::new((0..AZIMUTH_COUNT).map(|column| elevation_deg(column).to_radians()).collect()).unwrap()
+    }
+
+    fn bright_behind(horizon: &Horizon) -> Panorama {
+        let mut panorama = Panorama::from_samples(vec![1e-6; Panorama::LEN]).unwrap();
+        horizon.darken(&mut panorama);
+        panorama
+    }
+
+    const PROJECTIONS: [Projection; 3] = [
+        Projection::Equirectangular,
+        Projection::Fisheye,
+        Projection::Perspective { azimuth_deg: 90.0, elevation_deg: 20.0, fov_deg: 90.0 },
+    ];
+
+    #[test]
+    fn ground_has_its_colour_up_to_the_profile_and_a_lighter_line_in_every_projection() {
+        let horizon = hill();
+        for projection in PROJECTIONS {
+            let options = PictureOptions { legend: false, ..PictureOptions::new(projection) };
+            let image = picture(&bright_behind(&horizon), &horizon, &options).unwrap();
+            let view = crate::projection::View::new(projection, options.width_px, options.height_px);
+            let at = |azimuth_deg: f64, elevation_deg: f64| {
+                let direction = Direction {
+                    azimuth_rad: azimuth_deg.to_radians(),
+                    elevation_rad: elevation_deg.to_radians(),
+                };
+                let (x, y) = view.position_px(direction).unwrap();
+                image.get_pixel(x as u32, y as u32).0
+            };
+            let sky = at(90.0, 45.0);
+            assert!(sky != TERRAIN_RGB && sky != SKYLINE_RGB, "{projection:?}");
+            for azimuth_deg in [75.0, 90.0, 110.0] {
+                let top_deg = horizon.elevation_at_rad(f64::to_radians(azimuth_deg)).to_degrees();
+                // Finer than a row of 1.4°, and the sky has one colour down to the line.
+                assert_eq!(at(azimuth_deg, top_deg - 1.0), TERRAIN_RGB, "{projection:?} {azimuth_deg}");
+                assert_eq!(at(azimuth_deg, top_deg + 0.4), sky, "{projection:?} {azimuth_deg}");
+            }
+            assert!(image.pixels().any(|pixel| pixel.0 == SKYLINE_RGB), "{projection:?}");
+        }
+    }
+
+    #[test]
+    fn a_flat_horizon_changes_no_pixel_and_dark_samples_show_no_ground() {
+        for projection in PROJECTIONS {
+            let options = PictureOptions::new(projection);
+            let image = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap();
+            assert!(image.pixels().all(|pixel| pixel.0 != TERRAIN_RGB));
+        }
+    }
+
+    #[test]
+    fn a_camera_sees_ground_below_the_horizontal_plane_too_and_the_corners_of_a_fisheye_stay() {
+        let horizon = Horizon::new(vec![0.1; AZIMUTH_COUNT]).unwrap();
+        let options = PictureOptions { legend: false, ..PictureOptions::new(PROJECTIONS[2]) };
+        let image = picture(&bright_behind(&horizon), &horizon, &options).unwrap();
+        assert_eq!(image.get_pixel(512, options.height_px - 1).0, TERRAIN_RGB);
+        let options = PictureOptions { legend: false, ..PictureOptions::new(Projection::Fisheye) };
+        let image = picture(&bright_behind(&horizon), &horizon, &options).unwrap();
+        assert_eq!(image.get_pixel(2, 2).0, GROUND_RGB);
+    }
+
+    #[test]
+    fn ground_is_told_from_the_dark_end_of_every_colour_map_by_lightness_or_by_its_lack_of_hue() {
+        let lightness = |rgb: [u8; 3]| {
+            let [r, g, b] = rgb.map(|c| (f64::from(c) / 255.0).powf(2.2));
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        let saturation = |rgb: [u8; 3]| rgb.iter().max().unwrap() - rgb.iter().min().unwrap();
+        for map in Colormap::ALL {
+            let dark = map.rgb(0.0);
+            let ratio = (lightness(TERRAIN_RGB) + 0.01) / (lightness(dark) + 0.01);
+            assert!(
+                ratio > 1.8 || saturation(dark) > saturation(TERRAIN_RGB) + 40,
+                "{map:?} {dark:?} {ratio}"
+            );
+        }
+        assert!(lightness(SKYLINE_RGB) > 5.0 * lightness(TERRAIN_RGB));
+    }
+
+    #[test]
+    fn the_natural_sky_is_not_drawn_over_ground() {
+        let horizon = Horizon::new(vec![FRAC_PI_2; AZIMUTH_COUNT]).unwrap();
+        let options = PictureOptions {
+            sky: Sky::Total,
+            style: Style::Realistic { exposure_ev: 0.0 },
+            legend: false,
+            ..PictureOptions::new(Projection::Equirectangular)
+        };
+        let image = picture(&Panorama::dark(), &horizon, &options).unwrap();
+        assert!(image.pixels().all(|pixel| pixel.0 == TERRAIN_RGB));
+    }
+}

@@ -1,0 +1,153 @@
+use super::*;
+use crate::{
+    geometry::{GeoPoint, LocalFrame},
+    panorama::azimuth_rad,
+    sky_quantities::SkyQuantities,
+};
+use proptest::prelude::*;
+
+/// The elevation of a terrain point by vectors in space, radians.
+fn elevation_by_vectors_rad(observer_altitude_m: f64, terrain_altitude_m: f64, distance_m: f64) -> f64 {
+    let place = GeoPoint::from_deg(46.0, 7.7).unwrap();
+    let there = place.destination(1.1, distance_m).unit_vector() * (EARTH_RADIUS_M + terrain_altitude_m);
+    let up = LocalFrame::at(place).up;
+    let line = there - up * (EARTH_RADIUS_M + observer_altitude_m);
+    line.dot(up).atan2((line - up * line.dot(up)).length())
+}
+
+fn uniform(radiance_w_m2_sr: f32) -> Panorama {
+    Panorama::from_samples(vec![radiance_w_m2_sr; Panorama::LEN]).unwrap()
+}
+
+#[test]
+fn a_wall_rises_by_its_angle_less_the_curve_of_the_earth() {
+    // 1000 m at 10 km: atan(0.1) less d/2R of drop.
+    let tangent = terrain_elevation_tangent(0.0, 1000.0, 10_000.0);
+    assert!((tangent - (0.1 - 10_000.0 / (2.0 * EARTH_RADIUS_M))).abs() < 3e-5, "{tangent}");
+    // At 200 km the Earth has dropped by 3139 m.
+    assert!(terrain_elevation_tangent(0.0, 3_000.0, 200_000.0) < 0.0);
+    assert!(terrain_elevation_tangent(0.0, 3_300.0, 200_000.0) > 0.0);
+}
+
+#[test]
+fn terrain_no_higher_than_the_eye_is_never_above_its_horizontal_plane() {
+    assert_eq!(farthest_terrain_m(1000.0, 1000.0), 0.0);
+    assert_eq!(farthest_terrain_m(1000.0, 10.0), 0.0);
+    assert!(
+        (farthest_terrain_m(0.0, 4_725.0) - 245_300.0).abs() < 200.0,
+        "{}",
+        farthest_terrain_m(0.0, 4_725.0)
+    );
+}
+
+#[test]
+fn wrong_numbers_of_elevations_and_angles_off_the_sky_are_refused_by_name() {
+    for bad in
+        [vec![0.0; 255], vec![-0.1; AZIMUTH_COUNT], vec![f64::NAN; AZIMUTH_COUNT], vec![1.6; AZIMUTH_COUNT]]
+    {
+        assert!(Horizon::new(bad).unwrap_err().to_string().starts_with("horizon"));
+    }
+    assert!(Horizon::flat().is_flat() && !Horizon::new(vec![0.1; AZIMUTH_COUNT]).unwrap().is_flat());
+}
+
+#[test]
+fn between_columns_the_horizon_is_linear_and_wraps() {
+    let mut elevations = vec![0.0; AZIMUTH_COUNT];
+    (elevations[255], elevations[0]) = (0.2, 0.4);
+    let horizon = Horizon::new(elevations).unwrap();
+    assert_eq!(horizon.elevation_at_rad(azimuth_rad(255)), 0.2);
+    assert_eq!(horizon.elevation_at_rad(0.0), 0.4);
+    assert!((horizon.elevation_at_rad(-TAU / 512.0) - 0.3).abs() < 1e-12);
+    assert!((horizon.elevation_at_rad(azimuth_rad(1) - TAU / 1024.0) - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn a_flat_horizon_changes_no_bit() {
+    let mut panorama = uniform(1e-7);
+    Horizon::flat().darken(&mut panorama);
+    assert_eq!(panorama, uniform(1e-7));
+    assert_eq!(SkyQuantities::of(&panorama), SkyQuantities::of_visible(&panorama, &Horizon::flat()));
+}
+
+#[test]
+fn a_wall_of_45_degrees_all_around_leaves_half_of_the_light_on_the_ground_and_all_of_the_mean() {
+    let horizon = Horizon::new(vec![std::f64::consts::FRAC_PI_4; AZIMUTH_COUNT]).unwrap();
+    let mut panorama = uniform(1e-6);
+    let open = SkyQuantities::of(&panorama);
+    horizon.darken(&mut panorama);
+    let walled = SkyQuantities::of_visible(&panorama, &horizon);
+    // E = πL·cos²45° for a uniform sky; rows end at 45°.
+    assert!((walled.horizontal_illuminance_lx / open.horizontal_illuminance_lx - 0.5).abs() < 1e-9);
+    assert!(
+        (walled.horizontal_total_illuminance_lx / open.horizontal_total_illuminance_lx - 0.5).abs() < 1e-9
+    );
+    assert!((walled.mean_luminance_cd_m2 / open.mean_luminance_cd_m2 - 1.0).abs() < 1e-9);
+    assert_eq!(walled.zenith_luminance_cd_m2, open.zenith_luminance_cd_m2);
+    assert!(walled.brightest_elevation_deg > 45.0);
+}
+
+#[test]
+fn a_sky_hidden_altogether_has_numbers_without_light() {
+    let horizon = Horizon::new(vec![FRAC_PI_2; AZIMUTH_COUNT]).unwrap();
+    let mut panorama = uniform(1e-6);
+    horizon.darken(&mut panorama);
+    let quantities = SkyQuantities::of_visible(&panorama, &horizon);
+    assert_eq!((quantities.mean_luminance_cd_m2, quantities.horizontal_illuminance_lx), (0.0, 0.0));
+    assert!(quantities.horizontal_total_illuminance_lx.abs() < 1e-12);
+    assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
+    assert!(quantities.sqm_total_brightness_mag_arcsec2.is_finite());
+}
+
+fn any_horizon() -> impl Strategy<Value = Horizon> {
+    proptest::collection::vec(prop_oneof![Just(0.0), 0.0..FRAC_PI_2], AZIMUTH_COUNT)
+        .prop_map(|elevations| Horizon::new(elevations).unwrap())
+}
+
+proptest! {
+    #[test]
+    fn the_elevation_of_a_terrain_point_is_that_of_the_line_to_it(
+        eye in 0.0f64..6000.0, terrain in 0.0f64..9000.0, distance in 1.0f64..400_000.0,
+    ) {
+        let tangent = terrain_elevation_tangent(eye, terrain, distance);
+        let expected = elevation_by_vectors_rad(eye, terrain, distance);
+        // Vectors of 6371 km know a place to a nanometre or two.
+        prop_assert!((tangent.atan() - expected).abs() < 1e-8 + 1e-8 / distance, "{} {}", tangent.atan(), expected);
+    }
+
+    #[test]
+    fn higher_is_higher_and_above_the_eye_farther_is_lower(
+        eye in 0.0f64..6000.0, above in 0.0f64..4000.0, more in 0.1f64..500.0,
+        distance in 1.0f64..300_000.0, farther in 1.01f64..2.0,
+    ) {
+        let at = |altitude, distance| terrain_elevation_tangent(eye, altitude, distance);
+        prop_assert!(at(eye + above + more, distance) > at(eye + above, distance));
+        let tangent = at(eye + above, distance);
+        prop_assert!(tangent <= 0.0 || at(eye + above, distance * farther) < tangent);
+        let end_m = farthest_terrain_m(eye, eye + above);
+        prop_assert!(at(eye + above, end_m * 1.001 + 1.0) < 0.0);
+        prop_assert!(above < 1.0 || at(eye + above, end_m * 0.999) > 0.0);
+    }
+
+    #[test]
+    fn the_mask_makes_nothing_brighter_and_leaves_what_is_visible(horizon in any_horizon(), seed in 0u32..1000) {
+        let samples = (0..Panorama::LEN).map(|i| 1e-9 * ((i as u32 ^ seed) % 977) as f32).collect();
+        let open = Panorama::from_samples(samples).unwrap();
+        let mut masked = open.clone();
+        horizon.darken(&mut masked);
+        for row in 0..ELEVATION_COUNT {
+            for column in 0..AZIMUTH_COUNT {
+                for band in 0..BAND_COUNT {
+                    let (before, after) = (open.radiance_w_m2_sr(band, row, column), masked.radiance_w_m2_sr(band, row, column));
+                    let expected = if horizon.hides_sample(row, column) { 0.0 } else { before };
+                    prop_assert_eq!(after, expected);
+                }
+                let direction = Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) };
+                prop_assert_eq!(horizon.hides(direction), horizon.hides_sample(row, column));
+            }
+        }
+        let (all, seen) = (SkyQuantities::of(&open), SkyQuantities::of_visible(&masked, &horizon));
+        prop_assert!(seen.horizontal_illuminance_lx <= all.horizontal_illuminance_lx);
+        prop_assert!(seen.horizontal_total_illuminance_lx <= all.horizontal_total_illuminance_lx);
+        prop_assert!(seen.brightest_luminance_cd_m2 <= all.brightest_luminance_cd_m2);
+    }
+}

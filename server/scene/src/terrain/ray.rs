@@ -1,0 +1,144 @@
+//! One line of sight over one terrain layer, from near to far, past all ground that cannot be seen over what is
+//! seen already.
+
+use super::cell::{CellCrossing, Piece};
+use super::height_bounds::{BLOCK_CELLS, HeightBounds};
+use super::layer::TerrainLayer;
+use super::tile::SIDE;
+use skyglow_physics::horizon::terrain_elevation_tangent;
+use std::sync::Arc;
+
+/// Ground nearer than this is under the observer's feet, metres.
+pub(super) const NEAREST_GROUND_M: f64 = 1.0;
+/// A line of sight and the highest ground seen along it.
+pub(super) struct Ray<'a> {
+    layer: &'a TerrainLayer,
+    bounds: &'a HeightBounds,
+    observer_altitude_m: f64,
+    /// Whether another layer has the say at a distance, metres; None where there is no such layer.
+    cover: Option<&'a dyn Fn(f64) -> bool>,
+    /// tan e of the highest ground seen, at least 0.
+    tangent: f64,
+    /// Tiles at hand, by the parity of their column and row: neighbours never push each other out.
+    tiles: [(usize, Option<Arc<Vec<f32>>>); 4],
+}
+
+impl<'a> Ray<'a> {
+    /// A line of sight over a layer that sees nothing below `tangent`.
+    pub(super) fn new(
+        layer: &'a TerrainLayer,
+        observer_altitude_m: f64,
+        tangent: f64,
+        cover: Option<&'a dyn Fn(f64) -> bool>,
+    ) -> Self {
+        let tiles = std::array::from_fn(|_| (usize::MAX, None));
+        Self { layer, bounds: layer.bounds(), observer_altitude_m, cover, tangent, tiles }
+    }
+
+    /// tan e of the highest ground seen, at least what the ray began with.
+    pub(super) fn tangent(&self) -> f64 {
+        self.tangent
+    }
+
+    /// Whether ground of some altitude, at a distance or farther, would be seen.
+    pub(super) fn would_see(&self, altitude_m: f64, distance_m: f64) -> bool {
+        let nearest_m = distance_m.max(NEAREST_GROUND_M);
+        terrain_elevation_tangent(self.observer_altitude_m, altitude_m, nearest_m) > self.tangent
+    }
+
+    /// Looks along a piece.
+    pub(super) fn look(&mut self, piece: &Piece) {
+        let grid = self.layer.grid();
+        if let Some(piece) = piece.clipped((f64::from(grid.width), f64::from(grid.height))) {
+            self.look_inside(&piece);
+        }
+    }
+
+    fn look_inside(&mut self, piece: &Piece) {
+        let cells = |a: f64, b: f64| a.min(b) as usize..=a.max(b) as usize;
+        let columns = cells(piece.start.0, piece.end.0);
+        let highest_m = self.bounds.highest_over_m(columns, cells(piece.start.1, piece.end.1));
+        if !self.would_see(highest_m, piece.start_m) {
+            return;
+        }
+        if piece.extent() <= BLOCK_CELLS {
+            return self.cross_cells(piece);
+        }
+        self.look_inside(&piece.part(0.0, 0.5));
+        self.look_inside(&piece.part(0.5, 1.0));
+    }
+
+    /// Looks into every cell that a piece crosses.
+    fn cross_cells(&mut self, piece: &Piece) {
+        let runs = (piece.end.0 - piece.start.0, piece.end.1 - piece.start.1);
+        // The fraction of the piece at which it meets the next line between cells, and from line to line.
+        let lines = |start: f64, run: f64| {
+            let to_line = if run > 0.0 { start.floor() + 1.0 - start } else { start.ceil() - 1.0 - start };
+            if run == 0.0 { (f64::INFINITY, f64::INFINITY) } else { (to_line / run, 1.0 / run.abs()) }
+        };
+        let (mut next_u, step_u) = lines(piece.start.0, runs.0);
+        let (mut next_v, step_v) = lines(piece.start.1, runs.1);
+        let mut from = 0.0;
+        while from < 1.0 {
+            let to = next_u.min(next_v).min(1.0);
+            if to > from {
+                self.cross_cell(&piece.part(from, to));
+            }
+            if next_u <= to {
+                next_u += step_u;
+            }
+            if next_v <= to {
+                next_v += step_v;
+            }
+            from = to;
+        }
+    }
+
+    /// Looks along a piece within one cell.
+    fn cross_cell(&mut self, piece: &Piece) {
+        let middle = (0.5 * (piece.start.0 + piece.end.0), 0.5 * (piece.start.1 + piece.end.1));
+        let (u, v) = (middle.0.floor(), middle.1.floor());
+        let (i, j) = (u as usize, v as usize);
+        let corners =
+            [self.sample(i, j), self.sample(i + 1, j), self.sample(i, j + 1), self.sample(i + 1, j + 1)];
+        let highest_m = corners.iter().copied().filter(|h| h.is_finite()).fold(f32::NEG_INFINITY, f32::max);
+        if !self.would_see(f64::from(highest_m), piece.start_m) {
+            return;
+        }
+        let crossing = CellCrossing::new(piece, corners.map(f64::from), (u, v));
+        let cover = self.cover;
+        let is_covered = |t: f64| cover.is_some_and(|cover| cover(piece.distance_m(t)));
+        let covered = [0.0, 0.5, 1.0].map(is_covered);
+        if covered == [false; 3] && crossing.is_whole() {
+            let crest = crossing.crest(self.observer_altitude_m);
+            for t in [Some(0.0), Some(1.0), crest].into_iter().flatten() {
+                self.meet(crossing.height_m(t), piece.distance_m(t));
+            }
+        } else if covered != [true; 3] {
+            let ground_m = |t: f64| crossing.height_m(t).filter(|_| !is_covered(t));
+            crossing.with_edges(&ground_m, |t, height_m| self.meet(Some(height_m), piece.distance_m(t)));
+        }
+    }
+
+    /// Sees a point of the ground if it is higher than what was seen.
+    fn meet(&mut self, altitude_m: Option<f64>, distance_m: f64) {
+        if let Some(altitude_m) = altitude_m.filter(|_| distance_m >= NEAREST_GROUND_M) {
+            let tangent = terrain_elevation_tangent(self.observer_altitude_m, altitude_m, distance_m);
+            self.tangent = self.tangent.max(tangent);
+        }
+    }
+
+    /// The sample left of and above cell (column, row), clamped to those there are, metres; NaN for a void.
+    fn sample(&mut self, column: usize, row: usize) -> f32 {
+        let grid = self.layer.grid();
+        let column = column.saturating_sub(1).min(grid.width as usize - 1);
+        let row = row.saturating_sub(1).min(grid.height as usize - 1);
+        let (tile_column, tile_row) = (column / SIDE, row / SIDE);
+        let number = tile_row * self.layer.tile_columns() + tile_column;
+        let slot = &mut self.tiles[(tile_row & 1) * 2 + (tile_column & 1)];
+        if slot.0 != number {
+            *slot = (number, self.layer.cached(number));
+        }
+        slot.1.as_ref().map_or(f32::NAN, |samples| samples[row % SIDE * SIDE + column % SIDE])
+    }
+}

@@ -1,0 +1,284 @@
+use super::*;
+use crate::grid::{GeographicAxes, Grid};
+use crate::lattice::{Lattice, node_count, node_position};
+use crate::terrain::LayerBuilder;
+use proptest::prelude::*;
+use skyglow_physics::horizon::terrain_elevation_tangent;
+
+const STEP_DEG: f64 = 0.01;
+
+/// A grid of `size` × `size` samples of 0.01° from a corner in the north-west.
+fn grid(west_deg: f64, north_deg: f64, size: u32) -> Grid {
+    let axes = GeographicAxes {
+        first_longitude_deg: west_deg,
+        first_latitude_deg: north_deg,
+        longitude_step_deg: STEP_DEG,
+        latitude_step_deg: -STEP_DEG,
+    };
+    Grid::geographic(axes, size, size)
+}
+
+/// Terrain of one layer: metres by column and row, NaN is void.
+fn layer(grid: Grid, height_m: impl Fn(u32, u32) -> f32) -> TerrainLayer {
+    let (width, height) = (grid.width, grid.height);
+    let mut builder = LayerBuilder::new(grid);
+    for row in 0..height {
+        let line: Vec<f32> = (0..width).map(|column| height_m(column, row)).collect();
+        builder.push_row(&line).unwrap();
+    }
+    builder.finish().unwrap()
+}
+
+fn place(latitude_deg: f64, longitude_deg: f64) -> GeoPoint {
+    GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap()
+}
+
+/// A number in 0..1 for a pixel, without pattern.
+fn noise(column: u32, row: u32, seed: u32) -> f32 {
+    let mut x =
+        column.wrapping_mul(0x9e37_79b9) ^ row.wrapping_mul(0x85eb_ca6b) ^ seed.wrapping_mul(0xc2b2_ae35);
+    x = (x ^ (x >> 15)).wrapping_mul(0x2c1b_3c6d);
+    x = (x ^ (x >> 12)).wrapping_mul(0x297a_2d39);
+    (x >> 8) as f32 / 16_777_216.0
+}
+
+/// Hills of several sizes, metres.
+fn hills_m(column: u32, row: u32, seed: u32) -> f32 {
+    let smooth = |size: u32| {
+        let (c, r) = (column / size, row / size);
+        let (s, t) = ((column % size) as f32 / size as f32, (row % size) as f32 / size as f32);
+        let at = |dc, dr| noise(c + dc, r + dr, seed ^ size);
+        (at(0, 0) * (1.0 - s) + at(1, 0) * s) * (1.0 - t) + (at(0, 1) * (1.0 - s) + at(1, 1) * s) * t
+    };
+    300.0 + 2500.0 * smooth(40) + 600.0 * smooth(7) + 60.0 * noise(column, row, seed)
+}
+
+/// The largest difference [degrees] from a walk in small steps over some columns's line of sight.
+fn worst_error_deg(terrain: &Terrain, place: GeoPoint, farthest_m: f64) -> f64 {
+    let eye_m = terrain.ground(place).altitude_m() + 2.0;
+    let horizon = terrain.horizon(place, eye_m);
+    let mut worst = 0.0f64;
+    for column in (0..AZIMUTH_COUNT).step_by(19) {
+        let (mut tangent, mut distance_m) = (0.0f64, super::super::ray::NEAREST_GROUND_M);
+        while distance_m < farthest_m {
+            if let Some(altitude_m) = terrain.elevation_m(place.destination(azimuth_rad(column), distance_m))
+            {
+                tangent = tangent.max(terrain_elevation_tangent(eye_m, altitude_m, distance_m));
+            }
+            distance_m += (distance_m / 1500.0).clamp(0.1, 30.0);
+        }
+        worst = worst.max((horizon.elevations_rad()[column] - tangent.atan()).abs().to_degrees());
+    }
+    worst
+}
+
+#[test]
+fn a_plain_a_summit_and_the_sea_hide_nothing() {
+    let plain = Terrain::new(vec![layer(grid(7.0, 47.0, 100), |_, _| 433.3)]);
+    for height_m in [0.0, 0.5, 2.0, 100.0] {
+        for at in [place(46.5, 7.5), place(46.5031, 7.4077), place(46.9999, 7.0001), place(46.0, 8.0)] {
+            let ground_m = plain.elevation_m(at).unwrap();
+            assert_eq!(plain.horizon(at, ground_m + height_m), Horizon::flat(), "{height_m} {at:?}");
+        }
+    }
+    // A cone whose top is a sample.
+    let cone = |column: u32, row: u32| {
+        let (x, y) = (f64::from(column) - 50.0, f64::from(row) - 50.0);
+        (3000.0 - 40.0 * x.hypot(y)) as f32
+    };
+    let summit = Terrain::new(vec![layer(grid(7.0, 47.0, 101), cone)]);
+    let top = place(46.495, 7.505);
+    assert!(summit.horizon(top, summit.elevation_m(top).unwrap()).is_flat());
+    assert!(!summit.horizon(place(46.3, 7.505), 2300.0).is_flat());
+    let sea = Terrain::new(vec![layer(grid(7.0, 47.0, 100), |_, _| f32::NAN)]);
+    assert!(sea.horizon(place(46.5, 7.5), 2.0).is_flat());
+}
+
+#[test]
+fn a_wall_on_a_plain_is_as_high_as_its_top_seen_over_the_curve_of_the_earth() {
+    // A wall along a meridian, 30 columns east of the observer.
+    let wall = |height_m: f32| move |column: u32, _: u32| if column == 80 { 200.0 + height_m } else { 200.0 };
+    let at = place(46.5, 7.505);
+    for (height_m, eye_m) in [(100.0f32, 202.0), (1000.0, 202.0), (3000.0, 1200.0)] {
+        let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 100), wall(height_m))]);
+        let horizon = terrain.horizon(at, eye_m);
+        let frame = LocalFrame::at(at);
+        let mut checked = 0;
+        for column in 56..=72 {
+            // Where the line of sight meets the meridian of the wall.
+            let (mut near_m, mut far_m) = (0.0, 60_000.0);
+            for _ in 0..60 {
+                let middle_m = 0.5 * (near_m + far_m);
+                let is_before = at.destination(azimuth_rad(column), middle_m).longitude_deg() < 7.805;
+                *if is_before { &mut near_m } else { &mut far_m } = middle_m;
+            }
+            let expected = terrain_elevation_tangent(eye_m, 200.0 + f64::from(height_m), near_m).atan();
+            let found = horizon.elevations_rad()[column];
+            assert!((found - expected).abs().to_degrees() < 0.002, "{column}: {found} {expected}");
+            checked += 1;
+        }
+        assert_eq!(checked, 17);
+        // Nothing in the west.
+        assert!((150..230).all(|column| horizon.elevations_rad()[column] == 0.0));
+        assert!(frame.up.is_normalized());
+    }
+}
+
+#[test]
+fn a_ridge_behind_the_curve_of_the_earth_is_not_seen() {
+    // 2.4° along the meridian are 267 km: the Earth has dropped by 5590 m.
+    let ridge = |height_m: f32| move |_: u32, row: u32| if row == 5 { height_m } else { 0.0 };
+    let seen = |height_m: f32| {
+        let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 300), ridge(height_m))]);
+        terrain.horizon(place(46.945 - 2.4, 8.5), 0.0).elevations_rad()[0]
+    };
+    assert_eq!(seen(5500.0), 0.0);
+    assert!(seen(5700.0) > 0.0 && seen(5700.0).to_degrees() < 0.05, "{}", seen(5700.0));
+}
+
+#[test]
+fn hills_agree_with_a_walk_over_them() {
+    for (seed, latitude_deg) in [(1, 47.0), (2, 1.0), (3, -60.0), (4, 79.0)] {
+        let terrain = Terrain::new(vec![layer(grid(7.0, latitude_deg, 260), |c, r| hills_m(c, r, seed))]);
+        for at in
+            [place(latitude_deg - 1.3, 8.3), place(latitude_deg - 0.2, 9.1), place(latitude_deg - 2.61, 7.03)]
+        {
+            let worst_deg = worst_error_deg(&terrain, at, 250_000.0);
+            assert!(worst_deg < 0.02, "{seed} {at:?}: {worst_deg}");
+        }
+    }
+}
+
+#[test]
+fn voids_are_no_ground_and_no_wall() {
+    let holes = |c: u32, r: u32| if noise(c / 3, r / 3, 9) < 0.3 { f32::NAN } else { hills_m(c, r, 5) };
+    let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 200), holes)]);
+    for at in [place(46.0, 8.0), place(45.503, 7.503), place(46.312, 8.777)] {
+        let worst_deg = worst_error_deg(&terrain, at, 180_000.0);
+        assert!(worst_deg < 0.02, "{at:?}: {worst_deg}");
+    }
+    // An island of ground around the observer, and nothing else.
+    let island =
+        |c: u32, r: u32| if (90..110).contains(&c) && (90..110).contains(&r) { 800.0 } else { f32::NAN };
+    let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 200), island)]);
+    assert!(terrain.horizon(place(46.0, 8.0), 802.0).is_flat());
+}
+
+#[test]
+fn where_layers_overlap_the_first_counts_here_too() {
+    // The second is higher everywhere, and must be seen only where the first has no value.
+    let first =
+        layer(
+            grid(7.5, 46.8, 90),
+            |c, r| if noise(c / 8, r / 8, 3) < 0.2 { f32::NAN } else { hills_m(c, r, 6) },
+        );
+    let second = layer(grid(7.0, 47.0, 200), |c, r| hills_m(c, r, 7) + 900.0);
+    let terrain = Terrain::new(vec![first, second]);
+    for at in [place(46.3, 7.9), place(46.0, 7.2), place(46.75, 8.9)] {
+        let worst_deg = worst_error_deg(&terrain, at, 160_000.0);
+        assert!(worst_deg < 0.02, "{at:?}: {worst_deg}");
+    }
+}
+
+#[test]
+fn a_layer_in_a_projection_is_looked_along_too() {
+    // A plane of 500 m pixels that touches the sphere, turned by 30°.
+    let (size, step, pixel_rad) = (200u32, 8u32, 500.0 / EARTH_RADIUS_M);
+    let frame = LocalFrame::at(place(60.0, 25.0));
+    let node = |i: u32, j: u32| {
+        let (x, y) = (node_position(i, size, step) - 100.0, node_position(j, size, step) - 100.0);
+        let (sin, cos) = 30f64.to_radians().sin_cos();
+        let (east, north) = (cos * x + sin * y, sin * x - cos * y);
+        (frame.up + (frame.east * east + frame.north * north) * pixel_rad).normalize()
+    };
+    let nodes = node_count(size, step);
+    let nodes = (0..nodes * nodes).map(|n| node(n % nodes, n / nodes)).collect();
+    let lattice = Grid::from_lattice(Lattice::new(size, size, step, nodes).unwrap());
+    let terrain = Terrain::new(vec![layer(lattice, |c, r| hills_m(c, r, 8))]);
+    // Inside, near a corner, and outside.
+    for at in [place(60.0, 25.0), place(60.4, 25.5), place(60.9, 25.0), place(59.0, 24.0)] {
+        let worst_deg = worst_error_deg(&terrain, at, 150_000.0);
+        assert!(worst_deg < 0.02, "{at:?}: {worst_deg}");
+    }
+}
+
+#[test]
+fn a_grid_around_the_whole_earth_has_no_seam() {
+    let axes = GeographicAxes {
+        first_longitude_deg: -180.0,
+        first_latitude_deg: 10.0,
+        longitude_step_deg: 0.25,
+        latitude_step_deg: -0.25,
+    };
+    let ridge = |column: u32, _: u32| if column == 2 { 4000.0 } else { 0.0 };
+    let terrain = Terrain::new(vec![layer(Grid::geographic(axes, 1440, 80), ridge)]);
+    // 0.8° west of the ridge, across the antimeridian, and 0.8° east of it.
+    let (west, east) = (place(0.1, 179.825), place(0.1, -178.575));
+    let (seen_east, seen_west) = (terrain.horizon(west, 2.0), terrain.horizon(east, 2.0));
+    assert!(seen_east.elevations_rad()[64].to_degrees() > 2.0, "{:?}", seen_east.elevations_rad()[64]);
+    assert!((seen_east.elevations_rad()[64] - seen_west.elevations_rad()[192]).abs() < 1e-6);
+}
+
+#[test]
+fn bounds_are_made_when_a_horizon_is_asked_for_and_not_before() {
+    let made = Terrain::new(vec![layer(grid(7.0, 47.0, 50), |c, r| hills_m(c, r, 1))]);
+    let sections = made.to_sections();
+    let packed = crate::sections::pack(&sections).unwrap();
+    let opened = Terrain::from_sections(&crate::sections::Sections::parse(&packed).unwrap()).unwrap();
+    opened.ground(place(46.8, 7.2));
+    assert!(!opened.layers[0].has_bounds());
+    assert!(!opened.horizon(place(46.8, 7.2), 1000.0).is_flat());
+    assert!(opened.layers[0].has_bounds());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn raising_terrain_never_lowers_the_horizon(
+        seed in 0u32..1000, column in 5u32..140, row in 5u32..140, size in 1u32..30, by in 1u32..2000,
+        latitude in 45.6f64..46.9, longitude in 7.1f64..8.4,
+    ) {
+        // Whole metres are stored exactly.
+        let low = |c: u32, r: u32| hills_m(c, r, seed).round();
+        let is_raised = |c: u32, r: u32| (column..column + size).contains(&c) && (row..row + size).contains(&r);
+        let high = |c: u32, r: u32| low(c, r) + if is_raised(c, r) { by as f32 } else { 0.0 };
+        let at = place(latitude, longitude);
+        let horizon_over = |terrain: TerrainLayer| Terrain::new(vec![terrain]).horizon(at, 1800.0);
+        let before = horizon_over(layer(grid(7.0, 47.0, 150), low));
+        let after = horizon_over(layer(grid(7.0, 47.0, 150), high));
+        for (before, after) in before.elevations_rad().iter().zip(after.elevations_rad()) {
+            prop_assert!(after - before > -1e-4, "{} {}", before, after);
+        }
+    }
+
+    #[test]
+    fn a_higher_eye_sees_a_lower_horizon(
+        seed in 0u32..1000, latitude in 45.6f64..46.9, longitude in 7.1f64..8.4, up_m in 0.1f64..500.0,
+    ) {
+        let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 150), |c, r| hills_m(c, r, seed))]);
+        let at = place(latitude, longitude);
+        let eye_m = terrain.elevation_m(at).unwrap_or(1000.0);
+        let (low, high) = (terrain.horizon(at, eye_m), terrain.horizon(at, eye_m + up_m));
+        for (low, high) in low.elevations_rad().iter().zip(high.elevations_rad()) {
+            prop_assert!(high <= low);
+        }
+    }
+
+    #[test]
+    fn the_bounds_hold_every_point(
+        seed in 0u32..1000, size in 1u32..300, latitude in 0.0f64..1.0, longitude in 0.0f64..1.0, extent in 0usize..200,
+    ) {
+        let terrain = layer(grid(7.0, 47.0, size), |c, r| if noise(c, r, seed) < 0.1 { f32::NAN } else { hills_m(c, r, seed) });
+        let side_deg = STEP_DEG * f64::from(size);
+        let at = place(47.0 - latitude * side_deg, 7.0 + longitude * side_deg);
+        let (Some((column, row)), Some(height_m)) = (terrain.grid().position_of(at), terrain.bilinear_m(0, at)) else {
+            return Ok(());
+        };
+        let (u, v) = ((column + 0.5) as usize, (row + 0.5) as usize);
+        let bounds = terrain.bounds();
+        let over = |extent: usize| bounds.highest_over_m(u.saturating_sub(extent)..=u + extent, v.saturating_sub(extent)..=v);
+        prop_assert!(over(0) >= height_m - 1e-9);
+        prop_assert!(over(extent) >= over(0) && bounds.highest_m() >= over(extent));
+    }
+}
