@@ -1,8 +1,8 @@
 //! The observer's horizon from all terrain layers.
 //!
-//! One line of sight a column of the panorama. It is exact for the bilinear surface but for the straightening of
-//! great circles between [`nodes_m`] and for points beside voids: within 0.01° of a walk over the pixels in small
-//! steps, 0.02° where the ground is steep and near (`skyline_tests.rs`; `examples/horizon.rs` measures it on real terrain).
+//! One line of sight a column of the panorama, exact for the bilinear surface but for great circles taken as straight
+//! over at most [`LONGEST_STRETCH_M`] and for points beside voids: within 0.02° of a walk over the pixels in small steps
+//! (`skyline_tests.rs`; `examples/horizon.rs` measures it on real terrain: 0.012° at most, 0.001° in the mean).
 
 use super::Terrain;
 use super::cell::Piece;
