@@ -17,6 +17,7 @@ use std::{error::Error, path::Path, sync::Arc};
 /// One truth file.
 struct Truth {
     scene: String,
+    scattering: Scattering,
     place: GeoPoint,
     observer_altitude_m: f64,
     turbidities: Vec<f64>,
@@ -30,6 +31,11 @@ fn read(path: &str) -> Result<Truth, Box<dyn Error>> {
     let number = |name: &str| json[name].as_f64().ok_or(format!("{path}: {name} is missing"));
     Ok(Truth {
         scene: json["scene"].as_str().ok_or("scene is missing")?.to_owned(),
+        // Files without it hold first-order light.
+        scattering: match json.get("scattering") {
+            Some(value) => serde_json::from_value(value.clone())?,
+            None => Scattering::Single,
+        },
         place: GeoPoint::from_deg(number("latitude_deg")?, number("longitude_deg")?)?,
         observer_altitude_m: number("observer_altitude_m")?,
         turbidities: serde_json::from_value(json["turbidities"].clone())?,
@@ -71,11 +77,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|path| Pack::open(path).map(|pack| Arc::new(pack.resident(&rings))))
         .collect::<Result<Vec<_>, _>>()?;
     let device = DeviceChoice::from_name(device).ok_or("device: auto, gpu, lavapipe or cpu")?;
-    // The truth files hold first-order light.
-    let comparable = tables.iter().filter(|t| t.scattering == Scattering::Single);
-    let resident: Vec<f64> = comparable.map(|t| t.turbidity).collect();
+    let packs: Vec<(Scattering, f64)> = tables.iter().map(|t| (t.scattering, t.turbidity)).collect();
     let engine = Engine::start(EngineConfig { device, tables, ..EngineConfig::default() })?;
-    println!("executor {:?}, packs {resident:?}", engine.info().executor);
+    println!("executor {:?}, packs {packs:?}", engine.info().executor);
     println!(
         "place latitude longitude turbidity flux_dnb_w zenith_cd_m2 mean p99 max zenith_error horizontal_error"
     );
@@ -86,6 +90,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let truth = read(file)?;
         let scene = store.open(&SceneId::parse(&truth.scene)?)?;
         let polar = Arc::new(scene.polar_grid(truth.place));
+        let comparable = packs.iter().filter(|pack| pack.0 == truth.scattering);
+        let resident: Vec<f64> = comparable.map(|pack| pack.1).collect();
         let range = resident.iter().copied().fold(f64::INFINITY, f64::min)
             ..=resident.iter().copied().fold(0.0, f64::max);
         for (index, &turbidity) in truth.turbidities.iter().enumerate() {
@@ -97,7 +103,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 polar: polar.clone(),
                 observer_altitude_m: truth.observer_altitude_m,
                 turbidity: Turbidity::new(turbidity)?,
-                scattering: Scattering::Single,
+                scattering: truth.scattering,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
                 basis: None,
