@@ -47,8 +47,8 @@ pub struct PrecomputeOptions {
     pub turbidity: Turbidity,
     /// Orders of scattering.
     pub scattering: Scattering,
-    /// Lambertian albedo of the ground, 0..=1; nothing where scattering is single.
-    pub ground_albedo: f64,
+    /// Sample points of multiply scattered light and the ground's albedo; unused where scattering is single.
+    pub multiple: MultipleAxes,
     /// Sample points.
     pub axes: TableAxes,
     /// M, a multiple of 4.
@@ -70,7 +70,7 @@ impl PrecomputeOptions {
         Self {
             turbidity,
             scattering: Scattering::Single,
-            ground_albedo: DEFAULT_GROUND_ALBEDO,
+            multiple: MultipleAxes::full(DEFAULT_GROUND_ALBEDO),
             axes: TableAxes::full(),
             basis_count: DEFAULT_BASIS_COUNT,
             training_geometries: 220,
@@ -84,7 +84,7 @@ impl PrecomputeOptions {
         Self {
             turbidity,
             scattering: Scattering::Single,
-            ground_albedo: DEFAULT_GROUND_ALBEDO,
+            multiple: MultipleAxes::coarse(DEFAULT_GROUND_ALBEDO),
             axes: TableAxes::coarse(),
             basis_count: 16,
             training_geometries: 12,
@@ -94,16 +94,15 @@ impl PrecomputeOptions {
     }
 
     /// Sample points of multiply scattered light; None for the first order alone.
-    fn multiple_axes(&self) -> Option<MultipleAxes> {
-        let axes = if self.axes == TableAxes::full() { MultipleAxes::full } else { MultipleAxes::coarse };
-        (self.scattering == Scattering::Multiple).then(|| axes(self.ground_albedo))
+    fn multiple_axes(&self) -> Option<&MultipleAxes> {
+        (self.scattering == Scattering::Multiple).then_some(&self.multiple)
     }
 
     fn parameters(&self, turbidity: Turbidity) -> PackParameters {
         PackParameters {
             turbidity: turbidity.value(),
             scattering: self.scattering,
-            multiple: self.multiple_axes(),
+            multiple: self.multiple_axes().cloned(),
             axes: self.axes.clone(),
             basis_count: self.basis_count,
             training_geometries: self.training_geometries,
@@ -251,15 +250,27 @@ fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
 /// [`TablesError::Fit`] when a least-squares step breaks down.
 pub fn basis_alone(options: &PrecomputeOptions, multiple: &[MultipleTable]) -> Result<Basis, TablesError> {
     let nodes = training_nodes(options);
-    let atmospheres = [Atmosphere::new(options.turbidity)];
-    let images: Vec<Vec<SourceImages>> = nodes
-        .par_iter()
-        .map(|&(observer, distance, offset)| {
-            images_at_node(&atmospheres, multiple, &options.axes, observer, distance, offset)
-        })
-        .collect();
+    let images = training_images(options, &[Atmosphere::new(options.turbidity)], multiple, &nodes, &|| ());
     let set = training_set(options, &nodes, &images, 0);
     fit_basis(&set, options.basis_count, options.fit_iterations, &|| ())
+}
+
+/// Images at the training nodes, `[node][atmosphere]`; `advance` is called once a node.
+fn training_images(
+    options: &PrecomputeOptions,
+    atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
+    nodes: &[(usize, usize, usize)],
+    advance: &(dyn Fn() + Sync),
+) -> Vec<Vec<SourceImages>> {
+    nodes
+        .par_iter()
+        .map(|&(observer, distance, offset)| {
+            let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
+            advance();
+            images
+        })
+        .collect()
 }
 
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
@@ -325,7 +336,7 @@ fn make_multiple(
                 progress.advance(1);
                 checkpoint.store(&name(ground, offset), part)
             };
-            MultipleTable::solve(atmosphere, &axes, distance_m, kept, made)
+            MultipleTable::solve(atmosphere, axes, distance_m, kept, made)
         })
         .collect()
 }
@@ -347,15 +358,7 @@ fn make_bases(
     }
     let nodes = training_nodes(options);
     progress.begin("training images", nodes.len() as u64);
-    // [node][turbidity]
-    let images: Vec<Vec<SourceImages>> = nodes
-        .par_iter()
-        .map(|&(observer, distance, offset)| {
-            let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
-            progress.advance(1);
-            images
-        })
-        .collect();
+    let images = training_images(options, atmospheres, multiple, &nodes, &|| progress.advance(1));
     progress.begin("basis fit", (options.fit_iterations as u64 + 1) * atmospheres.len() as u64);
     checkpoints
         .iter()

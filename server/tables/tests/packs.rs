@@ -4,7 +4,7 @@
 
 use skyglow_physics::Turbidity;
 use skyglow_tables::{
-    Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError, packs_in, precompute,
+    MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError, packs_in, precompute,
 };
 use std::{
     path::{Path, PathBuf},
@@ -102,7 +102,11 @@ fn a_killed_run_goes_on_and_ends_with_the_same_bytes_on_any_number_of_threads() 
 #[test]
 fn a_pack_of_all_orders_is_brighter_than_the_first_alone_and_says_over_which_ground() {
     let folder = tempfile::tempdir().unwrap();
-    let options = PrecomputeOptions { scattering: Scattering::Multiple, ground_albedo: 0.3, ..options() };
+    let options = PrecomputeOptions {
+        scattering: Scattering::Multiple,
+        multiple: MultipleAxes::coarse(0.3),
+        ..options()
+    };
     let path = precompute(&options, folder.path(), &Silent).unwrap();
     assert!(path.ends_with("turbidity-2.00-multiple.skyglow"));
     let pack = Pack::open(&path).unwrap();

@@ -4,7 +4,7 @@ use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
 use skyglow_http::parameters::MOST_BASIS_FUNCTIONS;
 use skyglow_physics::Turbidity;
-use skyglow_tables::{PrecomputeOptions, Scattering, precompute_together};
+use skyglow_tables::{MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
 use std::path::PathBuf;
 
 /// Make the table pack of one turbidity, or of several at once (minutes; goes on where a killed run stopped)
@@ -92,7 +92,7 @@ impl Precompute {
         let full = PrecomputeOptions::full(first);
         Ok(PrecomputeOptions {
             scattering,
-            ground_albedo: self.ground_albedo.unwrap_or(full.ground_albedo),
+            multiple: self.ground_albedo.map_or(full.multiple, MultipleAxes::full),
             basis_count: self.basis.unwrap_or(full.basis_count),
             ..full
         })
@@ -122,11 +122,11 @@ mod tests {
         let full = PrecomputeOptions::full(Turbidity::new(3.0).unwrap());
         let wanted = PrecomputeOptions { scattering: Scattering::Multiple, ..full };
         assert_eq!(default, wanted);
-        assert_eq!(default.ground_albedo, DEFAULT_GROUND_ALBEDO);
+        assert_eq!(default.multiple.ground_albedo, DEFAULT_GROUND_ALBEDO);
         let help = Line::command_help();
         assert!(help.contains(&format!("[default: {DEFAULT_GROUND_ALBEDO}]")), "{help}");
         assert_eq!(options(&["--scattering", "single"]).unwrap().scattering, Scattering::Single);
-        assert_eq!(options(&["--ground-albedo", "0.8"]).unwrap().ground_albedo, 0.8);
+        assert_eq!(options(&["--ground-albedo", "0.8"]).unwrap().multiple.ground_albedo, 0.8);
     }
 
     #[test]
