@@ -8,6 +8,7 @@
 
 pub mod atmosphere;
 pub mod bands;
+pub mod blocking;
 pub mod chapman;
 pub mod direct_sum;
 pub mod emission;
