@@ -3,8 +3,8 @@
 //! `cargo run --release -p skyglow-display --example pictures -- FOLDER`
 
 use skyglow_display::{
-    Colormap, PictureOptions, Projection, Sky, Style, encode_exr, encode_png, encode_tiff, encode_webp,
-    picture, raster,
+    Colormap, Notes, PictureOptions, Projection, Sky, Style, encode_exr, encode_png, encode_tiff,
+    encode_webp, picture, raster,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, Lamp, LampPreset, Panorama, panorama,
@@ -60,9 +60,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             let options = PictureOptions { style, ..PictureOptions::new(projection) };
             let name = format!("{}-{style_name}", projection.name());
             let image = timed(&format!("{name} picture"), || picture(&sky, &Horizon::flat(), &options))?;
-            let bytes = timed(&format!("{name} PNG"), || encode_png(&image))?;
+            let bytes = timed(&format!("{name} PNG"), || encode_png(&image, &Notes::default()))?;
             std::fs::write(folder.join(format!("{name}.png")), bytes)?;
-            let bytes = timed(&format!("{name} WebP"), || encode_webp(&image))?;
+            let bytes = timed(&format!("{name} WebP"), || encode_webp(&image, &Notes::default()))?;
             std::fs::write(folder.join(format!("{name}.webp")), bytes)?;
         }
         let name = projection.name();
@@ -72,11 +72,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         })?;
         std::fs::write(
             folder.join(format!("{name}.exr")),
-            timed(&format!("{name} EXR"), || encode_exr(&floats))?,
+            timed(&format!("{name} EXR"), || encode_exr(&floats, &Notes::default()))?,
         )?;
         std::fs::write(
             folder.join(format!("{name}.tif")),
-            timed(&format!("{name} TIFF"), || encode_tiff(&floats))?,
+            timed(&format!("{name} TIFF"), || encode_tiff(&floats, &Notes::default()))?,
         )?;
     }
     for colormap in Colormap::ALL {
@@ -90,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         std::fs::write(
             folder.join(format!("map-{}.png", colormap.name())),
-            encode_png(&picture(&sky, &Horizon::flat(), &options)?)?,
+            encode_png(&picture(&sky, &Horizon::flat(), &options)?, &Notes::default())?,
         )?;
     }
     Ok(())

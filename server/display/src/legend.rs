@@ -3,6 +3,7 @@
 use crate::{
     error::DisplayError,
     false_colour::ColourRange,
+    notes::ILLUSTRATIVE,
     options::{PictureOptions, Projection, Sky, Style},
     projection::{COMPASS, View},
     realistic::MIDDLE_GREY_LUMINANCE_CD_M2,
@@ -14,6 +15,10 @@ use skyglow_physics::Direction;
 /// A picture with a legend is at least this wide, pixels.
 pub const SMALLEST_WIDTH_PX: u32 = 320;
 
+/// Height of the strip below the sky, in pixels of a picture 1024 pixels wide.
+const STRIP_HEIGHT: f32 = 58.0;
+/// Height of a line of words below that.
+const NOTE_HEIGHT: f32 = 18.0;
 const LABEL_RGB: [u8; 3] = [225, 228, 233];
 
 /// Size of everything in the legend, relative to a picture 1024 pixels wide.
@@ -21,9 +26,10 @@ fn scale(width_px: u32) -> f32 {
     (width_px as f32 / 1024.0).clamp(1.0, 3.0)
 }
 
-/// Height of the strip below the sky, pixels.
-pub fn strip_height_px(width_px: u32) -> u32 {
-    (58.0 * scale(width_px)).round() as u32
+/// Height of the strip below the sky, pixels; it has a line more where the light is made up.
+pub fn strip_height_px(width_px: u32, illustrative: bool) -> u32 {
+    let height = if illustrative { STRIP_HEIGHT + NOTE_HEIGHT } else { STRIP_HEIGHT };
+    (height * scale(width_px)).round() as u32
 }
 
 /// Draws the compass letters where the directions are seen on the horizon (a little inside on the fisheye).
@@ -83,6 +89,12 @@ pub(crate) fn draw_strip(
     options: &PictureOptions,
     beyond: Beyond,
 ) -> Result<(), DisplayError> {
+    if options.illustrative {
+        let scale = scale(options.width_px);
+        let top = options.height_px as f32 + STRIP_HEIGHT * scale;
+        let middle = 0.5 * canvas.width() as f32;
+        Pen::new(12.0 * scale)?.draw(canvas, ILLUSTRATIVE, (middle, top), Align::Centre, LABEL_RGB);
+    }
     match options.style {
         Style::FalseColour { colormap, range } => {
             draw_bar(canvas, options, range, beyond, |t| colormap.rgb(t))
@@ -279,7 +291,7 @@ mod tests {
             picture(&panorama, &Horizon::flat(), &without).unwrap(),
         );
         assert_eq!((b.width(), b.height()), (1024, 256));
-        assert_eq!((a.width(), a.height()), (1024, 256 + strip_height_px(1024)));
+        assert_eq!((a.width(), a.height()), (1024, 256 + strip_height_px(1024, false)));
         // Along the bar's middle, the first and last colours are the ends of the map.
         let y = 256 + 29;
         let row: Vec<[u8; 3]> = (0..1024).map(|x| a.get_pixel(x, y).0).collect();
@@ -321,6 +333,34 @@ mod tests {
         assert_eq!(tips(1e-9), (true, false));
         assert_eq!(tips(1e-6), (false, false));
         assert_eq!(tips(1.0), (false, true));
+    }
+
+    #[test]
+    fn the_legend_of_made_up_light_has_a_line_that_says_so_and_no_other_legend_has() {
+        for (width_px, height_px) in [(1024, 256), (64, 64), (2048, 512)] {
+            for style in [Style::default(), Style::Realistic { exposure_ev: 0.0 }] {
+                let measured = PictureOptions {
+                    width_px,
+                    height_px,
+                    style,
+                    ..PictureOptions::new(Projection::Equirectangular)
+                };
+                let invented = PictureOptions { illustrative: true, ..measured };
+                let draw = |options| picture(&Panorama::dark(), &Horizon::flat(), options).unwrap();
+                let (plain, noted) = (draw(&measured), draw(&invented));
+                let line_px = noted.height() - plain.height();
+                assert!(line_px >= 18, "{line_px}");
+                // All above the line is the same; in the line is ink, and none of it is cut off at the sides.
+                assert!(plain.enumerate_pixels().all(|(x, y, pixel)| noted.get_pixel(x, y) == pixel));
+                let is_ink = |x: u32, y: u32| noted.get_pixel(x, y).0[0] > 140;
+                let ink: Vec<u32> = (plain.height()..noted.height())
+                    .flat_map(|y| (0..noted.width()).filter(move |&x| is_ink(x, y)))
+                    .collect();
+                assert!(ink.len() > 200, "{}", ink.len());
+                let (first, last) = (ink.iter().min().unwrap(), ink.iter().max().unwrap());
+                assert!(*first >= 3 && *last + 3 < noted.width(), "{first} {last}");
+            }
+        }
     }
 
     #[test]

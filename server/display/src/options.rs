@@ -12,6 +12,9 @@ use serde::{Deserialize, Serialize};
 pub const SMALLEST_SIDE_PX: u32 = 16;
 /// Largest width or height of the sky in a picture, pixels.
 pub const LARGEST_SIDE_PX: u32 = 4096;
+/// Most pixels of the sky in a picture or raster: one is drawn in at most about a second, so that nobody who asks for
+/// large ones keeps the others waiting.
+pub const LARGEST_PICTURE_PX: u32 = 8 << 20;
 /// Allowed field of view of [`Projection::Perspective`], degrees.
 pub const FOV_RANGE_DEG: (f64, f64) = (1.0, 150.0);
 /// Field of view when none is given, degrees.
@@ -142,13 +145,23 @@ pub struct PictureOptions {
     pub legend: bool,
     /// Which light is shown.
     pub sky: Sky,
+    /// Whether the light is made up: the legend then says so.
+    pub illustrative: bool,
 }
 
 impl PictureOptions {
     /// A projection at its own size, false colour, with its legend.
     pub fn new(projection: Projection) -> Self {
         let (width_px, height_px) = projection.default_picture_size_px();
-        Self { projection, style: Style::default(), width_px, height_px, legend: true, sky: Sky::default() }
+        Self {
+            projection,
+            style: Style::default(),
+            width_px,
+            height_px,
+            legend: true,
+            sky: Sky::default(),
+            illustrative: false,
+        }
     }
 
     /// Checks sizes, angles, range and exposure.
@@ -171,5 +184,6 @@ impl PictureOptions {
 pub(crate) fn check_size(width_px: u32, height_px: u32) -> Result<(), DisplayError> {
     let (low, high) = (f64::from(SMALLEST_SIDE_PX), f64::from(LARGEST_SIDE_PX));
     check("width", f64::from(width_px), low, high, " px")?;
-    check("height_px", f64::from(height_px), low, high, " px")
+    let highest = f64::from(LARGEST_PICTURE_PX / width_px).min(high);
+    check("height_px", f64::from(height_px), low, highest, " px")
 }

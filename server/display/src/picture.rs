@@ -118,7 +118,7 @@ pub fn canvas_size_px(options: &PictureOptions) -> (u32, u32) {
     if options.legend {
         (
             options.width_px.max(legend::SMALLEST_WIDTH_PX),
-            options.height_px + legend::strip_height_px(options.width_px),
+            options.height_px + legend::strip_height_px(options.width_px, options.illustrative),
         )
     } else {
         (options.width_px, options.height_px)
@@ -237,6 +237,8 @@ mod tests {
         };
         assert!(refused(plain(Projection::Fisheye, 0, 100)).contains("width is 0"));
         assert!(refused(plain(Projection::Fisheye, 100, 50_000)).contains("height_px is 50000"));
+        let huge = refused(plain(Projection::Fisheye, 4096, 4096));
+        assert_eq!(huge, "height_px is 4096 px; allowed is 16 to 2048 px");
         let narrow = Projection::Perspective { azimuth_deg: 0.0, elevation_deg: 0.0, fov_deg: 180.0 };
         assert!(refused(plain(narrow, 100, 100)).contains("fov is 180"));
         let mut bright = plain(Projection::Fisheye, 100, 100);

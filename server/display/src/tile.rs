@@ -1,6 +1,6 @@
 //! Colours of map tiles.
 
-use crate::{encode::encode_png_rgba, error::DisplayError};
+use crate::{encode::encode_png_rgba, error::DisplayError, notes::Notes};
 use image::{Rgba, RgbaImage};
 
 /// Radiances that the colours of a radiance tile run between, nW cm⁻² sr⁻¹ (logarithmic).
@@ -27,6 +27,7 @@ pub fn radiance_tile_png(
     radiance_nw_cm2_sr: &[f32],
     has_data: &[bool],
     size_px: u32,
+    notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
     let (dark, bright) = RADIANCE_RANGE_NW_CM2_SR;
     let table: Vec<[u8; 4]> = crate::Colormap::Inferno
@@ -38,7 +39,7 @@ pub fn radiance_tile_png(
             [r, g, b, (255.0 * (0.25 + 0.75 * t.sqrt())).round() as u8]
         })
         .collect();
-    paint(radiance_nw_cm2_sr, has_data, size_px, |index| {
+    paint(radiance_nw_cm2_sr, has_data, size_px, notes, |index| {
         let radiance = f64::from(radiance_nw_cm2_sr[index]);
         if radiance.is_nan() || radiance <= dark {
             return [0; 4];
@@ -58,6 +59,7 @@ pub fn elevation_tile_png(
     has_data: &[bool],
     size_px: u32,
     pixel_m: f64,
+    notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
     let size = size_px as usize;
     // Relief is drawn steeper on small scales, where true slopes would vanish.
@@ -71,7 +73,7 @@ pub fn elevation_tile_png(
         let distance_m = pixel_m as f32 * ((after - before) / step) as f32;
         exaggeration * (altitude_m[after] - altitude_m[before]) / distance_m
     };
-    paint(altitude_m, has_data, size_px, |index| {
+    paint(altitude_m, has_data, size_px, notes, |index| {
         let (x, y) = (index % size, index / size);
         let (east, south) = (slope(index, 1, x), slope(index, size, y));
         // Lambertian shading; the light stands 45 degrees high in the north-west.
@@ -100,6 +102,7 @@ fn paint(
     values: &[f32],
     has_data: &[bool],
     size_px: u32,
+    notes: &Notes,
     colour: impl Fn(usize) -> [u8; 4],
 ) -> Result<Vec<u8>, DisplayError> {
     let length = size_px as usize * size_px as usize;
@@ -110,7 +113,7 @@ fn paint(
         let index = (y * size_px + x) as usize;
         Rgba(if has_data[index] { colour(index) } else { [0; 4] })
     });
-    encode_png_rgba(&tile)
+    encode_png_rgba(&tile, notes)
 }
 
 #[cfg(test)]
@@ -124,13 +127,14 @@ mod tests {
     #[test]
     fn brighter_radiance_is_brighter_and_dark_or_missing_is_transparent() {
         let values = [0.0, 1.0, 10.0, 500.0];
-        let tile = decode(&radiance_tile_png(&values, &[true, true, true, true], 2).unwrap());
+        let tile =
+            decode(&radiance_tile_png(&values, &[true, true, true, true], 2, &Notes::default()).unwrap());
         let sum = |x, y| tile.get_pixel(x, y).0[..3].iter().map(|&c| u32::from(c)).sum::<u32>();
         assert_eq!(tile.get_pixel(0, 0).0[3], 0);
         assert!(sum(1, 0) < sum(0, 1) && sum(0, 1) < sum(1, 1));
-        let missing = decode(&radiance_tile_png(&values, &[false; 4], 2).unwrap());
+        let missing = decode(&radiance_tile_png(&values, &[false; 4], 2, &Notes::default()).unwrap());
         assert!(missing.pixels().all(|p| p.0[3] == 0));
-        assert!(radiance_tile_png(&values, &[true; 4], 3).is_err());
+        assert!(radiance_tile_png(&values, &[true; 4], 3, &Notes::default()).is_err());
     }
 
     #[test]
@@ -142,7 +146,7 @@ mod tests {
                 300.0 - ((x + y) as f32 - 7.0).abs() * 20.0
             })
             .collect();
-        let tile = decode(&elevation_tile_png(&altitudes, &[true; 64], 8, 30.0).unwrap());
+        let tile = decode(&elevation_tile_png(&altitudes, &[true; 64], 8, 30.0, &Notes::default()).unwrap());
         let sum = |x, y| tile.get_pixel(x, y).0[..3].iter().map(|&c| u32::from(c)).sum::<u32>();
         assert!(sum(2, 2) > sum(5, 5), "{} {}", sum(2, 2), sum(5, 5));
         assert_eq!(tile.get_pixel(0, 0).0[3], 255);

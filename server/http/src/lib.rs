@@ -9,6 +9,7 @@ pub mod accept;
 pub mod answers;
 pub mod app;
 pub mod config;
+pub mod drawing;
 pub mod error;
 pub mod etag;
 pub mod kind_facts;

@@ -163,7 +163,8 @@ parameters! {
     EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
     /// Width of the sky in the picture; the default depends on projection and format.
     WIDTH = "width", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
-    /// Height of the sky in the picture, without the legend; the default depends on projection and format.
+    /// Height of the sky in the picture, without the legend; the default depends on projection and format. Width times
+    /// height is at most 8 388 608 pixels.
     HEIGHT_PX = "height_px", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
     /// Compass letters and the strip that explains the colours.
     LEGEND = "legend", Kind::Choice(&["on", "off"]), "on", false;

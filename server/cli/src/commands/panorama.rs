@@ -6,8 +6,7 @@ use crate::{
     query::{self, QueryFlags},
 };
 use clap::Args;
-use skyglow_display::{encode_exr, encode_png, encode_tiff, encode_webp, picture, raster};
-use skyglow_http::{accept::Format, answers::PanoramaAnswer, parameters::PanoramaParameters, request};
+use skyglow_http::{accept::Format, drawing::draw, parameters::PanoramaParameters, request};
 use skyglow_scene::SceneId;
 use std::path::PathBuf;
 
@@ -58,26 +57,13 @@ impl Panorama {
         read(&self.program.facts())?;
         let source = self.program.source()?;
         let (query, view) = read(source.facts())?;
-        let options = &view.options;
         let (assumptions, sky) = super::rendered(source.as_ref(), query)?;
         // A picture cannot say it.
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");
         }
-        let image = || picture(&sky.panorama, &sky.horizon, options);
-        let floats =
-            || raster(&sky.panorama, &sky.horizon, options.projection, view.raster_size_px, options.sky);
-        let bytes = match self.output.format {
-            Format::Png => image().and_then(|image| encode_png(&image)),
-            Format::WebP => image().and_then(|image| encode_webp(&image)),
-            Format::Exr => floats().and_then(|raster| encode_exr(&raster)),
-            Format::Tiff => floats().and_then(|raster| encode_tiff(&raster)),
-            Format::Json => {
-                let answer = PanoramaAnswer::new(assumptions, &sky, options.sky);
-                Ok(serde_json::to_vec(&answer).map_err(Failure::work)?)
-            }
-        };
+        let bytes = draw(assumptions, &sky, &view, self.output.format).map_err(Failure::work)?;
         let path = &self.output.path;
-        std::fs::write(path, bytes.map_err(Failure::work)?).map_err(|error| Failure::file(path, error))
+        std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))
     }
 }

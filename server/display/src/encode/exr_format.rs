@@ -1,7 +1,7 @@
 //! OpenEXR: linear radiance, 32-bit floats.
 
-use super::{BAND_NAMES, RADIANCE_UNIT};
-use crate::{error::DisplayError, raster::FloatRaster};
+use super::{BAND_NAMES, RADIANCE_UNIT, SAMPLES};
+use crate::{error::DisplayError, notes::Notes, raster::FloatRaster};
 use exr::prelude::{
     AttributeValue, Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
     SpecificChannels, Text, Vec2, WritableImage,
@@ -20,13 +20,14 @@ const ENCODING: Encoding = Encoding {
 ///
 /// # Errors
 /// [`DisplayError::Encoding`], only by a defect.
-pub fn encode_exr(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
+pub fn encode_exr(raster: &FloatRaster, notes: &Notes) -> Result<Vec<u8>, DisplayError> {
     let mut attributes = LayerAttributes::named("sky");
     attributes.software_name = Some(Text::from("Skyglow"));
-    attributes.comments = Some(Text::from(
-        "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top; \
-             0 where terrain hides the sky",
-    ));
+    attributes.comments = Some(Text::from(notes.after(SAMPLES).as_str()));
+    if !notes.assumptions_json().is_empty() {
+        let text = AttributeValue::Text(Text::from(notes.assumptions_json()));
+        attributes.other.insert(Text::from("assumptions"), text);
+    }
     for (channel, band) in ["R", "G", "B"].into_iter().zip(BAND_NAMES) {
         let text = Text::from(format!("{band}, {RADIANCE_UNIT}").as_str());
         attributes.other.insert(Text::from(format!("channel{channel}").as_str()), AttributeValue::Text(text));
@@ -81,7 +82,7 @@ mod tests {
         let raster =
             raster(&panorama, &Horizon::flat(), Projection::Equirectangular, (256, 64), Sky::Artificial)
                 .unwrap();
-        let channels = channels(&encode_exr(&raster).unwrap());
+        let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());
         assert_eq!(channels.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["B", "G", "R"]);
         for (pixel, radiance) in raster.radiance_w_m2_sr.iter().enumerate() {
             assert_eq!([channels[2].1[pixel], channels[1].1[pixel], channels[0].1[pixel]], *radiance);
@@ -98,7 +99,7 @@ mod tests {
             Sky::Artificial,
         )
         .unwrap();
-        let bytes = encode_exr(&raster).unwrap();
+        let bytes = encode_exr(&raster, &Notes::default()).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
         for (name, band) in
             [("channelR", "red 600-700"), ("channelG", "green 500-600"), ("channelB", "blue 400-500")]
@@ -110,10 +111,28 @@ mod tests {
     }
 
     #[test]
+    fn an_exr_says_what_it_shows_and_on_what_assumptions() {
+        let raster = raster(
+            &Panorama::dark(),
+            &Horizon::flat(),
+            Projection::Equirectangular,
+            (64, 16),
+            Sky::Artificial,
+        )
+        .unwrap();
+        let bytes = encode_exr(&raster, &Notes::new("a sky", r#"{"turbidity":2.5}"#)).unwrap();
+        let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
+        let comments = header.own_attributes.comments.as_ref().map(Text::to_string);
+        assert_eq!(comments, Some(format!("{SAMPLES}. a sky")));
+        let found = header.own_attributes.other.get(&Text::from("assumptions"));
+        assert_eq!(found, Some(&AttributeValue::Text(Text::from(r#"{"turbidity":2.5}"#))));
+    }
+
+    #[test]
     fn an_exr_of_a_fisheye_has_an_alpha_that_says_where_sky_is() {
         let raster =
             raster(&Panorama::dark(), &Horizon::flat(), Projection::Fisheye, (40, 40), Sky::Total).unwrap();
-        let channels = channels(&encode_exr(&raster).unwrap());
+        let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());
         assert_eq!(channels[0].0, "A");
         for (alpha, &sky) in channels[0].1.iter().zip(&raster.has_sky) {
             assert_eq!(*alpha == 1.0, sky);

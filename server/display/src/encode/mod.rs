@@ -12,6 +12,9 @@ pub use webp_format::encode_webp;
 
 /// Unit of every sample of a raster.
 const RADIANCE_UNIT: &str = "W m-2 sr-1";
+/// What the samples of a raster are.
+const SAMPLES: &str = "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top; \
+                       0 where terrain hides the sky";
 /// What the bands R, G, B of a raster hold.
 const BAND_NAMES: [&str; 3] =
     ["radiance red 600-700 nm", "radiance green 500-600 nm", "radiance blue 400-500 nm"];

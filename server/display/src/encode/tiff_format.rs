@@ -1,7 +1,7 @@
 //! TIFF: linear radiance, three 32-bit float samples a pixel.
 
-use super::{BAND_NAMES, RADIANCE_UNIT};
-use crate::{error::DisplayError, raster::FloatRaster};
+use super::{BAND_NAMES, RADIANCE_UNIT, SAMPLES};
+use crate::{error::DisplayError, notes::Notes, raster::FloatRaster};
 use std::io::Cursor;
 use tiff::{
     encoder::{Compression, DeflateLevel, TiffEncoder, colortype::RGB32Float},
@@ -16,7 +16,7 @@ const GDAL_METADATA: Tag = Tag::Unknown(42112);
 ///
 /// # Errors
 /// [`DisplayError::Encoding`], only by a defect.
-pub fn encode_tiff(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
+pub fn encode_tiff(raster: &FloatRaster, notes: &Notes) -> Result<Vec<u8>, DisplayError> {
     let samples: Vec<f32> = raster
         .radiance_w_m2_sr
         .iter()
@@ -28,12 +28,8 @@ pub fn encode_tiff(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
         let mut encoder = TiffEncoder::new(out)?.with_compression(Compression::Deflate(DeflateLevel::Fast));
         let mut image = encoder.new_image::<RGB32Float>(raster.width_px, raster.height_px)?;
         image.encoder().write_tag(Tag::Software, "Skyglow")?;
-        image.encoder().write_tag(
-            Tag::ImageDescription,
-            "Spectral-band radiance in W m-2 sr-1: R 600-700, G 500-600, B 400-500 nm; zenith at the top; \
-             0 where terrain hides the sky",
-        )?;
-        image.encoder().write_tag(GDAL_METADATA, gdal_metadata().as_str())?;
+        image.encoder().write_tag(Tag::ImageDescription, notes.after(SAMPLES).as_str())?;
+        image.encoder().write_tag(GDAL_METADATA, gdal_metadata(notes).as_str())?;
         image.encoder().write_tag(Tag::GdalNodata, "nan")?;
         image.write_data(&samples)
     };
@@ -41,9 +37,9 @@ pub fn encode_tiff(raster: &FloatRaster) -> Result<Vec<u8>, DisplayError> {
     Ok(out.into_inner())
 }
 
-/// Description and unit of each band as GDAL writes them.
-fn gdal_metadata() -> String {
-    let items: String = BAND_NAMES
+/// Description and unit of each band, and the assumptions, as GDAL writes them.
+fn gdal_metadata(notes: &Notes) -> String {
+    let mut items: String = BAND_NAMES
         .iter()
         .enumerate()
         .map(|(sample, name)| {
@@ -53,6 +49,11 @@ fn gdal_metadata() -> String {
             )
         })
         .collect();
+    if !notes.assumptions_json().is_empty() {
+        let escaped =
+            notes.assumptions_json().replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        items.push_str(&format!("  <Item name=\"ASSUMPTIONS\">{escaped}</Item>\n"));
+    }
     format!("<GDALMetadata>\n{items}</GDALMetadata>")
 }
 
@@ -69,7 +70,8 @@ mod tests {
         let raster =
             raster(&Panorama::dark(), &Horizon::flat(), Projection::Equirectangular, size, Sky::Artificial)
                 .unwrap();
-        let mut decoder = Decoder::new(Cursor::new(encode_tiff(&raster).unwrap())).unwrap();
+        let mut decoder =
+            Decoder::new(Cursor::new(encode_tiff(&raster, &Notes::default()).unwrap())).unwrap();
         let metadata = decoder.get_tag_ascii_string(GDAL_METADATA).unwrap();
         for (sample, band) in ["red 600-700 nm", "green 500-600 nm", "blue 400-500 nm"].iter().enumerate() {
             let item = format!("sample=\"{sample}\" role=\"description\">radiance {band}, W m-2 sr-1</Item>");
@@ -79,13 +81,28 @@ mod tests {
     }
 
     #[test]
+    fn a_tiff_says_what_it_shows_and_on_what_assumptions() {
+        let size = Projection::Equirectangular.default_raster_size_px();
+        let raster =
+            raster(&Panorama::dark(), &Horizon::flat(), Projection::Equirectangular, size, Sky::Artificial)
+                .unwrap();
+        let notes = Notes::new("a sky", r#"{"attribution":"A & B <c>"}"#);
+        let mut decoder = Decoder::new(Cursor::new(encode_tiff(&raster, &notes).unwrap())).unwrap();
+        let description = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap();
+        assert_eq!(description, format!("{SAMPLES}. a sky"));
+        let metadata = decoder.get_tag_ascii_string(GDAL_METADATA).unwrap();
+        let item = r#"<Item name="ASSUMPTIONS">{"attribution":"A &amp; B &lt;c&gt;"}</Item>"#;
+        assert!(metadata.contains(item), "{metadata}");
+    }
+
+    #[test]
     fn a_tiff_decodes_to_the_same_floats_and_nan_outside_the_sky() {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
         for (projection, size) in [(Projection::Equirectangular, (256, 64)), (Projection::Fisheye, (50, 50))]
         {
             let raster = raster(&panorama, &Horizon::flat(), projection, size, Sky::Artificial).unwrap();
-            let bytes = encode_tiff(&raster).unwrap();
+            let bytes = encode_tiff(&raster, &Notes::default()).unwrap();
             let mut decoder = Decoder::new(Cursor::new(bytes)).unwrap();
             assert_eq!(decoder.dimensions().unwrap(), size);
             let DecodingResult::F32(values) = decoder.read_image().unwrap() else {

@@ -2,6 +2,7 @@
 
 use super::sky::read_light;
 use crate::{parameters as p, problem::Mistake, reader::Reader};
+use skyglow_display::options::LARGEST_PICTURE_PX;
 use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Style};
 
 /// How a panorama is to be shown.
@@ -21,6 +22,7 @@ pub(super) fn read_view(reader: &mut Reader) -> View {
     let legend = reader.choice(&p::LEGEND) != Some("off");
     let sized = |own: (u32, u32)| (width_px.unwrap_or(own.0), height_px.unwrap_or(own.1));
     let picture_size_px = sized(projection.default_picture_size_px());
+    check_pixels(reader, picture_size_px);
     View {
         options: PictureOptions {
             projection,
@@ -29,8 +31,19 @@ pub(super) fn read_view(reader: &mut Reader) -> View {
             height_px: picture_size_px.1,
             legend,
             sky,
+            illustrative: false,
         },
         raster_size_px: sized(projection.default_raster_size_px()),
+    }
+}
+
+/// Notes a picture of more pixels than one may ask for, though each side is in its range.
+fn check_pixels(reader: &mut Reader, (width_px, height_px): (u32, u32)) {
+    if u64::from(width_px) * u64::from(height_px) > u64::from(LARGEST_PICTURE_PX) {
+        let parameter = if reader.text(&p::HEIGHT_PX).is_some() { &p::HEIGHT_PX } else { &p::WIDTH };
+        let message = Some(format!("makes a picture of {width_px} x {height_px} pixels"));
+        let allowed = Some(format!("at most {LARGEST_PICTURE_PX} pixels in all"));
+        reader.fail(parameter, Mistake::NotAllowed, message, allowed);
     }
 }
 

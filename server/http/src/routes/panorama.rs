@@ -4,13 +4,13 @@ use super::sky::{AskedSky, put_times, put_warnings};
 use crate::{
     accept::{Format, OFFERED, negotiate},
     answers::{PanoramaAnswer, sky_warnings},
+    drawing::draw,
     error::ApiError,
     etag::ETag,
     parameters::{GridParameters, PanoramaParameters, RasterParameters},
     problem::Problem,
-    request::{View, panorama, scene_id},
-    respond::{Caching, Keep, json_bytes},
-    source::RenderedSky,
+    request::{panorama, scene_id},
+    respond::{Caching, Keep},
     state::AppState,
 };
 use axum::{
@@ -18,8 +18,6 @@ use axum::{
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response, header},
 };
-use skyglow_display::{encode_exr, encode_png, encode_tiff, encode_webp, picture, raster};
-use std::sync::Arc;
 
 /// The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for
 /// that format are errors.
@@ -118,38 +116,12 @@ async fn answer(
     let body = state
         .heavy(move |_| {
             let (state, asked, rendered) = worker;
-            encode(&state, &asked, &rendered, &view, format)
+            let assumptions = asked.assumptions(&state, &rendered);
+            draw(assumptions, &rendered, &view, format).map_err(ApiError::internal)
         })
         .await?;
     let mut response = caching.ok(format.media_type(), body);
     put_times(&mut response, &rendered);
     put_warnings(&mut response, &warnings);
     Ok(response)
-}
-
-/// Draws and encodes; takes milliseconds, never on an async thread.
-fn encode(
-    state: &AppState,
-    asked: &AskedSky,
-    rendered: &Arc<RenderedSky>,
-    view: &View,
-    format: Format,
-) -> Result<Vec<u8>, ApiError> {
-    let options = &view.options;
-    let image = || picture(&rendered.panorama, &rendered.horizon, options);
-    let floats = || {
-        let size_px = view.raster_size_px;
-        raster(&rendered.panorama, &rendered.horizon, options.projection, size_px, options.sky)
-    };
-    let bytes = match format {
-        Format::Png => image().and_then(|image| encode_png(&image)),
-        Format::WebP => image().and_then(|image| encode_webp(&image)),
-        Format::Exr => floats().and_then(|raster| encode_exr(&raster)),
-        Format::Tiff => floats().and_then(|raster| encode_tiff(&raster)),
-        Format::Json => {
-            let assumptions = asked.assumptions(state, rendered);
-            return json_bytes(&PanoramaAnswer::new(assumptions, rendered, options.sky));
-        }
-    };
-    bytes.map_err(ApiError::internal)
 }

@@ -16,7 +16,11 @@ use axum::{
     extract::{ConnectInfo, Path, RawQuery, State},
     http::{HeaderMap, Response, header},
 };
-use skyglow_display::tile::{elevation_tile_png, radiance_tile_png};
+use skyglow_display::{
+    Notes,
+    notes::ILLUSTRATIVE,
+    tile::{elevation_tile_png, radiance_tile_png},
+};
 use skyglow_scene::{SceneMetadata, TileLayer};
 use std::net::{Ipv6Addr, SocketAddr};
 use utoipa::OpenApi;
@@ -85,13 +89,15 @@ pub async fn get_tile(
     if let Some(response) = caching.not_modified(&headers).filter(|_| exists) {
         return Ok(response);
     }
+    let notes = Notes::new(&description(layer, scene.illustrative), "");
     let png = state
         .heavy(move |source| {
             let tile = source.tile(&id, layer, address, TILE_PX)?;
             match layer {
-                TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX),
+                TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
                 TileLayer::Elevation => {
-                    elevation_tile_png(&tile.values, &tile.has_data, TILE_PX, pixel_m(address.0, address.2))
+                    let pixel_m = pixel_m(address.0, address.2);
+                    elevation_tile_png(&tile.values, &tile.has_data, TILE_PX, pixel_m, &notes)
                 }
             }
             .map_err(ApiError::internal)
@@ -179,6 +185,17 @@ fn is_host(text: &str) -> bool {
     is_address && port.is_none_or(is_port)
 }
 
+/// What a layer shows, and whether that was measured.
+fn description(layer: TileLayer, illustrative: bool) -> String {
+    let shows = match layer {
+        TileLayer::Radiance => {
+            "Upward radiance, 0.2 to 200 nW cm-2 sr-1 on a logarithmic scale; dark is transparent"
+        }
+        TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading",
+    };
+    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows.to_owned() }
+}
+
 fn tilejson(scene: &SceneMetadata, layer: TileLayer, name: &str, base: &str) -> TileJson {
     let [west, south, east, north] = scene.bounds;
     // Across the antimeridian the eastern edge is counted on.
@@ -190,13 +207,7 @@ fn tilejson(scene: &SceneMetadata, layer: TileLayer, name: &str, base: &str) -> 
     TileJson {
         tilejson: "3.0.0".to_owned(),
         name: format!("{}: {name}", scene.title),
-        description: match layer {
-            TileLayer::Radiance => {
-                "Upward radiance, 0.2 to 200 nW cm-2 sr-1 on a logarithmic scale; dark is transparent"
-            }
-            TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading",
-        }
-        .to_owned(),
+        description: description(layer, scene.illustrative),
         attribution: scene.attribution.clone(),
         version: "1.0.0".to_owned(),
         scheme: "xyz".to_owned(),

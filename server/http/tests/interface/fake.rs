@@ -45,6 +45,7 @@ pub(crate) struct Fake {
     pub(crate) version: Mutex<String>,
     pub(crate) ground: Mutex<Ground>,
     pub(crate) horizon: Mutex<Horizon>,
+    pub(crate) illustrative: AtomicBool,
 }
 
 impl Default for Fake {
@@ -68,6 +69,7 @@ impl Default for Fake {
             version: Mutex::new("v1".into()),
             ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
             horizon: Mutex::default(),
+            illustrative: AtomicBool::new(true),
         }
     }
 }
@@ -128,7 +130,7 @@ impl Fake {
             lit_pixels: 1234,
             date: Some("2023".into()),
             attribution: Some("nobody".into()),
-            illustrative: true,
+            illustrative: self.illustrative.load(Ordering::SeqCst),
             terrain: true,
             places_count: 1,
             version: self.version.lock().unwrap().clone(),

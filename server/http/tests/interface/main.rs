@@ -8,6 +8,7 @@ mod fake;
 mod formats;
 mod fuzz;
 mod limits;
+mod notes;
 mod problems;
 mod resources;
 mod scattering;

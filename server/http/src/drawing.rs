@@ -1,0 +1,73 @@
+//! A rendered sky as the bytes of a file: what the HTTP interface answers and the command line writes.
+
+use crate::{
+    accept::Format,
+    answers::{Assumptions, PanoramaAnswer},
+    request::View,
+    source::RenderedSky,
+};
+use skyglow_display::{
+    DisplayError, Notes, PictureOptions, Sky, encode_exr, encode_png, encode_tiff, encode_webp,
+    notes::ILLUSTRATIVE, picture, raster,
+};
+use thiserror::Error;
+
+/// A defect of the program: what is asked was checked before.
+#[derive(Debug, Error)]
+pub enum DrawingError {
+    /// A picture or raster.
+    #[error(transparent)]
+    Display(#[from] DisplayError),
+    /// A document.
+    #[error("writing JSON failed: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// Draws and encodes; takes milliseconds to a second. Every format carries its assumptions, and says so where the
+/// scene's light is made up; pictures do below the sky too, where they have a legend.
+///
+/// # Errors
+/// [`DrawingError`], only by a defect.
+pub fn draw(
+    assumptions: Assumptions,
+    sky: &RenderedSky,
+    view: &View,
+    format: Format,
+) -> Result<Vec<u8>, DrawingError> {
+    let options = PictureOptions { illustrative: assumptions.scene.illustrative, ..view.options };
+    let notes = notes(&assumptions, options.sky)?;
+    let image = || picture(&sky.panorama, &sky.horizon, &options);
+    let floats = || raster(&sky.panorama, &sky.horizon, options.projection, view.raster_size_px, options.sky);
+    Ok(match format {
+        Format::Png => encode_png(&image()?, &notes)?,
+        Format::WebP => encode_webp(&image()?, &notes)?,
+        Format::Exr => encode_exr(&floats()?, &notes)?,
+        Format::Tiff => encode_tiff(&floats()?, &notes)?,
+        Format::Json => serde_json::to_vec(&PanoramaAnswer::new(assumptions, sky, options.sky))?,
+    })
+}
+
+/// The words of a file: place, light, air, and whether the light was measured.
+fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Error> {
+    let Assumptions { scene, observer, .. } = assumptions;
+    let light = match light {
+        Sky::Artificial => "artificial light alone",
+        Sky::Total => "artificial light with the natural sky",
+    };
+    let mut words = format!(
+        "Sky at {:.5}, {:.5} from {:.0} m: {light}; scene {}, turbidity {}, scattering {}, lamp {}, coverage {:.2}",
+        observer.latitude_deg,
+        observer.longitude_deg,
+        observer.altitude_m,
+        scene.id,
+        assumptions.turbidity,
+        assumptions.scattering,
+        assumptions.lamp.preset.as_deref().unwrap_or("custom"),
+        assumptions.coverage,
+    );
+    if scene.illustrative {
+        words.push_str("; ");
+        words.push_str(ILLUSTRATIVE);
+    }
+    Ok(Notes::new(&words, &serde_json::to_string(assumptions)?))
+}
