@@ -22,4 +22,4 @@ pub use manifest::{Manifest, Scattering};
 pub use multiple::{MultipleAxes, MultipleTable};
 pub use pack::{Pack, packs_in};
 pub use precompute::{PrecomputeOptions, Progress, Silent, precompute, precompute_together};
-pub use resident::ResidentTables;
+pub use resident::{ResidentBlocked, ResidentTables};

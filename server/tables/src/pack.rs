@@ -252,6 +252,7 @@ impl Pack {
             log_scale,
             shape,
             basis_spectrum: self.basis_spectrum.clone(),
+            blocked: None,
         }
     }
 }

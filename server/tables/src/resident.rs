@@ -2,7 +2,7 @@
 
 use crate::{axes::OffsetAxis, manifest::Scattering};
 use half::f16;
-use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
+use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
 
 /// Azimuthal frequencies kept of a real row of 256 samples: 0..=128.
 pub const FREQUENCY_COUNT: usize = 129;
@@ -35,6 +35,48 @@ pub struct ResidentTables {
     /// F[B_k] along azimuth, real because B is even: `[basis][elevation][frequency]`,
     /// `F[f] = Σ_i B(θ_i)·cos(2π f i / 256)`, unnormalised.
     pub basis_spectrum: Vec<f32>,
+    /// Sources behind skylines; None where the pack holds the open sky alone.
+    pub blocked: Option<ResidentBlocked>,
+}
+
+/// Tables of sources whose light below a skyline does not count, over the same rings and the same basis as the open
+/// tables beside it ([`ResidentTables`]), one set for each angle of
+/// [`skyglow_physics::blocking::BLOCKING_ANGLES_DEG`] but the first (the open sky): place `angle_index` here is angle
+/// `angle_index + 1` there. The model is that of the open tables, with the first [`Self::basis_count`] functions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResidentBlocked {
+    /// Observer altitudes, metres, ascending; interpolated as those of the open tables, at constant offset.
+    pub observer_altitude_m: Vec<f64>,
+    /// Number of nodes of the offset axis.
+    pub offset_count: usize,
+    /// The offset axis of every angle on every ring, `[angle_index][ring]`.
+    pub offset_axis: Vec<Vec<OffsetAxis>>,
+    /// Number of basis functions in use, those of the open tables from the first on; a multiple of 4.
+    pub basis_count: usize,
+    /// ln of the scale [m⁻² sr⁻¹], `[observer_altitude][angle_index][lobe][band][ring][offset]`.
+    pub log_scale: Vec<f32>,
+    /// Shape coefficients, `[observer_altitude][angle_index][lobe][band][ring][offset][basis]`.
+    pub shape: Vec<f16>,
+}
+
+impl ResidentBlocked {
+    /// Number of angles: those of [`skyglow_physics::blocking::BLOCKING_ANGLES_DEG`] but the open sky.
+    pub const ANGLE_COUNT: usize = BLOCKING_COUNT - 1;
+
+    /// Position in [`Self::log_scale`]; times [`Self::basis_count`] the start in [`Self::shape`].
+    pub fn node_index(
+        &self,
+        observer_altitude: usize,
+        angle_index: usize,
+        lobe: usize,
+        band: usize,
+        ring: usize,
+        offset: usize,
+    ) -> usize {
+        let rings = self.offset_axis[angle_index].len();
+        let table = (observer_altitude * Self::ANGLE_COUNT + angle_index) * LOBE_COUNT + lobe;
+        ((table * BAND_COUNT + band) * rings + ring) * self.offset_count + offset
+    }
 }
 
 impl ResidentTables {
