@@ -154,7 +154,7 @@ pub fn polar_grid_of(cells: &[(usize, u32, f32, f32)]) -> PolarGrid {
     let mut grid = dark_grid();
     for azimuth in 0..AZIMUTH_COUNT {
         for &(_, ring, flux_dnb_w, altitude_m) in sorted.iter().filter(|cell| cell.0 == azimuth) {
-            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m });
+            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m, blocking: 0 });
             grid.flux_dnb_w += f64::from(flux_dnb_w);
         }
         grid.azimuth_start[azimuth + 1] = grid.cells.len() as u32;
@@ -181,7 +181,7 @@ pub fn polar_grid(seed: u64, lit_cells: usize) -> PolarGrid {
     for azimuth in 0..AZIMUTH_COUNT {
         while next < cells.len() && cells[next].0 == azimuth {
             let (_, ring, flux_dnb_w, altitude_m) = cells[next];
-            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m });
+            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m, blocking: 0 });
             grid.flux_dnb_w += f64::from(flux_dnb_w);
             next += 1;
         }

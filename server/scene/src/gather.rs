@@ -104,6 +104,7 @@ impl Light<'_> {
                     bearing.azimuth_rad,
                     bearing.distance_m,
                     block.altitude_m,
+                    0.0,
                     block.flux_dnb_w,
                 );
             }
@@ -120,12 +121,12 @@ impl Light<'_> {
             if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
                 let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
                 pixel.for_each_point_source(frame, &mut |s| {
-                    accumulator.add(s.azimuth_rad, s.distance_m, s.altitude_m, s.flux_dnb_w);
+                    accumulator.add(s.azimuth_rad, s.distance_m, s.altitude_m, 0.0, s.flux_dnb_w);
                 });
             } else {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
                 let altitude_m = f64::from(self.pixels.altitude_m[index]);
-                accumulator.add(bearing.azimuth_rad, bearing.distance_m, altitude_m, flux_dnb_w);
+                accumulator.add(bearing.azimuth_rad, bearing.distance_m, altitude_m, 0.0, flux_dnb_w);
             }
         };
         self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);

@@ -78,12 +78,21 @@ impl Scene {
 
     /// The light around a place by azimuth and distance: all lit pixels whose centre is within 300 km, far
     /// ones by blocks (see [`FAR_BLOCK_RATIO`]). Works for places off the raster too.
-    pub fn polar_grid(&self, place: GeoPoint) -> PolarGrid {
-        self.polar_grid_with_ratio(place, FAR_BLOCK_RATIO)
+    ///
+    /// * `terrain_hides`: whether the terrain between a light and the place cuts its low light. Without it, or
+    ///   where the scene knows no skylines of its lights, all light is under an open sky (blocking index 0).
+    pub fn polar_grid(&self, place: GeoPoint, terrain_hides: bool) -> PolarGrid {
+        self.polar_grid_with_ratio(place, terrain_hides, FAR_BLOCK_RATIO)
     }
 
     /// [`Self::polar_grid`] with another limit for blocks; 0 takes every pixel by itself.
-    pub fn polar_grid_with_ratio(&self, place: GeoPoint, far_block_ratio: f64) -> PolarGrid {
+    pub fn polar_grid_with_ratio(
+        &self,
+        place: GeoPoint,
+        terrain_hides: bool,
+        far_block_ratio: f64,
+    ) -> PolarGrid {
+        let _ = terrain_hides;
         let mut accumulator = PolarAccumulator::new();
         self.light().gather(&LocalFrame::at(place), far_block_ratio, &mut accumulator);
         accumulator.finish(place, self.coverage(place))

@@ -75,7 +75,7 @@ proptest! {
         let latitude = (g[3] + g[5] * y * raster.size.1 as f64).clamp(-90.0, 90.0);
         let observer = place(latitude, longitude);
         let direct = direct_flux_dnb_w(raster, observer);
-        let grid = scene.polar_grid(observer);
+        let grid = scene.polar_grid(observer, false);
         // A pixel within a millimetre of 300 km may fall on either side; none of these rasters has one.
         prop_assert!((grid.flux_dnb_w - direct).abs() <= 1e-9 * direct, "{} {}", grid.flux_dnb_w, direct);
         prop_assert!((cell_flux(&grid) - direct).abs() <= 1e-6 * direct);
@@ -94,7 +94,8 @@ fn a_pixel_more_is_seen_in_the_flux() {
     let mut other = raster.clone();
     let dark = other.values.iter().position(|v| *v == 0.0).unwrap();
     other.values[dark] = 40.0;
-    let missed = (scene.polar_grid(observer).flux_dnb_w / direct_flux_dnb_w(&other, observer) - 1.0).abs();
+    let missed =
+        (scene.polar_grid(observer, false).flux_dnb_w / direct_flux_dnb_w(&other, observer) - 1.0).abs();
     assert!(missed > 1e-6, "{missed}");
 }
 
@@ -104,7 +105,7 @@ fn light_near_300_km_is_cut_pixel_by_pixel() {
     // The raster is 417 km wide: from its west edge the circle passes through it.
     let observer = place(-0.5, 36.0);
     let all = scene.metadata().report.flux_dnb_w;
-    let grid = scene.polar_grid(observer);
+    let grid = scene.polar_grid(observer, false);
     assert!(grid.flux_dnb_w < 0.9 * all);
     assert!((grid.flux_dnb_w / direct_flux_dnb_w(raster, observer) - 1.0).abs() < 1e-12);
 }
@@ -114,7 +115,7 @@ fn turning_the_observer_at_the_pole_turns_the_grid() {
     let (_, scene) = &worlds()[4];
     let step_deg = 360.0 / 256.0;
     let (first, turned) =
-        (scene.polar_grid(place(90.0, 10.0)), scene.polar_grid(place(90.0, 10.0 + step_deg)));
+        (scene.polar_grid(place(90.0, 10.0), false), scene.polar_grid(place(90.0, 10.0 + step_deg), false));
     let column = |grid: &PolarGrid, i: usize| -> Vec<(u32, f32)> {
         let range = grid.azimuth_start[i] as usize..grid.azimuth_start[i + 1] as usize;
         grid.cells[range].iter().map(|c| (c.ring, c.flux_dnb_w)).collect()
@@ -155,8 +156,8 @@ fn cells_of(grid: &PolarGrid) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
 fn far_blocks_change_a_smooth_sky_by_less_than_the_splat_does() {
     let (_, scene) = &worlds()[0];
     let observer = place(-0.4, 37.9);
-    let blocks = scene.polar_grid(observer);
-    let pixels = scene.polar_grid_with_ratio(observer, 0.0);
+    let blocks = scene.polar_grid(observer, false);
+    let pixels = scene.polar_grid_with_ratio(observer, false, 0.0);
     let exact = point_sources(observer, &scene.source_pixels_within(observer, 300_000.0));
     let (mut by_blocks, mut by_splat) = (0f64, 0f64);
     for k in 0..16 {
@@ -169,7 +170,7 @@ fn far_blocks_change_a_smooth_sky_by_less_than_the_splat_does() {
     println!("blocks change it by {by_blocks:.1e}, the splat by {by_splat:.1e}");
     assert!(by_blocks < 1e-4 && by_splat < 3e-3);
     // The control: blocks eight times as wide are seen.
-    let coarse = scene.polar_grid_with_ratio(observer, 8.0 * FAR_BLOCK_RATIO);
+    let coarse = scene.polar_grid_with_ratio(observer, false, 8.0 * FAR_BLOCK_RATIO);
     let changed = (weigh(cells_of(&coarse), 1.0) / weigh(cells_of(&pixels), 1.0) - 1.0).abs();
     assert!(changed > by_blocks, "{changed}");
 }
@@ -183,7 +184,7 @@ fn one_lamp_is_found_where_it_is() {
     for (lat, lon) in [(-2.0, 37.5), (-1.5, 40.5), (-1.5, 39.6), (0.9, 39.0)] {
         let observer = place(lat, lon);
         let bearing = LocalFrame::at(observer).bearing_to(lamp.unit_vector());
-        let grid = scene.polar_grid(observer);
+        let grid = scene.polar_grid(observer, false);
         let (mut azimuth, mut log, mut flux) = ((0.0, 0.0), 0.0, 0.0);
         for (cell_azimuth, cell_distance, cell_flux) in cells_of(&grid) {
             azimuth.0 += cell_flux * cell_azimuth.sin();
@@ -205,7 +206,8 @@ fn the_calibration_multiplies_the_flux_and_not_the_radiance() {
     let plain = bench.scene(&raster);
     let brighter = bench.scene_with(&raster, |options| options.calibration = 1.5);
     let observer = place(-1.2, 37.2);
-    let ratio = brighter.polar_grid(observer).flux_dnb_w / plain.polar_grid(observer).flux_dnb_w;
+    let ratio =
+        brighter.polar_grid(observer, false).flux_dnb_w / plain.polar_grid(observer, false).flux_dnb_w;
     assert!((ratio - 1.5).abs() < 1e-12);
     assert_eq!(brighter.radiance_nw_cm2_sr(observer), plain.radiance_nw_cm2_sr(observer));
     assert_ne!(brighter.metadata().version, plain.metadata().version);
@@ -236,7 +238,7 @@ fn coverage_is_the_covered_part_of_the_disc() {
         }
         let coverage = scene.coverage(observer);
         assert!((coverage - inside / all).abs() < 0.005, "{coverage} {}", inside / all);
-        assert_eq!(scene.polar_grid(observer).coverage, coverage);
+        assert_eq!(scene.polar_grid(observer, false).coverage, coverage);
     }
 }
 
