@@ -6,8 +6,16 @@ fn cell_texel(cell: u32, band: u32) -> vec2<u32> {
   return vec2<u32>((cell % CELLS_PER_ROW) * 3u + band, cell / CELLS_PER_ROW);
 }
 
+const NODE_ROWS: u32 = 8192u;
+
 fn mixed_texel(node: u32, band: u32, quad: u32, quad_count: u32) -> vec2<u32> {
-  return vec2<u32>(band * quad_count + quad, node);
+  return vec2<u32>((node / NODE_ROWS * 3u + band) * quad_count + quad, node % NODE_ROWS);
+}
+
+const BLOCKED_ANGLE_COUNT: u32 = 7u;
+
+fn blocked_layer(observer_altitude: u32, angle_index: u32) -> u32 {
+  return observer_altitude * BLOCKED_ANGLE_COUNT + angle_index;
 }
 
 fn shape_texel(

@@ -22,7 +22,9 @@ struct Frame {
   // Where this pack's radiance goes, and how many packs are blended.
   pack_slot: u32,
   pack_count: u32,
-  spare: u32,
+  // Of the tables of sources behind skylines; 0 where the pack has none.
+  blocked_octet_count: u32,
+  blocked_offset_count: u32,
 }
 
 // One request of a batch.
@@ -33,14 +35,17 @@ struct Request {
   emission: vec3<f32>,
   tap_count: u32,
   flux_per_dnb_flux: vec3<f32>,
-  spare: u32,
+  blocked_tap_count: u32,
+  blocked_tap_layer: vec4<u32>,
+  blocked_tap_weight: vec4<f32>,
 }
 
-// A (ring, offset) pair to mix for a request.
+// A (blocking angle, ring, offset) to mix for a request.
 struct Node {
   request: u32,
   ring: u32,
   offset: u32,
+  blocking: u32,
 }
 
 // A lit cell between two nodes.

@@ -16,17 +16,15 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     return;
   }
   let column = columns[column_index];
-  let x = mixed_texel(0u, band, quad, frame.quad_count).x;
   var first = vec4<f32>(0.0);
   var second = vec4<f32>(0.0);
   for (var cell = column.first_cell; cell < column.end_cell; cell++) {
     let weight = textureLoad(weights, cell_texel(cell, band), 0);
-    let lower = u32(weight.x);
-    let upper = u32(weight.y);
-    first += weight.z * textureLoad(mixed, vec2<u32>(x, lower), 0)
-      + weight.w * textureLoad(mixed, vec2<u32>(x, upper), 0);
-    second += weight.z * textureLoad(mixed, vec2<u32>(x + 1u, lower), 0)
-      + weight.w * textureLoad(mixed, vec2<u32>(x + 1u, upper), 0);
+    let lower = mixed_texel(u32(weight.x), band, quad, frame.quad_count);
+    let upper = mixed_texel(u32(weight.y), band, quad, frame.quad_count);
+    first += weight.z * textureLoad(mixed, lower, 0) + weight.w * textureLoad(mixed, upper, 0);
+    second += weight.z * textureLoad(mixed, lower + vec2<u32>(1u, 0u), 0)
+      + weight.w * textureLoad(mixed, upper + vec2<u32>(1u, 0u), 0);
   }
   let pair = (column.request * BAND_COUNT + band) * frame.quad_count * 2u + quad * 2u;
   coefficients[pair * AZIMUTH_COUNT + column.azimuth] = first.xy;

@@ -6,8 +6,10 @@
 @group(0) @binding(3) var<storage, read> scales: array<vec4<f32>>;
 // Layer: observer altitude; row: (lobe, band, ring); column: (offset, eight functions of 16 bits).
 @group(0) @binding(4) var shape: texture_2d_array<u32>;
+// The same with a layer for every (observer altitude, angle).
+@group(0) @binding(5) var blocked_shape: texture_2d_array<u32>;
 // Row: node; column: (band, four functions).
-@group(0) @binding(5) var mixed: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(6) var mixed: texture_storage_2d<rgba32float, write>;
 
 @compute @workgroup_size(8, 4, 1)
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
@@ -19,20 +21,38 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   }
   let node = nodes[node_index];
   let shares = scales[band * frame.node_count + node_index];
-  let tap_layer = requests[node.request].tap_layer;
-  let tap_weight = requests[node.request].tap_weight;
-  let tap_count = requests[node.request].tap_count;
   var first = vec4<f32>(0.0);
   var second = vec4<f32>(0.0);
-  for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
-    if shares[lobe] > 0.0 {
-      let texel =
-        shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.table_octet_count);
-      for (var tap = 0u; tap < tap_count; tap++) {
-        let factor = shares[lobe] * tap_weight[tap];
-        let halves = textureLoad(shape, texel, tap_layer[tap], 0);
-        first += factor * vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y));
-        second += factor * vec4<f32>(unpack2x16float(halves.z), unpack2x16float(halves.w));
+  if node.blocking == 0u {
+    let tap_layer = requests[node.request].tap_layer;
+    let tap_weight = requests[node.request].tap_weight;
+    let tap_count = requests[node.request].tap_count;
+    for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
+      if shares[lobe] > 0.0 {
+        let texel =
+          shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.table_octet_count);
+        for (var tap = 0u; tap < tap_count; tap++) {
+          let factor = shares[lobe] * tap_weight[tap];
+          let halves = textureLoad(shape, texel, tap_layer[tap], 0);
+          first += factor * vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y));
+          second += factor * vec4<f32>(unpack2x16float(halves.z), unpack2x16float(halves.w));
+        }
+      }
+    }
+  } else if octet < frame.blocked_octet_count {
+    let tap_layer = requests[node.request].blocked_tap_layer;
+    let tap_weight = requests[node.request].blocked_tap_weight;
+    let tap_count = requests[node.request].blocked_tap_count;
+    for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
+      if shares[lobe] > 0.0 {
+        let texel =
+          shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.blocked_octet_count);
+        for (var tap = 0u; tap < tap_count; tap++) {
+          let factor = shares[lobe] * tap_weight[tap];
+          let halves = textureLoad(blocked_shape, texel, blocked_layer(tap_layer[tap], node.blocking - 1u), 0);
+          first += factor * vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y));
+          second += factor * vec4<f32>(unpack2x16float(halves.z), unpack2x16float(halves.w));
+        }
       }
     }
   }

@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for file in files {
         let truth = read(file)?;
         let scene = store.open(&SceneId::parse(&truth.scene)?)?;
-        let polar = Arc::new(scene.polar_grid(truth.place));
+        let polar = Arc::new(scene.polar_grid(truth.place, false));
         let comparable = packs.iter().filter(|pack| pack.0 == truth.scattering);
         let resident: Vec<f64> = comparable.map(|pack| pack.1).collect();
         let range = resident.iter().copied().fold(f64::INFINITY, f64::min)

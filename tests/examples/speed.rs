@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scattering = tables.iter().map(|tables| tables.scattering).max().unwrap_or(Scattering::Single);
 
     let start = Instant::now();
-    let polar = Arc::new(scene.polar_grid(place));
+    let polar = Arc::new(scene.polar_grid(place, false));
     println!("polar grid: {:.1} ms, {} lit cells", 1e3 * start.elapsed().as_secs_f64(), polar.cells.len());
     let mut fastest_s = f64::INFINITY;
     for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {

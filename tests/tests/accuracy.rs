@@ -77,7 +77,7 @@ fn compare(
 ) -> (ErrorStatistics, f64) {
     let rendered = engine
         .render_blocking(RenderRequest {
-            polar: Arc::new(scene.polar_grid(truth.place())),
+            polar: Arc::new(scene.polar_grid(truth.place(), false)),
             observer_altitude_m: truth.observer_altitude_m + raised_m,
             turbidity: Turbidity::new(truth.turbidities[turbidity]).unwrap(),
             scattering: truth.scattering,

@@ -84,6 +84,7 @@ fn stage_name(stage: IngestStage) -> &'static str {
         IngestStage::Radiance => "reading radiance",
         IngestStage::Terrain => "reading terrain",
         IngestStage::Altitude => "finding altitudes",
+        IngestStage::Skyline => "finding what hides lights",
         IngestStage::Store => "storing the scene",
     }
 }

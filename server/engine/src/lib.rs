@@ -11,12 +11,14 @@ pub mod engine;
 pub mod error;
 mod executor;
 mod gpu;
+mod node_table;
 pub mod observatory;
 pub mod packs;
 pub mod plan;
 pub mod prepare;
 pub mod reference;
 pub mod request;
+mod ring_axis;
 mod scene_shelf;
 pub mod shaders;
 pub mod stats;
@@ -38,3 +40,5 @@ pub use table_set::TableSet;
 pub const MAX_BATCH: usize = 8;
 /// Most nodes that the requests of one batch may mix, unless one request alone needs more.
 pub const MAX_BATCH_NODES: usize = 8192;
+/// Most lit cells that the requests of one batch may have: as many as one grid can with light at every blocking angle.
+pub const MAX_BATCH_CELLS: usize = 8 * skyglow_physics::AZIMUTH_COUNT * skyglow_scene::RING_COUNT;

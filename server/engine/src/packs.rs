@@ -42,6 +42,8 @@ pub struct ResidentKind {
     pub turbidities: Vec<f64>,
     /// Most basis functions that any of them has.
     pub basis_count: usize,
+    /// Whether they have tables of sources behind skylines: all of them, or it counts for none.
+    pub hides_lights: bool,
     /// Index of the first of them in the table set; the others follow.
     #[serde(skip)]
     pub(crate) first: usize,
@@ -58,6 +60,7 @@ impl ResidentKind {
                     kind: PackKind::of(&packs[0]),
                     turbidities: packs.iter().map(|pack| pack.turbidity).collect(),
                     basis_count: packs.iter().map(|pack| pack.basis_count).max().unwrap_or(0),
+                    hides_lights: packs.iter().all(|pack| pack.blocked.is_some()),
                     first,
                 };
                 first += packs.len();

@@ -7,20 +7,22 @@ use crate::{
     table_set::TableSet,
     taps::{Taps, lagrange_taps},
 };
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT};
-use skyglow_scene::PolarGrid;
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
+use skyglow_scene::{PolarCell, PolarGrid};
 
 /// Two turbidities nearer than this are the same.
 pub const SAME_TURBIDITY: f64 = 1e-9;
 /// Two altitudes nearer than this are the same, metres.
 const SAME_ALTITUDE_M: f64 = 1e-9;
 
-/// A (ring, offset) pair that some cell needs; the offset is source altitude − observer altitude.
+/// A (blocking angle, ring, offset) that some cell needs; the offset is source altitude − observer altitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MixNode {
+    /// Index in [`skyglow_physics::blocking::BLOCKING_ANGLES_DEG`]; 0 is the open sky.
+    pub blocking: u32,
     /// Ring.
     pub ring: u32,
-    /// Index on the ring's offset axis.
+    /// Index on the offset axis of that angle and ring.
     pub offset: u32,
 }
 
@@ -51,7 +53,7 @@ pub struct LitColumn {
 /// A request in the form the passes take.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// Nodes to mix, by ring, then offset.
+    /// Nodes to mix, by blocking angle, then ring, then offset.
     pub nodes: Vec<MixNode>,
     /// Lit cells, by column, then ring.
     pub cells: Vec<PreparedCell>,
@@ -59,6 +61,8 @@ pub struct Prepared {
     pub columns: Vec<LitColumn>,
     /// Interpolation over observer altitude.
     pub altitude_taps: Taps,
+    /// The same on the altitudes of the tables of sources behind skylines; a single node without such.
+    pub blocked_altitude_taps: Taps,
     /// Interpolation over the set's packs, all of the request's kind.
     pub turbidity_taps: Taps,
     /// Lobe weights, summing to 1.
@@ -77,6 +81,9 @@ impl Prepared {
     pub fn new(request: &RenderRequest, set: &TableSet) -> Result<Self, EngineError> {
         let observer_altitude_m = checked_altitude_m(request.observer_altitude_m, set)?;
         let altitude_taps = lagrange_taps(set.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M);
+        let blocked_altitude_taps = set.blocked().map_or(Taps::single(0), |blocked| {
+            lagrange_taps(blocked.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M)
+        });
         let packs = set.kind(request.kind())?;
         let turbidity_taps = turbidity_taps(request.turbidity.value(), packs)?;
         let resident = packs.basis_count;
@@ -91,13 +98,15 @@ impl Prepared {
             cells: Vec::new(),
             columns: Vec::new(),
             altitude_taps,
+            blocked_altitude_taps,
             turbidity_taps,
             emission: request.emission.weights().map(|weight| weight as f32),
             flux_per_dnb_flux,
             basis_count,
         };
         if flux_per_dnb_flux.iter().any(|flux| *flux > 0.0) {
-            prepared.list_work(&request.polar, observer_altitude_m, set);
+            let axes = NodeAxes { set, hides_lights: packs.hides_lights };
+            prepared.list_work(&request.polar, observer_altitude_m, &axes);
         }
         Ok(prepared)
     }
@@ -123,23 +132,21 @@ impl Prepared {
         }
     }
 
-    fn list_work(&mut self, polar: &PolarGrid, observer_altitude_m: f64, set: &TableSet) {
-        let (rings, offsets) = (set.ring_count(), set.offset_count());
-        let mut node_of = vec![u32::MAX; rings * offsets];
+    fn list_work(&mut self, polar: &PolarGrid, observer_altitude_m: f64, axes: &NodeAxes<'_>) {
+        let mut node_of = vec![u32::MAX; axes.slot_count(polar)];
         let mut position = Vec::with_capacity(polar.cells.len());
         for cell in &polar.cells {
             let offset_m = (f64::from(cell.altitude_m) - observer_altitude_m) as f32;
-            let (node, weight) = node_below(set.position(cell.ring as usize, offset_m));
-            position.push((cell.ring as usize * offsets + node, weight));
+            let (slot, weight) = axes.slot_below(cell, offset_m);
+            position.push((slot, weight));
             if cell.flux_dnb_w > 0.0 {
-                let slot = cell.ring as usize * offsets + node;
                 node_of[slot] = 0;
                 node_of[slot + usize::from(weight > 0.0)] = 0;
             }
         }
         for (slot, node) in node_of.iter_mut().enumerate().filter(|(_, node)| **node == 0) {
             *node = self.nodes.len() as u32;
-            self.nodes.push(MixNode { ring: (slot / offsets) as u32, offset: (slot % offsets) as u32 });
+            self.nodes.push(axes.node(slot));
         }
         for azimuth in 0..AZIMUTH_COUNT {
             let column = polar.azimuth_start[azimuth] as usize..polar.azimuth_start[azimuth + 1] as usize;
@@ -158,6 +165,66 @@ impl Prepared {
             if end_cell > first_cell {
                 self.columns.push(LitColumn { azimuth: azimuth as u32, first_cell, end_cell });
             }
+        }
+    }
+}
+
+/// Every node that there is, numbered: those of the open sky first, then angle by angle, each by ring, then offset.
+struct NodeAxes<'a> {
+    set: &'a TableSet,
+    hides_lights: bool,
+}
+
+impl NodeAxes<'_> {
+    /// Slots that a grid may need: those of angles above 0 only where it has light behind skylines.
+    fn slot_count(&self, polar: &PolarGrid) -> usize {
+        let highest = polar.cells.iter().map(|cell| self.blocking(cell)).max().unwrap_or(0);
+        self.first_slot(highest + 1)
+    }
+
+    /// The blocking angle of a cell; packs that know no skylines take its light for light under an open sky.
+    fn blocking(&self, cell: &PolarCell) -> usize {
+        if self.hides_lights { cell.blocking as usize } else { 0 }
+    }
+
+    fn offset_count(&self, blocking: usize) -> usize {
+        match (blocking, self.set.blocked()) {
+            (0, _) | (_, None) => self.set.offset_count(),
+            (_, Some(blocked)) => blocked.offset_count(),
+        }
+    }
+
+    fn first_slot(&self, blocking: usize) -> usize {
+        let open = self.set.ring_count() * self.offset_count(0);
+        let blocked = self.set.ring_count() * self.offset_count(1);
+        if blocking == 0 { 0 } else { open + (blocking - 1) * blocked }
+    }
+
+    /// Slot of the node at or below a cell's offset, and the weight of the next one.
+    fn slot_below(&self, cell: &PolarCell, offset_m: f32) -> (usize, f32) {
+        let (blocking, ring) = (self.blocking(cell), cell.ring as usize);
+        let position = match (blocking, self.set.blocked()) {
+            (0, _) | (_, None) => self.set.position(ring, offset_m),
+            (_, Some(blocked)) => blocked.position(blocking, ring, offset_m),
+        };
+        let (node, weight) = node_below(position);
+        (self.first_slot(blocking) + ring * self.offset_count(blocking) + node, weight)
+    }
+
+    /// The node of a slot.
+    fn node(&self, slot: usize) -> MixNode {
+        let rings = self.set.ring_count();
+        let open = self.first_slot(1);
+        let (blocking, within, offsets) = if slot < open {
+            (0, slot, self.offset_count(0))
+        } else {
+            let per_angle = rings * self.offset_count(1);
+            (1 + (slot - open) / per_angle, (slot - open) % per_angle, self.offset_count(1))
+        };
+        MixNode {
+            blocking: blocking as u32,
+            ring: (within / offsets) as u32,
+            offset: (within % offsets) as u32,
         }
     }
 }
@@ -199,12 +266,18 @@ fn check_grid(polar: &PolarGrid, ring_count: usize) -> Result<(), EngineError> {
     {
         return refuse(format!("its {} column offsets do not divide its cells", starts.len()));
     }
-    if polar.cells.len() > AZIMUTH_COUNT * ring_count {
+    if polar.cells.len() > AZIMUTH_COUNT * ring_count * BLOCKING_COUNT {
         return refuse(format!("{} cells are more than the grid has", polar.cells.len()));
     }
     for cell in &polar.cells {
         if cell.ring as usize >= ring_count {
             return refuse(format!("ring {} is beyond the {ring_count} of the tables", cell.ring));
+        }
+        if cell.blocking as usize >= BLOCKING_COUNT {
+            return refuse(format!(
+                "blocking angle {} is beyond the {BLOCKING_COUNT} there are",
+                cell.blocking
+            ));
         }
         if !cell.flux_dnb_w.is_finite() || cell.flux_dnb_w < 0.0 || !cell.altitude_m.is_finite() {
             return refuse(format!("a cell has flux {} W at {} m", cell.flux_dnb_w, cell.altitude_m));
@@ -294,8 +367,9 @@ mod tests {
 
     #[test]
     fn malformed_grids_are_refused() {
-        let cases: [fn(&mut PolarGrid); 4] = [
+        let cases: [fn(&mut PolarGrid); 5] = [
             |grid| grid.cells[0].ring = 192,
+            |grid| grid.cells[0].blocking = 8,
             |grid| grid.cells[0].flux_dnb_w = f32::NAN,
             |grid| grid.azimuth_start[5] = 9,
             |grid| grid.azimuth_start.truncate(256),

@@ -1,6 +1,11 @@
 //! The same tables evaluated in f64 by plain sums, without transforms: what both executors are measured against.
 
-use crate::{prepare::Prepared, table_set::TableSet, twin::blending::RADIANCE_FLOOR_W_M2_SR};
+use crate::{
+    node_table::NodeTable,
+    prepare::{MixNode, Prepared},
+    table_set::TableSet,
+    twin::blending::RADIANCE_FLOOR_W_M2_SR,
+};
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
@@ -53,7 +58,7 @@ fn render_pack(request: &Prepared, tables: &ResidentTables) -> Vec<f64> {
 fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> Vec<f64> {
     let nodes: Vec<(f64, Vec<f64>)> = (0..BAND_COUNT)
         .flat_map(|band| request.nodes.iter().map(move |node| (band, node)))
-        .map(|(band, node)| mixed_node(request, tables, band, node.ring, node.offset, basis_count))
+        .map(|(band, node)| mixed_node(request, tables, band, node, basis_count))
         .collect();
     let mut columns = vec![0.0; request.columns.len() * BAND_COUNT * basis_count];
     for (slot, lit) in request.columns.iter().enumerate() {
@@ -79,12 +84,12 @@ fn mixed_node(
     request: &Prepared,
     tables: &ResidentTables,
     band: usize,
-    ring: u32,
-    offset: u32,
+    node: &MixNode,
     basis_count: usize,
 ) -> (f64, Vec<f64>) {
-    let taps = &request.altitude_taps;
-    let node = |tap: usize, lobe: usize| tables.node_index(tap, lobe, band, ring as usize, offset as usize);
+    let table = NodeTable::of(tables, request, node);
+    let taps = table.taps;
+    let node = |tap: usize, lobe: usize| table.index(tap, lobe, band);
     let blend = |value: &dyn Fn(usize) -> f64| -> f64 {
         taps.indices().iter().zip(taps.weights()).map(|(&tap, weight)| weight * value(tap)).sum()
     };
@@ -93,7 +98,7 @@ fn mixed_node(
         log_scale.iter_mut().enumerate().filter(|(lobe, _)| request.emission[*lobe] > 0.0)
     {
         *log_scale = f64::from(request.emission[lobe]).ln()
-            + blend(&|tap| f64::from(tables.log_scale[node(tap, lobe)]));
+            + blend(&|tap| f64::from(table.log_scale[node(tap, lobe)]));
     }
     let largest = log_scale.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let amounts = log_scale.map(|log| (log - largest).exp());
@@ -103,7 +108,10 @@ fn mixed_node(
             (0..LOBE_COUNT)
                 .filter(|&lobe| amounts[lobe] > 0.0)
                 .map(|lobe| {
-                    let shape = |tap| tables.shape[node(tap, lobe) * tables.basis_count + k].to_f64();
+                    let shape = |tap| {
+                        let row = &table.shape[node(tap, lobe) * table.basis_count..][..table.basis_count];
+                        row.get(k).map_or(0.0, |value| value.to_f64())
+                    };
                     amounts[lobe] / sum * blend(&shape)
                 })
                 .sum()

@@ -43,7 +43,7 @@ pub const LIBRARY: [LibraryFile; 7] = [TYPES, ELEMENTARY, MIXING, BLENDING, FFT,
 /// The library files of a pass, in the order in which they are put before it.
 pub const fn requirements(pass: Pass) -> &'static [LibraryFile] {
     match pass {
-        Pass::MixScale => &[TYPES, ELEMENTARY, MIXING],
+        Pass::MixScale => &[TYPES, ELEMENTARY, MIXING, INDEXING],
         Pass::MixShape => &[TYPES, INDEXING],
         Pass::CellWeights => &[TYPES, ELEMENTARY, MIXING, INDEXING],
         Pass::Coefficients => &[TYPES, INDEXING],

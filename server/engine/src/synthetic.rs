@@ -2,11 +2,14 @@
 //! is shown.
 
 use half::f16;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, GeoPoint, LOBE_COUNT};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, GeoPoint, LOBE_COUNT,
+    blocking::{BLOCKING_ANGLES_DEG, BLOCKING_COUNT},
+};
 use skyglow_scene::{PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 use skyglow_tables::{
     OffsetAxis, Scattering,
-    resident::{FREQUENCY_COUNT, ResidentTables},
+    resident::{FREQUENCY_COUNT, ResidentBlocked, ResidentTables},
 };
 use std::sync::Arc;
 
@@ -113,7 +116,69 @@ pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
         log_scale,
         shape,
         basis_spectrum: basis_spectrum(turbidity, basis_count),
+        blocked: None,
     }
+}
+
+/// One made-up pack of first-order light per turbidity, each with tables of sources behind skylines.
+pub fn table_set_with_skylines(turbidities: &[f64], basis_count: usize) -> Vec<Arc<ResidentTables>> {
+    let pack = |&turbidity: &f64| {
+        let open = tables(turbidity, basis_count);
+        Arc::new(ResidentTables { blocked: Some(blocked_tables(&open)), ..open })
+    };
+    turbidities.iter().map(pack).collect()
+}
+
+/// Nodes of the offset axis of made-up tables of sources behind skylines.
+const BLOCKED_OFFSET_COUNT: usize = 6;
+
+/// Made-up tables of sources behind skylines, with fewer functions: darker the higher the skyline and the farther.
+fn blocked_tables(open: &ResidentTables) -> ResidentBlocked {
+    let basis_count = (open.basis_count / 2).next_multiple_of(4);
+    let axis = |angle_index: usize, distance_m: &f64| {
+        let mut axis = OffsetAxis::at_distance(*distance_m, BLOCKED_OFFSET_COUNT);
+        axis.bend_m -= 40.0 * (angle_index + 1) as f64;
+        axis
+    };
+    let angles = 0..ResidentBlocked::ANGLE_COUNT;
+    let mut blocked = ResidentBlocked {
+        observer_altitude_m: vec![0.0, 1500.0, 6000.0],
+        offset_count: BLOCKED_OFFSET_COUNT,
+        offset_axis: angles
+            .map(|angle| open.ring_distance_m.iter().map(|distance_m| axis(angle, distance_m)).collect())
+            .collect(),
+        basis_count,
+        log_scale: Vec::new(),
+        shape: Vec::new(),
+    };
+    for observer_m in blocked.observer_altitude_m.clone() {
+        for (angle_index, axes) in blocked.offset_axis.iter().enumerate() {
+            let angle_rad = BLOCKING_ANGLES_DEG[angle_index + 1].to_radians();
+            for lobe in 0..LOBE_COUNT {
+                for band in 0..BAND_COUNT {
+                    for (axis, distance_m) in axes.iter().zip(&open.ring_distance_m) {
+                        for offset_m in (0..axis.count).map(|node| axis.offset_m(node as f64)) {
+                            let hidden =
+                                0.5 * angle_index as f64 + (distance_m * angle_rad.tan() / 9000.0).min(6.0);
+                            blocked.log_scale.push(
+                                (-18.0 - 1.3 * distance_m.ln() - hidden - (observer_m - offset_m) / 7000.0)
+                                    as f32,
+                            );
+                            for k in 0..basis_count {
+                                let wave = (0.9 * k as f64 + distance_m.ln() + angle_rad - offset_m / 4000.0
+                                    + (lobe + band) as f64)
+                                    .cos();
+                                let value =
+                                    if k == 0 { 0.9 + 0.2 * wave } else { 0.2 * wave / (1 + k) as f64 };
+                                blocked.shape.push(f16::from_f64(value));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    blocked
 }
 
 fn basis_spectrum(turbidity: f64, basis_count: usize) -> Vec<f32> {
@@ -154,10 +219,23 @@ pub fn polar_grid_of(cells: &[(usize, u32, f32, f32)]) -> PolarGrid {
     let mut grid = dark_grid();
     for azimuth in 0..AZIMUTH_COUNT {
         for &(_, ring, flux_dnb_w, altitude_m) in sorted.iter().filter(|cell| cell.0 == azimuth) {
-            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m });
+            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m, blocking: 0 });
             grid.flux_dnb_w += f64::from(flux_dnb_w);
         }
         grid.azimuth_start[azimuth + 1] = grid.cells.len() as u32;
+    }
+    grid
+}
+
+/// A made-up region with part of its light behind skylines of all heights.
+pub fn polar_grid_with_skylines(seed: u64, lit_cells: usize) -> PolarGrid {
+    let mut grid = polar_grid(seed, lit_cells);
+    let mut noise = Noise::new(seed ^ 0x5EED);
+    for cell in &mut grid.cells {
+        cell.blocking = (noise.unit() * 1.6 * BLOCKING_COUNT as f64) as u32;
+        if cell.blocking >= BLOCKING_COUNT as u32 {
+            cell.blocking = 0;
+        }
     }
     grid
 }
@@ -181,7 +259,7 @@ pub fn polar_grid(seed: u64, lit_cells: usize) -> PolarGrid {
     for azimuth in 0..AZIMUTH_COUNT {
         while next < cells.len() && cells[next].0 == azimuth {
             let (_, ring, flux_dnb_w, altitude_m) = cells[next];
-            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m });
+            grid.cells.push(PolarCell { ring, flux_dnb_w, altitude_m, blocking: 0 });
             grid.flux_dnb_w += f64::from(flux_dnb_w);
             next += 1;
         }

@@ -3,12 +3,12 @@
 use crate::{
     error::EngineError,
     packs::{PackKind, ResidentKind},
-    twin::natural_log,
+    ring_axis::RingAxis,
 };
-use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
 use skyglow_tables::{
     OffsetAxis,
-    resident::{FREQUENCY_COUNT, ResidentTables},
+    resident::{FREQUENCY_COUNT, ResidentBlocked, ResidentTables},
 };
 use std::sync::Arc;
 
@@ -18,18 +18,42 @@ pub struct TableSet {
     tables: Vec<Arc<ResidentTables>>,
     kinds: Vec<ResidentKind>,
     rings: Vec<RingAxis>,
+    blocked: Option<BlockedAxes>,
 }
 
-/// The offset axis of a ring as f32 needs it: position = bend node + asinh((Δ − Δ₀)/L)/step, L and step of the
-/// side of the bend.
-#[derive(Clone, Copy, Debug)]
-struct RingAxis {
-    bend_m: f32,
-    bend_node: f32,
-    per_scale_below_m: f32,
-    per_scale_above_m: f32,
-    per_step_below: f32,
-    per_step_above: f32,
+/// The common axes of the tables of sources behind skylines.
+#[derive(Clone, Debug)]
+pub struct BlockedAxes {
+    observer_altitude_m: Vec<f64>,
+    offset_count: usize,
+    /// `[angle − 1][ring]`.
+    axes: Vec<Vec<RingAxis>>,
+}
+
+impl BlockedAxes {
+    fn of(blocked: &ResidentBlocked) -> Self {
+        let angle = |rings: &Vec<OffsetAxis>| rings.iter().map(RingAxis::of).collect();
+        Self {
+            observer_altitude_m: blocked.observer_altitude_m.clone(),
+            offset_count: blocked.offset_count,
+            axes: blocked.offset_axis.iter().map(angle).collect(),
+        }
+    }
+
+    /// Observer altitudes, metres, ascending.
+    pub fn observer_altitude_m(&self) -> &[f64] {
+        &self.observer_altitude_m
+    }
+
+    /// Nodes of the offset axis of every angle and ring.
+    pub fn offset_count(&self) -> usize {
+        self.offset_count
+    }
+
+    /// Position of an offset at a blocking angle, 1..=7, on a ring; see [`TableSet::position`].
+    pub fn position(&self, blocking: usize, ring: usize, offset_m: f32) -> f32 {
+        self.axes[blocking - 1][ring].position(offset_m)
+    }
 }
 
 impl TableSet {
@@ -42,6 +66,7 @@ impl TableSet {
         tables
             .sort_by(|a, b| PackKind::of(a).cmp(&PackKind::of(b)).then(a.turbidity.total_cmp(&b.turbidity)));
         let first = tables.first().ok_or(EngineError::NoTables)?.clone();
+        let first_blocked = tables.iter().find_map(|pack| pack.blocked.clone());
         for (position, pack) in tables.iter().enumerate() {
             let kind = PackKind::of(pack);
             let refuse =
@@ -58,6 +83,12 @@ impl TableSet {
             if pack.offset_axis != first.offset_axis {
                 return Err(refuse("its offset axes differ from those of the first pack".into()));
             }
+            if let (Some(ours), Some(theirs)) = (&pack.blocked, &first_blocked)
+                && (&ours.observer_altitude_m, &ours.offset_axis)
+                    != (&theirs.observer_altitude_m, &theirs.offset_axis)
+            {
+                return Err(refuse("its axes behind skylines differ from those of the first pack".into()));
+            }
             if let Some(before) = position.checked_sub(1).map(|before| &tables[before])
                 && PackKind::of(before) == kind
                 && before.turbidity == pack.turbidity
@@ -65,15 +96,12 @@ impl TableSet {
                 return Err(refuse("this turbidity comes twice".into()));
             }
         }
-        let rings = first.offset_axis.iter().map(|axis| RingAxis {
-            bend_m: axis.bend_m as f32,
-            bend_node: axis.bend_node as f32,
-            per_scale_below_m: (1.0 / axis.scale_below_m) as f32,
-            per_scale_above_m: (1.0 / axis.scale_above_m) as f32,
-            per_step_below: (1.0 / axis.step_below) as f32,
-            per_step_above: (1.0 / axis.step_above) as f32,
-        });
-        Ok(Self { rings: rings.collect(), kinds: ResidentKind::all_of(&tables), tables })
+        Ok(Self {
+            rings: first.offset_axis.iter().map(RingAxis::of).collect(),
+            blocked: first_blocked.as_ref().map(BlockedAxes::of),
+            kinds: ResidentKind::all_of(&tables),
+            tables,
+        })
     }
 
     /// The packs, by kind, then ascending in turbidity.
@@ -109,16 +137,24 @@ impl TableSet {
 
     /// [`OffsetAxis::position`] in f32 for the offset of a cell on a ring: fast, and right to about 2e-6 nodes.
     pub fn position(&self, ring: usize, offset_m: f32) -> f32 {
-        let axis = self.rings[ring];
-        let above_m = offset_m - axis.bend_m;
-        let (per_scale_m, per_step) = if above_m < 0.0 {
-            (axis.per_scale_below_m, -axis.per_step_below)
-        } else {
-            (axis.per_scale_above_m, axis.per_step_above)
-        };
-        let size = above_m.abs() * per_scale_m;
-        let from_bend = per_step * natural_log(size + (size * size + 1.0).sqrt());
-        (axis.bend_node + from_bend).clamp(0.0, (self.offset_count() - 1) as f32)
+        self.rings[ring].position(offset_m)
+    }
+
+    /// The axes of sources behind skylines, where any pack has them.
+    pub fn blocked(&self) -> Option<&BlockedAxes> {
+        self.blocked.as_ref()
+    }
+
+    /// Nodes of the open sky and of all blocking angles: no request mixes more.
+    pub fn node_count(&self) -> usize {
+        let blocked =
+            self.blocked.as_ref().map_or(0, |axes| ResidentBlocked::ANGLE_COUNT * axes.offset_count);
+        self.ring_count() * (self.offset_count() + blocked)
+    }
+
+    /// Lit cells of one grid with light at every blocking angle everywhere: no request has more.
+    pub fn cell_count(&self) -> usize {
+        BLOCKING_COUNT * AZIMUTH_COUNT * self.ring_count()
     }
 
     /// Nodes of the offset axis.
@@ -174,6 +210,42 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
     {
         return Err("a value is not finite".into());
     }
+    pack.blocked.as_ref().map_or(Ok(()), |blocked| check_blocked(pack, blocked))
+}
+
+fn check_blocked(pack: &ResidentTables, blocked: &ResidentBlocked) -> Result<(), String> {
+    let rings = pack.ring_distance_m.len();
+    let fits = |axes: &Vec<OffsetAxis>| {
+        axes.len() == rings && axes.iter().all(|axis| axis.count == blocked.offset_count)
+    };
+    if blocked.offset_count < 2
+        || blocked.observer_altitude_m.is_empty()
+        || blocked.observer_altitude_m.windows(2).any(|pair| pair[0] >= pair[1])
+        || blocked.offset_axis.len() != ResidentBlocked::ANGLE_COUNT
+        || !blocked.offset_axis.iter().all(fits)
+    {
+        return Err("the axes of its sources behind skylines do not fit its rings".into());
+    }
+    if blocked.basis_count == 0
+        || !blocked.basis_count.is_multiple_of(4)
+        || blocked.basis_count > pack.basis_count
+    {
+        return Err(format!("its sources behind skylines have {} basis functions", blocked.basis_count));
+    }
+    let nodes = blocked.observer_altitude_m.len()
+        * ResidentBlocked::ANGLE_COUNT
+        * LOBE_COUNT
+        * BAND_COUNT
+        * rings
+        * blocked.offset_count;
+    if blocked.log_scale.len() != nodes || blocked.shape.len() != nodes * blocked.basis_count {
+        return Err("its tables of sources behind skylines have another length than their axes".into());
+    }
+    if blocked.log_scale.iter().any(|value| !value.is_finite())
+        || blocked.shape.iter().any(|value| !value.is_finite())
+    {
+        return Err("a value behind skylines is not finite".into());
+    }
     Ok(())
 }
 
@@ -225,5 +297,23 @@ mod tests {
         assert!(refusal(|pack| pack.log_scale.truncate(5)).contains("log_scale has"));
         assert!(refusal(|pack| pack.basis_spectrum[3] = f32::NAN).contains("not finite"));
         assert!(refusal(|pack| pack.basis_count = 7).contains("multiple of 4"));
+        let blocked = |change: fn(&mut ResidentBlocked)| {
+            let mut tables = synthetic::table_set_with_skylines(&[2.0, 3.0], 8);
+            change(Arc::make_mut(&mut tables[1]).blocked.as_mut().unwrap());
+            TableSet::new(tables).unwrap_err().to_string()
+        };
+        assert!(blocked(|tables| tables.offset_axis[2][1].bend_m += 1.0).contains("behind skylines differ"));
+        assert!(blocked(|tables| tables.log_scale.truncate(5)).contains("another length"));
+        assert!(blocked(|tables| tables.log_scale[7] = f32::INFINITY).contains("not finite"));
+        assert!(blocked(|tables| tables.basis_count = 12).contains("12 basis functions"));
+        assert!(blocked(|tables| drop(tables.offset_axis.pop())).contains("do not fit its rings"));
+    }
+
+    #[test]
+    fn a_kind_hides_lights_where_all_its_packs_can() {
+        let mut tables = synthetic::table_set_with_skylines(&[2.0, 3.0], 8);
+        assert!(TableSet::new(tables.clone()).unwrap().kinds()[0].hides_lights);
+        Arc::make_mut(&mut tables[1]).blocked = None;
+        assert!(!TableSet::new(tables).unwrap().kinds()[0].hides_lights);
     }
 }

@@ -83,8 +83,11 @@ pub(crate) fn dark_sky(executor: ExecutorKind) -> Rendered {
 
 /// True where a batch can take the ticket too.
 fn fits(batch: &[Ticket], ticket: &Ticket) -> bool {
-    let nodes: usize = batch.iter().map(|other| other.prepared.nodes.len()).sum();
-    nodes + ticket.prepared.nodes.len() <= crate::MAX_BATCH_NODES
+    let with = |count: fn(&Prepared) -> usize| -> usize {
+        batch.iter().chain([ticket]).map(|one| count(&one.prepared)).sum()
+    };
+    with(|prepared| prepared.nodes.len()) <= crate::MAX_BATCH_NODES
+        && with(|prepared| prepared.cells.len()) <= crate::MAX_BATCH_CELLS
         && ticket.prepared.is_compatible(&batch[0].prepared)
 }
 

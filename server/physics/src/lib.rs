@@ -15,6 +15,7 @@ pub mod emission;
 pub mod error;
 pub mod error_metric;
 pub mod geometry;
+pub mod hidden_sum;
 pub mod horizon;
 pub mod interpolation;
 pub mod lamp;

@@ -412,6 +412,10 @@ pub fn radiance_per_watt_of(
     std::array::from_fn(|band| std::array::from_fn(|lobe| flat[band * LOBE_COUNT + lobe]))
 }
 
+mod partly_hidden;
+
+pub use partly_hidden::mixed_radiance_per_watt_where;
+
 #[cfg(test)]
 #[path = "single_source_tests.rs"]
 mod tests;

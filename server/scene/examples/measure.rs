@@ -30,7 +30,7 @@ fn main() {
         let start = Instant::now();
         let rounds = 20;
         for _ in 0..rounds {
-            std::hint::black_box(scene.polar_grid_with_ratio(place, ratio));
+            std::hint::black_box(scene.polar_grid_with_ratio(place, false, ratio));
         }
         println!(
             "polar grid at ratio {ratio:.4}: {:.2} ms",
@@ -42,7 +42,7 @@ fn main() {
     println!("coverage {coverage:.4}: {:.2} ms", 1e3 * start.elapsed().as_secs_f64());
     let pixels = scene.source_pixels_within(place, 300_000.0);
     let sum: f64 = pixels.iter().map(|p| p.flux_dnb_w).sum();
-    let grid = scene.polar_grid(place);
+    let grid = scene.polar_grid(place, false);
     let cells: f64 = grid.cells.iter().map(|c| f64::from(c.flux_dnb_w)).sum();
     println!(
         "{} pixels within 300 km, {} cells, flux {sum:.6e} W, error {:.1e}, of the cells {:.1e}",

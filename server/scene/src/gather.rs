@@ -6,15 +6,19 @@
 //!   from its flux-weighted centre and all lie between 5 km and 300 km; it is opened otherwise;
 //! * so a pixel counts exactly when its own centre is within 300 km, as in the reference.
 //!
+//! The light goes where its skyline towards the observer puts it on the axis of blocking angles: a pixel's pieces by
+//! the pixel's skyline at their own azimuth and distance, a block by its own.
+//!
 //! Taking a block moves no light by more than that ratio (in radians of azimuth, and relatively in
 //! distance), the width of an azimuth column, and leaves the mean position of the block's light where it was:
 //! the error is of second order and below that of the splat itself.
 
 use crate::grid::Grid;
-use crate::light_pyramid::LightPyramid;
+use crate::light_pyramid::{Level, LightPyramid};
 use crate::lit_pixels::LitPixels;
 use crate::morton;
 use crate::polar_grid::PolarAccumulator;
+use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::geometry::{Bearing, LocalFrame};
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
@@ -31,6 +35,30 @@ pub(crate) struct Light<'a> {
     pub(crate) pixels: &'a LitPixels,
     pub(crate) pyramid: &'a LightPyramid,
     pub(crate) calibration: f64,
+    /// The pixels' skylines; None where nothing hides light, or it is not to.
+    pub(crate) skylines: Option<&'a Skylines>,
+}
+
+/// Azimuth [rad] of the observer seen from a light, both given as unit vectors.
+fn azimuth_from_light_rad(light: DVec3, observer: DVec3) -> f64 {
+    // East and north there, both times the light's distance from the Earth's axis.
+    let across = light.x * light.x + light.y * light.y;
+    let east = light.x * observer.y - light.y * observer.x;
+    let north = observer.z * across - light.z * (light.x * observer.x + light.y * observer.y);
+    east.atan2(north)
+}
+
+/// Place on the axis of blocking angles of a light's skyline towards the observer; 0 where nothing is known to hide it.
+fn blocking(
+    skylines: Option<&Skylines>,
+    index: usize,
+    light: DVec3,
+    observer: DVec3,
+    distance_m: f64,
+) -> f64 {
+    skylines
+        .filter(|skylines| !skylines.is_open(index))
+        .map_or(0.0, |skylines| skylines.blocking(index, azimuth_from_light_rad(light, observer), distance_m))
 }
 
 /// Chord of an arc, metres.
@@ -59,7 +87,7 @@ impl Light<'_> {
         &self,
         place: DVec3,
         radius_m: f64,
-        mut take_block: impl FnMut(&crate::light_pyramid::Block, f64) -> bool,
+        mut take_block: impl FnMut(&Level, usize, f64) -> bool,
         mut visit: impl FnMut(usize),
     ) {
         if self.pyramid.top() == 0 {
@@ -72,7 +100,7 @@ impl Light<'_> {
             let blocks = self.pyramid.level(level);
             let block = &blocks.blocks[index];
             let distance_m = EARTH_RADIUS_M * block.direction.distance(place);
-            if distance_m - block.radius_m > reach_m || take_block(block, distance_m) {
+            if distance_m - block.radius_m > reach_m || take_block(blocks, index, distance_m) {
                 continue;
             }
             for child in blocks.children(index) {
@@ -94,16 +122,19 @@ impl Light<'_> {
     ) {
         let (nearest_m, farthest_m) = (chord_m(SPLIT_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
         let shared = std::cell::RefCell::new(accumulator);
-        let take_block = |block: &crate::light_pyramid::Block, distance_m: f64| {
+        let take_block = |level: &Level, index: usize, distance_m: f64| {
+            let block = &level.blocks[index];
             let taken = block.radius_m <= far_block_ratio * distance_m
                 && distance_m - block.radius_m > nearest_m
                 && distance_m + block.radius_m < farthest_m;
             if taken {
                 let bearing = near_bearing(frame, block.direction);
+                let skylines = self.skylines.and(level.skylines.as_ref());
                 shared.borrow_mut().add(
                     bearing.azimuth_rad,
                     bearing.distance_m,
                     block.altitude_m,
+                    blocking(skylines, index, block.direction, frame.up, bearing.distance_m),
                     block.flux_dnb_w,
                 );
             }
@@ -119,13 +150,19 @@ impl Light<'_> {
             let mut accumulator = shared.borrow_mut();
             if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
                 let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
+                let skylines = self.skylines.filter(|skylines| !skylines.is_open(index));
                 pixel.for_each_point_source(frame, &mut |s| {
-                    accumulator.add(s.azimuth_rad, s.distance_m, s.altitude_m, s.flux_dnb_w);
+                    // So near, the meridians of the piece and of the observer are parallel.
+                    let back_rad = s.azimuth_rad + std::f64::consts::PI;
+                    let blocking =
+                        skylines.map_or(0.0, |skylines| skylines.blocking(index, back_rad, s.distance_m));
+                    accumulator.add(s.azimuth_rad, s.distance_m, s.altitude_m, blocking, s.flux_dnb_w);
                 });
             } else {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
                 let altitude_m = f64::from(self.pixels.altitude_m[index]);
-                accumulator.add(bearing.azimuth_rad, bearing.distance_m, altitude_m, flux_dnb_w);
+                let blocking = blocking(self.skylines, index, center, frame.up, bearing.distance_m);
+                accumulator.add(bearing.azimuth_rad, bearing.distance_m, altitude_m, blocking, flux_dnb_w);
             }
         };
         self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);
@@ -134,7 +171,7 @@ impl Light<'_> {
     /// Every lit pixel whose centre is within `radius_m` of the observer, in the raster's Morton order.
     pub(crate) fn pixels_within(&self, frame: &LocalFrame, radius_m: f64) -> Vec<SourcePixel> {
         let mut found = Vec::new();
-        self.walk(frame.up, radius_m, |_, _| false, |index| found.push(index));
+        self.walk(frame.up, radius_m, |_, _, _| false, |index| found.push(index));
         found.sort_unstable();
         let pixels = found.into_iter().map(|i| self.pixels.source_pixel(self.grid, self.calibration, i));
         pixels.filter(|pixel| frame.bearing_to(pixel.center()).distance_m <= radius_m).collect()

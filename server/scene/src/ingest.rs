@@ -7,6 +7,7 @@ mod open;
 mod options;
 mod places;
 mod radiance;
+mod skylines;
 mod tally;
 mod terrain_files;
 
@@ -54,7 +55,8 @@ pub(crate) fn ingest_as(
     let mut light = radiance::read(&source, progress)?;
     let terrain = terrain_files::read(&options.terrain, progress)?;
     terrain_files::raise(&terrain, &mut light, progress);
-    let pyramid = LightPyramid::build(&light.grid, &light.pixels, options.calibration);
+    let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
+    let pyramid = LightPyramid::build(&light.grid, &light.pixels, skylines.as_ref(), options.calibration);
     let mut report = light.report;
     if pyramid.top() > 0 {
         report.flux_dnb_w = pyramid.level(pyramid.top()).blocks.iter().map(|b| b.flux_dnb_w).sum();
@@ -78,6 +80,7 @@ pub(crate) fn ingest_as(
         attribution: options.attribution.clone(),
         illustrative,
         terrain: !terrain.terrain.is_empty(),
+        light_skylines: skylines.is_some(),
         places_count: places.len() as u64,
         version: String::new(),
     };
@@ -86,6 +89,7 @@ pub(crate) fn ingest_as(
         grid: light.grid,
         mask: light.mask,
         pixels: light.pixels,
+        skylines,
         pyramid,
         terrain: terrain.terrain,
         places,

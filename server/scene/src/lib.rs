@@ -27,6 +27,7 @@ mod polar_grid;
 mod scene;
 mod scene_id;
 mod sections;
+mod skylines;
 mod staging;
 mod store;
 mod stored;
@@ -44,4 +45,5 @@ pub use metadata::{
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 pub use scene::Scene;
 pub use scene_id::SceneId;
+pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_REACHES_M};
 pub use store::{SceneList, SceneStore};

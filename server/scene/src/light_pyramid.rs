@@ -1,9 +1,10 @@
 //! Blocks of 2^k × 2^k lit pixels, level on level, each with the flux of its pixels, where that flux is
-//! centred and how high it lies. Made from the lit pixels when a scene is opened.
+//! centred, how high it lies and what stands around it. Made from the lit pixels when a scene is opened.
 
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;
 use crate::morton;
+use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::EARTH_RADIUS_M;
 
@@ -31,6 +32,8 @@ pub(crate) struct Level {
     pub(crate) codes: Vec<u64>,
     /// The blocks, in parallel with the codes.
     pub(crate) blocks: Vec<Block>,
+    /// The blocks' skylines; None where those of the pixels are not known.
+    pub(crate) skylines: Option<Skylines>,
     /// Number of blocks (pixels) in the level below.
     child_count: u32,
 }
@@ -65,8 +68,13 @@ struct Child {
 }
 
 impl LightPyramid {
-    /// Sums up `pixels`.
-    pub(crate) fn build(grid: &Grid, pixels: &LitPixels, calibration: f64) -> Self {
+    /// Sums up `pixels` with their skylines, where those are known.
+    pub(crate) fn build(
+        grid: &Grid,
+        pixels: &LitPixels,
+        skylines: Option<&Skylines>,
+        calibration: f64,
+    ) -> Self {
         let pixel = |index: usize| {
             let (column, row) = morton::decode(pixels.codes[index]);
             Child {
@@ -79,7 +87,10 @@ impl LightPyramid {
         };
         let mut levels: Vec<Level> = Vec::new();
         if pixels.len() > 0 {
-            levels.push(group(&pixels.codes, pixel));
+            let mut level = group(&pixels.codes, pixel);
+            level.skylines = skylines
+                .map(|below| below.of_blocks(&level, |index| pixels.flux_dnb_w(grid, calibration, index)));
+            levels.push(level);
         }
         while let Some(below) = levels.last().filter(|level| level.blocks.len() > 1) {
             let block = |index: usize| {
@@ -92,7 +103,11 @@ impl LightPyramid {
                     radiance_sum_nw_cm2_sr: b.radiance_sum_nw_cm2_sr,
                 }
             };
-            let above = group(&below.codes, block);
+            let mut above = group(&below.codes, block);
+            above.skylines = below
+                .skylines
+                .as_ref()
+                .map(|skylines| skylines.of_blocks(&above, |index| below.blocks[index].flux_dnb_w));
             levels.push(above);
         }
         Self { levels }

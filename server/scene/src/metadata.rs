@@ -32,6 +32,11 @@ pub struct SceneMetadata {
     pub illustrative: bool,
     /// Whether the scene has terrain.
     pub terrain: bool,
+    /// Whether it is known which lights the terrain hides: true for scenes with terrain, but for those stored before
+    /// the skylines of lights were (ingest such a scene again), and false without terrain, which hides nothing.
+    /// Left out where false, as in those older scenes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub light_skylines: bool,
     /// Number of places with names.
     pub places_count: u64,
     /// Hash over all that the scene holds; changes when anything does.
@@ -101,6 +106,14 @@ pub struct PixelCount {
     pub count: u64,
     /// Centres of a few of them, spread over the raster.
     pub examples: Vec<ExamplePlace>,
+}
+
+impl SceneMetadata {
+    /// Whether the terrain may hide lights and it is not known which: the scene was stored before that was looked
+    /// for, and has to be ingested again.
+    pub fn hidden_lights_are_unknown(&self) -> bool {
+        self.terrain && !self.light_skylines
+    }
 }
 
 impl PixelCount {

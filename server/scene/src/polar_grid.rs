@@ -1,6 +1,7 @@
 //! The light around an observer by azimuth and distance: what the engine turns into a sky.
 
 use skyglow_physics::GeoPoint;
+use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
 
 /// Azimuth columns; column i is centred on i·360/256 degrees.
@@ -21,7 +22,7 @@ pub struct PolarGrid {
     pub observer: GeoPoint,
     /// Cells of column i are `cells[azimuth_start[i]..azimuth_start[i + 1]]`; 257 offsets.
     pub azimuth_start: Vec<u32>,
-    /// Lit cells, by column, then by ring.
+    /// Lit cells, by column, then by ring, then by blocking angle.
     pub cells: Vec<PolarCell>,
     /// Flux of all cells, DNB watts, calibration included.
     pub flux_dnb_w: f64,
@@ -29,7 +30,7 @@ pub struct PolarGrid {
     pub coverage: f64,
 }
 
-/// One lit cell.
+/// One lit cell: the light of a column and a ring whose skyline towards the observer is at one blocking angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct PolarCell {
@@ -39,12 +40,23 @@ pub struct PolarCell {
     pub flux_dnb_w: f32,
     /// Flux-weighted mean altitude of the sources, metres above the sphere.
     pub altitude_m: f32,
+    /// Index of the blocking angle in [`BLOCKING_ANGLES_DEG`](skyglow_physics::blocking::BLOCKING_ANGLES_DEG), 0..8;
+    /// 0 is the open sky.
+    pub blocking: u32,
 }
 
-/// A dense polar grid being filled.
+/// Flux and flux × altitude.
+type Light = [f64; 2];
+
+/// A polar grid being filled.
 pub(crate) struct PolarAccumulator {
-    /// (flux, flux × altitude) at [column × RING_COUNT + ring].
-    cells: Vec<(f64, f64)>,
+    /// Light under an open sky, at [column × RING_COUNT + ring].
+    open: Vec<Light>,
+    /// Where a cell's light behind skylines is in `blocked`, plus 1; 0 where it has none. Empty until there is some,
+    /// so that a scene without skylines costs nothing.
+    blocked_at: Vec<u32>,
+    /// Light by the index of its blocking angle; that of index 0 stays dark here.
+    blocked: Vec<[Light; BLOCKING_COUNT]>,
     flux_dnb_w: f64,
     columns_per_rad: f64,
     rings_per_log: f64,
@@ -53,7 +65,9 @@ pub(crate) struct PolarAccumulator {
 impl PolarAccumulator {
     pub(crate) fn new() -> Self {
         Self {
-            cells: vec![(0.0, 0.0); AZIMUTH_COLUMN_COUNT * RING_COUNT],
+            open: vec![[0.0; 2]; AZIMUTH_COLUMN_COUNT * RING_COUNT],
+            blocked_at: Vec::new(),
+            blocked: Vec::new(),
             flux_dnb_w: 0.0,
             columns_per_rad: AZIMUTH_COLUMN_COUNT as f64 / std::f64::consts::TAU,
             rings_per_log: (RING_COUNT - 1) as f64 / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln(),
@@ -61,10 +75,19 @@ impl PolarAccumulator {
     }
 
     /// Spreads a point of light over the two nearest columns and the two nearest rings, linearly in azimuth
-    /// and in ln(distance), so that flux and mean position stay.
+    /// and in ln(distance), and over the two nearest blocking angles, so that flux and mean position stay.
     ///
     /// * `azimuth_rad` 0..=2π, `distance_m` within 250 m and 300 km (clamped).
-    pub(crate) fn add(&mut self, azimuth_rad: f64, distance_m: f64, altitude_m: f64, flux_dnb_w: f64) {
+    /// * `blocking`: the place of its skyline on the axis of blocking angles, 0..=7: the node and the weight that
+    ///   [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added; 0 is the open sky.
+    pub(crate) fn add(
+        &mut self,
+        azimuth_rad: f64,
+        distance_m: f64,
+        altitude_m: f64,
+        blocking: f64,
+        flux_dnb_w: f64,
+    ) {
         let column = azimuth_rad * self.columns_per_rad;
         let ring =
             ((distance_m / NEAREST_SOURCE_M).ln() * self.rings_per_log).clamp(0.0, (RING_COUNT - 1) as f64);
@@ -75,33 +98,70 @@ impl PolarAccumulator {
         for (column, weight) in [(first, 1.0 - along), (second, along)] {
             let (near, far) = (flux_dnb_w * weight * (1.0 - out), flux_dnb_w * weight * out);
             let at = column * RING_COUNT + inner;
-            self.cells[at].0 += near;
-            self.cells[at].1 += near * altitude_m;
-            self.cells[at + 1].0 += far;
-            self.cells[at + 1].1 += far * altitude_m;
+            if blocking > 0.0 {
+                self.add_blocked(at, altitude_m, blocking, near);
+                self.add_blocked(at + 1, altitude_m, blocking, far);
+            } else {
+                add_light(&mut self.open[at], near, altitude_m);
+                add_light(&mut self.open[at + 1], far, altitude_m);
+            }
         }
         self.flux_dnb_w += flux_dnb_w;
+    }
+
+    /// Adds light to one cell at the two blocking angles around `blocking`, above 0.
+    fn add_blocked(&mut self, at: usize, altitude_m: f64, blocking: f64, flux_dnb_w: f64) {
+        let lower = (blocking as usize).min(BLOCKING_COUNT - 2);
+        let up = (blocking - lower as f64).min(1.0);
+        if self.blocked_at.is_empty() {
+            self.blocked_at = vec![0; self.open.len()];
+        }
+        if self.blocked_at[at] == 0 {
+            self.blocked.push([[0.0; 2]; BLOCKING_COUNT]);
+            self.blocked_at[at] = self.blocked.len() as u32;
+        }
+        let cell = &mut self.blocked[self.blocked_at[at] as usize - 1];
+        let low = if lower == 0 { &mut self.open[at] } else { &mut cell[lower] };
+        add_light(low, flux_dnb_w * (1.0 - up), altitude_m);
+        add_light(&mut cell[lower + 1], flux_dnb_w * up, altitude_m);
     }
 
     /// Keeps what is lit.
     pub(crate) fn finish(self, observer: GeoPoint, coverage: f64) -> PolarGrid {
         let mut azimuth_start = Vec::with_capacity(AZIMUTH_COLUMN_COUNT + 1);
         let mut cells = Vec::new();
-        for column in self.cells.chunks_exact(RING_COUNT) {
-            azimuth_start.push(cells.len() as u32);
-            for (ring, &(flux_dnb_w, flux_altitude)) in column.iter().enumerate() {
-                if flux_dnb_w > 0.0 {
-                    cells.push(PolarCell {
-                        ring: ring as u32,
-                        flux_dnb_w: flux_dnb_w as f32,
-                        altitude_m: (flux_altitude / flux_dnb_w) as f32,
-                    });
+        let mut keep = |ring: usize, blocking: usize, &[flux_dnb_w, flux_altitude]: &Light| {
+            if flux_dnb_w > 0.0 {
+                cells.push(PolarCell {
+                    ring: ring as u32,
+                    flux_dnb_w: flux_dnb_w as f32,
+                    altitude_m: (flux_altitude / flux_dnb_w) as f32,
+                    blocking: blocking as u32,
+                });
+            }
+            cells.len() as u32
+        };
+        let mut count = 0;
+        for (column, lights) in self.open.chunks_exact(RING_COUNT).enumerate() {
+            azimuth_start.push(count);
+            for (ring, light) in lights.iter().enumerate() {
+                count = keep(ring, 0, light);
+                let blocked = self.blocked_at.get(column * RING_COUNT + ring).filter(|&&at| at > 0);
+                for (blocking, light) in
+                    blocked.iter().flat_map(|&&at| self.blocked[at as usize - 1].iter().enumerate())
+                {
+                    count = keep(ring, blocking, light);
                 }
             }
         }
-        azimuth_start.push(cells.len() as u32);
+        azimuth_start.push(count);
         PolarGrid { observer, azimuth_start, cells, flux_dnb_w: self.flux_dnb_w, coverage }
     }
+}
+
+fn add_light(light: &mut Light, flux_dnb_w: f64, altitude_m: f64) {
+    light[0] += flux_dnb_w;
+    light[1] += flux_dnb_w * altitude_m;
 }
 
 #[cfg(test)]
@@ -119,14 +179,15 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_point_keeps_its_flux_azimuth_distance_and_altitude(
+        fn a_point_keeps_its_flux_azimuth_distance_altitude_and_skyline(
             azimuth in 0.0f64..std::f64::consts::TAU, log in 0.0f64..1.0, altitude in 0.0f64..5_000.0,
+            blocking in prop_oneof![Just(0.0f64), Just(7.0), 0.0f64..7.0],
         ) {
             let distance_m = 250.0 * 1200f64.powf(log);
             let mut accumulator = PolarAccumulator::new();
-            accumulator.add(azimuth, distance_m, altitude, 3.0);
+            accumulator.add(azimuth, distance_m, altitude, blocking, 3.0);
             let grid = accumulator.finish(GeoPoint::from_rad_unchecked(0.0, 0.0), 1.0);
-            let (mut flux, mut east, mut north, mut ring) = (0.0, 0.0, 0.0, 0.0);
+            let (mut flux, mut east, mut north, mut ring, mut skyline) = (0.0, 0.0, 0.0, 0.0, 0.0);
             for column in 0..AZIMUTH_COLUMN_COUNT {
                 let (start, end) = (grid.azimuth_start[column], grid.azimuth_start[column + 1]);
                 for cell in &grid.cells[start as usize..end as usize] {
@@ -136,11 +197,14 @@ mod tests {
                     east += w * angle.sin();
                     north += w * angle.cos();
                     ring += w * f64::from(cell.ring);
+                    skyline += w * f64::from(cell.blocking);
                     prop_assert!((f64::from(cell.altitude_m) - altitude).abs() < 1e-3 * (1.0 + altitude));
                 }
             }
             prop_assert!((flux - 3.0).abs() < 1e-6);
             prop_assert!((ring / flux - 191.0 * log).abs() < 1e-4);
+            prop_assert!((skyline / flux - blocking).abs() < 1e-5);
+            prop_assert!(grid.cells.iter().all(|cell| (f64::from(cell.blocking) - blocking).abs() < 1.0));
             let turn = (east.atan2(north) - azimuth).sin();
             prop_assert!(turn.abs() < 1e-5, "{turn}");
         }

@@ -11,9 +11,12 @@ use crate::map_tile::{self, RasterTile, TileLayer};
 use crate::mask::ValidMask;
 use crate::metadata::{Place, SceneMetadata};
 use crate::polar_grid::{PolarAccumulator, PolarGrid};
-use crate::terrain::Terrain;
+use crate::skylines::Skylines;
+use crate::terrain::{Terrain, nearest_wall_m};
+use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
-use skyglow_physics::{GeoPoint, Horizon, SourcePixel};
+use skyglow_physics::horizon::terrain_elevation_tangent;
+use skyglow_physics::{EARTH_RADIUS_M, GeoPoint, Horizon, SourcePixel};
 
 /// A scene in memory. It needs neither its files nor GDAL to answer; share it in an `Arc`.
 #[derive(Debug)]
@@ -22,6 +25,8 @@ pub struct Scene {
     pub(crate) grid: Grid,
     pub(crate) mask: ValidMask,
     pub(crate) pixels: LitPixels,
+    /// What stands around each lit pixel; None without terrain, and for scenes stored before it was looked for.
+    pub(crate) skylines: Option<Skylines>,
     pub(crate) pyramid: LightPyramid,
     pub(crate) terrain: Terrain,
     pub(crate) places: Vec<Place>,
@@ -68,6 +73,44 @@ impl Scene {
         self.terrain.horizon(place, eye_altitude_m.max(self.ground(place).altitude_m()))
     }
 
+    /// The blocking angle of a light towards a place, radians, 0..=π/2: the highest elevation of the terrain between
+    /// them, seen from the light, in the vertical plane through both. Exact for the bilinear terrain.
+    ///
+    /// * `light`, `light_altitude_m`: where the light is, metres above sea level.
+    /// * `pixel_size_m`: the side of its pixel; terrain nearer than a quarter of it is no wall, since the lamps are
+    ///   spread over the pixel.
+    pub fn blocking_angle_rad(
+        &self,
+        light: GeoPoint,
+        light_altitude_m: f64,
+        pixel_size_m: f64,
+        towards: GeoPoint,
+    ) -> f64 {
+        let bearing = LocalFrame::at(light).bearing_to(towards.unit_vector());
+        let sight = self.terrain.around_source(light, light_altitude_m, nearest_wall_m(pixel_size_m));
+        let [tangent] = sight.tangents(bearing.azimuth_rad, &[bearing.distance_m]);
+        tangent.atan()
+    }
+
+    /// Whether terrain stands between a light and a point that it would shine on: the straight segment between them
+    /// meets the bilinear terrain, farther from the light than a quarter of its pixel's side `pixel_size_m`.
+    ///
+    /// * `light_m`, `point_m`: positions from the Earth's centre, metres, in the frame of [`GeoPoint::unit_vector`].
+    ///
+    /// Light that leaves below the light's horizontal plane counts as hidden only by terrain above that plane.
+    pub fn hides(&self, light_m: DVec3, point_m: DVec3, pixel_size_m: f64) -> bool {
+        let light = GeoPoint::from_vector(light_m);
+        let (altitude_m, point_altitude_m) =
+            (light_m.length() - EARTH_RADIUS_M, point_m.length() - EARTH_RADIUS_M);
+        let bearing = LocalFrame::at(light).bearing_to(point_m.normalize());
+        if bearing.distance_m < nearest_wall_m(pixel_size_m) {
+            return false;
+        }
+        let tangent = terrain_elevation_tangent(altitude_m, point_altitude_m, bearing.distance_m);
+        let sight = self.terrain.around_source(light, altitude_m, nearest_wall_m(pixel_size_m));
+        sight.is_higher_than(tangent.max(0.0), bearing.azimuth_rad, bearing.distance_m)
+    }
+
     /// The raster's radiance at a place, nW cm⁻² sr⁻¹, without the calibration: 0 where it measured no
     /// light (or less than none), `None` outside and without data.
     pub fn radiance_nw_cm2_sr(&self, place: GeoPoint) -> Option<f64> {
@@ -78,14 +121,25 @@ impl Scene {
 
     /// The light around a place by azimuth and distance: all lit pixels whose centre is within 300 km, far
     /// ones by blocks (see [`FAR_BLOCK_RATIO`]). Works for places off the raster too.
-    pub fn polar_grid(&self, place: GeoPoint) -> PolarGrid {
-        self.polar_grid_with_ratio(place, FAR_BLOCK_RATIO)
+    ///
+    /// * `terrain_hides`: whether the terrain between a light and the place cuts its low light. Without it, or
+    ///   where the scene knows no skylines of its lights, all light is under an open sky (blocking index 0).
+    pub fn polar_grid(&self, place: GeoPoint, terrain_hides: bool) -> PolarGrid {
+        self.polar_grid_with_ratio(place, terrain_hides, FAR_BLOCK_RATIO)
     }
 
     /// [`Self::polar_grid`] with another limit for blocks; 0 takes every pixel by itself.
-    pub fn polar_grid_with_ratio(&self, place: GeoPoint, far_block_ratio: f64) -> PolarGrid {
+    pub fn polar_grid_with_ratio(
+        &self,
+        place: GeoPoint,
+        terrain_hides: bool,
+        far_block_ratio: f64,
+    ) -> PolarGrid {
         let mut accumulator = PolarAccumulator::new();
-        self.light().gather(&LocalFrame::at(place), far_block_ratio, &mut accumulator);
+        let skylines =
+            self.skylines.as_ref().filter(|skylines| terrain_hides && skylines.blocked_count() > 0);
+        let light = Light { skylines, ..self.light() };
+        light.gather(&LocalFrame::at(place), far_block_ratio, &mut accumulator);
         accumulator.finish(place, self.coverage(place))
     }
 
@@ -121,6 +175,7 @@ impl Scene {
             pixels: &self.pixels,
             pyramid: &self.pyramid,
             calibration: self.metadata.calibration,
+            skylines: None,
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Scenes on disk: `<data>/scenes/<id>/` with `metadata.json`, `light.bin`, and `terrain.bin` and
-//! `places.json` where there are any.
+//! Scenes on disk: `<data>/scenes/<id>/` with `metadata.json`, `light.bin`, and `terrain.bin` (with `skylines.bin`,
+//! but for scenes of older programs) and `places.json` where there are any.
 //!
 //! `metadata.json` names each file with its length and BLAKE3 hash, and itself by `version`; all are checked
 //! when a scene is opened. A scene appears by one rename, so it is whole or not there.
@@ -13,8 +13,9 @@ use crate::metadata::{Place, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::sections::{Flaw, Sections, unpack_ascending};
+use crate::skylines::Skylines;
 use crate::staging;
-use crate::stored::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, StoredScene, TERRAIN_FILE};
+use crate::stored::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE};
 use crate::terrain::Terrain;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -123,6 +124,18 @@ impl SceneStore {
             let parsed = Sections::parse(&bytes).and_then(|sections| Terrain::from_sections(&sections));
             scene.terrain = parsed.map_err(damaged(id, TERRAIN_FILE))?;
         }
+        if let Some(bytes) = read(SKYLINES_FILE)? {
+            let count = scene.pixels.len();
+            let parsed =
+                Sections::parse(&bytes).and_then(|sections| Skylines::from_sections(&sections, count));
+            scene.skylines = Some(parsed.map_err(damaged(id, SKYLINES_FILE))?);
+        }
+        scene.pyramid = LightPyramid::build(
+            &scene.grid,
+            &scene.pixels,
+            scene.skylines.as_ref(),
+            scene.metadata.calibration,
+        );
         if let Some(bytes) = read(PLACES_FILE)? {
             let parsed: Result<Vec<Place>, _> = serde_json::from_slice(&bytes);
             scene.places =
@@ -137,6 +150,7 @@ fn damaged(id: &SceneId, file: &str) -> impl FnOnce(Flaw) -> SceneError {
     move |reason| SceneError::Damaged { scene, file, reason }
 }
 
+/// The scene without its terrain, its places and its light pyramid.
 fn read_light(bytes: &[u8], metadata: SceneMetadata) -> Result<Scene, Flaw> {
     let sections = Sections::parse(bytes)?;
     let grid = grid_sections::from_sections(&sections, "")?;
@@ -151,6 +165,14 @@ fn read_light(bytes: &[u8], metadata: SceneMetadata) -> Result<Scene, Flaw> {
     let (row_start, runs) = (sections.numbers("row_start")?, sections.numbers("runs")?);
     let mask = ValidMask::from_parts(grid.width, grid.height, row_start, runs)
         .ok_or("holds a mask that contradicts itself")?;
-    let pyramid = LightPyramid::build(&grid, &pixels, metadata.calibration);
-    Ok(Scene { metadata, grid, mask, pixels, pyramid, terrain: Terrain::default(), places: Vec::new() })
+    Ok(Scene {
+        metadata,
+        grid,
+        mask,
+        pixels,
+        skylines: None,
+        pyramid: LightPyramid::default(),
+        terrain: Terrain::default(),
+        places: Vec::new(),
+    })
 }

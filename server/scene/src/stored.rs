@@ -18,8 +18,11 @@ pub(crate) const METADATA_FILE: &str = "metadata.json";
 pub(crate) const LIGHT_FILE: &str = "light.bin";
 pub(crate) const TERRAIN_FILE: &str = "terrain.bin";
 pub(crate) const PLACES_FILE: &str = "places.json";
-/// Counts up with every change of the files' form.
-const FORMAT: u32 = 1;
+pub(crate) const SKYLINES_FILE: &str = "skylines.bin";
+/// Counts up with every change of the files' form. Form 2 has the skylines of lights where there is terrain.
+const FORMAT: u32 = 2;
+/// The oldest form that is still read.
+const OLDEST_FORMAT: u32 = 1;
 
 /// `metadata.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -74,8 +77,11 @@ impl StoredScene {
             format: u32,
         }
         let form: Form = serde_json::from_slice(text).map_err(broken)?;
-        if form.format != FORMAT {
-            return Err(format!("is of format {}, this program reads format {FORMAT}", form.format));
+        if !(OLDEST_FORMAT..=FORMAT).contains(&form.format) {
+            return Err(format!(
+                "is of format {}, this program reads formats {OLDEST_FORMAT} to {FORMAT}",
+                form.format
+            ));
         }
         let stored: Self = serde_json::from_slice(text).map_err(broken)?;
         if stored.version().map_err(broken)? != stored.metadata.version {
@@ -103,6 +109,10 @@ pub(crate) fn write(store: &SceneStore, scene: &mut Scene, replace: bool) -> Res
     if !scene.terrain.is_empty() {
         let bytes = sections::pack(&scene.terrain.to_sections()).map_err(SceneError::io(staging.path()))?;
         put(TERRAIN_FILE, &bytes)?;
+    }
+    if let Some(skylines) = &scene.skylines {
+        let bytes = sections::pack(&skylines.to_sections()).map_err(SceneError::io(staging.path()))?;
+        put(SKYLINES_FILE, &bytes)?;
     }
     if !scene.places.is_empty() {
         put(PLACES_FILE, &json(&scene.places, staging.path())?)?;

@@ -6,9 +6,11 @@ mod height_bounds;
 mod layer;
 mod ray;
 mod skyline;
+mod source_sight;
 mod tile;
 
 pub(crate) use layer::{LayerBuilder, TerrainLayer};
+pub(crate) use source_sight::nearest_wall_m;
 
 use crate::grid::Grid;
 use crate::ground::Ground;

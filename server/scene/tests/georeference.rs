@@ -58,7 +58,7 @@ fn check_against_gdal(raster: &TestRaster, around: GeoPoint, radius_m: f64) {
     }
     assert!(pixels.is_empty() && count == scene.metadata().lit_pixels);
     assert!((scene.metadata().report.flux_dnb_w / flux - 1.0).abs() < 1e-3, "{flux}");
-    assert!((scene.polar_grid(around).flux_dnb_w / flux - 1.0).abs() < 1e-3);
+    assert!((scene.polar_grid(around, false).flux_dnb_w / flux - 1.0).abs() < 1e-3);
 }
 
 #[test]

@@ -82,7 +82,7 @@ proptest! {
         let observer = place(latitude, longitude);
         let slack_m = center_slack_m(raster);
         let [least, most] = [-slack_m, slack_m].map(|more_m| direct_flux_dnb_w(raster, observer, 300_000.0 + more_m));
-        let grid = scene.polar_grid(observer);
+        let grid = scene.polar_grid(observer, false);
         let flux = grid.flux_dnb_w;
         prop_assert!((least * (1.0 - 1e-9)..=most * (1.0 + 1e-9)).contains(&flux), "{least} {flux} {most}");
         prop_assert!((cell_flux(&grid) - flux).abs() <= 1e-6 * flux);
@@ -102,7 +102,8 @@ fn a_pixel_more_is_seen_in_the_flux() {
     let dark = other.values.iter().position(|v| *v == 0.0).unwrap();
     other.values[dark] = 40.0;
     let missed =
-        (scene.polar_grid(observer).flux_dnb_w / direct_flux_dnb_w(&other, observer, 300_000.0) - 1.0).abs();
+        (scene.polar_grid(observer, false).flux_dnb_w / direct_flux_dnb_w(&other, observer, 300_000.0) - 1.0)
+            .abs();
     assert!(missed > 1e-6, "{missed}");
 }
 
@@ -112,7 +113,7 @@ fn light_near_300_km_is_cut_pixel_by_pixel() {
     // The raster is 417 km wide: from its west edge the circle passes through it.
     let observer = place(-0.5, 36.0);
     let all = scene.metadata().report.flux_dnb_w;
-    let grid = scene.polar_grid(observer);
+    let grid = scene.polar_grid(observer, false);
     assert!(grid.flux_dnb_w < 0.9 * all);
     assert!((grid.flux_dnb_w / direct_flux_dnb_w(raster, observer, 300_000.0) - 1.0).abs() < 1e-12);
 }
@@ -122,7 +123,7 @@ fn turning_the_observer_at_the_pole_turns_the_grid() {
     let (_, scene) = &worlds()[4];
     let step_deg = 360.0 / 256.0;
     let (first, turned) =
-        (scene.polar_grid(place(90.0, 10.0)), scene.polar_grid(place(90.0, 10.0 + step_deg)));
+        (scene.polar_grid(place(90.0, 10.0), false), scene.polar_grid(place(90.0, 10.0 + step_deg), false));
     let column = |grid: &PolarGrid, i: usize| -> Vec<(u32, f32)> {
         let range = grid.azimuth_start[i] as usize..grid.azimuth_start[i + 1] as usize;
         grid.cells[range].iter().map(|c| (c.ring, c.flux_dnb_w)).collect()
@@ -163,8 +164,8 @@ fn cells_of(grid: &PolarGrid) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
 fn far_blocks_change_a_smooth_sky_by_less_than_the_splat_does() {
     let (_, scene) = &worlds()[0];
     let observer = place(-0.4, 37.9);
-    let blocks = scene.polar_grid(observer);
-    let pixels = scene.polar_grid_with_ratio(observer, 0.0);
+    let blocks = scene.polar_grid(observer, false);
+    let pixels = scene.polar_grid_with_ratio(observer, false, 0.0);
     let exact = point_sources(observer, &scene.source_pixels_within(observer, 300_000.0));
     let (mut by_blocks, mut by_splat) = (0f64, 0f64);
     for k in 0..16 {
@@ -177,7 +178,7 @@ fn far_blocks_change_a_smooth_sky_by_less_than_the_splat_does() {
     println!("blocks change it by {by_blocks:.1e}, the splat by {by_splat:.1e}");
     assert!(by_blocks < 1e-4 && by_splat < 3e-3);
     // The control: blocks eight times as wide are seen.
-    let coarse = scene.polar_grid_with_ratio(observer, 8.0 * FAR_BLOCK_RATIO);
+    let coarse = scene.polar_grid_with_ratio(observer, false, 8.0 * FAR_BLOCK_RATIO);
     let changed = (weigh(cells_of(&coarse), 1.0) / weigh(cells_of(&pixels), 1.0) - 1.0).abs();
     assert!(changed > by_blocks, "{changed}");
 }
@@ -191,7 +192,7 @@ fn one_lamp_is_found_where_it_is() {
     for (lat, lon) in [(-2.0, 37.5), (-1.5, 40.5), (-1.5, 39.6), (0.9, 39.0)] {
         let observer = place(lat, lon);
         let bearing = LocalFrame::at(observer).bearing_to(lamp.unit_vector());
-        let grid = scene.polar_grid(observer);
+        let grid = scene.polar_grid(observer, false);
         let (mut azimuth, mut log, mut flux) = ((0.0, 0.0), 0.0, 0.0);
         for (cell_azimuth, cell_distance, cell_flux) in cells_of(&grid) {
             azimuth.0 += cell_flux * cell_azimuth.sin();
@@ -213,7 +214,8 @@ fn the_calibration_multiplies_the_flux_and_not_the_radiance() {
     let plain = bench.scene(&raster);
     let brighter = bench.scene_with(&raster, |options| options.calibration = 1.5);
     let observer = place(-1.2, 37.2);
-    let ratio = brighter.polar_grid(observer).flux_dnb_w / plain.polar_grid(observer).flux_dnb_w;
+    let ratio =
+        brighter.polar_grid(observer, false).flux_dnb_w / plain.polar_grid(observer, false).flux_dnb_w;
     assert!((ratio - 1.5).abs() < 1e-12);
     assert_eq!(brighter.radiance_nw_cm2_sr(observer), plain.radiance_nw_cm2_sr(observer));
     assert_ne!(brighter.metadata().version, plain.metadata().version);
@@ -244,7 +246,7 @@ fn coverage_is_the_covered_part_of_the_disc() {
         }
         let coverage = scene.coverage(observer);
         assert!((coverage - inside / all).abs() < 0.005, "{coverage} {}", inside / all);
-        assert_eq!(scene.polar_grid(observer).coverage, coverage);
+        assert_eq!(scene.polar_grid(observer, false).coverage, coverage);
     }
 }
 

@@ -47,7 +47,7 @@ fn kenya_keeps_its_flux_from_every_place() {
         let observer = place(lat, lon);
         let direct: f64 = scene.source_pixels_within(observer, 300_000.0).iter().map(|p| p.flux_dnb_w).sum();
         let start = Instant::now();
-        let grid = scene.polar_grid(observer);
+        let grid = scene.polar_grid(observer, false);
         let time_ms = 1e3 * start.elapsed().as_secs_f64();
         let cells: f64 = grid.cells.iter().map(|c| f64::from(c.flux_dnb_w)).sum();
         println!(

@@ -180,10 +180,10 @@ fn a_million_lit_pixels_open_and_become_a_polar_grid_with_their_flux() {
     };
     let opened = best(&mut || drop(bench.store.open(&metadata.id).unwrap()));
     let scene = bench.store.open(&metadata.id).unwrap();
-    let grid = best(&mut || drop(scene.polar_grid(place(0.0, 37.0))));
+    let grid = best(&mut || drop(scene.polar_grid(place(0.0, 37.0), false)));
     println!("opened in {:.0} ms, polar grid in {:.1} ms", 1e3 * opened, 1e3 * grid);
     // How long it takes is printed above and asserted nowhere: it depends on what else the machine does.
-    let polar = scene.polar_grid(place(0.0, 37.0));
+    let polar = scene.polar_grid(place(0.0, 37.0), false);
     assert!(polar.cells.len() > 1_000 && polar.cells.len() < 60_000, "{}", polar.cells.len());
     let cells_w: f64 = polar.cells.iter().map(|cell| f64::from(cell.flux_dnb_w)).sum();
     assert!((cells_w / polar.flux_dnb_w - 1.0).abs() < 1e-3, "{cells_w} of {}", polar.flux_dnb_w);

@@ -1,6 +1,6 @@
 //! Mixing observer altitudes and lobes at the nodes that are needed.
 
-use crate::{prepare::Prepared, twin::lobe_shares};
+use crate::{node_table::NodeTable, prepare::Prepared, twin::lobe_shares};
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
 use skyglow_physics::{BAND_COUNT, LOBE_COUNT};
@@ -26,15 +26,14 @@ pub(crate) struct MixedShape {
 
 /// Lobe shares and mixed scale of every node.
 pub(crate) fn mix_scale(tables: &ResidentTables, request: &Prepared) -> Scales {
-    let weights = request.altitude_taps.weights_f32();
     let mut scales = Vec::with_capacity(BAND_COUNT * request.nodes.len());
     for band in 0..BAND_COUNT {
         for node in &request.nodes {
+            let table = NodeTable::of(tables, request, node);
+            let weights = table.taps.weights_f32();
             let log_scale = std::array::from_fn(|lobe| {
-                request.altitude_taps.indices().iter().zip(weights).fold(0.0, |sum, (&tap, weight)| {
-                    let position =
-                        tables.node_index(tap, lobe, band, node.ring as usize, node.offset as usize);
-                    sum + weight * tables.log_scale[position]
+                table.taps.indices().iter().zip(weights).fold(0.0, |sum, (&tap, weight)| {
+                    sum + weight * table.log_scale[table.index(tap, lobe, band)]
                 })
             });
             scales.push(lobe_shares(request.emission, log_scale));
@@ -48,21 +47,21 @@ pub(crate) fn mix_shape(tables: &ResidentTables, request: &Prepared, scales: &Sc
     let basis_count = request.basis_count.min(tables.basis_count);
     let padded_count = basis_count.next_multiple_of(BLOCK);
     let node_count = request.nodes.len();
-    let weights = request.altitude_taps.weights_f32();
     let mut shape = vec![0.0; BAND_COUNT * node_count * padded_count];
     shape.par_chunks_mut(NODES_PER_TASK * padded_count).enumerate().for_each(|(task, rows)| {
         let mut decoded = vec![0f32; basis_count];
         for (offset, row) in rows.chunks_exact_mut(padded_count).enumerate() {
             let slot = task * NODES_PER_TASK + offset;
             let (band, node) = (slot / node_count, &request.nodes[slot % node_count]);
+            let table = NodeTable::of(tables, request, node);
+            let weights = table.taps.weights_f32();
+            let in_use = basis_count.min(table.basis_count);
             for lobe in (0..LOBE_COUNT).filter(|&lobe| scales[slot][lobe] > 0.0) {
-                for (&tap, weight) in request.altitude_taps.indices().iter().zip(weights) {
-                    let position =
-                        tables.node_index(tap, lobe, band, node.ring as usize, node.offset as usize)
-                            * tables.basis_count;
-                    tables.shape[position..position + basis_count].convert_to_f32_slice(&mut decoded);
+                for (&tap, weight) in table.taps.indices().iter().zip(weights) {
+                    let position = table.index(tap, lobe, band) * table.basis_count;
+                    table.shape[position..position + in_use].convert_to_f32_slice(&mut decoded[..in_use]);
                     let factor = scales[slot][lobe] * weight;
-                    for (sum, value) in row.iter_mut().zip(&decoded) {
+                    for (sum, value) in row.iter_mut().zip(&decoded[..in_use]) {
                         *sum += factor * value;
                     }
                 }

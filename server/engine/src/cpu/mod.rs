@@ -70,7 +70,12 @@ impl Executor for CpuExecutor {
             .set
             .tables()
             .iter()
-            .map(|pack| 4 * pack.log_scale.len() + 2 * pack.shape.len() + 4 * pack.basis_spectrum.len())
+            .map(|pack| {
+                let blocked = pack.blocked.as_ref();
+                4 * (pack.log_scale.len() + blocked.map_or(0, |blocked| blocked.log_scale.len()))
+                    + 2 * (pack.shape.len() + blocked.map_or(0, |blocked| blocked.shape.len()))
+                    + 4 * pack.basis_spectrum.len()
+            })
             .sum();
         tables as u64 + self.basis.iter().map(BlockedBasis::bytes).sum::<u64>()
     }

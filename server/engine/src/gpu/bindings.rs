@@ -12,7 +12,9 @@ pub(crate) enum Binding {
     Columns,
     Twiddles,
     LogScale,
+    BlockedLogScale,
     Shape,
+    BlockedShape,
     Basis,
     Scales(Access),
     Mixed(Access),
@@ -37,8 +39,12 @@ use Access::{Read, Write};
 pub(crate) const fn bindings(pass: Pass) -> &'static [Binding] {
     use Binding as B;
     match pass {
-        Pass::MixScale => &[B::Frame, B::Requests, B::Nodes, B::LogScale, B::Scales(Write)],
-        Pass::MixShape => &[B::Frame, B::Requests, B::Nodes, B::Scales(Read), B::Shape, B::Mixed(Write)],
+        Pass::MixScale => {
+            &[B::Frame, B::Requests, B::Nodes, B::LogScale, B::BlockedLogScale, B::Scales(Write)]
+        }
+        Pass::MixShape => {
+            &[B::Frame, B::Requests, B::Nodes, B::Scales(Read), B::Shape, B::BlockedShape, B::Mixed(Write)]
+        }
         Pass::CellWeights => &[B::Frame, B::Requests, B::Nodes, B::Cells, B::Scales(Read), B::Weights(Write)],
         Pass::Coefficients => {
             &[B::Frame, B::Columns, B::Weights(Read), B::Mixed(Read), B::Coefficients(Write)]
@@ -62,7 +68,9 @@ impl Binding {
             Binding::Columns => "columns",
             Binding::Twiddles => "twiddles",
             Binding::LogScale => "log_scale",
+            Binding::BlockedLogScale => "blocked_log_scale",
             Binding::Shape => "shape",
+            Binding::BlockedShape => "blocked_shape",
             Binding::Basis => "basis",
             Binding::Scales(_) => "scales",
             Binding::Mixed(_) => "mixed",
@@ -97,13 +105,14 @@ impl Binding {
             | Binding::Cells
             | Binding::Columns
             | Binding::Twiddles
-            | Binding::LogScale => storage(Read),
+            | Binding::LogScale
+            | Binding::BlockedLogScale => storage(Read),
             Binding::Blended => storage(Write),
             Binding::Scales(access)
             | Binding::Coefficients(access)
             | Binding::Sums(access)
             | Binding::Radiance(access) => storage(access),
-            Binding::Shape => wgpu::BindingType::Texture {
+            Binding::Shape | Binding::BlockedShape => wgpu::BindingType::Texture {
                 sample_type: wgpu::TextureSampleType::Uint,
                 view_dimension: wgpu::TextureViewDimension::D2Array,
                 multisampled: false,

@@ -17,7 +17,8 @@ pub(crate) struct Frame {
     pub(crate) offset_count: u32,
     pub(crate) pack_slot: u32,
     pub(crate) pack_count: u32,
-    pub(crate) spare: u32,
+    pub(crate) blocked_octet_count: u32,
+    pub(crate) blocked_offset_count: u32,
 }
 
 /// One request of a batch.
@@ -30,16 +31,19 @@ pub(crate) struct Request {
     pub(crate) emission: [f32; 3],
     pub(crate) tap_count: u32,
     pub(crate) flux_per_dnb_flux: [f32; 3],
-    pub(crate) spare: u32,
+    pub(crate) blocked_tap_count: u32,
+    pub(crate) blocked_tap_layer: [u32; 4],
+    pub(crate) blocked_tap_weight: [f32; 4],
 }
 
-/// A (ring, offset) pair to mix for a request.
+/// A (blocking angle, ring, offset) to mix for a request.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Node {
     pub(crate) request: u32,
     pub(crate) ring: u32,
     pub(crate) offset: u32,
+    pub(crate) blocking: u32,
 }
 
 /// A lit cell between two nodes.

@@ -25,7 +25,7 @@ const QUAD_COUNT: usize = 4;
 
 fn prepared(seed: u64, observer_altitude_m: f64, turbidity: f64, set: &TableSet) -> Prepared {
     let request = RenderRequest {
-        polar: Arc::new(synthetic::polar_grid(seed, 900)),
+        polar: Arc::new(synthetic::polar_grid_with_skylines(seed, 900)),
         observer_altitude_m,
         turbidity: Turbidity::new(turbidity).unwrap(),
         scattering: Scattering::Single,
@@ -47,7 +47,7 @@ struct Rig {
 impl Rig {
     /// A batch of two on lavapipe, rendered.
     fn rendered(turbidity: f64) -> Self {
-        let set = TableSet::new(synthetic::table_set(&[2.0, 3.0, 4.0], BASIS_COUNT)).unwrap();
+        let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0, 3.0, 4.0], BASIS_COUNT)).unwrap();
         let context = Context::open(DeviceChoice::Lavapipe).unwrap();
         let mut executor = GpuExecutor::new(context, set.clone(), 1 << 30).unwrap();
         let batch = vec![prepared(1, 1661.0, turbidity, &set), prepared(2, 0.0, turbidity, &set)];

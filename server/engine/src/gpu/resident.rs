@@ -4,62 +4,95 @@ use super::context::Context;
 use crate::{error::EngineError, plan::FUNCTIONS_PER_LANE, table_set::TableSet};
 use half::f16;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
-use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
+use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentBlocked, ResidentTables};
 use std::borrow::Cow;
 
 /// One pack as the passes bind it.
 pub(crate) struct ResidentPack {
-    /// `[observer altitude][lobe][band][ring][offset]`.
-    pub(crate) log_scale: wgpu::Buffer,
-    /// f16 as in the pack, eight functions a texel of four words: on software Vulkan the pass then takes
-    /// half the processor time that it takes with half-float texels.
-    pub(crate) shape: wgpu::TextureView,
+    /// Sources under an open sky: layers are observer altitudes.
+    pub(crate) open: ResidentNodes,
+    /// Sources behind skylines: layers are (observer altitude, angle). A single empty node where the pack has none.
+    pub(crate) blocked: ResidentNodes,
     /// f32, four elevations a texel.
     pub(crate) basis: wgpu::TextureView,
 }
 
-/// Width, height and layers of a pack's shape texture.
-fn shape_extent(tables: &ResidentTables) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width: (tables.offset_count * tables.basis_count.div_ceil(FUNCTIONS_PER_LANE)) as u32,
-        height: (LOBE_COUNT * BAND_COUNT * tables.ring_distance_m.len()) as u32,
-        depth_or_array_layers: tables.observer_altitude_m.len() as u32,
-    }
+/// The numbers at a table's nodes.
+pub(crate) struct ResidentNodes {
+    /// `[layer][lobe][band][ring][offset]`.
+    pub(crate) log_scale: wgpu::Buffer,
+    /// f16 as in the pack, eight functions a texel of four words: on software Vulkan the pass then takes
+    /// half the processor time that it takes with half-float texels.
+    pub(crate) shape: wgpu::TextureView,
 }
 
-/// Width and height of a pack's basis texture: whole lanes of functions, zero beyond the last.
-fn basis_extent(tables: &ResidentTables) -> wgpu::Extent3d {
-    let functions = tables.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
-    wgpu::Extent3d {
-        width: FREQUENCY_COUNT as u32,
-        height: (functions * ELEVATION_COUNT / 4) as u32,
-        depth_or_array_layers: 1,
-    }
+/// A table's nodes on the host.
+#[derive(Clone, Copy)]
+struct HostNodes<'a> {
+    layers: usize,
+    rings: usize,
+    offsets: usize,
+    basis_count: usize,
+    log_scale: &'a [f32],
+    shape: &'a [f16],
 }
 
-/// Bytes of a set's packs on the device.
-pub(crate) fn bytes(set: &TableSet) -> u64 {
-    let texels = |extent: wgpu::Extent3d| {
-        u64::from(extent.width) * u64::from(extent.height) * u64::from(extent.depth_or_array_layers)
-    };
-    set.tables()
-        .iter()
-        .map(|tables| {
-            4 * tables.log_scale.len() as u64
-                + 16 * texels(shape_extent(tables))
-                + 16 * texels(basis_extent(tables))
+/// What is bound where there is no table: nothing reads it.
+const NO_NODES: HostNodes<'static> = HostNodes {
+    layers: 1,
+    rings: 1,
+    offsets: 1,
+    basis_count: FUNCTIONS_PER_LANE,
+    log_scale: &[0.0; LOBE_COUNT * BAND_COUNT],
+    shape: &[f16::ZERO; LOBE_COUNT * BAND_COUNT * FUNCTIONS_PER_LANE],
+};
+
+impl<'a> HostNodes<'a> {
+    fn open(tables: &'a ResidentTables) -> Self {
+        Self {
+            layers: tables.observer_altitude_m.len(),
+            rings: tables.ring_distance_m.len(),
+            offsets: tables.offset_count,
+            basis_count: tables.basis_count,
+            log_scale: &tables.log_scale,
+            shape: &tables.shape,
+        }
+    }
+
+    fn blocked(tables: &'a ResidentTables) -> Self {
+        tables.blocked.as_ref().map_or(NO_NODES, |blocked| Self {
+            layers: blocked.observer_altitude_m.len() * ResidentBlocked::ANGLE_COUNT,
+            rings: tables.ring_distance_m.len(),
+            offsets: blocked.offset_count,
+            basis_count: blocked.basis_count,
+            log_scale: &blocked.log_scale,
+            shape: &blocked.shape,
         })
-        .sum()
-}
+    }
 
-impl ResidentPack {
-    /// Uploads a pack.
-    ///
-    /// # Errors
-    /// [`EngineError::BeyondLimit`] where it is too large for the adapter.
-    pub(crate) fn upload(context: &Context, tables: &ResidentTables) -> Result<Self, EngineError> {
+    /// Width, height and layers of the shape texture.
+    fn shape_extent(&self) -> wgpu::Extent3d {
+        wgpu::Extent3d {
+            width: (self.offsets * self.basis_count.div_ceil(FUNCTIONS_PER_LANE)) as u32,
+            height: (LOBE_COUNT * BAND_COUNT * self.rings) as u32,
+            depth_or_array_layers: self.layers as u32,
+        }
+    }
+
+    /// The shape table with each node's functions padded to whole lanes.
+    fn whole_lanes(&self) -> Cow<'a, [f16]> {
+        let padded = self.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
+        if padded == self.basis_count {
+            return Cow::Borrowed(self.shape);
+        }
+        let zeros = vec![f16::ZERO; padded - self.basis_count];
+        let rows = self.shape.chunks_exact(self.basis_count);
+        Cow::Owned(rows.flat_map(|row| row.iter().chain(&zeros)).copied().collect())
+    }
+
+    fn upload(&self, context: &Context) -> Result<ResidentNodes, EngineError> {
         let limits = context.device.limits();
-        let log_scale_bytes: &[u8] = bytemuck::cast_slice(&tables.log_scale);
+        let log_scale_bytes: &[u8] = bytemuck::cast_slice(self.log_scale);
         context.check_limit(
             "the scale table",
             log_scale_bytes.len() as u64,
@@ -76,9 +109,47 @@ impl ResidentPack {
             context,
             "shape",
             wgpu::TextureFormat::Rgba32Uint,
-            shape_extent(tables),
-            bytemuck::cast_slice(&whole_lanes(tables)),
+            self.shape_extent(),
+            bytemuck::cast_slice(&self.whole_lanes()),
         )?;
+        Ok(ResidentNodes { log_scale, shape })
+    }
+
+    fn bytes(&self) -> u64 {
+        4 * self.log_scale.len() as u64 + 16 * texels(self.shape_extent())
+    }
+}
+
+fn texels(extent: wgpu::Extent3d) -> u64 {
+    u64::from(extent.width) * u64::from(extent.height) * u64::from(extent.depth_or_array_layers)
+}
+
+/// Width and height of a pack's basis texture: whole lanes of functions, zero beyond the last.
+fn basis_extent(tables: &ResidentTables) -> wgpu::Extent3d {
+    let functions = tables.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
+    wgpu::Extent3d {
+        width: FREQUENCY_COUNT as u32,
+        height: (functions * ELEVATION_COUNT / 4) as u32,
+        depth_or_array_layers: 1,
+    }
+}
+
+/// Bytes of a set's packs on the device.
+pub(crate) fn bytes(set: &TableSet) -> u64 {
+    let pack = |tables: &ResidentTables| {
+        HostNodes::open(tables).bytes()
+            + HostNodes::blocked(tables).bytes()
+            + 16 * texels(basis_extent(tables))
+    };
+    set.tables().iter().map(|tables| pack(tables)).sum()
+}
+
+impl ResidentPack {
+    /// Uploads a pack.
+    ///
+    /// # Errors
+    /// [`EngineError::BeyondLimit`] where it is too large for the adapter.
+    pub(crate) fn upload(context: &Context, tables: &ResidentTables) -> Result<Self, EngineError> {
         let basis = upload_texture(
             context,
             "basis",
@@ -86,19 +157,12 @@ impl ResidentPack {
             basis_extent(tables),
             bytemuck::cast_slice(&basis_texels(tables)),
         )?;
-        Ok(Self { log_scale, shape, basis })
+        Ok(Self {
+            open: HostNodes::open(tables).upload(context)?,
+            blocked: HostNodes::blocked(tables).upload(context)?,
+            basis,
+        })
     }
-}
-
-/// The shape table with each node's functions padded to whole lanes.
-fn whole_lanes(tables: &ResidentTables) -> Cow<'_, [f16]> {
-    let padded = tables.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
-    if padded == tables.basis_count {
-        return Cow::Borrowed(&tables.shape);
-    }
-    let zeros = vec![f16::ZERO; padded - tables.basis_count];
-    let rows = tables.shape.chunks_exact(tables.basis_count);
-    Cow::Owned(rows.flat_map(|row| row.iter().chain(&zeros)).copied().collect())
 }
 
 /// The basis as `[function][four elevations][frequency]` texels.
@@ -130,11 +194,7 @@ fn upload_texture(
     context.check_limit("a table's texture width", u64::from(size.width), side)?;
     context.check_limit("a table's texture height", u64::from(size.height), side)?;
     let layers = u64::from(size.depth_or_array_layers);
-    context.check_limit(
-        "a table's observer altitudes",
-        layers,
-        u64::from(limits.max_texture_array_layers),
-    )?;
+    context.check_limit("a table's layers", layers, u64::from(limits.max_texture_array_layers))?;
     let texture = context.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size,

@@ -135,16 +135,27 @@ fn structures_lie_alike_on_both_sides() {
             offset_count,
             pack_slot,
             pack_count,
-            spare
+            blocked_octet_count,
+            blocked_offset_count
         ]
     );
     assert_layout!(
         &module,
         "Request",
         Request,
-        [tap_layer, tap_weight, blend_weight, emission, tap_count, flux_per_dnb_flux, spare]
+        [
+            tap_layer,
+            tap_weight,
+            blend_weight,
+            emission,
+            tap_count,
+            flux_per_dnb_flux,
+            blocked_tap_count,
+            blocked_tap_layer,
+            blocked_tap_weight
+        ]
     );
-    assert_layout!(&module, "Node", Node, [request, ring, offset]);
+    assert_layout!(&module, "Node", Node, [request, ring, offset, blocking]);
     assert_layout!(&module, "Cell", Cell, [flux_dnb_w, lower_node, upper_node, upper_weight]);
     assert_layout!(&module, "Column", Column, [request, azimuth, first_cell, end_cell]);
 }
@@ -165,7 +176,13 @@ fn constants_are_the_same_on_both_sides() {
     ] {
         assert_eq!(constant(shaders::TYPES, name), value as f64, "{name}");
     }
-    assert_eq!(constant(shaders::INDEXING, "CELLS_PER_ROW"), f64::from(twin::indexing::CELLS_PER_ROW));
+    for (name, value) in [
+        ("CELLS_PER_ROW", twin::indexing::CELLS_PER_ROW),
+        ("NODE_ROWS", twin::indexing::NODE_ROWS),
+        ("BLOCKED_ANGLE_COUNT", skyglow_physics::blocking::BLOCKING_COUNT as u32 - 1),
+    ] {
+        assert_eq!(constant(shaders::INDEXING, name), f64::from(value), "{name}");
+    }
     let floor = constant(shaders::BLENDING, "RADIANCE_FLOOR_W_M2_SR");
     assert_eq!(floor as f32, twin::RADIANCE_FLOOR_W_M2_SR);
 }

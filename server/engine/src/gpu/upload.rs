@@ -31,10 +31,17 @@ impl BatchArrays {
             emission: prepared.emission,
             tap_count: prepared.altitude_taps.indices().len() as u32,
             flux_per_dnb_flux: prepared.flux_per_dnb_flux,
-            spare: 0,
+            blocked_tap_count: prepared.blocked_altitude_taps.indices().len() as u32,
+            blocked_tap_layer: prepared.blocked_altitude_taps.indices_u32(),
+            blocked_tap_weight: prepared.blocked_altitude_taps.weights_f32(),
         });
         let nodes = prepared.nodes.iter();
-        self.nodes.extend(nodes.map(|node| Node { request, ring: node.ring, offset: node.offset }));
+        self.nodes.extend(nodes.map(|node| Node {
+            request,
+            ring: node.ring,
+            offset: node.offset,
+            blocking: node.blocking,
+        }));
         self.cells.extend(prepared.cells.iter().map(|cell| Cell {
             flux_dnb_w: cell.flux_dnb_w,
             lower_node: cell.lower_node + first_node,
@@ -53,6 +60,7 @@ impl BatchArrays {
 /// The frame of a pack slot; one past the last pack is the blend's.
 pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
     let pack = plan.packs.get(slot);
+    let blocked = pack.and_then(|pack| set.tables()[pack.index].blocked.as_ref());
     Frame {
         request_count: plan.request_count as u32,
         node_count: plan.node_count as u32,
@@ -65,6 +73,7 @@ pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
         offset_count: set.offset_count() as u32,
         pack_slot: slot as u32,
         pack_count: plan.packs.len() as u32,
-        spare: 0,
+        blocked_octet_count: blocked.map_or(0, |blocked| blocked.basis_count.div_ceil(8)) as u32,
+        blocked_offset_count: blocked.map_or(0, |blocked| blocked.offset_count) as u32,
     }
 }

@@ -10,7 +10,10 @@ use crate::{
     plan::{FUNCTIONS_PER_LANE, Pass},
     table_set::TableSet,
     taps::Taps,
-    twin::{indexing::CELLS_PER_ROW, twiddle},
+    twin::{
+        indexing::{CELLS_PER_ROW, NODE_ROWS},
+        twiddle,
+    },
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
 use skyglow_tables::resident::FREQUENCY_COUNT;
@@ -55,14 +58,16 @@ impl WorkspaceSize {
     /// What a set of packs can ask for.
     pub(crate) fn of(set: &TableSet) -> Self {
         Self {
-            node_count: crate::MAX_BATCH_NODES.max(set.ring_count() * set.offset_count()),
-            cell_count: MAX_BATCH * AZIMUTH_COUNT * set.ring_count(),
+            node_count: crate::MAX_BATCH_NODES.max(set.node_count()),
+            cell_count: crate::MAX_BATCH_CELLS.max(set.cell_count()),
             function_count: set.basis_count().next_multiple_of(FUNCTIONS_PER_LANE),
         }
     }
 
     fn mixed_extent(self) -> [usize; 2] {
-        [BAND_COUNT * self.function_count / 4, self.node_count]
+        let rows = NODE_ROWS as usize;
+        let side_by_side = self.node_count.div_ceil(rows);
+        [side_by_side * BAND_COUNT * self.function_count / 4, self.node_count.min(rows)]
     }
 
     fn weights_extent(self) -> [usize; 2] {

@@ -1,5 +1,7 @@
 //! Where things lie in the textures.
 
+use skyglow_tables::resident::ResidentBlocked;
+
 /// Cells in one row of the cell-weight texture.
 pub const CELLS_PER_ROW: u32 = 1024;
 
@@ -9,10 +11,19 @@ pub fn cell_texel(cell: u32, band: u32) -> [u32; 2] {
     [(cell % CELLS_PER_ROW) * 3 + band, cell / CELLS_PER_ROW]
 }
 
+/// Nodes in one column of the mixed texture; more stand beside them, for no texture need be higher.
+pub const NODE_ROWS: u32 = 8192;
+
 /// Texel (x, y) of four consecutive mixed shape coefficients, the `quad`th of `quad_count` in one band of a node.
 #[inline(always)]
 pub fn mixed_texel(node: u32, band: u32, quad: u32, quad_count: u32) -> [u32; 2] {
-    [band * quad_count + quad, node]
+    [(node / NODE_ROWS * 3 + band) * quad_count + quad, node % NODE_ROWS]
+}
+
+/// Layer of an observer altitude and an angle in the tables of sources behind skylines.
+#[inline(always)]
+pub fn blocked_layer(observer_altitude: u32, angle_index: u32) -> u32 {
+    observer_altitude * ResidentBlocked::ANGLE_COUNT as u32 + angle_index
 }
 
 /// Texel (x, y) of eight consecutive shape coefficients in the layer of one observer altitude.

@@ -13,5 +13,5 @@ pub use fft::{
     Complex, complex_multiply, pair_from_spectra, radix4_butterfly, split_pair_spectrum, stockham_target,
     transform_256, twiddle, twiddle_index,
 };
-pub use indexing::{cell_texel, mixed_texel, shape_texel};
+pub use indexing::{blocked_layer, cell_texel, mixed_texel, shape_texel};
 pub use mixing::{cell_weights, lobe_shares};

@@ -119,6 +119,8 @@ pub enum IngestStage {
     Terrain,
     /// Finding the altitude of each lit pixel.
     Altitude,
+    /// Looking around from each lit pixel for terrain that hides its light.
+    Skyline,
     /// Writing the scene.
     Store,
 }

@@ -23,38 +23,44 @@ const LONGEST_STRETCH_M: f64 = 16_000.0;
 const SHORTEST_STRETCH_M: f64 = 1_000.0;
 
 /// A layer as one observer sees it.
-struct View<'a> {
-    layer: &'a TerrainLayer,
+pub(super) struct View<'a> {
+    pub(super) layer: &'a TerrainLayer,
     /// Layers before this one that may overlap it: where they have a value it counts.
-    earlier: Vec<&'a TerrainLayer>,
+    pub(super) earlier: Vec<&'a TerrainLayer>,
     /// First and last distance at which the layer can lie and matter, metres.
-    reach_m: (f64, f64),
+    pub(super) reach_m: (f64, f64),
     /// Middle and half width of the azimuths under which it lies, radians.
     azimuths_rad: (f64, f64),
     /// The observer's place or the grid's middle in the grid's columns and rows: where paths begin.
     near: (f64, f64),
-    highest_m: f64,
+    pub(super) highest_m: f64,
 }
 
 impl Terrain {
     /// Elevation of the ground against the sky, seen from an eye over a place.
     pub(crate) fn horizon(&self, place: GeoPoint, observer_altitude_m: f64) -> Horizon {
         let frame = LocalFrame::at(place);
-        let mut views: Vec<View<'_>> = (0..self.layers.len())
-            .filter_map(|index| {
-                View::of(&self.layers[index], &self.layers[..index], &frame, observer_altitude_m)
-            })
-            .collect();
+        let views = self.views(&frame, observer_altitude_m);
         if views.is_empty() {
             return Horizon::flat();
         }
-        // What is near hides what is far: the far layer is then done with one look.
-        views.sort_by(|a, b| a.reach_m.0.total_cmp(&b.reach_m.0));
         let mut tangents = [0.0; AZIMUTH_COUNT];
         tangents.par_iter_mut().enumerate().for_each(|(column, tangent)| {
             *tangent = tangent_towards(&views, &frame, observer_altitude_m, azimuth_rad(column));
         });
         Horizon::from_tangents(&tangents)
+    }
+
+    /// The layers that can rise above the horizontal plane of an eye, the nearest first: what is near hides what is
+    /// far, and the far layer is then done with one look.
+    pub(super) fn views(&self, frame: &LocalFrame, observer_altitude_m: f64) -> Vec<View<'_>> {
+        let mut views: Vec<View<'_>> = (0..self.layers.len())
+            .filter_map(|index| {
+                View::of(&self.layers[index], &self.layers[..index], frame, observer_altitude_m)
+            })
+            .collect();
+        views.sort_by(|a, b| a.reach_m.0.total_cmp(&b.reach_m.0));
+        views
     }
 }
 
@@ -94,7 +100,7 @@ impl<'a> View<'a> {
         })
     }
 
-    fn lies_towards(&self, azimuth_rad: f64) -> bool {
+    pub(super) fn lies_towards(&self, azimuth_rad: f64) -> bool {
         let (middle, half_width) = self.azimuths_rad;
         ((azimuth_rad - middle + PI).rem_euclid(TAU) - PI).abs() <= half_width
     }
@@ -122,19 +128,25 @@ fn tangent_towards(
         let cover: Option<&dyn Fn(f64) -> bool> =
             if view.earlier.is_empty() { None } else { Some(&is_covered) };
         let mut ray = Ray::new(view.layer, observer_altitude_m, tangent, cover);
-        look_along(&mut ray, view, frame, &point);
+        look_along(&mut ray, view, view.reach_m, frame, &point);
         tangent = ray.tangent();
     }
     tangent
 }
 
-/// Looks along a great circle over one layer, stretch by stretch, until nothing farther can be seen.
-fn look_along(ray: &mut Ray<'_>, view: &View<'_>, frame: &LocalFrame, point: &dyn Fn(f64) -> DVec3) {
+/// Looks along a great circle over one layer between two distances [m], stretch by stretch, until nothing farther can
+/// be seen.
+pub(super) fn look_along(
+    ray: &mut Ray<'_>,
+    view: &View<'_>,
+    (first_m, last_m): (f64, f64),
+    frame: &LocalFrame,
+    point: &dyn Fn(f64) -> DVec3,
+) {
     let grid = view.layer.grid();
     let turn = grid.turn_columns();
     // Meridians draw together towards the poles, and great circles bend more between them.
     let longest_m = LONGEST_STRETCH_M * frame.up.truncate().length().max(0.02);
-    let (first_m, last_m) = view.reach_m;
     let mut start_m = first_m;
     let mut start = grid.position_near(point(start_m), view.near);
     while start_m < last_m && ray.would_see(view.highest_m, start_m) {

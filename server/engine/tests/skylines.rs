@@ -1,0 +1,113 @@
+//! Light behind skylines: both executors against f64, and what they do where nothing is hidden or packs know no skylines.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
+mod common;
+
+use common::{largest_error, request};
+use skyglow_engine::{
+    DeviceChoice, Engine, EngineConfig, TableSet, prepare::Prepared, reference::render_f64, synthetic,
+};
+use skyglow_scene::{PolarCell, PolarGrid};
+use std::sync::Arc;
+
+fn engine(device: DeviceChoice, turbidities: &[f64]) -> Engine {
+    let tables = synthetic::table_set_with_skylines(turbidities, 16);
+    Engine::start(EngineConfig { device, tables, ..EngineConfig::default() }).unwrap()
+}
+
+/// All light of a grid at one blocking angle.
+fn all_behind(mut grid: PolarGrid, blocking: u32) -> PolarGrid {
+    grid.cells.iter_mut().for_each(|cell| cell.blocking = blocking);
+    grid
+}
+
+#[test]
+fn lavapipe_and_cpu_agree_with_f64_on_light_behind_skylines() {
+    let engines = [DeviceChoice::Lavapipe, DeviceChoice::Cpu].map(|device| engine(device, &[2.0, 3.0, 4.0]));
+    let set = TableSet::new(engines[0].tables().to_vec()).unwrap();
+    for (turbidity, basis) in [(2.0, None), (2.4, None), (3.0, Some(5))] {
+        let mut request = request(synthetic::polar_grid_with_skylines(7, 3000), turbidity);
+        request.basis = basis;
+        let prepared = Prepared::new(&request, &set).unwrap();
+        assert!(prepared.nodes.iter().any(|node| node.blocking == 7));
+        let exact = render_f64(&prepared, &set);
+        for engine in &engines {
+            let rendered = engine.render_blocking(request.clone()).unwrap();
+            let error = largest_error(rendered.panorama.samples(), &exact);
+            println!(
+                "{:?}, T = {turbidity}, basis {basis:?}: largest relative error {error:.1e}",
+                rendered.executor
+            );
+            assert!(error < 1e-5, "{error}");
+        }
+        // Other angles are seen.
+        let mut other = request.clone();
+        for cell in Arc::make_mut(&mut other.polar).cells.iter_mut().step_by(50) {
+            cell.blocking = (cell.blocking + 1) % 8;
+        }
+        let rendered = engines[1].render_blocking(other).unwrap();
+        assert!(largest_error(rendered.panorama.samples(), &exact) > 1e-5);
+    }
+}
+
+#[test]
+fn more_nodes_than_one_column_of_the_texture_holds_come_out_right() {
+    // Light at every angle and at many altitudes on every ring.
+    let mut grid = synthetic::dark_grid();
+    for azimuth in 0..256 {
+        if azimuth % 4 == 0 {
+            for ring in 0..192u32 {
+                for blocking in 0..8 {
+                    let altitude_m = 40.0 * ((azimuth / 4 * 37 + 11 * ring as usize) % 150) as f32;
+                    grid.cells.push(PolarCell { ring, flux_dnb_w: 1e4, altitude_m, blocking });
+                }
+            }
+        }
+        grid.azimuth_start[azimuth + 1] = grid.cells.len() as u32;
+    }
+    let engines = [DeviceChoice::Lavapipe, DeviceChoice::Cpu].map(|device| engine(device, &[2.0]));
+    let set = TableSet::new(engines[0].tables().to_vec()).unwrap();
+    let request = request(grid, 2.0);
+    let prepared = Prepared::new(&request, &set).unwrap();
+    assert!(prepared.nodes.len() > 8192, "{}", prepared.nodes.len());
+    let exact = render_f64(&prepared, &set);
+    for engine in &engines {
+        let rendered = engine.render_blocking(request.clone()).unwrap();
+        let error = largest_error(rendered.panorama.samples(), &exact);
+        assert!(error < 1e-5, "{error}");
+    }
+}
+
+#[test]
+fn an_open_sky_is_rendered_as_by_packs_that_know_no_skylines_and_costs_no_more() {
+    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+        let knowing = engine(device, &[2.0, 3.0]);
+        let plain = common::engine(device, &[2.0, 3.0], 16);
+        let open = request(synthetic::polar_grid(3, 800), 2.3);
+        let (a, b) = (knowing.render_blocking(open.clone()).unwrap(), plain.render_blocking(open).unwrap());
+        assert_eq!(a.panorama, b.panorama);
+        assert_eq!(a.work, b.work);
+    }
+}
+
+#[test]
+fn packs_that_know_no_skylines_take_hidden_light_for_open() {
+    let plain = common::engine(DeviceChoice::Cpu, &[2.0], 16);
+    let open = synthetic::polar_grid(3, 800);
+    let behind = plain.render_blocking(request(all_behind(open.clone(), 5), 2.0)).unwrap();
+    assert_eq!(behind.panorama, plain.render_blocking(request(open, 2.0)).unwrap().panorama);
+    assert!(!TableSet::new(plain.tables().to_vec()).unwrap().kinds()[0].hides_lights);
+}
+
+#[test]
+fn higher_skylines_make_darker_skies() {
+    let engine = engine(DeviceChoice::Cpu, &[2.0]);
+    let open = synthetic::polar_grid(3, 800);
+    let mut before = f64::INFINITY;
+    for blocking in 1..8 {
+        let sky = engine.render_blocking(request(all_behind(open.clone(), blocking), 2.0)).unwrap();
+        let sum: f64 = sky.panorama.samples().iter().map(|value| f64::from(*value)).sum();
+        assert!(sum < before, "{blocking}: {sum} {before}");
+        before = sum;
+    }
+}

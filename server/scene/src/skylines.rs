@@ -1,0 +1,165 @@
+//! The skylines of lights: how high the terrain between a light and an observer is, as the light sees it.
+//!
+//! For each light, 32 azimuths and some reaches: the highest elevation angle of terrain within the reach, as a place on
+//! the axis of blocking angles ([`blocking_position`]), in a byte. Towards an observer the value is linear in azimuth
+//! and in ln(distance) between the reaches, so at a reach it is that of the terrain within it: what stands behind the
+//! observer hides nothing. Lights that see the sky all around take no room.
+
+use crate::light_pyramid::Level;
+use crate::sections::{Flaw, Sections, pack_ascending, unpack_ascending};
+use bytemuck::cast_slice;
+use skyglow_physics::blocking::{BLOCKING_COUNT, blocking_position};
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+
+/// Azimuths at which a light looks; number i is at i·360/32 degrees clockwise from north.
+pub const SKYLINE_AZIMUTH_COUNT: usize = 32;
+/// Within these distances of the light the highest terrain is known, metres. Each is twice the one before.
+pub const SKYLINE_REACHES_M: [f64; REACH_COUNT] =
+    [500.0, 1_000.0, 2_000.0, 4_000.0, 8_000.0, 16_000.0, 32_000.0, 64_000.0, 128_000.0];
+const REACH_COUNT: usize = 9;
+/// ln of a reach over the one before.
+const REACH_LOG_STEP: f64 = std::f64::consts::LN_2;
+/// Codes a node of the axis of blocking angles: 0.014° near the open sky, 2 % of the angle above half a degree.
+const STEPS_PER_NODE: f64 = 36.0;
+/// The highest code.
+const LAST_CODE: f64 = STEPS_PER_NODE * (BLOCKING_COUNT - 1) as f64;
+
+/// Highest terrain of one light, `[azimuth][reach]`.
+pub(crate) type Skyline = [[u8; REACH_COUNT]; SKYLINE_AZIMUTH_COUNT];
+
+/// The skylines of lights, by the index of the light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Skylines {
+    /// Where the light's skyline is in `blocked`; [`OPEN`] where nothing stands around it.
+    at: Vec<u32>,
+    blocked: Vec<Skyline>,
+}
+
+/// A light under an open sky.
+const OPEN: u32 = u32::MAX;
+
+/// The code of an elevation angle, by its tangent.
+pub(crate) fn code_of(tangent: f64) -> u8 {
+    let (node, weight) = blocking_position(tangent.atan().to_degrees());
+    (STEPS_PER_NODE * (node as f64 + weight)).round() as u8
+}
+
+impl Skylines {
+    /// Adds the next light's.
+    pub(crate) fn push(&mut self, skyline: &Skyline) {
+        if skyline.iter().flatten().all(|&code| code == 0) {
+            self.at.push(OPEN);
+        } else {
+            self.at.push(self.blocked.len() as u32);
+            self.blocked.push(*skyline);
+        }
+    }
+
+    /// How many lights have terrain around them.
+    pub(crate) fn blocked_count(&self) -> usize {
+        self.blocked.len()
+    }
+
+    /// Whether nothing stands around a light.
+    pub(crate) fn is_open(&self, light: usize) -> bool {
+        self.at[light] == OPEN
+    }
+
+    /// Place of the skyline on the axis of blocking angles, 0..=7, from a light towards an observer.
+    ///
+    /// * `azimuth_rad`: of the observer, seen from the light, −2π..=2π.
+    /// * `distance_m`: between them, above 0.
+    pub(crate) fn blocking(&self, light: usize, azimuth_rad: f64, distance_m: f64) -> f64 {
+        let at = self.at[light];
+        if at == OPEN {
+            return 0.0;
+        }
+        let skyline = &self.blocked[at as usize];
+        let reach = (distance_m / SKYLINE_REACHES_M[0]).ln() / REACH_LOG_STEP;
+        // Half of the first reach is about the nearest distance at which terrain counts.
+        if reach <= -1.0 {
+            return 0.0;
+        }
+        let outer = ((reach + 1.0) as usize).min(REACH_COUNT - 1);
+        let out = (reach + 1.0 - outer as f64).clamp(0.0, 1.0);
+        let turns = azimuth_rad / TAU;
+        let column = (turns - turns.floor()) * SKYLINE_AZIMUTH_COUNT as f64;
+        let left = column as usize;
+        let along = column - left as f64;
+        let code_at = |column: usize| {
+            let codes = &skyline[column % SKYLINE_AZIMUTH_COUNT];
+            let inner = if outer == 0 { 0.0 } else { f64::from(codes[outer - 1]) };
+            inner + out * (f64::from(codes[outer]) - inner)
+        };
+        let code = (1.0 - along) * code_at(left) + along * code_at(left + 1);
+        code.min(LAST_CODE) / STEPS_PER_NODE
+    }
+
+    /// The skylines of the blocks of a level of the light pyramid from those of the level below (pixels below level
+    /// 1): the mean of the places on the axis of blocking angles, weighted by flux, in which the tables are linear.
+    ///
+    /// * `flux_dnb_w`: upward flux of a child by its index.
+    pub(crate) fn of_blocks(&self, level: &Level, flux_dnb_w: impl Fn(usize) -> f64) -> Self {
+        let mut above = Self { at: Vec::with_capacity(level.blocks.len()), blocked: Vec::new() };
+        for block in 0..level.blocks.len() {
+            let children = level.children(block);
+            if children.clone().all(|child| self.is_open(child)) {
+                above.at.push(OPEN);
+                continue;
+            }
+            let mut sums = [[0f32; REACH_COUNT]; SKYLINE_AZIMUTH_COUNT];
+            let mut total = 0.0;
+            for child in children {
+                let flux = flux_dnb_w(child);
+                total += flux;
+                if !self.is_open(child) {
+                    let codes = self.blocked[self.at[child] as usize].iter().flatten();
+                    sums.iter_mut().flatten().zip(codes).for_each(|(sum, &code)| {
+                        *sum += flux as f32 * f32::from(code);
+                    });
+                }
+            }
+            above.push(&sums.map(|column| column.map(|sum| (sum / total as f32).round() as u8)));
+        }
+        above
+    }
+
+    /// The sections to store.
+    pub(crate) fn to_sections(&self) -> Vec<(String, Cow<'_, [u8]>)> {
+        let blocked: Vec<u64> = (0..self.at.len() as u64).filter(|&i| !self.is_open(i as usize)).collect();
+        vec![
+            ("reaches".into(), Cow::Borrowed(cast_slice(&SKYLINE_REACHES_M))),
+            ("blocked".into(), Cow::Owned(pack_ascending(&blocked))),
+            ("codes".into(), Cow::Borrowed(cast_slice(&self.blocked))),
+        ]
+    }
+
+    /// Undoes [`Self::to_sections`] for a number of lights.
+    pub(crate) fn from_sections(sections: &Sections<'_>, lights: usize) -> Result<Self, Flaw> {
+        if sections.numbers::<f64>("reaches")? != SKYLINE_REACHES_M {
+            return Err("holds skylines of other reaches than this program's".to_owned());
+        }
+        let indices = unpack_ascending(&sections.bytes("blocked")?)?;
+        let codes = sections.numbers::<u8>("codes")?;
+        let is_ascending = indices.windows(2).all(|pair| pair[0] < pair[1]);
+        if !is_ascending
+            || indices.last().is_some_and(|&last| last >= lights as u64)
+            || codes.len() != indices.len() * size_of::<Skyline>()
+        {
+            return Err("holds skylines that do not fit the lights".to_owned());
+        }
+        let mut at = vec![OPEN; lights];
+        for (number, &index) in indices.iter().enumerate() {
+            at[index as usize] = number as u32;
+        }
+        Ok(Self {
+            at,
+            blocked: codes.chunks_exact(size_of::<Skyline>()).map(|c| *bytemuck::from_bytes(c)).collect(),
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "skylines_tests.rs"]
+mod tests;
