@@ -130,6 +130,7 @@ impl Fake {
             attribution: Some("nobody".into()),
             illustrative: true,
             terrain: true,
+            light_skylines: true,
             places_count: 1,
             version: self.version.lock().unwrap().clone(),
         }
