@@ -16,7 +16,14 @@ fn main() {
     let mut options = IngestOptions::new(&arguments[1]);
     options.terrain = arguments[4..].iter().map(Into::into).collect();
     let start = Instant::now();
-    let metadata = ingest(&store, &options, &mut |_| {}).expect("an ingest");
+    let mut stage = (None, start);
+    let metadata = ingest(&store, &options, &mut |progress| {
+        if stage.0 != Some(progress.stage) {
+            println!("  {:?} after {:.2} s", stage.0, stage.1.elapsed().as_secs_f64());
+            stage = (Some(progress.stage), Instant::now());
+        }
+    })
+    .expect("an ingest");
     println!("ingest {:.3} s", start.elapsed().as_secs_f64());
     println!("{}", serde_json::to_string_pretty(&metadata).expect("JSON"));
     for entry in std::fs::read_dir(store.scenes_dir().join(metadata.id.as_str())).expect("a scene") {
@@ -26,15 +33,29 @@ fn main() {
     let start = Instant::now();
     let scene = store.open(&metadata.id).expect("a scene");
     println!("open {:.1} ms, {} lit pixels", 1e3 * start.elapsed().as_secs_f64(), metadata.lit_pixels);
-    for ratio in [skyglow_scene::FAR_BLOCK_RATIO, 0.0] {
-        let start = Instant::now();
-        let rounds = 20;
-        for _ in 0..rounds {
-            std::hint::black_box(scene.polar_grid_with_ratio(place, false, ratio));
-        }
+    for (terrain_hides, ratio) in [
+        (false, skyglow_scene::FAR_BLOCK_RATIO),
+        (true, skyglow_scene::FAR_BLOCK_RATIO),
+        (false, 0.0),
+        (true, 0.0),
+    ] {
+        let times_ms: Vec<f64> = (0..150)
+            .map(|_| {
+                let start = Instant::now();
+                std::hint::black_box(scene.polar_grid_with_ratio(place, terrain_hides, ratio));
+                1e3 * start.elapsed().as_secs_f64()
+            })
+            .collect();
+        let grid = scene.polar_grid_with_ratio(place, terrain_hides, ratio);
+        let is_blocked = |blocking: u32| if blocking > 0 { 1.0 } else { 0.0 };
+        let blocked: f64 = grid.cells.iter().map(|c| is_blocked(c.blocking) * f64::from(c.flux_dnb_w)).sum();
         println!(
-            "polar grid at ratio {ratio:.4}: {:.2} ms",
-            1e3 * start.elapsed().as_secs_f64() / f64::from(rounds)
+            "polar grid at ratio {ratio:.4}, terrain hides {terrain_hides}: fastest {:.2} ms, mean {:.2} ms; {} cells, {:.1} % \
+             of the flux behind skylines",
+            times_ms.iter().copied().fold(f64::INFINITY, f64::min),
+            times_ms.iter().sum::<f64>() / times_ms.len() as f64,
+            grid.cells.len(),
+            100.0 * blocked / grid.flux_dnb_w
         );
     }
     let start = Instant::now();

@@ -17,12 +17,13 @@ use crate::grid::Grid;
 use crate::light_pyramid::{Level, LightPyramid};
 use crate::lit_pixels::LitPixels;
 use crate::morton;
-use crate::polar_grid::PolarAccumulator;
+use crate::polar_grid::{PolarAccumulator, log_distance};
 use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::geometry::{Bearing, LocalFrame};
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
 use skyglow_physics::{EARTH_RADIUS_M, SourcePixel};
+use std::f64::consts::TAU;
 
 /// Largest distance of a pixel from its block's centre, relative to the block's distance from the observer:
 /// an azimuth column, π/128.
@@ -39,26 +40,27 @@ pub(crate) struct Light<'a> {
     pub(crate) skylines: Option<&'a Skylines>,
 }
 
-/// Azimuth [rad] of the observer seen from a light, both given as unit vectors.
-fn azimuth_from_light_rad(light: DVec3, observer: DVec3) -> f64 {
+/// Azimuth of the observer seen from a light over 2π, 0..=1, to 2e-5: a thousandth of the step between a skyline's
+/// azimuths. Both are given as unit vectors.
+fn turns_from_light(light: DVec3, observer: DVec3) -> f64 {
     // East and north there, both times the light's distance from the Earth's axis.
     let across = light.x * light.x + light.y * light.y;
     let east = light.x * observer.y - light.y * observer.x;
     let north = observer.z * across - light.z * (light.x * observer.x + light.y * observer.y);
-    east.atan2(north)
+    let (small, large) = (east.abs().min(north.abs()), east.abs().max(north.abs()));
+    let slope = small / large.max(f64::MIN_POSITIVE);
+    let square = slope * slope;
+    // atan(slope)/2π, fitted over 0..=1.
+    let octant =
+        slope * (0.159_029_83 + square * (-0.051_116_69 + square * (0.023_278_98 - square * 0.006_205_08)));
+    let quarter = if east.abs() > north.abs() { 0.25 - octant } else { octant };
+    let half = if north < 0.0 { 0.5 - quarter } else { quarter };
+    if east < 0.0 { 1.0 - half } else { half }
 }
 
-/// Place on the axis of blocking angles of a light's skyline towards the observer; 0 where nothing is known to hide it.
-fn blocking(
-    skylines: Option<&Skylines>,
-    index: usize,
-    light: DVec3,
-    observer: DVec3,
-    distance_m: f64,
-) -> f64 {
-    skylines
-        .filter(|skylines| !skylines.is_open(index))
-        .map_or(0.0, |skylines| skylines.blocking(index, azimuth_from_light_rad(light, observer), distance_m))
+/// The skylines where they say something of a light.
+fn known_around(skylines: Option<&Skylines>, light: usize) -> Option<&Skylines> {
+    skylines.filter(|skylines| !skylines.is_open(light))
 }
 
 /// Chord of an arc, metres.
@@ -129,12 +131,16 @@ impl Light<'_> {
                 && distance_m + block.radius_m < farthest_m;
             if taken {
                 let bearing = near_bearing(frame, block.direction);
+                let log_distance = log_distance(bearing.distance_m);
                 let skylines = self.skylines.and(level.skylines.as_ref());
+                let blocking = known_around(skylines, index).map_or(0.0, |skylines| {
+                    skylines.blocking(index, turns_from_light(block.direction, frame.up), log_distance)
+                });
                 shared.borrow_mut().add(
                     bearing.azimuth_rad,
-                    bearing.distance_m,
+                    log_distance,
                     block.altitude_m,
-                    blocking(skylines, index, block.direction, frame.up, bearing.distance_m),
+                    blocking,
                     block.flux_dnb_w,
                 );
             }
@@ -148,21 +154,26 @@ impl Light<'_> {
                 return;
             }
             let mut accumulator = shared.borrow_mut();
+            let skylines = known_around(self.skylines, index);
             if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
                 let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
-                let skylines = self.skylines.filter(|skylines| !skylines.is_open(index));
+                // Meridians of the pixel's pieces are parallel, so its centre's share of the turn is theirs.
+                let back = turns_from_light(center, frame.up) - bearing.azimuth_rad / TAU;
                 pixel.for_each_point_source(frame, &mut |s| {
-                    // So near, the meridians of the piece and of the observer are parallel.
-                    let back_rad = s.azimuth_rad + std::f64::consts::PI;
-                    let blocking =
-                        skylines.map_or(0.0, |skylines| skylines.blocking(index, back_rad, s.distance_m));
-                    accumulator.add(s.azimuth_rad, s.distance_m, s.altitude_m, blocking, s.flux_dnb_w);
+                    let log_distance = log_distance(s.distance_m);
+                    let blocking = skylines.map_or(0.0, |skylines| {
+                        skylines.blocking(index, (back + s.azimuth_rad / TAU).rem_euclid(1.0), log_distance)
+                    });
+                    accumulator.add(s.azimuth_rad, log_distance, s.altitude_m, blocking, s.flux_dnb_w);
                 });
             } else {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
                 let altitude_m = f64::from(self.pixels.altitude_m[index]);
-                let blocking = blocking(self.skylines, index, center, frame.up, bearing.distance_m);
-                accumulator.add(bearing.azimuth_rad, bearing.distance_m, altitude_m, blocking, flux_dnb_w);
+                let log_distance = log_distance(bearing.distance_m);
+                let blocking = skylines.map_or(0.0, |skylines| {
+                    skylines.blocking(index, turns_from_light(center, frame.up), log_distance)
+                });
+                accumulator.add(bearing.azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w);
             }
         };
         self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);
@@ -175,5 +186,26 @@ impl Light<'_> {
         found.sort_unstable();
         let pixels = found.into_iter().map(|i| self.pixels.source_pixel(self.grid, self.calibration, i));
         pixels.filter(|pixel| frame.bearing_to(pixel.center()).distance_m <= radius_m).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use skyglow_physics::GeoPoint;
+
+    proptest! {
+        #[test]
+        fn the_observer_is_found_where_the_light_sees_it(
+            latitude in -89.0f64..89.0, longitude in -180.0f64..180.0, turns in 0.0f64..1.0, distance_m in 10.0f64..3e5,
+        ) {
+            let light = GeoPoint::from_deg(latitude, longitude).unwrap();
+            let observer = light.destination(turns * TAU, distance_m);
+            let found = turns_from_light(light.unit_vector(), observer.unit_vector());
+            prop_assert!((0.0..=1.0).contains(&found));
+            let off = (found - turns + 0.5).rem_euclid(1.0) - 0.5;
+            prop_assert!(off.abs() < 2e-5, "{} {}", found, turns);
+        }
     }
 }

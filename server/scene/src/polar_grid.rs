@@ -15,6 +15,11 @@ pub fn ring_distance_m(ring: usize) -> f64 {
     NEAREST_SOURCE_M * (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).powf(fraction)
 }
 
+/// ln of a distance [m] over 250 m, the nearest that a source counts as.
+pub(crate) fn log_distance(distance_m: f64) -> f64 {
+    (distance_m / NEAREST_SOURCE_M).ln()
+}
+
 /// Light by azimuth and distance around an observer; only lit cells are kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolarGrid {
@@ -48,6 +53,11 @@ pub struct PolarCell {
 /// Flux and flux × altitude.
 type Light = [f64; 2];
 
+/// The light of one cell by the index of its blocking angle.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct BlockedCell([[f32; 2]; BLOCKING_COUNT]);
+
 /// A polar grid being filled.
 pub(crate) struct PolarAccumulator {
     /// Light under an open sky, at [column × RING_COUNT + ring].
@@ -55,8 +65,9 @@ pub(crate) struct PolarAccumulator {
     /// Where a cell's light behind skylines is in `blocked`, plus 1; 0 where it has none. Empty until there is some,
     /// so that a scene without skylines costs nothing.
     blocked_at: Vec<u32>,
-    /// Light by the index of its blocking angle; that of index 0 stays dark here.
-    blocked: Vec<[Light; BLOCKING_COUNT]>,
+    /// Light by the index of its blocking angle; that of index 0 stays dark here. In f32, so that a cell is one line of
+    /// the processor's cache: good to 1e-6.
+    blocked: Vec<BlockedCell>,
     flux_dnb_w: f64,
     columns_per_rad: f64,
     rings_per_log: f64,
@@ -77,20 +88,19 @@ impl PolarAccumulator {
     /// Spreads a point of light over the two nearest columns and the two nearest rings, linearly in azimuth
     /// and in ln(distance), and over the two nearest blocking angles, so that flux and mean position stay.
     ///
-    /// * `azimuth_rad` 0..=2π, `distance_m` within 250 m and 300 km (clamped).
+    /// * `azimuth_rad` 0..=2π, `log_distance` as [`log_distance`] has it (clamped).
     /// * `blocking`: the place of its skyline on the axis of blocking angles, 0..=7: the node and the weight that
     ///   [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added; 0 is the open sky.
     pub(crate) fn add(
         &mut self,
         azimuth_rad: f64,
-        distance_m: f64,
+        log_distance: f64,
         altitude_m: f64,
         blocking: f64,
         flux_dnb_w: f64,
     ) {
         let column = azimuth_rad * self.columns_per_rad;
-        let ring =
-            ((distance_m / NEAREST_SOURCE_M).ln() * self.rings_per_log).clamp(0.0, (RING_COUNT - 1) as f64);
+        let ring = (log_distance * self.rings_per_log).clamp(0.0, (RING_COUNT - 1) as f64);
         let (first, inner) = (column.floor(), (ring as usize).min(RING_COUNT - 2));
         let (along, out) = (column - first, ring - inner as f64);
         let first = first as usize % AZIMUTH_COLUMN_COUNT;
@@ -115,15 +125,20 @@ impl PolarAccumulator {
         let up = (blocking - lower as f64).min(1.0);
         if self.blocked_at.is_empty() {
             self.blocked_at = vec![0; self.open.len()];
+            self.blocked.reserve(self.open.len() / 4);
         }
         if self.blocked_at[at] == 0 {
-            self.blocked.push([[0.0; 2]; BLOCKING_COUNT]);
+            self.blocked.push(BlockedCell([[0.0; 2]; BLOCKING_COUNT]));
             self.blocked_at[at] = self.blocked.len() as u32;
         }
-        let cell = &mut self.blocked[self.blocked_at[at] as usize - 1];
-        let low = if lower == 0 { &mut self.open[at] } else { &mut cell[lower] };
-        add_light(low, flux_dnb_w * (1.0 - up), altitude_m);
-        add_light(&mut cell[lower + 1], flux_dnb_w * up, altitude_m);
+        let BlockedCell(cell) = &mut self.blocked[self.blocked_at[at] as usize - 1];
+        let (low, high) = (flux_dnb_w * (1.0 - up), flux_dnb_w * up);
+        if lower == 0 {
+            add_light(&mut self.open[at], low, altitude_m);
+        } else {
+            add_blocked_light(&mut cell[lower], low, altitude_m);
+        }
+        add_blocked_light(&mut cell[lower + 1], high, altitude_m);
     }
 
     /// Keeps what is lit.
@@ -147,10 +162,10 @@ impl PolarAccumulator {
             for (ring, light) in lights.iter().enumerate() {
                 count = keep(ring, 0, light);
                 let blocked = self.blocked_at.get(column * RING_COUNT + ring).filter(|&&at| at > 0);
-                for (blocking, light) in
-                    blocked.iter().flat_map(|&&at| self.blocked[at as usize - 1].iter().enumerate())
-                {
-                    count = keep(ring, blocking, light);
+                if let Some(&at) = blocked {
+                    for (blocking, light) in self.blocked[at as usize - 1].0.iter().enumerate() {
+                        count = keep(ring, blocking, &light.map(f64::from));
+                    }
                 }
             }
         }
@@ -162,6 +177,11 @@ impl PolarAccumulator {
 fn add_light(light: &mut Light, flux_dnb_w: f64, altitude_m: f64) {
     light[0] += flux_dnb_w;
     light[1] += flux_dnb_w * altitude_m;
+}
+
+fn add_blocked_light(light: &mut [f32; 2], flux_dnb_w: f64, altitude_m: f64) {
+    light[0] += flux_dnb_w as f32;
+    light[1] += (flux_dnb_w * altitude_m) as f32;
 }
 
 #[cfg(test)]
@@ -185,7 +205,7 @@ mod tests {
         ) {
             let distance_m = 250.0 * 1200f64.powf(log);
             let mut accumulator = PolarAccumulator::new();
-            accumulator.add(azimuth, distance_m, altitude, blocking, 3.0);
+            accumulator.add(azimuth, log_distance(distance_m), altitude, blocking, 3.0);
             let grid = accumulator.finish(GeoPoint::from_rad_unchecked(0.0, 0.0), 1.0);
             let (mut flux, mut east, mut north, mut ring, mut skyline) = (0.0, 0.0, 0.0, 0.0, 0.0);
             for column in 0..AZIMUTH_COLUMN_COUNT {

@@ -88,7 +88,7 @@ impl Scene {
     ) -> f64 {
         let bearing = LocalFrame::at(light).bearing_to(towards.unit_vector());
         let sight = self.terrain.around_source(light, light_altitude_m, nearest_wall_m(pixel_size_m));
-        let [tangent] = sight.tangents(bearing.azimuth_rad, &[bearing.distance_m]);
+        let [tangent] = sight.tangents(bearing.azimuth_rad, 0.0, &[bearing.distance_m]);
         tangent.atan()
     }
 

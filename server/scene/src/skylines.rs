@@ -7,14 +7,14 @@
 
 use crate::light_pyramid::Level;
 use crate::sections::{Flaw, Sections, pack_ascending, unpack_ascending};
-use bytemuck::cast_slice;
+use bytemuck::{cast_slice, pod_collect_to_vec};
 use skyglow_physics::blocking::{BLOCKING_COUNT, blocking_position};
 use std::borrow::Cow;
-use std::f64::consts::TAU;
 
 /// Azimuths at which a light looks; number i is at i·360/32 degrees clockwise from north.
 pub const SKYLINE_AZIMUTH_COUNT: usize = 32;
-/// Within these distances of the light the highest terrain is known, metres. Each is twice the one before.
+/// Within these distances of the light the highest terrain is known, metres. Each is twice the one before, and the
+/// first is twice [`NEAREST_SOURCE_M`](skyglow_physics::source_pixel::NEAREST_SOURCE_M).
 pub const SKYLINE_REACHES_M: [f64; REACH_COUNT] =
     [500.0, 1_000.0, 2_000.0, 4_000.0, 8_000.0, 16_000.0, 32_000.0, 64_000.0, 128_000.0];
 const REACH_COUNT: usize = 9;
@@ -24,6 +24,9 @@ const REACH_LOG_STEP: f64 = std::f64::consts::LN_2;
 const STEPS_PER_NODE: f64 = 36.0;
 /// The highest code.
 const LAST_CODE: f64 = STEPS_PER_NODE * (BLOCKING_COUNT - 1) as f64;
+
+/// Tangent of an elevation angle so low (0.007°) that its code is that of the open sky.
+pub(crate) const OPEN_TANGENT: f64 = 1.2e-4;
 
 /// Highest terrain of one light, `[azimuth][reach]`.
 pub(crate) type Skyline = [[u8; REACH_COUNT]; SKYLINE_AZIMUTH_COUNT];
@@ -43,6 +46,15 @@ const OPEN: u32 = u32::MAX;
 pub(crate) fn code_of(tangent: f64) -> u8 {
     let (node, weight) = blocking_position(tangent.atan().to_degrees());
     (STEPS_PER_NODE * (node as f64 + weight)).round() as u8
+}
+
+/// What each code is above that of the reach before: mostly nothing, so it packs well.
+fn steps(codes: &[u8; REACH_COUNT]) -> [u8; REACH_COUNT] {
+    let mut steps = *codes;
+    for reach in 1..REACH_COUNT {
+        steps[reach] = codes[reach].wrapping_sub(codes[reach - 1]);
+    }
+    steps
 }
 
 impl Skylines {
@@ -68,23 +80,20 @@ impl Skylines {
 
     /// Place of the skyline on the axis of blocking angles, 0..=7, from a light towards an observer.
     ///
-    /// * `azimuth_rad`: of the observer, seen from the light, −2π..=2π.
-    /// * `distance_m`: between them, above 0.
-    pub(crate) fn blocking(&self, light: usize, azimuth_rad: f64, distance_m: f64) -> f64 {
+    /// * `turns`: azimuth of the observer seen from the light over 2π, 0..=1.
+    /// * `log_distance`: ln of the distance between them over the nearest
+    ///   distance of any source (250 m), at least 0.
+    pub(crate) fn blocking(&self, light: usize, turns: f64, log_distance: f64) -> f64 {
         let at = self.at[light];
         if at == OPEN {
             return 0.0;
         }
         let skyline = &self.blocked[at as usize];
-        let reach = (distance_m / SKYLINE_REACHES_M[0]).ln() / REACH_LOG_STEP;
-        // Half of the first reach is about the nearest distance at which terrain counts.
-        if reach <= -1.0 {
-            return 0.0;
-        }
-        let outer = ((reach + 1.0) as usize).min(REACH_COUNT - 1);
-        let out = (reach + 1.0 - outer as f64).clamp(0.0, 1.0);
-        let turns = azimuth_rad / TAU;
-        let column = (turns - turns.floor()) * SKYLINE_AZIMUTH_COUNT as f64;
+        // Towards the nearest distance of any source, half of the first reach, it falls to nothing.
+        let reach = (log_distance / REACH_LOG_STEP).clamp(0.0, REACH_COUNT as f64);
+        let outer = (reach as usize).min(REACH_COUNT - 1);
+        let out = reach - outer as f64;
+        let column = turns * SKYLINE_AZIMUTH_COUNT as f64;
         let left = column as usize;
         let along = column - left as f64;
         let code_at = |column: usize| {
@@ -131,7 +140,7 @@ impl Skylines {
         vec![
             ("reaches".into(), Cow::Borrowed(cast_slice(&SKYLINE_REACHES_M))),
             ("blocked".into(), Cow::Owned(pack_ascending(&blocked))),
-            ("codes".into(), Cow::Borrowed(cast_slice(&self.blocked))),
+            ("codes".into(), Cow::Owned(self.blocked.iter().flatten().flat_map(steps).collect())),
         ]
     }
 
@@ -153,10 +162,13 @@ impl Skylines {
         for (number, &index) in indices.iter().enumerate() {
             at[index as usize] = number as u32;
         }
-        Ok(Self {
-            at,
-            blocked: codes.chunks_exact(size_of::<Skyline>()).map(|c| *bytemuck::from_bytes(c)).collect(),
-        })
+        let mut blocked: Vec<Skyline> = pod_collect_to_vec(&codes);
+        for codes in blocked.iter_mut().flatten() {
+            for reach in 1..REACH_COUNT {
+                codes[reach] = codes[reach].wrapping_add(codes[reach - 1]);
+            }
+        }
+        Ok(Self { at, blocked })
     }
 }
 

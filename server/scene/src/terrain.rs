@@ -4,6 +4,8 @@
 mod cell;
 mod height_bounds;
 mod layer;
+#[cfg(test)]
+mod made_up_ground;
 mod ray;
 mod skyline;
 mod source_sight;

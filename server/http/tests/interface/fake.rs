@@ -132,6 +132,7 @@ impl Fake {
             attribution: Some("nobody".into()),
             illustrative: self.illustrative.load(Ordering::SeqCst),
             terrain: true,
+            light_skylines: true,
             places_count: 1,
             version: self.version.lock().unwrap().clone(),
         }

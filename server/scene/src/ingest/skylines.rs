@@ -4,7 +4,7 @@ use super::options::{IngestProgress, IngestStage};
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;
 use crate::morton;
-use crate::skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_REACHES_M, Skyline, Skylines, code_of};
+use crate::skylines::{OPEN_TANGENT, SKYLINE_AZIMUTH_COUNT, SKYLINE_REACHES_M, Skyline, Skylines, code_of};
 use crate::terrain::{Terrain, nearest_wall_m};
 use rayon::prelude::*;
 use skyglow_physics::GeoPoint;
@@ -46,7 +46,7 @@ fn skyline(terrain: &Terrain, grid: &Grid, pixels: &LitPixels, index: usize) -> 
     if !sight.is_open() {
         for (number, codes) in skyline.iter_mut().enumerate() {
             let azimuth_rad = number as f64 * TAU / SKYLINE_AZIMUTH_COUNT as f64;
-            *codes = sight.tangents(azimuth_rad, &SKYLINE_REACHES_M).map(code_of);
+            *codes = sight.tangents(azimuth_rad, OPEN_TANGENT, &SKYLINE_REACHES_M).map(code_of);
         }
     }
     skyline

@@ -43,11 +43,16 @@ impl SourceSight<'_> {
         self.views.is_empty()
     }
 
-    /// tan e of the highest terrain towards an azimuth [rad], at least 0: within each of some ascending distances [m]
-    /// from the light. Values therefore ascend too.
-    pub(crate) fn tangents<const N: usize>(&self, azimuth_rad: f64, distances_m: &[f64; N]) -> [f64; N] {
-        let mut tangents = [0.0; N];
-        self.look(azimuth_rad, 0.0, distances_m, |index, tangent| tangents[index] = tangent);
+    /// tan e of the highest terrain towards an azimuth [rad]: within each of some ascending distances [m] from the
+    /// light. Values therefore ascend too. None is below `floor`, at least 0, and no time is spent below it.
+    pub(crate) fn tangents<const N: usize>(
+        &self,
+        azimuth_rad: f64,
+        floor: f64,
+        distances_m: &[f64; N],
+    ) -> [f64; N] {
+        let mut tangents = [floor; N];
+        self.look(azimuth_rad, floor, distances_m, |index, tangent| tangents[index] = tangent);
         tangents
     }
 

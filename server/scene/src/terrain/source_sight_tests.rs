@@ -1,1 +1,146 @@
+use super::*;
+use crate::terrain::made_up_ground::{grid, hills_m, layer, noise, place};
+use proptest::prelude::*;
+use skyglow_physics::horizon::terrain_elevation_tangent;
+use std::f64::consts::{FRAC_PI_2, PI};
 
+const REACHES_M: [f64; 6] = [1_000.0, 3_000.0, 10_000.0, 30_000.0, 60_000.0, 120_000.0];
+
+fn terrain(height_m: impl Fn(u32, u32) -> f32) -> Terrain {
+    Terrain::new(vec![layer(grid(7.0, 47.0, 200), height_m)])
+}
+
+/// tan e of the highest terrain by small steps along the line of sight.
+fn walked(terrain: &Terrain, at: GeoPoint, altitude_m: f64, azimuth_rad: f64, from_m: f64, to_m: f64) -> f64 {
+    let (mut tangent, mut distance_m) = (0.0f64, from_m);
+    while distance_m <= to_m {
+        if let Some(ground_m) = terrain.elevation_m(at.destination(azimuth_rad, distance_m)) {
+            tangent = tangent.max(terrain_elevation_tangent(altitude_m, ground_m, distance_m));
+        }
+        distance_m += (distance_m / 1000.0).clamp(0.1, 30.0);
+    }
+    tangent
+}
+
+#[test]
+fn a_wall_is_seen_at_its_distance_and_not_before() {
+    // A wall along a meridian, 23 km east of the light.
+    let wall = terrain(|column, _| if column == 80 { 1200.0 } else { 200.0 });
+    let at = place(46.5, 7.505);
+    let wall_m = LocalFrame::at(at).bearing_to(place(46.5, 7.805).unit_vector()).distance_m;
+    let sight = wall.around_source(at, 200.0, 100.0);
+    let reaches_m = [1_000.0, 0.9 * wall_m, 1.1 * wall_m, 60_000.0];
+    let tangents = sight.tangents(FRAC_PI_2, 0.0, &reaches_m);
+    let expected = terrain_elevation_tangent(200.0, 1200.0, wall_m);
+    assert_eq!(tangents[..2], [0.0, 0.0], "an observer nearer than the wall is not behind it");
+    assert!((tangents[2] / expected - 1.0).abs() < 1e-3, "{tangents:?} {expected}");
+    assert_eq!(tangents[2], tangents[3]);
+    assert_eq!(sight.tangents(-FRAC_PI_2, 0.0, &reaches_m), [0.0; 4], "nothing in the west");
+    assert!(sight.is_higher_than(0.9 * expected, FRAC_PI_2, 60_000.0));
+    assert!(!sight.is_higher_than(1.1 * expected, FRAC_PI_2, 60_000.0));
+    assert!(!sight.is_higher_than(0.9 * expected, FRAC_PI_2, 0.9 * wall_m));
+}
+
+#[test]
+fn a_slope_hides_what_leaves_uphill_below_it_and_nothing_downhill() {
+    // 0.1 metre a metre, up towards the north.
+    let slope = terrain(|_, row| (200 - row) as f32 * 111.2);
+    let at = place(46.0, 8.0);
+    let altitude_m = slope.elevation_m(at).unwrap();
+    let sight = slope.around_source(at, altitude_m, 100.0);
+    for tangent in sight.tangents(0.0, 0.0, &REACHES_M) {
+        assert!((tangent - 0.1).abs() < 1e-3, "{tangent}");
+    }
+    assert_eq!(sight.tangents(PI, 0.0, &REACHES_M), [0.0; 6]);
+}
+
+#[test]
+fn what_stands_within_a_quarter_of_the_pixel_is_no_wall() {
+    // One sample of 1.1 km is 300 m higher; the light stands at its foot.
+    let hill = terrain(|column, row| if (column, row) == (100, 100) { 500.0 } else { 200.0 });
+    let at = place(45.995, 7.995);
+    let altitude_m = hill.elevation_m(at).unwrap();
+    let towards_rad = LocalFrame::at(at).bearing_to(place(45.995, 8.005).unit_vector()).azimuth_rad;
+    let highest = |pixel_size_m: f64| {
+        let sight = hill.around_source(at, altitude_m, nearest_wall_m(pixel_size_m));
+        sight.tangents(towards_rad, 0.0, &REACHES_M)[5]
+    };
+    assert!(highest(500.0) > 0.3);
+    assert_eq!(highest(8_000.0), 0.0);
+}
+
+#[test]
+fn flat_ground_summits_and_voids_hide_nothing() {
+    let at = place(46.0, 8.0);
+    let plain = terrain(|_, _| 433.3);
+    let altitude_m = plain.elevation_m(at).unwrap();
+    assert!(plain.around_source(at, altitude_m, 100.0).is_open());
+    // An island of ground in a sea of voids.
+    let island =
+        terrain(|c, r| if (90..110).contains(&c) && (90..110).contains(&r) { 800.0 } else { f32::NAN });
+    let sight = island.around_source(at, 800.0, 100.0);
+    let holes = terrain(|c, r| if noise(c / 3, r / 3, 9) < 0.3 { f32::NAN } else { 300.0 });
+    for number in 0..16 {
+        let azimuth_rad = f64::from(number) * PI / 8.0;
+        assert_eq!(sight.tangents(azimuth_rad, 0.0, &REACHES_M), [0.0; 6]);
+        assert_eq!(holes.around_source(at, 300.0, 100.0).tangents(azimuth_rad, 0.0, &REACHES_M), [0.0; 6]);
+    }
+}
+
+#[test]
+fn hills_agree_with_a_walk_over_them_at_every_reach() {
+    let hills = terrain(|c, r| hills_m(c, r, 4));
+    for at in [place(46.0, 8.0), place(46.613, 7.251), place(45.377, 8.707)] {
+        let altitude_m = hills.elevation_m(at).unwrap();
+        let sight = hills.around_source(at, altitude_m, 125.0);
+        for number in 0..7 {
+            let azimuth_rad = 0.3 + f64::from(number);
+            let tangents = sight.tangents(azimuth_rad, 0.0, &REACHES_M);
+            for (tangent, reach_m) in tangents.into_iter().zip(REACHES_M) {
+                let expected = walked(&hills, at, altitude_m, azimuth_rad, 125.0, reach_m);
+                assert!((tangent.atan() - expected.atan()).abs().to_degrees() < 0.02, "{tangent} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn where_layers_overlap_the_first_counts_at_every_reach() {
+    let first =
+        layer(
+            grid(7.5, 46.8, 90),
+            |c, r| if noise(c / 8, r / 8, 3) < 0.2 { f32::NAN } else { hills_m(c, r, 6) },
+        );
+    let second = layer(grid(7.0, 47.0, 200), |c, r| hills_m(c, r, 7) + 900.0);
+    let both = Terrain::new(vec![first, second]);
+    let at = place(46.3, 7.9);
+    let altitude_m = both.elevation_m(at).unwrap();
+    let sight = both.around_source(at, altitude_m, 125.0);
+    for azimuth_rad in [0.1, 1.7, 3.3, 4.9] {
+        for (tangent, reach_m) in sight.tangents(azimuth_rad, 0.0, &REACHES_M).into_iter().zip(REACHES_M) {
+            let expected = walked(&both, at, altitude_m, azimuth_rad, 125.0, reach_m);
+            assert!((tangent.atan() - expected.atan()).abs().to_degrees() < 0.03, "{tangent} {expected}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn raising_terrain_never_lowers_an_angle(
+        seed in 0u32..1000, column in 5u32..140, row in 5u32..140, size in 1u32..30, by in 1u32..2000,
+        latitude in 45.6f64..46.9, longitude in 7.1f64..8.4, azimuth_rad in 0.0f64..6.3,
+    ) {
+        let low = |c: u32, r: u32| hills_m(c, r, seed).round();
+        let is_raised = |c: u32, r: u32| (column..column + size).contains(&c) && (row..row + size).contains(&r);
+        let high = |c: u32, r: u32| low(c, r) + if is_raised(c, r) { by as f32 } else { 0.0 };
+        let at = place(latitude, longitude);
+        let around = |terrain: Terrain| terrain.around_source(at, 1800.0, 125.0).tangents(azimuth_rad, 0.0, &REACHES_M);
+        let (before, after) = (around(terrain(low)), around(terrain(high)));
+        for (before, after) in before.into_iter().zip(after) {
+            prop_assert!(after - before > -1e-4, "{} {}", before, after);
+        }
+        prop_assert!(before.windows(2).all(|pair| pair[0] <= pair[1]), "farther reaches hold nearer ones");
+    }
+}
