@@ -1,9 +1,8 @@
 //! The truth at random places of a scene, for several turbidities at once: slow, written to a file that the
 //! `accuracy` example compares panoramas with.
 //!
-//! `truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few]`: one JSON file a place; files that are there are kept.
-//! PLACES is how many random ones, or a list such as `48.2,14.6;42.6,7` of latitudes and longitudes.
-//! `few` takes three turbidities instead of seven, in about half the time.
+//! `truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest]`: one JSON file a place; files that are there are kept.
+//! PLACES is how many random ones, or a list such as `48.2,14.6;42.6,7` of latitudes and longitudes. `few` takes three turbidities instead of seven, in about half the time; `rest` the others.
 
 use skyglow_physics::{
     Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity,
@@ -17,6 +16,8 @@ use std::{error::Error, path::Path, time::Instant};
 const TURBIDITIES: [f64; 7] = [1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0];
 /// Two packs and one between.
 const FEW_TURBIDITIES: [f64; 3] = [1.5, 4.0, 6.0];
+/// The others.
+const REST_TURBIDITIES: [f64; 4] = [2.0, 2.5, 3.5, 4.75];
 
 /// Places spread over the scene's bounds (additive recurrence): the same every time.
 fn places(scene: &Scene, count: usize) -> Vec<GeoPoint> {
@@ -46,7 +47,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         [_, data, id, count, directions, out, few] if few == "few" => {
             truth::<9>(&FEW_TURBIDITIES, data, id, count, directions.parse()?, out)
         }
-        _ => Err("usage: truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few]".into()),
+        [_, data, id, count, directions, out, rest] if rest == "rest" => {
+            truth::<12>(&REST_TURBIDITIES, data, id, count, directions.parse()?, out)
+        }
+        _ => Err("usage: truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest]".into()),
     }
 }
 

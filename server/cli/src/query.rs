@@ -24,11 +24,6 @@ impl<Set> QueryFlags<Set> {
     pub(crate) fn query(&self) -> &str {
         &self.query
     }
-
-    /// Whether a parameter was given this value, of letters and digits.
-    pub(crate) fn says(&self, parameter: &Parameter, value: &str) -> bool {
-        self.query.split('&').any(|pair| pair.split_once('=') == Some((parameter.name, value)))
-    }
 }
 
 fn flag(parameter: &Parameter) -> Arg {
@@ -88,28 +83,30 @@ fn percent_encoded(text: &str) -> String {
 
 /// What is allowed at all, whatever packs are resident: to find slips before anything is loaded.
 fn widest_facts() -> SourceFacts {
-    widest_facts_with(&Scattering::ALL)
-}
-
-/// What is allowed for the reference, which needs no packs and sums first-order light.
-pub(crate) fn reference_facts() -> SourceFacts {
-    widest_facts_with(&[Scattering::Single])
-}
-
-fn widest_facts_with(scatterings: &[Scattering]) -> SourceFacts {
     let kind = |&scattering| KindFacts {
         scattering,
         turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
         basis_count: MOST_BASIS_FUNCTIONS as usize,
         ground_albedo: None,
+        why_open: None,
     };
     SourceFacts {
         executor: "reference".to_owned(),
         adapter: String::new(),
-        kinds: scatterings.iter().map(kind).collect(),
+        kinds: Scattering::ALL.iter().map(kind).collect(),
         altitude_range_m: (0.0, 100_000.0),
         pack_checksums: String::new(),
     }
+}
+
+/// What is allowed for the reference, which needs no packs.
+pub(crate) fn reference_facts(ground_albedo: f64) -> SourceFacts {
+    let mut facts = widest_facts();
+    for kind in &mut facts.kinds {
+        kind.why_open = Some("the reference sums every source under an open sky");
+        kind.ground_albedo = (kind.scattering == Scattering::Multiple).then_some(ground_albedo);
+    }
+    facts
 }
 
 /// What the packs of a folder will serve, from the manifests beside them: to name the true ranges before
@@ -140,6 +137,8 @@ fn kind_facts(manifests: &[Manifest], scattering: Scattering) -> Option<KindFact
         turbidity_range: (first.turbidity, first.turbidity),
         basis_count: first.basis_count,
         ground_albedo: first.ground_albedo,
+        // No parameter asks for it; a sky says what the packs really know.
+        why_open: None,
     };
     for pack in packs {
         let (least, most) = facts.turbidity_range;
@@ -155,6 +154,9 @@ pub(crate) fn failure(error: &ApiError) -> Failure {
     match error {
         ApiError::Parameters(_) => Failure::Usage(detail),
         ApiError::Internal { reason } => Failure::Work(reason.clone()),
+        ApiError::UnknownScene { id } => {
+            Failure::Work(format!("there is no scene \"{id}\"; `skyglow scenes` lists those that are there"))
+        }
         _ => Failure::Work(detail),
     }
 }
@@ -220,6 +222,7 @@ mod tests {
             turbidity_range,
             basis_count,
             ground_albedo,
+            why_open: None,
         };
         assert_eq!(
             facts_of_packs(folder.path()).kinds,

@@ -227,7 +227,7 @@ fn the_truth_needs_no_packs_and_names_its_directions() {
         let all = ["reference", "--scene", "town", "--lat", "-1.28", "--lon", "36.83", "--data", data];
         skyglow(&[&all[..], more].concat()).expect_status(0).json()
     };
-    let few = truth(&["--directions", "16"]);
+    let few = truth(&["--directions", "16", "--scattering", "single"]);
     let directions = few["directions"].as_array().unwrap();
     assert!(directions.len() >= 16);
     for direction in directions {
@@ -245,15 +245,27 @@ fn the_truth_needs_no_packs_and_names_its_directions() {
         "{warnings:?}"
     );
     assert!((number(&few["observer"], "altitude_m") - 2.0).abs() < 1e-9);
-    assert_eq!(few, truth(&["--directions", "16"]));
+    assert_eq!(few, truth(&["--directions", "16", "--scattering", "single"]));
     let highest =
         directions.iter().max_by(|a, b| number(a, "elevation_deg").total_cmp(&number(b, "elevation_deg")));
     let ratio = highest.unwrap()["radiance"][1].as_f64().unwrap()
         / few["sky"]["zenith_radiance_w_m2_sr"][1].as_f64().unwrap();
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
-    let blue = truth(&["--directions", "16", "--lamp", "0,0,1"]);
+    let blue = truth(&["--directions", "16", "--lamp", "0,0,1", "--scattering", "single"]);
     let bands = blue["directions"][0]["radiance"].as_array().unwrap();
     assert!(bands[0] == 0.0 && bands[1] == 0.0 && bands[2].as_f64().unwrap() > 0.0, "{bands:?}");
+    // All orders unless asked otherwise, over the ground that is asked for: each a little brighter everywhere.
+    let all_orders = truth(&["--directions", "16"]);
+    let over_snow = truth(&["--directions", "16", "--ground-albedo", "0.8"]);
+    assert_eq!((&few["scattering"], &all_orders["scattering"]), (&"single".into(), &"multiple".into()));
+    assert_eq!((&all_orders["ground_albedo"], &over_snow["ground_albedo"]), (&0.15.into(), &0.8.into()));
+    let green = |answer: &serde_json::Value, index: usize| {
+        answer["directions"][index]["radiance"][1].as_f64().unwrap()
+    };
+    for index in 0..directions.len() {
+        let (first, all, snow) = (green(&few, index), green(&all_orders, index), green(&over_snow, index));
+        assert!(first < all && all < snow && snow < 20.0 * first, "{index}: {first} {all} {snow}");
+    }
 }
 
 #[test]

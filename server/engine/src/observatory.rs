@@ -240,7 +240,7 @@ impl View {
             altitude_m: if altitude_m < 0.0 { 0.0 } else { altitude_m },
             ground,
         };
-        let polar = Arc::new(scene.polar_grid(place, false));
+        let polar = Arc::new(scene.polar_grid(place, request.terrain_hides));
         let horizon = (request.terrain_hides && scene.metadata().terrain).then(|| {
             let start = Instant::now();
             (scene.horizon(place, observer.altitude_m), start.elapsed())

@@ -14,6 +14,8 @@ pub struct KindFacts {
     pub basis_count: usize,
     /// Lambertian albedo of the ground that light is scattered back from; None where scattering is single.
     pub ground_albedo: Option<f64>,
+    /// Why sources behind skylines count as under an open sky; None where they do not.
+    pub why_open: Option<&'static str>,
 }
 
 impl SourceFacts {
@@ -25,6 +27,11 @@ impl SourceFacts {
     /// The packs of a scattering, where there are any.
     pub fn kind(&self, scattering: Scattering) -> Option<&KindFacts> {
         self.kinds.iter().find(|kind| kind.scattering == scattering)
+    }
+
+    /// Why sources behind skylines count as under an open sky with a scattering; None where they do not.
+    pub fn why_open(&self, scattering: Scattering) -> Option<&'static str> {
+        self.kind(scattering).and_then(|kind| kind.why_open)
     }
 
     /// What is allowed with a scattering, named only where another one would allow something else.

@@ -56,6 +56,9 @@ fn kind_facts(resident: &ResidentKind, manifests: &[Manifest]) -> KindFacts {
         turbidity_range: ends(&resident.turbidities),
         basis_count: resident.basis_count,
         ground_albedo: pack.and_then(|pack| pack.ground_albedo),
+        why_open: (!resident.hides_lights).then_some(
+            "the resident table packs know no skylines: make them again with `skyglow precompute`",
+        ),
     }
 }
 

@@ -133,7 +133,7 @@ parameters! {
     BASIS = "basis", Kind::Integer { minimum: 1, maximum: MOST_BASIS_FUNCTIONS }, "", false;
     /// Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet).
     CLOUDS = "clouds", Kind::Text { allowed: "none" }, "none", false;
-    /// Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet.
+    /// Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count.
     TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
     /// Wanted relative error (not supported yet).
     TOLERANCE = "tolerance", Kind::Text { allowed: "not to be given yet" }, "", false;

@@ -79,6 +79,11 @@ fn turbidity(text: &str) -> Result<Turbidity, String> {
     Turbidity::new(number).map_err(|error: PhysicsError| error.to_string())
 }
 
+/// A share of light that ground sends back, from text.
+fn albedo(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|albedo| (0.0..=1.0).contains(albedo)).ok_or("allowed is 0 to 1".to_owned())
+}
+
 /// Prints a value as indented JSON.
 fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(value).map_err(Failure::work)?;

@@ -27,7 +27,7 @@ pub(crate) struct Precompute {
     #[arg(long, env = "SKYGLOW_SCATTERING", value_enum, default_value = "multiple")]
     scattering: Orders,
     /// Albedo of the ground, 0 to 1, which sends light back up; with multiple scattering alone [default: 0.15]
-    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = albedo, allow_negative_numbers = true)]
+    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
     ground_albedo: Option<f64>,
     /// Folder of the pack and its manifest [default: where `serve` looks for packs]
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
@@ -52,10 +52,6 @@ impl From<Orders> for Scattering {
             Orders::Single => Self::Single,
         }
     }
-}
-
-fn albedo(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|albedo| (0.0..=1.0).contains(albedo)).ok_or("allowed is 0 to 1".to_owned())
 }
 
 fn multiple_of_4(text: &str) -> Result<usize, String> {

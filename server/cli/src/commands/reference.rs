@@ -10,19 +10,23 @@ use clap::Args;
 use serde::Serialize;
 use skyglow_http::{
     answers::{Assumptions, PanoramaAnswer},
-    parameters::{ReferenceParameters, SCATTERING},
+    parameters::ReferenceParameters,
     request,
     source::{RenderedSky, SkyQuery},
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, Horizon, PointSource, SkyQuantities,
     direct_sum::{GridSample, direct_sum, grid_direction, panorama_between, stratified_samples},
+    multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{SceneId, SceneStore};
 use skyglow_tables::Scattering;
 
-/// Compute the sky of single scattering by summing every pixel exactly (slow; needs no packs) and print it as JSON
+/// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
+///
+/// The first order is an integral for every pixel and direction. With multiple scattering all later orders are added
+/// from fields solved for this very observer, one for every 300 m of source altitude: half a minute or a few more.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > truth.json"
@@ -34,6 +38,9 @@ pub(crate) struct Reference {
     /// Number of directions, stratified over the sky with horizon and zenith always in; or all
     #[arg(long, env = "SKYGLOW_DIRECTIONS", value_name = "N|all", default_value = "500", value_parser = samples)]
     directions: Samples,
+    /// Lambertian albedo of the ground, 0 to 1, for multiple scattering [default: 0.15]
+    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
+    ground_albedo: Option<f64>,
     #[command(flatten)]
     query: QueryFlags<ReferenceParameters>,
     #[command(flatten)]
@@ -69,14 +76,16 @@ struct DirectionAnswer {
 impl Reference {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
-        if self.query.says(&SCATTERING, Scattering::Multiple.name()) {
-            return Err(Failure::Usage(
-                "scattering=multiple: the reference sums single scattering; allowed: single".to_owned(),
-            ));
-        }
-        let facts = query::reference_facts();
+        let facts = query::reference_facts(self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO));
         let (query, light) = request::sky(Some(self.query.query()), self.scene.clone(), &facts)
             .map_err(|error| query::failure(&error))?;
+        if query.scattering == Scattering::Single && self.ground_albedo.is_some() {
+            return Err(Failure::Usage(
+                "--ground-albedo means nothing with --scattering single: light of the first order never comes from \
+                 the ground"
+                    .to_owned(),
+            ));
+        }
         let scene = SceneStore::new(self.data.folder()).open(&self.scene).map_err(Failure::work)?;
         if !scene.contains(query.place) {
             let [west, south, east, north] = scene.metadata().bounds;
@@ -93,7 +102,10 @@ impl Reference {
         // Ground needs no sum, and what lies between directions of the sky is not to take from its darkness.
         let is_sky = |&(row, column): &GridSample| !horizon.hides_sample(row, column);
         let visible: Vec<GridSample> = self.directions.0.iter().copied().filter(is_sky).collect();
-        let radiance = sum(&query, altitude_m, &sources, &visible);
+        let mut radiance = sum(&query, altitude_m, &sources, &visible);
+        if query.scattering == Scattering::Multiple {
+            self.add_later_orders(&query, altitude_m, &sources, &visible, &mut radiance)?;
+        }
         let mut panorama = panorama_between(&visible, &radiance);
         horizon.darken(&mut panorama);
         let sky = RenderedSky {
@@ -139,6 +151,38 @@ impl Reference {
             fields.insert("directions".to_owned(), serde_json::to_value(directions).map_err(Failure::work)?);
         }
         super::print_json(&answer)
+    }
+}
+
+impl Reference {
+    /// Adds what light brings that was scattered more than once.
+    fn add_later_orders(
+        &self,
+        query: &SkyQuery,
+        altitude_m: f64,
+        sources: &[PointSource],
+        samples: &[GridSample],
+        radiance: &mut [[f64; BAND_COUNT]],
+    ) -> Result<(), Failure> {
+        let stages = Stages::new();
+        stages.begin("later orders of scattering", 1);
+        let sum = MultipleSum {
+            atmosphere: Atmosphere::new(query.turbidity),
+            ground_albedo: self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO),
+            observer_altitude_m: altitude_m,
+            emission: query.emission,
+            resolution: Resolution::table(),
+            density: SumDensity::default(),
+        };
+        let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
+        let more = sum
+            .radiance(sources, query.lamp.flux_per_dnb_flux, &directions)
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        for (bands, more) in radiance.iter_mut().zip(more) {
+            bands.iter_mut().zip(more).for_each(|(band, more)| *band += more);
+        }
+        stages.advance(1);
+        Ok(())
     }
 }
 

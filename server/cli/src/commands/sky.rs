@@ -84,11 +84,7 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
                 emission.lambert, emission.horizon, emission.oblique
             ),
         ),
-        row(
-            "terrain",
-            if assumptions.terrain_occlusion { "hides the sky below the horizon" } else { "hides nothing" }
-                .to_owned(),
-        ),
+        row("terrain", terrain(assumptions).to_owned()),
         row("calibration", assumptions.calibration.to_string()),
         row("coverage", format!("{:.1} % of the 300 km around", 100.0 * assumptions.coverage)),
         row("computed by", format!("{}, {} basis functions", assumptions.executor, assumptions.basis_count)),
@@ -100,6 +96,14 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         rows.push(row("note", "an illustrative scene: made-up light, not a measurement".to_owned()));
     }
     rows
+}
+
+fn terrain(assumptions: &Assumptions) -> &'static str {
+    match (assumptions.terrain_occlusion, assumptions.hidden_lights) {
+        (false, _) => "hides nothing",
+        (true, false) => "hides the sky below the horizon",
+        (true, true) => "hides the sky below the horizon, and light below its source's skyline",
+    }
 }
 
 fn scattering(assumptions: &Assumptions) -> String {

@@ -88,8 +88,11 @@ pub struct Assumptions {
     /// `none`: clouds are not modelled yet.
     pub clouds: String,
     /// Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without
-    /// terrain. Lights are not hidden yet.
+    /// terrain.
     pub terrain_occlusion: bool,
+    /// Whether light counts only above the skyline that its source sees towards the observer: false where
+    /// `terrain_occlusion` is, and where the scene or the packs know no skylines, which `warnings` then says.
+    pub hidden_lights: bool,
     /// Upward flux within 300 km of the place, DNB watts, calibration included; that of the whole scene is
     /// `flux_dnb_w` in its report.
     pub flux_within_300_km_dnb_w: f64,
@@ -97,7 +100,8 @@ pub struct Assumptions {
     pub basis_count: usize,
     /// What rendered: `gpu`, `lavapipe` or `cpu`.
     pub executor: String,
-    /// What the numbers had to do without, one sentence each: ground that the terrain does not have.
+    /// What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the
+    /// scene or the packs do not know.
     pub warnings: Vec<String>,
 }
 
@@ -122,18 +126,40 @@ impl Assumptions {
             emission: query.emission.into(),
             clouds: "none".to_owned(),
             terrain_occlusion: query.terrain_hides && scene.terrain,
+            hidden_lights: query.terrain_hides
+                && scene.light_skylines
+                && facts.why_open(query.scattering).is_none(),
             flux_within_300_km_dnb_w: sky.flux_dnb_w,
             basis_count: sky.basis_count,
             executor: facts.executor.clone(),
-            warnings: sky_warnings(query, scene, sky.ground),
+            warnings: sky_warnings(query, scene, sky.ground, facts),
         }
     }
 }
 
 /// What a sky had to do without, one sentence each. An eye above sea level does not ask for the ground.
-pub fn sky_warnings(query: &SkyQuery, scene: &SceneMetadata, ground: Ground) -> Vec<String> {
-    match query.eye_height {
-        EyeHeight::AboveGround(_) => ground_warning(scene, ground).into_iter().collect(),
-        EyeHeight::AboveSea(_) => Vec::new(),
+pub fn sky_warnings(
+    query: &SkyQuery,
+    scene: &SceneMetadata,
+    ground: Ground,
+    facts: &SourceFacts,
+) -> Vec<String> {
+    let ground = match query.eye_height {
+        EyeHeight::AboveGround(_) => ground_warning(scene, ground),
+        EyeHeight::AboveSea(_) => None,
+    };
+    ground.into_iter().chain(skyline_warning(query, scene, facts)).collect()
+}
+
+/// What is said where terrain is wanted and lights behind it are nevertheless seen.
+fn skyline_warning(query: &SkyQuery, scene: &SceneMetadata, facts: &SourceFacts) -> Option<String> {
+    if !query.terrain_hides || !scene.terrain {
+        return None;
     }
+    let reason = match facts.why_open(query.scattering) {
+        Some(reason) => reason,
+        None if !scene.light_skylines => "the scene was stored before skylines were: ingest it again",
+        None => return None,
+    };
+    Some(format!("lights behind ridges count as if they were not: {reason}"))
 }

@@ -17,7 +17,7 @@ fn facts() -> SourceFacts {
 }
 
 fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize) -> KindFacts {
-    KindFacts { scattering, turbidity_range, basis_count, ground_albedo: None }
+    KindFacts { scattering, turbidity_range, basis_count, ground_albedo: None, why_open: None }
 }
 
 fn read(query: &str) -> Result<(SkyQuery, View), ApiError> {

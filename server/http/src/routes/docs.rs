@@ -2,6 +2,7 @@
 
 use crate::{
     error::ApiError,
+    problem::Problem,
     request::no_parameters,
     respond::{Keep, bytes_by_content},
     state::AppState,
@@ -48,9 +49,13 @@ fn page(
     get,
     path = "/api/docs",
     tag = "operation",
-    responses((status = 200, description = "The page", body = String, content_type = "text/html"))
+    responses(
+        (status = 200, description = "The page", body = String, content_type = "text/html"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+    )
 )]
-pub async fn get_docs(headers: HeaderMap) -> Result<Response<Body>, ApiError> {
+pub async fn get_docs(RawQuery(query): RawQuery, headers: HeaderMap) -> Result<Response<Body>, ApiError> {
+    no_parameters(query.as_deref())?;
     page(&headers, "text/html; charset=utf-8", include_str!("../docs_page/page.html"))
 }
 

@@ -1,9 +1,12 @@
 //! Whether the server lives and is ready, and its counters.
 
-use crate::{answers::HealthAnswer, error::ApiError, problem::Problem, respond::json_bytes, state::AppState};
+use crate::{
+    answers::HealthAnswer, error::ApiError, problem::Problem, request::no_parameters, respond::json_bytes,
+    state::AppState,
+};
 use axum::{
     body::Body,
-    extract::State,
+    extract::{RawQuery, State},
     http::{HeaderValue, Response, header},
 };
 
@@ -20,9 +23,13 @@ fn fresh(media_type: &'static str, body: Vec<u8>) -> Response<Body> {
     get,
     path = "/healthz",
     tag = "operation",
-    responses((status = 200, description = "The server lives", body = HealthAnswer))
+    responses(
+        (status = 200, description = "The server lives", body = HealthAnswer),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+    )
 )]
-pub async fn get_health() -> Result<Response<Body>, ApiError> {
+pub async fn get_health(RawQuery(query): RawQuery) -> Result<Response<Body>, ApiError> {
+    no_parameters(query.as_deref())?;
     let answer = HealthAnswer { status: "ok".to_owned(), executor: None };
     Ok(fresh("application/json", json_bytes(&answer)?))
 }
@@ -34,10 +41,15 @@ pub async fn get_health() -> Result<Response<Body>, ApiError> {
     tag = "operation",
     responses(
         (status = 200, description = "The server is ready", body = HealthAnswer),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Tables or device are not ready", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get_readiness(State(state): State<AppState>) -> Result<Response<Body>, ApiError> {
+pub async fn get_readiness(
+    State(state): State<AppState>,
+    RawQuery(query): RawQuery,
+) -> Result<Response<Body>, ApiError> {
+    no_parameters(query.as_deref())?;
     if !state.source.is_ready() {
         return Err(ApiError::EngineDown);
     }
@@ -50,9 +62,16 @@ pub async fn get_readiness(State(state): State<AppState>) -> Result<Response<Bod
     get,
     path = "/metrics",
     tag = "operation",
-    responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text"))
+    responses(
+        (status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+    )
 )]
-pub async fn get_metrics(State(state): State<AppState>) -> Result<Response<Body>, ApiError> {
+pub async fn get_metrics(
+    State(state): State<AppState>,
+    RawQuery(query): RawQuery,
+) -> Result<Response<Body>, ApiError> {
+    no_parameters(query.as_deref())?;
     let text = state.metrics.text().map_err(ApiError::internal)?;
     Ok(fresh("application/openmetrics-text; version=1.0.0; charset=utf-8", text.into_bytes()))
 }

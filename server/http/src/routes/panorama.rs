@@ -33,6 +33,9 @@ use axum::{
             (Vec<u8> = "image/webp"),
             (Vec<u8> = "image/x-exr"),
             (Vec<u8> = "image/tiff"),
+        ), headers(
+            ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
+            ("server-timing" = String, description = "Milliseconds of each pass of the rendering"),
         )),
         (status = 304, description = "The client has this answer already; nothing was rendered"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
@@ -63,7 +66,10 @@ macro_rules! formats {
             tag = "sky",
             params(("scene" = String, Path, description = "The scene's id"), $parameters),
             responses(
-                (status = 200, description = "The sky", body = $body, content_type = $media_type),
+                (status = 200, description = "The sky", body = $body, content_type = $media_type, headers(
+                    ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
+                    ("server-timing" = String, description = "Milliseconds of each pass of the rendering"),
+                )),
                 (status = 304, description = "The client has this answer already; nothing was rendered"),
                 (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
                 (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
@@ -111,7 +117,7 @@ async fn answer(
         return Ok(response);
     }
     let rendered = asked.render(&state).await?;
-    let warnings = sky_warnings(&asked.query, &asked.scene, rendered.ground);
+    let warnings = sky_warnings(&asked.query, &asked.scene, rendered.ground, state.source.facts());
     let worker = (state.clone(), asked, rendered.clone());
     let body = state
         .heavy(move |_| {

@@ -26,7 +26,10 @@ use std::sync::Arc;
     tag = "sky",
     params(("scene" = String, Path, description = "The scene's id"), SkyParameters),
     responses(
-        (status = 200, description = "The numbers", body = SkyAnswer),
+        (status = 200, description = "The numbers", body = SkyAnswer, headers(
+            ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings`"),
+            ("server-timing" = String, description = "Milliseconds of each pass of the rendering"),
+        )),
         (status = 304, description = "The client has this answer already; nothing was rendered"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),

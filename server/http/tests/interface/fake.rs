@@ -59,6 +59,7 @@ impl Default for Fake {
                     turbidity_range: (1.5, 6.0),
                     basis_count: 64,
                     ground_albedo: None,
+                    why_open: None,
                 }],
                 altitude_range_m: (0.0, 6000.0),
                 pack_checksums: "abc".into(),
@@ -104,6 +105,7 @@ impl Fake {
             turbidity_range: (2.0, 5.0),
             basis_count: 32,
             ground_albedo: Some(0.15),
+            why_open: Some("in this test"),
         });
         fake
     }

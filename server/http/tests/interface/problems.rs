@@ -51,6 +51,10 @@ async fn unknown_parameters_are_errors_everywhere() {
         "/api/v1/scenes/demo/tiles/radiance/tilejson.json?x=1".to_owned(),
         "/api/v1/atmospheres?x=1".to_owned(),
         "/api/v1/openapi.json?x=1".to_owned(),
+        "/api/docs?x=1".to_owned(),
+        "/healthz?x=1".to_owned(),
+        "/readyz?x=1".to_owned(),
+        "/metrics?x=1".to_owned(),
     ] {
         let (status, kind, _) = problem(&server, &path).await;
         assert_eq!((status, kind.as_str()), (400, "/problems/unknown-parameter"), "{path}");

@@ -67,3 +67,19 @@ async fn what_is_not_resident_is_refused_with_what_is() {
     let (status, _) = server.json(&format!("{SKY}&turbidity=5.5&scattering=single")).await;
     assert_eq!(status, 200);
 }
+
+#[tokio::test]
+async fn a_sky_says_whether_lights_behind_ridges_count() {
+    let server = both().await;
+    let told = async |query: &str| {
+        let (_, sky) = server.json(&format!("{SKY}{query}")).await;
+        let words = sky["warnings"].as_array().unwrap().iter().filter_map(Value::as_str);
+        let warned = words.filter(|words| words.contains("behind ridges")).count();
+        (sky["terrain_occlusion"] == true, sky["hidden_lights"] == true, warned)
+    };
+    // The packs of the first order know skylines here, those of all orders do not.
+    assert_eq!(told("&scattering=single").await, (true, true, 0));
+    assert_eq!(told("&scattering=multiple").await, (true, false, 1));
+    assert_eq!(told("&scattering=multiple&terrain=off").await, (false, false, 0));
+    assert_eq!(told("&scattering=single&terrain=off").await, (false, false, 0));
+}
