@@ -107,7 +107,7 @@ fn the_cut_integral_is_that_of_plain_steps_above_the_skyline() {
         (3_000.0, 16.0, 3.0, 0.4),
         (40_000.0, 4.0, 0.05, 0.03),
         (40_000.0, 8.0, 1.2, 0.3),
-        (120_000.0, 2.0, 0.1, 1.2),
+        (120_000.0, 8.0, 0.1, 1.2),
     ] {
         let geometry = at(distance_m);
         let blocking_rad = blocking_deg.to_radians();
