@@ -254,8 +254,9 @@ mod tests {
                     );
                 }
             }
-            // The low lobe loses most: the check can fail.
-            assert!(cut[image_index(1, 1)] < open[image_index(1, 1)] - 0.003, "{angle}");
+            // The low lobe loses most, if little by half a degree: the check can fail.
+            let (cut, open) = (cut[image_index(1, 1)], open[image_index(1, 1)]);
+            assert!(cut <= open && (angle == 0 || cut < open - 0.05), "{angle}: {cut} {open}");
         }
         let scale = |angle| blocked.log_scale[blocked.node_index(0, angle, 1, 1, distance, 2)];
         assert!((1..ANGLE_COUNT).all(|angle| scale(angle) < scale(angle - 1) + 0.05));
