@@ -70,6 +70,24 @@ pub fn lobe_intensities_per_sr(cos_zenith: f64) -> [f64; LOBE_COUNT] {
     [c / PI, HORIZON_NORM / TAU * psi2 * psi2, oblique.max(0.0)]
 }
 
+/// ∫ f dΩ of each lobe over elevations above `blocking_rad` at the source: the power that a source of 1 W still sends
+/// out behind a skyline, W. Exactly 1 for the open sky (0 and below), 0 at π/2.
+pub fn emitted_shares(blocking_rad: f64) -> [f64; LOBE_COUNT] {
+    // NaN is an open sky too.
+    if blocking_rad.is_nan() || blocking_rad <= 0.0 {
+        return [1.0; LOBE_COUNT];
+    }
+    let psi = (FRAC_PI_2 - blocking_rad).max(0.0);
+    let (sine, cosine) = psi.sin_cos();
+    let psi2 = psi * psi;
+    let horizon = 4.0 * psi * psi2 * sine - psi2 * psi2 * cosine + 12.0 * psi2 * cosine - 24.0 * psi * sine
+        + 24.0 * (1.0 - cosine);
+    let last = psi.min(FRAC_PI_3);
+    // ∫ sin 3ψ sin ψ dψ = ½∫(cos 2ψ − cos 4ψ) dψ
+    let oblique = 0.5 * OBLIQUE_NORM * (0.5 * (2.0 * last).sin() - 0.25 * (4.0 * last).sin());
+    [sine * sine, (HORIZON_NORM * horizon).clamp(0.0, 1.0), oblique.clamp(0.0, 1.0)]
+}
+
 /// Weights of the three lobes, each ≥ 0, summing to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmissionMix {
@@ -156,6 +174,30 @@ mod tests {
             let integral = hemisphere_integral(lobe);
             assert!((integral - 1.0).abs() < 1e-8, "{lobe:?}: {integral}");
         }
+    }
+
+    #[test]
+    fn what_is_emitted_above_a_skyline_is_the_integral_over_what_it_leaves() {
+        for blocking_deg in [0.5f64, 8.0, 29.0, 31.0, 60.0] {
+            let blocking_rad = blocking_deg.to_radians();
+            let n = 100_000;
+            let step = (FRAC_PI_2 - blocking_rad) / n as f64;
+            for lobe in Lobe::ALL {
+                let integral: f64 = (0..n)
+                    .map(|i| {
+                        let psi: f64 = (i as f64 + 0.5) * step;
+                        TAU * lobe.intensity_per_sr(psi.cos()) * psi.sin() * step
+                    })
+                    .sum();
+                let share = emitted_shares(blocking_rad)[lobe.index()];
+                assert!((share - integral).abs() < 1e-8, "{lobe:?} {blocking_deg}: {share} {integral}");
+            }
+        }
+        assert_eq!(emitted_shares(0.0), [1.0; LOBE_COUNT]);
+        assert_eq!(emitted_shares(-0.1), [1.0; LOBE_COUNT]);
+        assert!(emitted_shares(FRAC_PI_2).iter().all(|&share| share < 1e-12));
+        // Half a degree takes nearly 3 % of the low lobe: the check can fail.
+        assert!(emitted_shares(0.5f64.to_radians())[1] < 0.98);
     }
 
     #[test]

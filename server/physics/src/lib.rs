@@ -10,6 +10,7 @@ pub mod atmosphere;
 pub mod bands;
 pub mod blocking;
 pub mod chapman;
+mod cone;
 pub mod direct_sum;
 pub mod emission;
 pub mod error;

@@ -3,7 +3,7 @@
 //!   b = ∫ f(ψ)/d² · [β_m(z)p_m(γ) + 0.9β_a(z)p_a(γ)] · exp(−τ(S,P) − τ(P,O)) du     [m⁻² sr⁻¹]
 //!
 //! The ray is cut where the integrand bends or jumps: at the Earth's shadow (the source's horizon plane,
-//! where the `horizon` lobe jumps to zero), at the ray's nearest points to the source and to the vertical
+//! where the `horizon` lobe jumps to zero) or the cone of the skyline that cuts the source's light, at the ray's nearest points to the source and to the vertical
 //! above it, at the 60° cone where the `oblique` lobe ends, and at a few scale heights. Between cuts the
 //! variable is the angle α at the source, u = u_c + D·tan α, which absorbs 1/d².
 
@@ -11,7 +11,8 @@ use crate::{
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},
     bands::BAND_COUNT,
     chapman,
-    emission::{EmissionMix, LOBE_COUNT, lobe_intensities_per_sr},
+    cone::{RayFromSource, sin_blocking},
+    emission::{LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
     phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
     quadrature::integrate_pieces,
@@ -47,6 +48,8 @@ pub struct SourceRay {
     source: DVec3,
     source_up: DVec3,
     view: DVec3,
+    /// Sine of the elevation at the source at and below which it sends out nothing; 0 for the open sky.
+    sin_blocking: f64,
 }
 
 /// A point on a view ray with everything scattering there needs.
@@ -119,7 +122,13 @@ impl SourceRay {
             ),
             source_up: DVec3::new(sin_arc, 0.0, cos_arc),
             view: DVec3::new(cos_el * cos_az, cos_el * sin_az, sin_el),
+            sin_blocking: 0.0,
         }
+    }
+
+    /// The same ray past a source that sends out nothing at elevations of `blocking_rad` and below, all around.
+    pub fn cut_at(self, blocking_rad: f64) -> Self {
+        Self { sin_blocking: sin_blocking(blocking_rad), ..self }
     }
 
     /// The point at distance `path_m` along the ray.
@@ -159,7 +168,7 @@ impl SourceRay {
     }
 
     /// The lit part of the ray, metres: above the source's horizon plane (the upper-hemisphere rule is the
-    /// Earth's shadow) and below [`TOP_ALTITUDE_M`]. None where no part is lit.
+    /// Earth's shadow), above its skyline, and below [`TOP_ALTITUDE_M`]. None where no part is lit.
     pub fn lit_range_m(&self) -> Option<(f64, f64)> {
         let end = self.path_to_altitude_m(TOP_ALTITUDE_M);
         // Height of the observer below the source's horizon plane, and how fast the ray climbs through it.
@@ -172,7 +181,8 @@ impl SourceRay {
         } else {
             return None;
         };
-        (high > low).then_some((low, high))
+        let from_source = RayFromSource { start_m: -self.source, view: self.view, up: self.source_up };
+        (high > low).then_some((low, high)).and_then(|range| from_source.lit_m(self.sin_blocking, range))
     }
 
     /// N integrals over the lit part of the ray by path length [m], each to a relative `tolerance` (or to
@@ -257,6 +267,8 @@ impl SourceRay {
 struct Scattering<'a> {
     atmospheres: &'a [Atmosphere],
     source_altitude_m: f64,
+    /// Sine of the elevation at the source at and below which it sends out nothing.
+    sin_blocking: f64,
     /// Densities of molecules and aerosol at the source, relative to z = 0.
     source_density: [f64; 2],
     /// Columns of molecules and aerosol from the observer along the whole view ray, metres.
@@ -269,13 +281,19 @@ fn relative_densities(altitude_m: f64) -> [f64; 2] {
 }
 
 impl<'a> Scattering<'a> {
-    fn new(atmospheres: &'a [Atmosphere], geometry: &SourceGeometry, elevation_rad: f64) -> Self {
+    fn new(
+        atmospheres: &'a [Atmosphere],
+        geometry: &SourceGeometry,
+        blocking_rad: f64,
+        elevation_rad: f64,
+    ) -> Self {
         let observer_density = relative_densities(geometry.observer_altitude_m);
         let sin_elevation = elevation_rad.sin();
         let tables = [chapman::molecules(), chapman::aerosol()];
         Self {
             atmospheres,
             source_altitude_m: geometry.source_altitude_m,
+            sin_blocking: sin_blocking(blocking_rad),
             source_density: relative_densities(geometry.source_altitude_m),
             observer_column_m: std::array::from_fn(|species| {
                 tables[species].column_m(
@@ -311,7 +329,7 @@ impl<'a> Scattering<'a> {
     /// Scattering times both transmissions over d² [m⁻³ sr⁻¹, per unit intensity] for each (atmosphere, band)
     /// slot.
     fn scattered(&self, p: &RayPoint, mut put: impl FnMut(usize, f64)) {
-        if p.cos_zenith_at_source <= 0.0 {
+        if p.cos_zenith_at_source <= self.sin_blocking {
             return;
         }
         let density = relative_densities(p.altitude_m);
@@ -342,75 +360,13 @@ impl<'a> Scattering<'a> {
     }
 }
 
-/// Sky radiance per watt of every band and lobe at one direction, `[atmosphere][band][lobe]`, for several
-/// turbidities at once, each to a relative `tolerance`.
-///
-/// `floor_per_m2_sr`: values below it need only be right to `tolerance` times it (0: always relative).
-/// Exactly zero where the whole ray lies in the Earth's shadow. `N` must be the number of atmospheres times
-/// [`OUTPUT_COUNT`].
-pub fn radiance_per_watt<const N: usize>(
-    atmospheres: &[Atmosphere],
-    geometry: &SourceGeometry,
-    relative_azimuth_rad: f64,
-    elevation_rad: f64,
-    tolerance: f64,
-    floor_per_m2_sr: f64,
-) -> [f64; N] {
-    assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
-    let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
-        .integrate(tolerance, floor_per_m2_sr, |p| scattering.by_lobe(p))
-}
+mod radiance;
 
-/// As [`radiance_per_watt`] with a fixed rule (see [`SourceRay::integrate_fixed`]): about 1e-4 with 10 nodes.
-pub fn radiance_per_watt_fixed<const N: usize>(
-    atmospheres: &[Atmosphere],
-    geometry: &SourceGeometry,
-    relative_azimuth_rad: f64,
-    elevation_rad: f64,
-    nodes: &[(f64, f64)],
-) -> [f64; N] {
-    assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
-    let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
-        .integrate_fixed(nodes, |p| scattering.by_lobe(p))
-}
-
-/// Sky radiance per watt of a source with a mix of lobes, m⁻² sr⁻¹, `[atmosphere][band]`, to a relative
-/// `tolerance`. `N` must be the number of atmospheres times [`BAND_COUNT`].
-pub fn mixed_radiance_per_watt<const N: usize>(
-    atmospheres: &[Atmosphere],
-    geometry: &SourceGeometry,
-    emission: EmissionMix,
-    relative_azimuth_rad: f64,
-    elevation_rad: f64,
-    tolerance: f64,
-) -> [f64; N] {
-    assert_eq!(N, atmospheres.len() * BAND_COUNT, "one slot for each atmosphere and band");
-    let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
-    let weights = emission.weights();
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
-        .integrate(tolerance, 0.0, |p| scattering.of_mix(p, weights))
-}
-
-/// [`radiance_per_watt`] for one atmosphere, as `[band][lobe]`.
-pub fn radiance_per_watt_of(
-    atmosphere: &Atmosphere,
-    geometry: &SourceGeometry,
-    relative_azimuth_rad: f64,
-    elevation_rad: f64,
-    tolerance: f64,
-) -> RadiancePerWatt {
-    let flat: [f64; OUTPUT_COUNT] = radiance_per_watt(
-        std::slice::from_ref(atmosphere),
-        geometry,
-        relative_azimuth_rad,
-        elevation_rad,
-        tolerance,
-        0.0,
-    );
-    std::array::from_fn(|band| std::array::from_fn(|lobe| flat[band * LOBE_COUNT + lobe]))
-}
+pub use radiance::{
+    cut_mixed_radiance_per_watt, cut_radiance_per_watt, cut_radiance_per_watt_fixed,
+    cut_radiance_per_watt_of, mixed_radiance_per_watt, radiance_per_watt, radiance_per_watt_fixed,
+    radiance_per_watt_of,
+};
 
 mod partly_hidden;
 
@@ -419,3 +375,6 @@ pub use partly_hidden::mixed_radiance_per_watt_where;
 #[cfg(test)]
 #[path = "single_source_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+mod cut_tests;

@@ -20,6 +20,8 @@ const LOWEST_SOURCE_M: f64 = -1_500.0;
 
 /// The bend Δ₀ is followed down to about this offset, metres; below, hardly any source is.
 const LOWEST_BEND_M: f64 = -3_000.0;
+/// The same behind a skyline: a source that far below the observer whose light still passes beneath is rare.
+const LOWEST_CUT_BEND_M: f64 = -1_500.0;
 
 /// The sample points of a pack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,7 +38,7 @@ pub struct TableAxes {
 /// asinh((Δ − Δ₀)/L), with another L and another step on each side of the bend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetAxis {
-    /// Δ₀, metres: −r²/2R, held above −3 000 m.
+    /// Δ₀ or Δ_e, metres, held above −3 000 m, behind a skyline above −1 500 m.
     pub bend_m: f64,
     /// L below the bend, metres.
     pub scale_below_m: f64,
@@ -55,9 +57,17 @@ pub struct OffsetAxis {
 impl OffsetAxis {
     /// The axis at a distance with `count` ≥ 3 nodes, two fifths of them below the bend.
     pub fn at_distance(distance_m: f64, count: usize) -> Self {
+        Self::behind_skyline(distance_m, 0.0, count)
+    }
+
+    /// The axis of a source behind a skyline of `blocking_deg` ≥ 0: the sky bends where the cone of that elevation
+    /// meets the observer, Δ_e = −(r²/2R + r tan e).
+    pub fn behind_skyline(distance_m: f64, blocking_deg: f64, count: usize) -> Self {
+        let lowest_m: f64 = if blocking_deg > 0.0 { LOWEST_CUT_BEND_M } else { LOWEST_BEND_M };
         // The fourth-power means keep the axis smooth along the distance, which is interpolated at constant node.
-        let drop_m = distance_m * distance_m / (2.0 * EARTH_RADIUS_M);
-        let bend_m = -(drop_m.powi(-4) + LOWEST_BEND_M.powi(-4)).powf(-0.25);
+        let drop_m =
+            distance_m * distance_m / (2.0 * EARTH_RADIUS_M) + distance_m * blocking_deg.to_radians().tan();
+        let bend_m = -(drop_m.powi(-4) + lowest_m.powi(-4)).powf(-0.25);
         let scale_below_m = 1.0 / (4.0 / distance_m + 1.0 / 1_500.0);
         let scale_above_m = 0.25 * scale_below_m * (1.0 - bend_m / 500.0);
         let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / HIGHEST_ALTITUDE_M);
@@ -96,7 +106,13 @@ impl OffsetAxis {
     }
 }
 
-fn logarithmic(count: usize) -> Vec<f64> {
+/// Source altitude of a node, metres, held between −1 500 and 7 500 m.
+pub(crate) fn held_source_altitude_m(altitude_m: f64) -> f64 {
+    altitude_m.clamp(LOWEST_SOURCE_M, HIGHEST_ALTITUDE_M + 1_500.0)
+}
+
+/// Distances from 250 m to 300 km, even in the logarithm.
+pub(crate) fn logarithmic(count: usize) -> Vec<f64> {
     let ratio = FARTHEST_SOURCE_M / NEAREST_SOURCE_M;
     (0..count).map(|i| NEAREST_SOURCE_M * ratio.powf(i as f64 / (count - 1) as f64)).collect()
 }
@@ -120,8 +136,7 @@ impl TableAxes {
     /// inside; no source of the model lies there, but interpolation reaches a little beyond 0 and 6 000 m).
     pub fn source_altitude_m(&self, observer_altitude: usize, distance: usize, offset: usize) -> f64 {
         let axis = OffsetAxis::at_distance(self.distance_m[distance], self.offset_count);
-        (self.observer_altitude_m[observer_altitude] + axis.offset_m(offset as f64))
-            .clamp(LOWEST_SOURCE_M, HIGHEST_ALTITUDE_M + 1_500.0)
+        held_source_altitude_m(self.observer_altitude_m[observer_altitude] + axis.offset_m(offset as f64))
     }
 
     /// Number of (distance, offset) nodes: images of one observer altitude, each of all bands and lobes.
@@ -149,6 +164,24 @@ mod tests {
         }
         // At 50 km the plane through the source falls 196 m below the sphere's tangent.
         assert!((OffsetAxis::at_distance(50_000.0, 23).bend_m + 196.2).abs() < 0.1);
+    }
+
+    #[test]
+    fn behind_a_skyline_the_bend_lies_where_the_cone_meets_the_observer() {
+        let open = OffsetAxis::at_distance(20_000.0, 23);
+        assert_eq!(OffsetAxis::behind_skyline(20_000.0, 0.0, 23), open);
+        // 10 km · tan 4° and 7.8 m of curvature.
+        let axis = OffsetAxis::behind_skyline(10_000.0, 4.0, 9);
+        assert!((axis.bend_m + 707.1).abs() < 10.0, "{}", axis.bend_m);
+        for distance_m in [250.0, 3_000.0, 300_000.0] {
+            for blocking_deg in [0.5, 8.0, 32.0] {
+                let axis = OffsetAxis::behind_skyline(distance_m, blocking_deg, 9);
+                assert!(axis.bend_m >= LOWEST_CUT_BEND_M && axis.bend_m < -distance_m * 1e-4);
+                let nodes: Vec<f64> = (0..9).map(|node| axis.offset_m(f64::from(node))).collect();
+                assert!(nodes.windows(2).all(|pair| pair[1] > pair[0]));
+                assert!((nodes[0] + 6_000.0).abs() < 1e-6);
+            }
+        }
     }
 
     proptest! {

@@ -16,6 +16,7 @@ use crate::{
 };
 use faer::{Accum, Mat, Par, Side, linalg::matmul::matmul, linalg::solvers::Solve};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use skyglow_physics::{ELEVATION_COUNT, geometry::EARTH_RADIUS_M};
 use std::sync::LazyLock;
 
@@ -48,6 +49,47 @@ const LOW_ROW_COUNT: f64 = 1.5;
 /// Columns over which that falls to 1/e.
 const LOW_COLUMN_COUNT: f64 = 3.0;
 
+/// What decides a fit beside the number of functions, geometries and iterations: kept in manifests, and in the key of
+/// work in progress, so that nothing made with other constants is gone on from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FitConstants {
+    /// Exponent q of the weights.
+    pub weight_exponent: f64,
+    /// δ over the image's zenith value.
+    pub dim_over_zenith: f64,
+    /// δ over the image's mean at the least.
+    pub dim_over_mean: f64,
+    /// Largest growth of δ for a steeply raised source, and the elevation of half of it, degrees.
+    pub raised_dim: [f64; 2],
+    /// Largest growth of δ in the Earth's shadow, and the depth of half of it, metres.
+    pub shadow_dim: [f64; 2],
+    /// Relative variance of a coefficient's rounding.
+    pub rounding_variance: f64,
+    /// Extra weight of the lowest row towards the source, and over how many rows and columns it falls to 1/e.
+    pub low_row: [f64; 3],
+    /// Weight of the `oblique` lobe's images.
+    pub oblique_importance: f64,
+    /// Highest observer and source of the everyday half of the training set, metres.
+    pub everyday_altitude_m: f64,
+}
+
+impl FitConstants {
+    /// Those of this program.
+    pub fn current() -> Self {
+        Self {
+            weight_exponent: WEIGHT_EXPONENT,
+            dim_over_zenith: f64::from(DIM_OVER_ZENITH),
+            dim_over_mean: f64::from(DIM_OVER_MEAN),
+            raised_dim: [RAISED_DIM_FACTOR, RAISED_DEG],
+            shadow_dim: [SHADOW_DIM_FACTOR, SHADOW_DEPTH_M],
+            rounding_variance: ROUNDING_VARIANCE,
+            low_row: [LOW_ROW_BOOST, LOW_ROW_COUNT, LOW_COLUMN_COUNT],
+            oblique_importance: crate::precompute::OBLIQUE_IMPORTANCE,
+            everyday_altitude_m: crate::precompute::EVERYDAY_ALTITUDE_M,
+        }
+    }
+}
+
 /// Basis functions B_k sampled on half a panorama.
 #[derive(Clone, Debug)]
 pub struct Basis {
@@ -76,12 +118,18 @@ pub fn raised_share(offset_m: f64, distance_m: f64) -> f64 {
 
 /// How much δ grows for a source: where `scattering` and geometry leave low rows black, they must not decide the fit.
 pub fn dim_factor(scattering: Scattering, offset_m: f64, distance_m: f64) -> f64 {
+    cut_dim_factor(scattering, offset_m, distance_m, 0.0)
+}
+
+/// As [`dim_factor`] for a source behind a skyline of `blocking_deg`, whose cone leaves more in the shadow.
+pub fn cut_dim_factor(scattering: Scattering, offset_m: f64, distance_m: f64, blocking_deg: f64) -> f64 {
     let raised = 1.0 + RAISED_DIM_FACTOR * raised_share(offset_m, distance_m);
     match scattering {
         Scattering::Multiple => raised,
         Scattering::Single => {
-            // Height of the source's horizontal plane above the observer.
-            let depth_m = (offset_m + 0.5 * distance_m * distance_m / EARTH_RADIUS_M).max(0.0);
+            // Height of the source's horizontal plane, or of its skyline's cone, above the observer.
+            let lift_m = distance_m * blocking_deg.to_radians().tan();
+            let depth_m = (offset_m + 0.5 * distance_m * distance_m / EARTH_RADIUS_M + lift_m).max(0.0);
             let depth = depth_m / SHADOW_DEPTH_M;
             raised + SHADOW_DIM_FACTOR * depth * depth / (1.0 + depth * depth)
         }

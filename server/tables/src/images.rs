@@ -5,7 +5,7 @@ use skyglow_physics::{
     Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
     panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
     quadrature::gauss_legendre,
-    single_source::{OUTPUT_COUNT, SourceGeometry, radiance_per_watt_fixed},
+    single_source::{OUTPUT_COUNT, SourceGeometry, cut_radiance_per_watt_fixed},
 };
 
 /// Columns computed of an image: azimuths 0..=180° from the source; the other half mirrors them.
@@ -86,19 +86,38 @@ pub fn images_of(
     multiple: &[MultipleTable],
     geometry: &SourceGeometry,
 ) -> Vec<SourceImages> {
+    images_with(atmospheres, geometry, 0.0, &|atmosphere, images| {
+        if let Some(table) = multiple.get(atmosphere) {
+            table.add_to(geometry, images);
+        }
+    })
+}
+
+/// The images of a geometry whose source stands behind a skyline of `blocking_rad`, one set for each atmosphere.
+/// `add_later` is given the number of an atmosphere and its first-order images `[image][row][column]` [m⁻² sr⁻¹], and
+/// adds all later orders to them.
+pub(crate) fn images_with(
+    atmospheres: &[Atmosphere],
+    geometry: &SourceGeometry,
+    blocking_rad: f64,
+    add_later: &dyn Fn(usize, &mut [f64]),
+) -> Vec<SourceImages> {
     match atmospheres.len() {
         0 => Vec::new(),
-        1 => images_together::<OUTPUT_COUNT>(atmospheres, multiple, geometry),
-        2 => images_together::<{ 2 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
-        3 => images_together::<{ 3 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
-        4 => images_together::<{ 4 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
-        5 => images_together::<{ 5 * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
-        MAX_TOGETHER => images_together::<{ MAX_TOGETHER * OUTPUT_COUNT }>(atmospheres, multiple, geometry),
+        1 => images_together::<OUTPUT_COUNT>(atmospheres, geometry, blocking_rad, add_later),
+        2 => images_together::<{ 2 * OUTPUT_COUNT }>(atmospheres, geometry, blocking_rad, add_later),
+        3 => images_together::<{ 3 * OUTPUT_COUNT }>(atmospheres, geometry, blocking_rad, add_later),
+        4 => images_together::<{ 4 * OUTPUT_COUNT }>(atmospheres, geometry, blocking_rad, add_later),
+        5 => images_together::<{ 5 * OUTPUT_COUNT }>(atmospheres, geometry, blocking_rad, add_later),
+        MAX_TOGETHER => {
+            images_together::<{ MAX_TOGETHER * OUTPUT_COUNT }>(atmospheres, geometry, blocking_rad, add_later)
+        }
         _ => {
             let (first, rest) = atmospheres.split_at(MAX_TOGETHER);
-            let (first_multiple, rest_multiple) = multiple.split_at(multiple.len().min(MAX_TOGETHER));
-            let mut images = images_of(first, first_multiple, geometry);
-            images.extend(images_of(rest, rest_multiple, geometry));
+            let mut images = images_with(first, geometry, blocking_rad, add_later);
+            images.extend(images_with(rest, geometry, blocking_rad, &|atmosphere, images| {
+                add_later(MAX_TOGETHER + atmosphere, images);
+            }));
             images
         }
     }
@@ -181,15 +200,17 @@ fn image_row<const N: usize>(radiance: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]
 /// `N` is the number of atmospheres times [`OUTPUT_COUNT`].
 fn images_together<const N: usize>(
     atmospheres: &[Atmosphere],
-    multiple: &[MultipleTable],
     geometry: &SourceGeometry,
+    blocking_rad: f64,
+    add_later: &dyn Fn(usize, &mut [f64]),
 ) -> Vec<SourceImages> {
     let nodes = gauss_legendre(NODES_PER_PIECE);
     // [atmosphere][lobe][band][row][column]
     let mut values = vec![0.0f64; N * PIXEL_COUNT];
     for row in 0..ELEVATION_COUNT {
         let radiances: Vec<[f64; N]> = image_row(|azimuth| {
-            radiance_per_watt_fixed(atmospheres, geometry, azimuth, elevation_rad(row), &nodes)
+            let elevation = elevation_rad(row);
+            cut_radiance_per_watt_fixed(atmospheres, geometry, blocking_rad, azimuth, elevation, &nodes)
         });
         for (column, radiance) in radiances.into_iter().enumerate() {
             let pixel = row * HALF_COLUMN_COUNT + column;
@@ -201,8 +222,8 @@ fn images_together<const N: usize>(
             }
         }
     }
-    for (images, table) in values.chunks_exact_mut(IMAGE_COUNT * PIXEL_COUNT).zip(multiple) {
-        table.add_to(geometry, images);
+    for (atmosphere, images) in values.chunks_exact_mut(IMAGE_COUNT * PIXEL_COUNT).enumerate() {
+        add_later(atmosphere, images);
     }
     values.chunks_exact(IMAGE_COUNT * PIXEL_COUNT).map(scale_apart).collect()
 }
@@ -227,7 +248,7 @@ fn scale_apart(images: &[f64]) -> SourceImages {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_physics::Turbidity;
+    use skyglow_physics::{Turbidity, single_source::radiance_per_watt_fixed};
 
     #[test]
     fn an_image_over_its_mean_has_mean_one_and_is_brightest_towards_its_source() {

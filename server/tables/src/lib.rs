@@ -4,6 +4,7 @@
 //! basis: `b(θ, φ; r, h_c, h_o, lobe, band) ≈ exp(log_scale) · Σ_k shape_k · B_k(θ, φ)`.
 
 pub mod axes;
+mod blocked;
 mod checkpoint;
 pub mod error;
 pub mod fit;
@@ -12,14 +13,18 @@ pub mod manifest;
 mod measure;
 pub mod multiple;
 pub mod pack;
+mod packing;
 pub mod precompute;
 pub mod resident;
 pub mod spectrum;
+mod upgrade;
 
 pub use axes::{OffsetAxis, TableAxes};
+pub use blocked::{BlockedAxes, LaterAxes};
 pub use error::TablesError;
 pub use manifest::{Manifest, Scattering};
 pub use multiple::{MultipleAxes, MultipleTable};
 pub use pack::{Pack, packs_in};
 pub use precompute::{PrecomputeOptions, Progress, Silent, precompute, precompute_together};
 pub use resident::{ResidentBlocked, ResidentTables};
+pub use upgrade::add_blocked;

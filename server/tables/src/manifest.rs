@@ -2,7 +2,8 @@
 
 use crate::{
     axes::TableAxes,
-    fit::WEIGHT_EXPONENT,
+    blocked::BlockedAxes,
+    fit::{FitConstants, WEIGHT_EXPONENT},
     images::{DARK_LOG_SCALE, NODES_PER_PIECE},
     multiple::MultipleAxes,
 };
@@ -12,7 +13,9 @@ use skyglow_physics::{
 };
 
 /// Version of the file format and of what its node numbers mean; a pack of another version is refused.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
+/// The format before it, which holds the open sky alone: see [`crate::add_blocked`].
+pub(crate) const FORMAT_BEFORE: u32 = 2;
 /// Version of the physical model; raised when the images change.
 pub const MODEL_VERSION: u32 = 1;
 
@@ -96,6 +99,9 @@ pub struct Manifest {
     pub elevation_count: usize,
     /// Sample points.
     pub axes: TableAxes,
+    /// Sample points of sources behind skylines; null where the pack holds the open sky alone.
+    #[serde(default)]
+    pub blocked: Option<BlockedAxes>,
     /// M, number of basis functions.
     pub basis_count: usize,
     /// What the data mean.
@@ -128,6 +134,9 @@ pub struct Parameters {
     /// Sample points of multiply scattered light.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multiple: Option<MultipleAxes>,
+    /// Constants of the fit; manifests of format 2 do not say them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fit: Option<FitConstants>,
 }
 
 /// What decides a pack's content, before it is made.
@@ -142,12 +151,16 @@ pub struct PackParameters {
     pub multiple: Option<MultipleAxes>,
     /// Sample points.
     pub axes: TableAxes,
+    /// Sample points of sources behind skylines.
+    pub blocked: Option<BlockedAxes>,
     /// M.
     pub basis_count: usize,
     /// Geometries in the training set.
     pub training_geometries: usize,
     /// Alternating-least-squares iterations.
     pub fit_iterations: usize,
+    /// Constants of the fit.
+    pub fit: FitConstants,
 }
 
 impl PackParameters {
@@ -167,6 +180,25 @@ impl PackParameters {
         )
     }
 
+    /// Layout and unit of each section.
+    fn sections(&self) -> Vec<String> {
+        let mut sections = vec![
+            "log_scale f32 [observer_altitude][lobe][band][distance][offset], ln(m-2 sr-1)",
+            "shape f16 [observer_altitude][lobe][band][distance][offset][basis], 1; packed as differences of the bits \
+             along distance",
+            "basis_spectrum f32 [basis][elevation][frequency 0..=128], 1",
+        ];
+        if self.blocked.is_some() {
+            sections.extend([
+                "blocked_log_part f32 [observer_altitude][angle 0.5 to 32 degrees][lobe][band][distance][offset], ln of \
+                 the scale over that of the open sky",
+                "blocked_shape_less_open f16 the same with [basis], 1: coefficients less those of the open sky; packed \
+                 as shape",
+            ]);
+        }
+        sections.into_iter().map(str::to_owned).collect()
+    }
+
     /// The manifest of a finished pack.
     pub fn manifest(&self, measured_error: MeasuredError, checksum: String) -> Manifest {
         Manifest {
@@ -180,15 +212,12 @@ impl PackParameters {
             azimuth_count: AZIMUTH_COUNT,
             elevation_count: ELEVATION_COUNT,
             axes: self.axes.clone(),
+            blocked: self.blocked.clone(),
             basis_count: self.basis_count,
             equation: "b = exp(log_scale) * sum_k shape_k * B_k  [m-2 sr-1], radiance per watt of upward \
                        flux; F[B_k](f) = sum_i B_k(theta_i) cos(2 pi f i / 256)"
                 .to_owned(),
-            sections: vec![
-                "log_scale f32 [observer_altitude][lobe][band][distance][offset], ln(m-2 sr-1)".to_owned(),
-                "shape f16 [observer_altitude][lobe][band][distance][offset][basis], 1".to_owned(),
-                "basis_spectrum f32 [basis][elevation][frequency 0..=128], 1".to_owned(),
-            ],
+            sections: self.sections(),
             parameters: Parameters {
                 nodes_per_piece: NODES_PER_PIECE,
                 weight_exponent: WEIGHT_EXPONENT,
@@ -196,6 +225,7 @@ impl PackParameters {
                 fit_iterations: self.fit_iterations,
                 dark_log_scale: DARK_LOG_SCALE,
                 multiple: self.multiple.clone(),
+                fit: Some(self.fit),
             },
             measured_error,
             checksum,

@@ -41,6 +41,11 @@ fn solved_offset_m(offset_m: f64) -> f64 {
     RAISED_M.into_iter().find(|&solved_m| solved_m >= offset_m).unwrap_or(RAISED_M[RAISED_M.len() - 1])
 }
 
+/// What offsets are interpolated in.
+pub(crate) fn bent_offset(offset_m: f64) -> f64 {
+    (offset_m / OFFSET_SCALE_M).asinh()
+}
+
 /// How far an observer of an offset above zero is raised in its field, metres.
 fn raised_by_m(offset_m: f64) -> f64 {
     if offset_m > 0.0 { (solved_offset_m(offset_m) - offset_m).max(0.0) } else { 0.0 }
@@ -57,7 +62,7 @@ pub enum FieldResolution {
 }
 
 impl FieldResolution {
-    fn resolution(self) -> Resolution {
+    pub(crate) fn resolution(self) -> Resolution {
         match self {
             Self::Table => Resolution::table(),
             Self::Coarse => Resolution::coarse(),
@@ -160,7 +165,7 @@ impl MultipleTable {
                     };
                     let observer_m =
                         ground_m + if offset_m > 0.0 { raised_by_m(offset_m) } else { -offset_m };
-                    let part = view(&field, axes, distance_m, observer_m)?;
+                    let part = view(&field, &axes.column, distance_m, observer_m)?;
                     solved = Some((above_m, field));
                     made(ground, offset, &part)?;
                     Ok(part)
@@ -229,10 +234,9 @@ impl MultipleTable {
     fn taps(&self, geometry: &SourceGeometry) -> Vec<(usize, usize, f64)> {
         let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
         let offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
-        let bent = |offset_m: f64| (offset_m / OFFSET_SCALE_M).asinh();
-        let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent(offset_m)).collect();
+        let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent_offset(offset_m)).collect();
         let mut taps = Vec::with_capacity(TAPS * TAPS);
-        for (offset, offset_weight) in lagrange_taps(&bent_axis, bent(offset_m), TAPS) {
+        for (offset, offset_weight) in lagrange_taps(&bent_axis, bent_offset(offset_m), TAPS) {
             let lowered_m = ground_m - raised_by_m(self.axes.offset_m[offset]);
             for (ground, ground_weight) in ground_taps(&self.axes.ground_altitude_m, lowered_m) {
                 for (distance, distance_weight) in
@@ -261,15 +265,15 @@ fn ground_taps(ground_altitude_m: &[f64], ground_m: f64) -> Vec<(usize, f64)> {
 }
 
 /// For each panorama column the table's columns around it and their weights, in azimuth.
-fn column_taps(columns: &[usize]) -> Vec<Vec<(usize, f64)>> {
+pub(crate) fn column_taps(columns: &[usize]) -> Vec<Vec<(usize, f64)>> {
     let nodes: Vec<f64> = columns.iter().map(|&column| column as f64).collect();
     (0..HALF_COLUMN_COUNT).map(|column| lagrange_taps(&nodes, column as f64, TAPS)).collect()
 }
 
-/// What an observer sees of a field, `[distance][row][column][image]`.
-fn view(
+/// What an observer sees of a field at panorama columns, `[distance][row][column][image]`, ln(m⁻² sr⁻¹).
+pub(crate) fn view(
     field: &SourceField,
-    axes: &MultipleAxes,
+    columns: &[usize],
     distance_m: &[f64],
     observer_altitude_m: f64,
 ) -> Result<Vec<f32>, TablesError> {
@@ -278,9 +282,9 @@ fn view(
         .into_par_iter()
         .map(|row| {
             let rays = ViewRow::new(field, observer_altitude_m, elevation_rad(row))?;
-            let mut values = Vec::with_capacity(distance_m.len() * axes.column.len() * IMAGE_COUNT);
+            let mut values = Vec::with_capacity(distance_m.len() * columns.len() * IMAGE_COUNT);
             for &distance_m in distance_m {
-                for &column in &axes.column {
+                for &column in columns {
                     let radiance = rays.radiance_per_watt(distance_m, azimuth_rad(column));
                     let mut images = [0.0f32; IMAGE_COUNT];
                     for band in 0..BAND_COUNT {
@@ -295,8 +299,8 @@ fn view(
             Ok(values)
         })
         .collect::<Result<_, TablesError>>()?;
-    let row_len = axes.column.len() * IMAGE_COUNT;
-    let mut part = Vec::with_capacity(axes.part_len(distance_m.len()));
+    let row_len = columns.len() * IMAGE_COUNT;
+    let mut part = Vec::with_capacity(distance_m.len() * ELEVATION_COUNT * row_len);
     for distance in 0..distance_m.len() {
         for row in &rows {
             part.extend_from_slice(&row[distance * row_len..(distance + 1) * row_len]);

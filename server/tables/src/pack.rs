@@ -1,14 +1,17 @@
-//! The pack file: a readable manifest and three compressed sections, checked before use.
+//! The pack file: a readable manifest and three or five compressed sections, checked before use.
 //!
 //! Layout: magic, manifest length (u64 LE), manifest (JSON), then each section as length (u64 LE) and a zstd
-//! frame of its bytes with equal byte positions side by side, and at the end the BLAKE3 of all before it.
+//! frame of its bytes with equal byte positions side by side, and at the end the BLAKE3 of all before it. Shape
+//! coefficients are packed as wrapping differences of their bits from one distance to the next ([`crate::packing`]).
 //! The manifest lies beside the pack as `.json` too; the two must agree.
 
 use crate::{
     axes::OffsetAxis,
+    blocked::BlockedTables,
     error::TablesError,
     images::IMAGE_COUNT,
-    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering},
+    manifest::{FORMAT_BEFORE, FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering},
+    packing::{distance_differences, from_distance_differences, shuffle, unshuffle},
     resident::{FREQUENCY_COUNT, ResidentTables},
 };
 use half::f16;
@@ -35,6 +38,8 @@ pub struct Pack {
     pub(crate) shape: Vec<f16>,
     /// `[basis][elevation][frequency]`.
     pub(crate) basis_spectrum: Vec<f32>,
+    /// Sources behind skylines.
+    pub(crate) blocked: Option<BlockedTables>,
 }
 
 /// Packs in a folder, by file name.
@@ -58,43 +63,35 @@ pub fn pack_file_name(turbidity: f64, scattering: Scattering) -> String {
     format!("turbidity-{turbidity:.2}-{}.{PACK_EXTENSION}", scattering.name())
 }
 
-/// Equal byte positions of `width`-byte values side by side: smooth tables then compress.
-fn shuffle(bytes: &[u8], width: usize) -> Vec<u8> {
-    let count = bytes.len() / width;
-    let mut out = vec![0; bytes.len()];
-    for (byte, plane) in out.chunks_exact_mut(count.max(1)).enumerate() {
-        for (i, slot) in plane.iter_mut().enumerate() {
-            *slot = bytes[i * width + byte];
-        }
-    }
-    out
-}
-
-fn unshuffle(bytes: &[u8], width: usize) -> Vec<u8> {
-    let count = bytes.len() / width;
-    let mut out = vec![0; bytes.len()];
-    for (byte, plane) in bytes.chunks_exact(count.max(1)).enumerate() {
-        for (i, &value) in plane.iter().enumerate() {
-            out[i * width + byte] = value;
-        }
-    }
-    out
-}
-
 impl Pack {
-    /// From computed parts; the manifest's checksum is set here.
+    /// From computed parts, without sources behind skylines; the manifest's checksum is set here.
     pub(crate) fn from_parts(
-        mut manifest: Manifest,
+        manifest: Manifest,
         log_scale: Vec<f32>,
         shape: Vec<f16>,
         basis_spectrum: Vec<f32>,
     ) -> Self {
+        let mut pack = Self { manifest, log_scale, shape, basis_spectrum, blocked: None };
+        pack.set_checksum();
+        pack
+    }
+
+    /// Adds the tables of sources behind skylines.
+    pub(crate) fn set_blocked(&mut self, blocked: BlockedTables) {
+        self.blocked = Some(blocked);
+        self.set_checksum();
+    }
+
+    fn set_checksum(&mut self) {
         let mut hasher = blake3::Hasher::new();
-        hasher.update(bytemuck::cast_slice(&log_scale));
-        hasher.update(bytemuck::cast_slice(&shape));
-        hasher.update(bytemuck::cast_slice(&basis_spectrum));
-        manifest.checksum = hasher.finalize().to_hex().to_string();
-        Self { manifest, log_scale, shape, basis_spectrum }
+        hasher.update(bytemuck::cast_slice(&self.log_scale));
+        hasher.update(bytemuck::cast_slice(&self.shape));
+        hasher.update(bytemuck::cast_slice(&self.basis_spectrum));
+        if let Some(blocked) = &self.blocked {
+            hasher.update(bytemuck::cast_slice(&blocked.log_part));
+            hasher.update(bytemuck::cast_slice(&blocked.shape_less_open));
+        }
+        self.manifest.checksum = hasher.finalize().to_hex().to_string();
     }
 
     /// What the pack is.
@@ -115,25 +112,46 @@ impl Pack {
         let path = folder.join(pack_file_name(self.manifest.turbidity, self.manifest.scattering));
         let json = serde_json::to_vec_pretty(&self.manifest)
             .map_err(|error| TablesError::Manifest { path: path.clone(), reason: error.to_string() })?;
+        let bytes = self.encoded(&json, &path)?;
+        write_atomically(&path, &bytes)?;
+        write_atomically(&path.with_extension("json"), &[json.as_slice(), b"\n"].concat())?;
+        Ok(path)
+    }
+
+    /// The file's bytes around a manifest; `path` is for errors. In the format that the manifest says.
+    fn encoded(&self, json: &[u8], path: &Path) -> Result<Vec<u8>, TablesError> {
         let mut bytes = Vec::new();
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&(json.len() as u64).to_le_bytes());
-        bytes.extend_from_slice(&json);
-        let sections: [(&[u8], usize); 3] = [
+        bytes.extend_from_slice(json);
+        let axes = &self.manifest.axes;
+        let row = axes.offset_count * self.manifest.basis_count;
+        let shape = if self.manifest.format_version == FORMAT_BEFORE {
+            self.shape.iter().map(|value| value.to_bits()).collect()
+        } else {
+            distance_differences(&self.shape, axes.distance_m.len(), row)
+        };
+        let mut sections: Vec<(&[u8], usize)> = vec![
             (bytemuck::cast_slice(&self.log_scale), 4),
-            (bytemuck::cast_slice(&self.shape), 2),
+            (bytemuck::cast_slice(&shape), 2),
             (bytemuck::cast_slice(&self.basis_spectrum), 4),
         ];
+        let differences = self.blocked.as_ref().map(|blocked| {
+            let axes = &blocked.axes;
+            let row = axes.offset_count * axes.basis_count;
+            (&blocked.log_part, distance_differences(&blocked.shape_less_open, axes.distance_m.len(), row))
+        });
+        if let Some((log_part, shape_less_open)) = &differences {
+            sections.push((bytemuck::cast_slice(log_part), 4));
+            sections.push((bytemuck::cast_slice(shape_less_open), 2));
+        }
         for (section, width) in sections {
-            let packed =
-                zstd::bulk::compress(&shuffle(section, width), 19).map_err(TablesError::io(&path))?;
+            let packed = zstd::bulk::compress(&shuffle(section, width), 19).map_err(TablesError::io(path))?;
             bytes.extend_from_slice(&(packed.len() as u64).to_le_bytes());
             bytes.extend_from_slice(&packed);
         }
         bytes.extend_from_slice(blake3::hash(&bytes).as_bytes());
-        write_atomically(&path, &bytes)?;
-        write_atomically(&path.with_extension("json"), &[json.as_slice(), b"\n"].concat())?;
-        Ok(path)
+        Ok(bytes)
     }
 
     /// Reads and checks a pack: magic, format, checksum, manifest, lengths, finite values.
@@ -141,6 +159,15 @@ impl Pack {
     /// # Errors
     /// [`TablesError::Refused`] naming the file and what is wrong with it.
     pub fn open(path: &Path) -> Result<Self, TablesError> {
+        Self::read(path, &[FORMAT_VERSION])
+    }
+
+    /// As [`Self::open`] for packs of the format before, too: to make new ones of them.
+    pub(crate) fn open_older(path: &Path) -> Result<Self, TablesError> {
+        Self::read(path, &[FORMAT_BEFORE, FORMAT_VERSION])
+    }
+
+    fn read(path: &Path, formats: &[u32]) -> Result<Self, TablesError> {
         let bytes = std::fs::read(path).map_err(TablesError::io(path))?;
         let refused = |reason: String| TablesError::Refused { path: path.to_owned(), reason };
         if bytes.len() < MAGIC.len() + 8 + HASH_LEN || &bytes[..MAGIC.len()] != MAGIC {
@@ -165,7 +192,7 @@ impl Pack {
         };
         let manifest: Manifest = serde_json::from_slice(take("the manifest")?)
             .map_err(|error| refused(format!("its manifest cannot be read: {error}")))?;
-        if manifest.format_version != FORMAT_VERSION || manifest.model_version != MODEL_VERSION {
+        if !formats.contains(&manifest.format_version) || manifest.model_version != MODEL_VERSION {
             return Err(refused(format!(
                 "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION}",
                 manifest.format_version, manifest.model_version
@@ -182,19 +209,50 @@ impl Pack {
             Ok(unshuffle(&raw, width))
         };
         let log_scale = bytemuck::pod_collect_to_vec::<u8, _>(&section("log_scale", nodes, 4)?);
-        let shape =
-            bytemuck::pod_collect_to_vec::<u8, _>(&section("shape", nodes * manifest.basis_count, 2)?);
+        let shape_bytes = section("shape", nodes * manifest.basis_count, 2)?;
+        let shape = if manifest.format_version == FORMAT_BEFORE {
+            bytemuck::pod_collect_to_vec::<u8, f16>(&shape_bytes)
+        } else {
+            let row = manifest.axes.offset_count * manifest.basis_count;
+            let bits = bytemuck::pod_collect_to_vec::<u8, u16>(&shape_bytes);
+            from_distance_differences(bits, manifest.axes.distance_m.len(), row)
+        };
         let spectrum_len = manifest.basis_count * ELEVATION_COUNT * FREQUENCY_COUNT;
         let basis_spectrum =
             bytemuck::pod_collect_to_vec::<u8, _>(&section("basis_spectrum", spectrum_len, 4)?);
+        let blocked = match &manifest.blocked {
+            None => None,
+            Some(axes) => {
+                let nodes = axes.node_count();
+                let log_part = section("blocked_log_part", nodes, 4)?;
+                let differences = section("blocked_shape_less_open", nodes * axes.basis_count, 2)?;
+                let bits = bytemuck::pod_collect_to_vec::<u8, u16>(&differences);
+                Some(BlockedTables {
+                    axes: axes.clone(),
+                    log_part: bytemuck::pod_collect_to_vec(&log_part),
+                    shape_less_open: from_distance_differences(
+                        bits,
+                        axes.distance_m.len(),
+                        axes.offset_count * axes.basis_count,
+                    ),
+                })
+            }
+        };
         let checksum = manifest.checksum.clone();
-        let pack = Self::from_parts(manifest, log_scale, shape, basis_spectrum);
+        let mut pack = Self::from_parts(manifest, log_scale, shape, basis_spectrum);
+        if let Some(blocked) = blocked {
+            pack.set_blocked(blocked);
+        }
         if pack.manifest.checksum != checksum {
             return Err(refused("its data are not those of its manifest".to_owned()));
         }
         check_beside(path, &pack.manifest)?;
         let finite = pack.log_scale.iter().chain(&pack.basis_spectrum).all(|v| v.is_finite())
-            && pack.shape.iter().all(|v| v.is_finite());
+            && pack.shape.iter().all(|v| v.is_finite())
+            && pack.blocked.as_ref().is_none_or(|blocked| {
+                blocked.log_part.iter().all(|v| v.is_finite())
+                    && blocked.shape_less_open.iter().all(|v| v.is_finite())
+            });
         if finite { Ok(pack) } else { Err(refused("it holds values that are not finite".to_owned())) }
     }
 
@@ -240,7 +298,7 @@ impl Pack {
                 }
             },
         );
-        ResidentTables {
+        let mut tables = ResidentTables {
             turbidity: self.manifest.turbidity,
             scattering: self.manifest.scattering,
             checksum: self.manifest.checksum.clone(),
@@ -253,7 +311,9 @@ impl Pack {
             shape,
             basis_spectrum: self.basis_spectrum.clone(),
             blocked: None,
-        }
+        };
+        tables.blocked = self.blocked.as_ref().map(|blocked| blocked.resident(&tables));
+        tables
     }
 }
 

@@ -6,9 +6,12 @@
 
 use crate::{
     axes::{OffsetAxis, TableAxes},
+    blocked::{BlockedAxes, BlockedJob, make_blocked},
     checkpoint::Checkpoint,
     error::TablesError,
-    fit::{Basis, Projector, TrainingImage, dim_factor, fit_basis, raised_share, sample_weights},
+    fit::{
+        Basis, FitConstants, Projector, TrainingImage, dim_factor, fit_basis, raised_share, sample_weights,
+    },
     images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node},
     manifest::{MeasuredError, PackParameters, Scattering},
     measure::measure_error,
@@ -51,6 +54,8 @@ pub struct PrecomputeOptions {
     pub multiple: MultipleAxes,
     /// Sample points.
     pub axes: TableAxes,
+    /// Sample points of sources behind skylines; None for the open sky alone.
+    pub blocked: Option<BlockedAxes>,
     /// M, a multiple of 4.
     pub basis_count: usize,
     /// Geometries in the training set of the basis; each gives nine images.
@@ -72,6 +77,7 @@ impl PrecomputeOptions {
             scattering: Scattering::Single,
             multiple: MultipleAxes::full(DEFAULT_GROUND_ALBEDO),
             axes: TableAxes::full(),
+            blocked: Some(BlockedAxes::full()),
             basis_count: DEFAULT_BASIS_COUNT,
             training_geometries: 220,
             fit_iterations: 6,
@@ -86,6 +92,7 @@ impl PrecomputeOptions {
             scattering: Scattering::Single,
             multiple: MultipleAxes::coarse(DEFAULT_GROUND_ALBEDO),
             axes: TableAxes::coarse(),
+            blocked: Some(BlockedAxes::coarse()),
             basis_count: 16,
             training_geometries: 12,
             fit_iterations: 1,
@@ -98,15 +105,27 @@ impl PrecomputeOptions {
         (self.scattering == Scattering::Multiple).then_some(&self.multiple)
     }
 
-    fn parameters(&self, turbidity: Turbidity) -> PackParameters {
+    /// Sample points of sources behind skylines as this pack can have them: with no more functions than its basis, and
+    /// with later orders where there are any.
+    fn blocked_axes(&self) -> Option<BlockedAxes> {
+        self.blocked.as_ref().map(|axes| BlockedAxes {
+            basis_count: axes.basis_count.min(self.basis_count),
+            later: axes.later.clone().filter(|_| self.scattering == Scattering::Multiple),
+            ..axes.clone()
+        })
+    }
+
+    pub(crate) fn parameters(&self, turbidity: Turbidity) -> PackParameters {
         PackParameters {
             turbidity: turbidity.value(),
             scattering: self.scattering,
             multiple: self.multiple_axes().cloned(),
             axes: self.axes.clone(),
+            blocked: self.blocked_axes(),
             basis_count: self.basis_count,
             training_geometries: self.training_geometries,
             fit_iterations: self.fit_iterations,
+            fit: FitConstants::current(),
         }
     }
 }
@@ -180,7 +199,7 @@ pub fn precompute_together(
         })
         .collect::<Result<_, TablesError>>()?;
     progress.begin("measuring the error", (options.error_sources * turbidities.len()) as u64);
-    let mut paths = Vec::with_capacity(turbidities.len());
+    let mut packs = Vec::with_capacity(turbidities.len());
     for (index, (parameters, basis)) in parameters.iter().zip(&bases).enumerate() {
         let (log_scale, shape) = arrange(options, &parts, index);
         let mut pack = Pack::from_parts(
@@ -191,8 +210,37 @@ pub fn precompute_together(
         );
         pack.manifest_mut().measured_error =
             measure_error(&pack, multiple.get(index), options.error_sources, &|| progress.advance(1));
-        paths.push(pack.write(out)?);
+        packs.push(pack);
     }
+    finish(options, &atmospheres, &multiple, packs, checkpoints, out, progress)
+}
+
+/// The last stages, common to new packs and to those that lacked them: sources behind skylines, and the files.
+pub(crate) fn finish(
+    options: &PrecomputeOptions,
+    atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
+    mut packs: Vec<Pack>,
+    checkpoints: Vec<Checkpoint>,
+    out: &Path,
+    progress: &dyn Progress,
+) -> Result<Vec<PathBuf>, TablesError> {
+    if let Some(axes) = options.blocked_axes() {
+        let job = BlockedJob {
+            axes: &axes,
+            scattering: options.scattering,
+            multiple_axes: options.multiple_axes(),
+            atmospheres,
+            multiple,
+            checkpoints: &checkpoints,
+            progress,
+        };
+        let blocked = make_blocked(&job, &packs)?;
+        for (pack, blocked) in packs.iter_mut().zip(blocked) {
+            pack.set_blocked(blocked);
+        }
+    }
+    let paths = packs.iter().map(|pack| pack.write(out)).collect::<Result<_, _>>()?;
     for checkpoint in checkpoints {
         checkpoint.finish()?;
     }
@@ -200,7 +248,7 @@ pub fn precompute_together(
 }
 
 /// Highest observer and source of the everyday half of the training set, metres.
-const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
+pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
 
 /// Node geometries of the training set, every other one from anywhere on the axes and from everyday places. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them.
@@ -274,7 +322,7 @@ fn training_images(
 }
 
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
-const OBLIQUE_IMPORTANCE: f64 = 0.3;
+pub(crate) const OBLIQUE_IMPORTANCE: f64 = 0.3;
 
 /// The training set of one turbidity. Steeply raised sources weigh less: they are rare, and costly, since the
 /// bright spot around each is at another place.
@@ -310,7 +358,7 @@ fn node_offset_m(axes: &TableAxes, observer: usize, distance: usize, offset: usi
 }
 
 /// Multiply scattered light of every turbidity; empty for the first order alone.
-fn make_multiple(
+pub(crate) fn make_multiple(
     options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
     checkpoints: &[Checkpoint],

@@ -27,9 +27,42 @@ pub fn even_spectrum(functions: &[f32]) -> Vec<f32> {
     out
 }
 
+/// The functions `[basis][row][column 0..=128]` of a spectrum of [`even_spectrum`], to f32 rounding.
+pub fn even_functions(spectrum: &[f32]) -> Vec<f32> {
+    let cosine: Vec<f64> =
+        (0..AZIMUTH_COUNT).map(|i| (i as f64 * std::f64::consts::TAU / AZIMUTH_COUNT as f64).cos()).collect();
+    let mut out = Vec::with_capacity(spectrum.len() / FREQUENCY_COUNT * HALF_COLUMN_COUNT);
+    for row in spectrum.chunks_exact(FREQUENCY_COUNT) {
+        out.extend((0..HALF_COLUMN_COUNT).map(|column| {
+            let sum: f64 = row
+                .iter()
+                .enumerate()
+                .map(|(f, &value)| {
+                    // Every frequency but the first and the last stands for its negative too.
+                    let copies = if f == 0 || f == FREQUENCY_COUNT - 1 { 1.0 } else { 2.0 };
+                    copies * f64::from(value) * cosine[f * column % AZIMUTH_COUNT]
+                })
+                .sum();
+            (sum / AZIMUTH_COUNT as f64) as f32
+        }));
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn functions_come_back_from_their_spectrum() {
+        let functions: Vec<f32> =
+            (0..2 * PIXEL_COUNT).map(|i| ((i * 37 % 101) as f32 - 40.0) / 50.0).collect();
+        let back = even_functions(&even_spectrum(&functions));
+        assert_eq!(back.len(), functions.len());
+        for (back, function) in back.iter().zip(&functions) {
+            assert!((back - function).abs() < 2e-5);
+        }
+    }
 
     #[test]
     fn a_cosine_has_one_line_and_a_constant_only_the_zeroth() {

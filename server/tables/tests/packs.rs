@@ -173,3 +173,53 @@ fn a_turbidity_that_would_take_anothers_name_is_refused_before_any_work() {
     assert!(error.contains("2.004") && error.contains("two decimals"), "{error}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn a_pack_without_skylines_says_null_and_one_with_them_comes_back_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let open_alone = PrecomputeOptions { blocked: None, ..options() };
+    let path = precompute(&open_alone, folder.path(), &Silent).unwrap();
+    let text = std::fs::read_to_string(path.with_extension("json")).unwrap();
+    assert!(text.contains("\"blocked\": null"));
+    assert!(Pack::open(&path).unwrap().resident(&[1_000.0]).blocked.is_none());
+    let other = tempfile::tempdir().unwrap();
+    let with = Pack::open(&place(other.path(), &pack_bytes().0)).unwrap();
+    assert_eq!(with.manifest().blocked.as_ref().unwrap().later, None);
+    let again = with.write(other.path());
+    assert!(std::fs::read(again.unwrap()).unwrap() == pack_bytes().0);
+    let tables = with.resident(&[1_000.0, 40_000.0]);
+    let blocked = tables.blocked.as_ref().unwrap();
+    assert_eq!((blocked.offset_axis.len(), blocked.offset_axis[0].len()), (7, 2));
+    assert_eq!(blocked.observer_altitude_m, tables.observer_altitude_m);
+    assert!(blocked.log_scale.iter().all(|value| value.is_finite()));
+}
+
+#[test]
+fn a_killed_run_goes_on_among_the_skylines_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let all_orders = PrecomputeOptions {
+        scattering: Scattering::Multiple,
+        multiple: MultipleAxes::coarse(0.15),
+        ..options()
+    };
+    let whole = precompute(&all_orders, &folder.path().join("whole"), &Silent).unwrap();
+    // 4 fields, 12 training images, 2 fit steps, 20 parts and 4 sources come first.
+    let stopped = std::panic::catch_unwind(|| {
+        precompute(&all_orders, folder.path(), &StopAfter(AtomicU64::new(0), 4 + 12 + 2 + 20 + 4 + 5))
+    });
+    assert!(stopped.is_err());
+    let kept = |prefix: &str| {
+        let partial = std::fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .find(|path| path.extension().is_some_and(|extension| extension == "partial"))
+            .unwrap();
+        std::fs::read_dir(partial)
+            .unwrap()
+            .filter(|entry| entry.as_ref().unwrap().file_name().to_str().unwrap().starts_with(prefix))
+            .count()
+    };
+    assert!(kept("later-") >= 4, "{} parts kept", kept("later-"));
+    let path = precompute(&all_orders, folder.path(), &Silent).unwrap();
+    assert!(std::fs::read(path).unwrap() == std::fs::read(whole).unwrap(), "the packs differ");
+}

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::BAND_COUNT,
-    emission::{LOBE_COUNT, lobe_intensities_per_sr},
+    emission::{LOBE_COUNT, emitted_shares, lobe_intensities_per_sr},
     phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
     quadrature::gauss_legendre,
 };
@@ -30,6 +30,8 @@ pub(super) struct DirectBudget {
     pub(super) scattered_w: [f64; LANES],
     pub(super) absorbed_w: [f64; LANES],
     pub(super) escaped_w: [f64; LANES],
+    /// What the source sends out above its skyline; 1 under an open sky.
+    pub(super) emitted_w: [f64; LANES],
     /// What of the light scattered once escapes without another event.
     pub(super) once_scattered_escaped_w: [f64; LANES],
 }
@@ -46,15 +48,23 @@ fn to_space(setting: &SourceSetting, altitude_m: f64, cos_zenith: f64) -> [f64; 
 
 /// Where direct light goes, by quadrature over zenith angle and path.
 pub(super) fn direct_budget(setting: &SourceSetting) -> DirectBudget {
+    let emitted = emitted_shares(setting.blocking_rad);
+    let last = 0.5 * PI - setting.blocking_rad;
     let mut budget = DirectBudget {
         scattered_w: [0.0; LANES],
         absorbed_w: [0.0; LANES],
         escaped_w: [0.0; LANES],
+        emitted_w: std::array::from_fn(|lane| emitted[lane % LOBE_COUNT]),
         once_scattered_escaped_w: [0.0; LANES],
     };
     let nodes = gauss_legendre(16);
     // The oblique lobe ends at 60°; the horizon is approached finely.
     for (low, high) in [(0.0, PI / 3.0), (PI / 3.0, 0.48 * PI), (0.48 * PI, 0.5 * PI)] {
+        // Nothing leaves below the skyline.
+        let high = high.min(last);
+        if high <= low {
+            break;
+        }
         for &(x, weight) in &nodes {
             let psi = low + (high - low) * x;
             let ring_sr = weight * (high - low) * TAU * psi.sin();

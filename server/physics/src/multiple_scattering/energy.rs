@@ -20,7 +20,7 @@ use crate::{
 };
 use std::f64::consts::PI;
 
-/// Power of the light of one order, W per watt of the source. Light that goes beyond 420 km from the source is
+/// Power of the light of one order, W per watt of the source (which sends out less than that behind a skyline). Light that goes beyond 420 km from the source is
 /// in none of the sums but the first two.
 #[derive(Clone, Debug)]
 pub struct OrderPower {
@@ -39,7 +39,7 @@ impl OrderPower {
     pub(super) fn of_direct(budget: &DirectBudget) -> Self {
         Self {
             order: 0,
-            sent_w: [1.0; LANES],
+            sent_w: budget.emitted_w,
             extinguished_w: std::array::from_fn(|lane| budget.scattered_w[lane] + budget.absorbed_w[lane]),
             scattered_on_w: budget.scattered_w,
             at_ground_w: [0.0; LANES],

@@ -15,6 +15,7 @@ use super::{
 use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::BAND_COUNT,
+    cone::{RayFromSource, sin_blocking},
     emission::LOBE_COUNT,
     geometry::EARTH_RADIUS_M,
     phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
@@ -82,6 +83,8 @@ pub(super) struct FirstOrder<'a> {
     rule: &'a FirstOrderRule,
     source: DVec3,
     source_density: [f64; 2],
+    /// Sine of the elevation of the skyline around the source.
+    sin_blocking: f64,
     top_altitude_m: f64,
 }
 
@@ -92,6 +95,7 @@ impl<'a> FirstOrder<'a> {
             rule,
             source: DVec3::new(0.0, 0.0, EARTH_RADIUS_M + setting.source_altitude_m),
             source_density: relative_densities(setting.source_altitude_m),
+            sin_blocking: sin_blocking(setting.blocking_rad),
             top_altitude_m,
         }
     }
@@ -160,7 +164,7 @@ impl<'a> FirstOrder<'a> {
         let path = SlantPath::new(place.altitude_m, cos_zenith);
         let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
         let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(self.top_altitude_m));
-        // Above the source's horizon plane only.
+        // Above the source's horizon plane only, and above its skyline.
         let (height, rate) = (place.position.z - self.source.z, view.z);
         let (low, high) = match (height > 0.0, rate > 0.0) {
             (true, true) => (0.0, end_m),
@@ -172,6 +176,8 @@ impl<'a> FirstOrder<'a> {
             return None;
         }
         let from_source = place.position - self.source;
+        let (low, high) = RayFromSource { start_m: from_source, view, up: DVec3::Z }
+            .lit_m(self.sin_blocking, (low, high))?;
         let nearest_m = -from_source.dot(view);
         let miss_m = (from_source + view * nearest_m).length().max(1e-3);
         let mut cuts = self.cuts_m(place, &path, nearest_m);
@@ -221,7 +227,7 @@ impl<'a> FirstOrder<'a> {
         step_m: f64,
         sum: &mut [f64; LANES],
     ) {
-        if from_source.z <= 0.0 {
+        if from_source.z <= self.sin_blocking * from_source.length() {
             return;
         }
         let point = path.point(path_m);

@@ -23,10 +23,13 @@ pub struct SourceSetting {
     pub ground_altitude_m: f64,
     /// Lambertian albedo of the ground, 0..=1, the same in all bands.
     pub ground_albedo: f64,
+    /// Elevation of the skyline around the source, radians, 0..=π/2: at and below it the source sends out nothing.
+    /// 0 is the open sky.
+    pub blocking_rad: f64,
 }
 
 impl SourceSetting {
-    /// Checks the ranges.
+    /// Checks the ranges; the sky is open.
     ///
     /// # Errors
     /// [`PhysicsError::OutOfRange`] naming `source_altitude`, `ground_altitude` or `ground_albedo`.
@@ -39,7 +42,16 @@ impl SourceSetting {
         check_range("source_altitude", source_altitude_m, -2_000.0, 10_000.0, "m")?;
         check_range("ground_altitude", ground_altitude_m, -2_000.0, source_altitude_m, "m")?;
         check_range("ground_albedo", ground_albedo, 0.0, 1.0, "")?;
-        Ok(Self { atmosphere, source_altitude_m, ground_altitude_m, ground_albedo })
+        Ok(Self { atmosphere, source_altitude_m, ground_altitude_m, ground_albedo, blocking_rad: 0.0 })
+    }
+
+    /// The same with the source behind a skyline.
+    ///
+    /// # Errors
+    /// [`PhysicsError::OutOfRange`] naming `blocking_angle`.
+    pub fn behind(self, blocking_rad: f64) -> Result<Self, PhysicsError> {
+        check_range("blocking_angle", blocking_rad, 0.0, std::f64::consts::FRAC_PI_2, "rad")?;
+        Ok(Self { blocking_rad, ..self })
     }
 
     /// The setting of a source and an observer: the ground through the lower of the two.

@@ -196,3 +196,53 @@ fn wrong_settings_and_observers_are_refused_by_name() {
     assert!(ViewRow::new(&FIELD, -10.0, 0.5).is_err());
     assert!(ViewRow::new(&FIELD, 0.0, -0.1).is_err());
 }
+
+/// As [`FIELD`] behind a skyline of 8°.
+static CUT_FIELD: LazyLock<SourceField> = LazyLock::new(|| {
+    let setting = setting(2.0, 0.0, 0.0, DEFAULT_GROUND_ALBEDO).behind(8f64.to_radians()).unwrap();
+    SourceField::solve(setting, &Resolution::coarse())
+});
+
+#[test]
+fn the_power_of_a_source_behind_a_skyline_balances_and_is_what_the_skyline_leaves() {
+    let emitted = crate::emission::emitted_shares(8f64.to_radians());
+    for power in CUT_FIELD.powers() {
+        let tolerance = if power.order == 0 { 1e-4 } else { 0.03 };
+        for (band, lobes) in power.imbalance().iter().enumerate() {
+            for (lobe, imbalance) in lobes.iter().enumerate() {
+                assert!(imbalance.abs() < tolerance, "order {} {band} {lobe}: {imbalance}", power.order);
+                let open = &FIELD.powers()[power.order.min(FIELD.powers().len() - 1)];
+                assert!(power.sent_w()[band][lobe] <= open.sent_w()[band][lobe] || power.order > 0);
+            }
+        }
+    }
+    let direct = &CUT_FIELD.powers()[0];
+    assert_eq!(direct.sent_w()[1], emitted);
+    // The lowest 8° hold two fifths of the low lobe and most of what of it is scattered.
+    assert!(emitted[1] < 0.7 && emitted[0] > 0.97);
+    let scattered = |field: &SourceField| field.powers()[1].sent_w()[1][1];
+    assert!(scattered(&CUT_FIELD) < 0.5 * scattered(&FIELD));
+}
+
+#[test]
+fn the_solver_agrees_with_light_traced_forward_behind_a_skyline() {
+    let detectors: Vec<Detector> =
+        [(2e3, 0.0f64, 1.57f64), (2e3, 1.6, 0.5), (10e3, 0.0, 0.5), (10e3, 3.1, 0.08)]
+            .into_iter()
+            .map(|(distance_m, relative_azimuth_rad, elevation_rad)| Detector {
+                geometry: at(distance_m),
+                relative_azimuth_rad,
+                elevation_rad,
+            })
+            .collect();
+    let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&detectors, 60_000, 7);
+    for (detector, traced) in detectors.iter().zip(&traced) {
+        let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
+        let more = CUT_FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
+        let open = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
+        let later = traced.radiance_per_m2_sr[0];
+        let noise = traced.standard_error_per_m2_sr[0] / later;
+        assert!((more / later - 1.0).abs() < 0.12 + 4.0 * noise, "{detector:?}: {more:e} {later:e} {noise}");
+        assert!(more < open, "{detector:?}");
+    }
+}

@@ -17,6 +17,7 @@ use super::{
 use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::Band,
+    cone::sin_blocking,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
     single_source::SourceGeometry,
@@ -160,12 +161,13 @@ impl Tracer {
         orders
     }
 
-    /// Direct light at a point, per lobe [m⁻²], and the unit vector S→P; None in the Earth's shadow.
+    /// Direct light at a point, per lobe [m⁻²], and the unit vector S→P; None in the Earth's shadow and behind
+    /// the skyline.
     fn direct(&self, position: DVec3, altitude_m: f64) -> Option<([f64; LOBE_COUNT], DVec3)> {
         let from_source = position - self.source;
         let distance2 = from_source.length_squared();
         let unit = from_source / distance2.sqrt();
-        if unit.z <= 0.0 {
+        if unit.z <= sin_blocking(self.setting.blocking_rad) {
             return None;
         }
         let out = columns_to_space_m(self.setting.source_altitude_m, unit.z, self.source_density);

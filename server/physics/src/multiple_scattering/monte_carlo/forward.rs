@@ -22,6 +22,7 @@ use super::{
 use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::Band,
+    cone::sin_blocking,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
     single_source::SourceGeometry,
@@ -137,7 +138,11 @@ impl ForwardTracer {
         let mut flight = Flight {
             start: DVec3::ZERO,
             direction: DVec3::new(sine * turn_x, sine * turn_y, cosine),
-            weight: lobe_intensities_per_sr(cosine).map(|f| f / density),
+            weight: if cosine > sin_blocking(self.setting.blocking_rad) {
+                lobe_intensities_per_sr(cosine).map(|f| f / density)
+            } else {
+                [0.0; LOBE_COUNT]
+            },
             order: 0,
         };
         let center = DVec3::new(0.0, 0.0, -EARTH_RADIUS_M - self.setting.source_altitude_m);

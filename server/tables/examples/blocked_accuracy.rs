@@ -1,0 +1,248 @@
+//! What a pack makes of sources behind skylines, between all its nodes, against what is computed for the very source and
+//! skyline: the first order by the adaptive rule, later orders from a field of its own.
+//!
+//! `blocked_accuracy PACK SOURCES [nodes]`: with `nodes` skylines are those of the tables, so that what interpolation over
+//! the angle costs is left out. Everyday sources: 1–150 km away, 0–2 000 m high, seen from 0–3 000 m, skylines of 0.3–25°,
+//! `garstang` lobes; the flux gives the open zenith the natural sky's luminance, but is 100 MW at most. Errors are those of
+//! section 9 of the model (floors: 1 % of the natural sky, 3e-9 W m⁻² sr⁻¹ a band) over 40 directions a source.
+
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, EmissionMix, LOBE_COUNT, Turbidity,
+    blocking::{BLOCKING_ANGLES_DEG, blocking_position},
+    error_metric::{ErrorStatistics, relative_error},
+    interpolation::lagrange_taps,
+    multiple_scattering::{Resolution, SourceField, SourceSetting},
+    panorama::{azimuth_rad, elevation_rad},
+    photometry::luminance_cd_m2,
+    single_source::{SourceGeometry, cut_radiance_per_watt_of},
+};
+use skyglow_tables::{
+    OffsetAxis, Pack, ResidentTables, images::HALF_COLUMN_COUNT, resident::FREQUENCY_COUNT,
+};
+use std::{error::Error, path::Path};
+
+/// Luminance of the natural sky, cd m⁻².
+const NATURAL_CD_M2: f64 = 1.7e-4;
+/// Largest upward flux of a city, W.
+const LARGEST_FLUX_W: f64 = 1e8;
+const DIRECTION_COUNT: usize = 40;
+
+/// One radiance a band, W m⁻² sr⁻¹ per watt.
+type Bands = [f64; BAND_COUNT];
+
+/// Coefficients of one source on ring 0 over the basis, scale included, lobes mixed, `[band][basis]`.
+fn coefficients(
+    observer_taps: &[(usize, f64)],
+    axis: &OffsetAxis,
+    offset_m: f64,
+    basis_count: usize,
+    node: impl Fn(usize, usize, usize, usize) -> (f64, Vec<f64>),
+) -> Vec<Vec<f64>> {
+    let position = axis.position(offset_m);
+    let low = (position as usize).min(axis.count - 2);
+    let upper_weight = position - low as f64;
+    let lobes = EmissionMix::garstang().weights();
+    let mut bands = vec![vec![0.0; basis_count]; BAND_COUNT];
+    for (band, out) in bands.iter_mut().enumerate() {
+        for (lobe, emission) in (0..LOBE_COUNT).zip(lobes).filter(|(_, emission)| *emission > 0.0) {
+            // Observers are mixed node by node, then nodes weighed, as an engine does.
+            let mut log_scale = [0.0; 2];
+            let mut shape = [vec![0.0; basis_count], vec![0.0; basis_count]];
+            for side in 0..2 {
+                for &(observer, weight) in observer_taps {
+                    let (log, coefficients) = node(observer, lobe, band, low + side);
+                    log_scale[side] += weight * log;
+                    for (sum, c) in shape[side].iter_mut().zip(&coefficients) {
+                        *sum += weight * c;
+                    }
+                }
+            }
+            let scale = emission * (log_scale[0] * (1.0 - upper_weight) + log_scale[1] * upper_weight).exp();
+            for (k, out) in out.iter_mut().enumerate() {
+                *out += scale * (shape[0][k] * (1.0 - upper_weight) + shape[1][k] * upper_weight);
+            }
+        }
+    }
+    bands
+}
+
+/// The same at one angle of the tables, 0 the open sky.
+fn coefficients_at(tables: &ResidentTables, angle: usize, observer_m: f64, offset_m: f64) -> Vec<Vec<f64>> {
+    let values = |log: f32, shape: &[half::f16]| {
+        (f64::from(log), shape.iter().map(|c| f64::from(c.to_f32())).collect::<Vec<_>>())
+    };
+    match (&tables.blocked, angle.checked_sub(1)) {
+        (Some(blocked), Some(angle)) => {
+            let taps = lagrange_taps(&blocked.observer_altitude_m, observer_m, 4);
+            let count = blocked.basis_count;
+            coefficients(
+                &taps,
+                &blocked.offset_axis[angle][0],
+                offset_m,
+                count,
+                |observer, lobe, band, offset| {
+                    let node = blocked.node_index(observer, angle, lobe, band, 0, offset);
+                    values(blocked.log_scale[node], &blocked.shape[node * count..(node + 1) * count])
+                },
+            )
+        }
+        _ => {
+            let taps = lagrange_taps(&tables.observer_altitude_m, observer_m, 4);
+            let count = tables.basis_count;
+            coefficients(&taps, &tables.offset_axis[0], offset_m, count, |observer, lobe, band, offset| {
+                let node = tables.node_index(observer, lobe, band, 0, offset);
+                values(tables.log_scale[node], &tables.shape[node * count..(node + 1) * count])
+            })
+        }
+    }
+}
+
+/// B_k at a row and column from its spectrum.
+fn basis_sample(tables: &ResidentTables, k: usize, row: usize, column: usize) -> f64 {
+    let spectrum = &tables.basis_spectrum[tables.spectrum_index(k, row, 0)..][..FREQUENCY_COUNT];
+    let sum: f64 = spectrum
+        .iter()
+        .enumerate()
+        .map(|(f, &value)| {
+            let copies = if f == 0 || f == FREQUENCY_COUNT - 1 { 1.0 } else { 2.0 };
+            copies * f64::from(value) * (f as f64 * azimuth_rad(column)).cos()
+        })
+        .sum();
+    sum / AZIMUTH_COUNT as f64
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let (pack, sources, at_nodes) = match arguments.as_slice() {
+        [_, pack, sources] => (pack, sources, false),
+        [_, pack, sources, nodes] if nodes == "nodes" => (pack, sources, true),
+        _ => return Err("usage: blocked_accuracy PACK SOURCES [nodes]".into()),
+    };
+    let pack = Pack::open(Path::new(pack))?;
+    let atmosphere = Atmosphere::new(Turbidity::new(pack.manifest().turbidity)?);
+    let lobes = EmissionMix::garstang().weights();
+    let (mut all, mut all_open, mut all_dark) = (Vec::new(), Vec::new(), Vec::new());
+    let mut cells: Vec<(f64, f64, f64)> = Vec::new();
+    for i in 1..=sources.parse()? {
+        let spread = |ratio: f64| (f64::from(i) * ratio + 0.17).fract();
+        let distance_m = 1_000.0 * 150f64.powf(spread(0.856_674_9));
+        let source_altitude_m = 2_000.0 * spread(0.733_891_9).powi(2);
+        let observer_altitude_m = 3_000.0 * spread(0.628_706_7).powi(2);
+        let mut angle_deg = 0.3 * (25.0f64 / 0.3).powf(spread(0.538_597_3));
+        if at_nodes {
+            let (lower, weight) = blocking_position(angle_deg);
+            angle_deg = BLOCKING_ANGLES_DEG[(lower + usize::from(weight > 0.5)).max(1)];
+        }
+        let geometry = SourceGeometry { distance_m, source_altitude_m, observer_altitude_m };
+        let tables = pack.resident(&[distance_m]);
+        let offset_m = source_altitude_m - observer_altitude_m;
+        let open = coefficients_at(&tables, 0, observer_altitude_m, offset_m);
+        let (lower, upper_weight) = blocking_position(angle_deg);
+        let mut mixed = vec![vec![0.0; tables.basis_count]; BAND_COUNT];
+        for (angle, weight) in [(lower, 1.0 - upper_weight), (lower + 1, upper_weight)] {
+            if weight > 0.0 {
+                let bands = coefficients_at(&tables, angle, observer_altitude_m, offset_m);
+                for (sum, values) in mixed.iter_mut().zip(&bands) {
+                    for (sum, value) in sum.iter_mut().zip(values) {
+                        *sum += weight * value;
+                    }
+                }
+            }
+        }
+        let evaluate = |bands: &[Vec<f64>], row: usize, column: usize| -> Bands {
+            std::array::from_fn(|band| {
+                let value: f64 = bands[band]
+                    .iter()
+                    .enumerate()
+                    .map(|(k, c)| c * basis_sample(&tables, k, row, column))
+                    .sum();
+                value.max(0.0)
+            })
+        };
+        // Truth at a skyline, `None` without later orders.
+        let fields = [0.0, angle_deg].map(|angle_deg: f64| -> Result<Option<SourceField>, Box<dyn Error>> {
+            let Some(albedo) = pack.manifest().ground_albedo else { return Ok(None) };
+            let setting =
+                SourceSetting::for_observer(atmosphere, source_altitude_m, observer_altitude_m, albedo)?
+                    .behind(angle_deg.to_radians())?;
+            Ok(Some(SourceField::solve(setting, &Resolution::table())))
+        });
+        let [open_field, cut_field] = fields;
+        let truth = |field: &Option<SourceField>, angle_deg: f64, row: usize, column: usize| {
+            let (azimuth, elevation) = (azimuth_rad(column), elevation_rad(row));
+            let mut sky = cut_radiance_per_watt_of(
+                &atmosphere,
+                &geometry,
+                angle_deg.to_radians(),
+                azimuth,
+                elevation,
+                1e-5,
+            );
+            if let Some(field) = field {
+                let later = field.radiance_per_watt(&geometry, azimuth, elevation)?;
+                for (sum, later) in sky.as_flattened_mut().iter_mut().zip(later.as_flattened()) {
+                    *sum += later;
+                }
+            }
+            let bands: Bands =
+                std::array::from_fn(|band| (0..LOBE_COUNT).map(|lobe| lobes[lobe] * sky[band][lobe]).sum());
+            Ok::<Bands, Box<dyn Error>>(bands)
+        };
+        let (open_field, cut_field) = (open_field?, cut_field?);
+        let zenith = luminance_cd_m2(truth(&open_field, 0.0, ELEVATION_COUNT - 1, 64)?);
+        let flux_w = (NATURAL_CD_M2 / zenith).min(LARGEST_FLUX_W);
+        let watts = |bands: Bands| bands.map(|value| value * flux_w);
+        let (mut errors, mut open_errors, mut signed) = (Vec::new(), Vec::new(), 0.0);
+        for d in 0..DIRECTION_COUNT {
+            let row = if d < 4 { ELEVATION_COUNT - 1 } else { (d * 25 + i as usize * 7) % ELEVATION_COUNT };
+            let column = (d * 53 + i as usize * 31) % HALF_COLUMN_COUNT;
+            let exact = watts(truth(&cut_field, angle_deg, row, column)?);
+            let exact_open = watts(truth(&open_field, 0.0, row, column)?);
+            let got = watts(evaluate(&mixed, row, column));
+            errors.push(relative_error(got, exact));
+            signed += (luminance_cd_m2(got) - luminance_cd_m2(exact))
+                / luminance_cd_m2(exact).max(1.7e-6)
+                / DIRECTION_COUNT as f64;
+            open_errors.push(relative_error(watts(evaluate(&open, row, column)), exact_open));
+            all_dark.push(1.0 - luminance_cd_m2(exact) / luminance_cd_m2(exact_open).max(1e-30));
+        }
+        let of = |errors: &[f64]| ErrorStatistics::of(errors.iter().copied());
+        if let (Some(cut), Some(open)) = (of(&errors), of(&open_errors)) {
+            println!(
+                "{distance_m:7.0} m, source {source_altitude_m:5.0}, observer {observer_altitude_m:5.0}, {angle_deg:5.2} deg, \
+                 {flux_w:8.1e} W: mean {:6.2} % (signed {:+6.2}), 99 % {:6.2} %; open {:5.2} %",
+                100.0 * cut.mean,
+                100.0 * signed,
+                100.0 * cut.p99,
+                100.0 * open.mean
+            );
+            cells.push((distance_m, angle_deg, cut.mean));
+        }
+        all.extend(errors);
+        all_open.extend(open_errors);
+    }
+    for (name, errors) in [("behind skylines", all), ("open", all_open), ("taken by skylines", all_dark)] {
+        if let Some(of) = ErrorStatistics::of(errors) {
+            println!("{name}: mean {:.2} %, 99 % {:.2} %", 100.0 * of.mean, 100.0 * of.p99);
+        }
+    }
+    for distances in [(1e3, 1e4), (1e4, 5e4), (5e4, 1.5e5)] {
+        for angles in [(0.0, 2.0), (2.0, 8.0), (8.0, 32.0)] {
+            let means: Vec<f64> = cells
+                .iter()
+                .filter(|c| c.0 >= distances.0 && c.0 < distances.1 && c.1 >= angles.0 && c.1 < angles.1)
+                .map(|c| c.2)
+                .collect();
+            println!(
+                "{:3.0}-{:3.0} km, {:2.0}-{:2.0} deg: mean {:6.2} % of {} sources",
+                distances.0 / 1e3,
+                distances.1 / 1e3,
+                angles.0,
+                angles.1,
+                100.0 * means.iter().sum::<f64>() / means.len().max(1) as f64,
+                means.len()
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,155 @@
+//! What a skyline leaves of the later orders of scattering, as a part of what they are under the open sky.
+//!
+//! Fields are solved for sources on the ground alone, where one field serves every observer at or above the source; the
+//! part is a smooth function of place and direction, and multiplies what [`MultipleTable`] gives for the open source.
+
+use super::{ANGLE_COUNT, LaterAxes, blocking_deg};
+use crate::{
+    error::TablesError,
+    images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT},
+    multiple::{MultipleAxes, MultipleTable, bent_offset, column_taps, view},
+};
+use rayon::prelude::*;
+use skyglow_physics::{
+    Atmosphere, ELEVATION_COUNT,
+    interpolation::lagrange_taps,
+    multiple_scattering::{SourceField, SourceSetting},
+    single_source::SourceGeometry,
+};
+
+/// Nodes that an interpolation uses.
+const TAPS: usize = 4;
+/// Smallest ln of a part that is kept.
+const LOWEST_LOG_PART: f32 = -30.0;
+
+/// ln of the part that skylines leave of orders two and more, in one atmosphere.
+#[derive(Clone, Debug)]
+pub(super) struct LaterParts {
+    axes: LaterAxes,
+    distances: usize,
+    /// `[ground][angle_index]`, each `[offset][distance][row][column][image]`.
+    parts: Vec<Vec<f32>>,
+    column_taps: Vec<Vec<(usize, f64)>>,
+}
+
+impl LaterAxes {
+    /// Numbers of the table of one (ground, angle) at `distances` distances.
+    pub(super) fn part_len(&self, distances: usize) -> usize {
+        self.offset_m.len() * distances * ELEVATION_COUNT * self.column.len() * IMAGE_COUNT
+    }
+
+    /// What observers at every offset see of a field, `[offset][distance][row][column][image]`, ln(m⁻² sr⁻¹).
+    fn views(&self, field: &SourceField, ground_m: f64, distance_m: &[f64]) -> Result<Vec<f32>, TablesError> {
+        let mut views = Vec::with_capacity(self.part_len(distance_m.len()));
+        for offset_m in &self.offset_m {
+            views.extend(view(field, &self.column, distance_m, ground_m - offset_m)?);
+        }
+        Ok(views)
+    }
+}
+
+impl LaterParts {
+    /// Solves the fields of open and cut sources on every ground. `kept` may answer parts by (ground, angle index);
+    /// `made` is given each new one. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// A setting outside its range, or what `made` fails with.
+    pub(super) fn solve(
+        atmosphere: Atmosphere,
+        multiple: &MultipleAxes,
+        axes: &LaterAxes,
+        distance_m: &[f64],
+        kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
+        made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
+    ) -> Result<Self, TablesError> {
+        let resolution = multiple.field_resolution.resolution();
+        let of_ground = |(ground, &ground_m): (usize, &f64)| -> Result<Vec<Vec<f32>>, TablesError> {
+            let setting = SourceSetting::new(atmosphere, ground_m, ground_m, multiple.ground_albedo)?;
+            let mut open: Option<Vec<f32>> = None;
+            (0..ANGLE_COUNT)
+                .map(|angle| {
+                    if let Some(part) = kept(ground, angle) {
+                        return Ok(part);
+                    }
+                    let open = match &mut open {
+                        Some(open) => open,
+                        none => none.insert(axes.views(
+                            &SourceField::solve(setting, &resolution),
+                            ground_m,
+                            distance_m,
+                        )?),
+                    };
+                    let cut = setting.behind(blocking_deg(angle).to_radians())?;
+                    let mut part = axes.views(&SourceField::solve(cut, &resolution), ground_m, distance_m)?;
+                    for (cut, open) in part.iter_mut().zip(open.iter()) {
+                        // A skyline takes light and adds none; where both are dark nothing is known and nothing matters.
+                        *cut = (*cut - open).clamp(LOWEST_LOG_PART, 0.0);
+                    }
+                    made(ground, angle, &part)?;
+                    Ok(part)
+                })
+                .collect()
+        };
+        let parts: Vec<Vec<Vec<f32>>> =
+            axes.ground_altitude_m.par_iter().enumerate().map(of_ground).collect::<Result<_, _>>()?;
+        Ok(Self {
+            axes: axes.clone(),
+            distances: distance_m.len(),
+            parts: parts.into_iter().flatten().collect(),
+            column_taps: column_taps(&axes.column),
+        })
+    }
+
+    /// Adds to `images` `[image][row][column]` [m⁻² sr⁻¹] what the skyline of `angle_index` leaves of the later orders of
+    /// a source at distance node `distance`, whose open light is `table`'s.
+    pub(super) fn add_to(
+        &self,
+        table: &MultipleTable,
+        geometry: &SourceGeometry,
+        angle_index: usize,
+        distance: usize,
+        images: &mut [f64],
+    ) {
+        let mut open = vec![0.0; IMAGE_COUNT * PIXEL_COUNT];
+        table.add_to(geometry, &mut open);
+        let taps = self.taps(geometry, angle_index);
+        let columns = self.axes.column.len();
+        let mut row_log = vec![0.0f64; columns * IMAGE_COUNT];
+        for row in 0..ELEVATION_COUNT {
+            row_log.fill(0.0);
+            for &(part, offset, weight) in &taps {
+                let start =
+                    ((offset * self.distances + distance) * ELEVATION_COUNT + row) * columns * IMAGE_COUNT;
+                let values = &self.parts[part][start..start + columns * IMAGE_COUNT];
+                for (sum, &value) in row_log.iter_mut().zip(values) {
+                    *sum += weight * f64::from(value);
+                }
+            }
+            for (column, taps) in self.column_taps.iter().enumerate() {
+                for image in 0..IMAGE_COUNT {
+                    let log: f64 =
+                        taps.iter().map(|&(node, w)| w * row_log[node * IMAGE_COUNT + image]).sum();
+                    let sample = image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column;
+                    images[sample] += open[sample] * log.min(0.0).exp();
+                }
+            }
+        }
+    }
+
+    /// (part, offset node, weight) of a geometry and angle; no weight is zero.
+    fn taps(&self, geometry: &SourceGeometry, angle_index: usize) -> Vec<(usize, usize, f64)> {
+        let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
+        let offset_m = (geometry.source_altitude_m - geometry.observer_altitude_m).min(0.0);
+        let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent_offset(offset_m)).collect();
+        let mut taps = Vec::with_capacity(TAPS * TAPS);
+        for (ground, ground_weight) in lagrange_taps(&self.axes.ground_altitude_m, ground_m, TAPS) {
+            for (offset, offset_weight) in lagrange_taps(&bent_axis, bent_offset(offset_m), TAPS) {
+                let weight = ground_weight * offset_weight;
+                if weight != 0.0 {
+                    taps.push((ground * ANGLE_COUNT + angle_index, offset, weight));
+                }
+            }
+        }
+        taps
+    }
+}

@@ -1,0 +1,137 @@
+//! The tables of sources behind skylines as a pack holds them, and as an engine wants them.
+
+use super::{ANGLE_COUNT, BlockedAxes, blocking_deg};
+use crate::{
+    axes::OffsetAxis,
+    images::IMAGE_COUNT,
+    resident::{ResidentBlocked, ResidentTables},
+};
+use half::f16;
+use rayon::prelude::*;
+use skyglow_physics::{BAND_COUNT, interpolation::lagrange_taps};
+
+/// Nodes that an interpolation uses.
+const TAPS: usize = 4;
+
+/// Differences to the open tables at the pack's own sample points.
+#[derive(Clone, Debug)]
+pub(crate) struct BlockedTables {
+    pub(crate) axes: BlockedAxes,
+    /// ln of the scale over the open one, ≤ 0, `[observer_altitude][angle_index][lobe][band][distance][offset]`.
+    pub(crate) log_part: Vec<f32>,
+    /// Shape coefficients less the open ones, the same with `[basis]` last.
+    pub(crate) shape_less_open: Vec<f16>,
+}
+
+/// The open tables at one (observer, lobe, band, ring) and any offset, as an engine interpolates them: ln scale, and
+/// the first shape coefficients into `shape`.
+pub(super) fn open_sample(
+    open: &ResidentTables,
+    observer_taps: &[(usize, f64)],
+    image: usize,
+    ring: usize,
+    offset_m: f64,
+    shape: &mut [f32],
+) -> f64 {
+    let position = open.offset_axis[ring].position(offset_m);
+    let low = (position as usize).min(open.offset_count - 2);
+    let upper_weight = position - low as f64;
+    shape.fill(0.0);
+    let mut log_scale = 0.0;
+    for &(observer, observer_weight) in observer_taps {
+        for (side, side_weight) in [(0, 1.0 - upper_weight), (1, upper_weight)] {
+            let weight = observer_weight * side_weight;
+            if weight == 0.0 {
+                continue;
+            }
+            let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
+            let node = open.node_index(observer, lobe, band, ring, low + side);
+            log_scale += weight * f64::from(open.log_scale[node]);
+            for (sum, value) in shape.iter_mut().zip(&open.shape[node * open.basis_count..]) {
+                *sum += weight as f32 * value.to_f32();
+            }
+        }
+    }
+    log_scale
+}
+
+impl BlockedTables {
+    /// The tables on the rings and observer altitudes of the open ones: differences are interpolated over distance (cubic
+    /// in ln r at constant fractional offset node) and observer altitude, and added to the open tables there.
+    pub(crate) fn resident(&self, open: &ResidentTables) -> ResidentBlocked {
+        let axes = &self.axes;
+        let (distances, offsets, count) = (axes.distance_m.len(), axes.offset_count, axes.basis_count);
+        let rings = open.ring_distance_m.len();
+        let log_distance: Vec<f64> = axes.distance_m.iter().map(|d| d.ln()).collect();
+        let distance_taps: Vec<Vec<(usize, f64)>> =
+            open.ring_distance_m.iter().map(|d| lagrange_taps(&log_distance, d.ln(), TAPS)).collect();
+        let offset_axis: Vec<Vec<OffsetAxis>> = (0..ANGLE_COUNT)
+            .map(|angle| {
+                let axis = |&d: &f64| OffsetAxis::behind_skyline(d, blocking_deg(angle), offsets);
+                open.ring_distance_m.iter().map(axis).collect()
+            })
+            .collect();
+        let tables = open.observer_altitude_m.len() * ANGLE_COUNT * IMAGE_COUNT;
+        let mut log_scale = vec![0.0f32; tables * rings * offsets];
+        let mut shape = vec![f16::ZERO; log_scale.len() * count];
+        log_scale
+            .par_chunks_exact_mut(rings * offsets)
+            .zip(shape.par_chunks_exact_mut(rings * offsets * count))
+            .enumerate()
+            .for_each(|(table, (log_scale, shape))| {
+                let (observer, rest) =
+                    (table / (ANGLE_COUNT * IMAGE_COUNT), table % (ANGLE_COUNT * IMAGE_COUNT));
+                let (angle, image) = (rest / IMAGE_COUNT, rest % IMAGE_COUNT);
+                let observer_m = open.observer_altitude_m[observer];
+                let (log_part, differences) = self.at_observer(observer_m, rest);
+                let mut sum = vec![0.0f32; count];
+                for ring in 0..rings {
+                    for offset in 0..offsets {
+                        let offset_m = offset_axis[angle][ring].offset_m(offset as f64);
+                        let open_log = open_sample(open, &[(observer, 1.0)], image, ring, offset_m, &mut sum);
+                        let mut log = 0.0;
+                        for &(distance, weight) in &distance_taps[ring] {
+                            let node = distance * offsets + offset;
+                            log += weight * f64::from(log_part[node]);
+                            for (sum, value) in sum.iter_mut().zip(&differences[node * count..]) {
+                                *sum += weight as f32 * value;
+                            }
+                        }
+                        let node = ring * offsets + offset;
+                        // Between nodes, too, a skyline takes light and adds none.
+                        log_scale[node] = (open_log + log.min(0.0)) as f32;
+                        for (out, &sum) in shape[node * count..(node + 1) * count].iter_mut().zip(&sum) {
+                            *out = f16::from_f32(sum);
+                        }
+                    }
+                }
+                debug_assert_eq!(log_part.len(), distances * offsets);
+            });
+        ResidentBlocked {
+            observer_altitude_m: open.observer_altitude_m.clone(),
+            offset_count: offsets,
+            offset_axis,
+            basis_count: count,
+            log_scale,
+            shape,
+        }
+    }
+
+    /// Differences of one (angle, image), `table` = angle · images + image, at an observer altitude,
+    /// `[distance][offset]` and the same with `[basis]`.
+    fn at_observer(&self, observer_m: f64, table: usize) -> (Vec<f32>, Vec<f32>) {
+        let nodes = self.axes.distance_m.len() * self.axes.offset_count;
+        let count = self.axes.basis_count;
+        let (mut log_part, mut differences) = (vec![0.0f32; nodes], vec![0.0f32; nodes * count]);
+        for (observer, weight) in lagrange_taps(&self.axes.observer_altitude_m, observer_m, TAPS) {
+            let (weight, start) = (weight as f32, (observer * ANGLE_COUNT * IMAGE_COUNT + table) * nodes);
+            for (sum, value) in log_part.iter_mut().zip(&self.log_part[start..]) {
+                *sum += weight * value;
+            }
+            for (sum, value) in differences.iter_mut().zip(&self.shape_less_open[start * count..]) {
+                *sum += weight * value.to_f32();
+            }
+        }
+        (log_part, differences)
+    }
+}
