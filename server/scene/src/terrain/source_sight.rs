@@ -16,9 +16,8 @@ use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 ///
 /// The lamps are spread over the pixel, and what stands close to the centre has lamps on all its sides. More must not
 /// be left out: against 25 lamps, each on its own ground, in a pixel of 463 m on 90 m terrain in the Alps, an eighth
-/// lowers the mean angle by 7 %, a quarter by 9 %, the whole side by 24 %, at the same error for the single light
-/// (`examples/skyline_samples.rs`). Terrain coarser than the light needs no rule of its own: between its samples it is
-/// a slope and no wall.
+/// lowers the mean angle by 6 %, a quarter by 9 %, the whole side by 24 % (`examples/skyline_samples.rs`). Terrain
+/// coarser than the light needs no rule of its own: between its samples it is a slope and no wall.
 pub(crate) fn nearest_wall_m(pixel_size_m: f64) -> f64 {
     (0.125 * pixel_size_m).max(NEAREST_GROUND_M)
 }
