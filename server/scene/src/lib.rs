@@ -5,6 +5,10 @@
 //! azimuth and distance ([`Scene::polar_grid`]), the raster's own pixels for the reference
 //! ([`Scene::source_pixels_within`]), terrain, radiance, coverage, map tiles.
 //!
+//! Terrain hides light in two ways: below an observer's horizon there is no sky ([`Scene::horizon`]), and of a light
+//! behind a ridge what leaves it below the ridge does not count (the blocking index of a [`PolarCell`]; the skyline of
+//! each light is found at ingest).
+//!
 //! Nothing is resampled at ingest: a scene keeps the raster's own grid, lit pixels alone, and a mask of what
 //! was measured.
 

@@ -77,7 +77,7 @@ impl Scene {
     /// them, seen from the light, in the vertical plane through both. Exact for the bilinear terrain.
     ///
     /// * `light`, `light_altitude_m`: where the light is, metres above sea level.
-    /// * `pixel_size_m`: the side of its pixel; terrain nearer than a quarter of it is no wall, since the lamps are
+    /// * `pixel_size_m`: the side of its pixel; terrain nearer than an eighth of it is no wall, since the lamps are
     ///   spread over the pixel.
     pub fn blocking_angle_rad(
         &self,
@@ -93,7 +93,7 @@ impl Scene {
     }
 
     /// Whether terrain stands between a light and a point that it would shine on: the straight segment between them
-    /// meets the bilinear terrain, farther from the light than a quarter of its pixel's side `pixel_size_m`.
+    /// meets the bilinear terrain, farther from the light than an eighth of its pixel's side `pixel_size_m`.
     ///
     /// * `light_m`, `point_m`: positions from the Earth's centre, metres, in the frame of [`GeoPoint::unit_vector`].
     ///

@@ -4,6 +4,10 @@
 //! the axis of blocking angles ([`blocking_position`]), in a byte. Towards an observer the value is linear in azimuth
 //! and in ln(distance) between the reaches, so at a reach it is that of the terrain within it: what stands behind the
 //! observer hides nothing. Lights that see the sky all around take no room.
+//!
+//! The place of a single light comes out within 0.05 in the mean in Kenya, 0.12 in the Alps, with half of that for 64
+//! azimuths, and over many lights within 0.01 (`examples/skyline_samples.rs`). Reaches four times as far apart, or
+//! none beyond 64 km, are half again as wrong.
 
 use crate::light_pyramid::Level;
 use crate::sections::{Flaw, Sections, pack_ascending, unpack_ascending};

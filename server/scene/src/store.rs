@@ -129,6 +129,8 @@ impl SceneStore {
             let parsed =
                 Sections::parse(&bytes).and_then(|sections| Skylines::from_sections(&sections, count));
             scene.skylines = Some(parsed.map_err(damaged(id, SKYLINES_FILE))?);
+        } else if scene.metadata.light_skylines {
+            return Err(damaged(id, SKYLINES_FILE)("is not listed".to_owned()));
         }
         scene.pyramid = LightPyramid::build(
             &scene.grid,

@@ -93,7 +93,7 @@ fn the_same_files_make_the_same_version_and_another_pixel_another() {
 
 #[test]
 fn a_cut_changed_or_missing_file_is_refused_by_its_name() {
-    for name in ["metadata.json", "light.bin", "terrain.bin", "places.json"] {
+    for name in ["metadata.json", "light.bin", "terrain.bin", "skylines.bin", "places.json"] {
         let (bench, id) = stored();
         let path = bench.store.scenes_dir().join(id.as_str()).join(name);
         let whole = std::fs::read(&path).unwrap();

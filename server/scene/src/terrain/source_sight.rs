@@ -12,12 +12,14 @@ use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
-/// Distance [m] from a light's centre within which terrain does not hide it: a quarter of the side of its pixel
-/// [m], about half the mean distance of its lamps from the centre. What stands nearer to the centre has lamps on both
-/// of its sides, and where the terrain is finer than the light it is as often a roof or a tree as ground. Terrain that
-/// is coarser needs no more: between its samples it is a slope and no wall.
+/// Distance [m] from a light's centre within which terrain does not hide it: an eighth of the side of its pixel [m].
+///
+/// The lamps are spread over the pixel, and what stands close to the centre has lamps on all its sides. More must not
+/// be left out: against 25 lamps, each on its own ground, in a pixel of 463 m on 90 m terrain in the Alps, an eighth
+/// lowers the mean angle by 6 %, a quarter by 9 %, the whole side by 24 % (`examples/skyline_samples.rs`). Terrain
+/// coarser than the light needs no rule of its own: between its samples it is a slope and no wall.
 pub(crate) fn nearest_wall_m(pixel_size_m: f64) -> f64 {
-    (0.25 * pixel_size_m).max(NEAREST_GROUND_M)
+    (0.125 * pixel_size_m).max(NEAREST_GROUND_M)
 }
 
 /// A light's view of the terrain around it.
