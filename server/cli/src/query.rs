@@ -211,6 +211,8 @@ mod tests {
                 basis_count,
                 training_geometries: 1,
                 fit_iterations: 1,
+                blocked: None,
+                fit: skyglow_tables::fit::FitConstants::current(),
             };
             let manifest = parameters.manifest(MeasuredError::default(), String::new());
             let pack = folder.path().join(format!("{turbidity}-{}.skyglow", scattering.name()));

@@ -130,6 +130,8 @@ mod tests {
             basis_count: 8,
             training_geometries: 1,
             fit_iterations: 1,
+            blocked: None,
+            fit: skyglow_tables::fit::FitConstants::current(),
         };
         parameters.manifest(MeasuredError::default(), String::new())
     }

@@ -20,7 +20,7 @@ pub fn mixed_radiance_per_watt_where<const N: usize>(
     mut is_lit: impl FnMut(f64, f64) -> bool,
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * BAND_COUNT, "one slot for each atmosphere and band");
-    let scattering = Scattering::new(atmospheres, geometry, elevation_rad);
+    let scattering = Scattering::new(atmospheres, geometry, 0.0, elevation_rad);
     let weights = emission.weights();
     SourceRay::new(geometry, relative_azimuth_rad, elevation_rad).integrate_fixed(nodes, |point| {
         if is_lit(point.path_m, point.cos_zenith_at_source) {
