@@ -18,6 +18,8 @@ export type Assumptions = {
   flux_within_300_km_dnb_w: number;
   /** Lambertian albedo of that ground; null where scattering is single. */
   ground_albedo?: number | null;
+  /** Whether light counts only above the skyline that its source sees towards the observer: false where `terrain_occlusion` is, and where the scene or the packs know no skylines, which `warnings` then says. */
+  hidden_lights: boolean;
   /** The lamp. */
   lamp: LampAnswer;
   /** Vertical optical depth above the observer in R, G, B. */
@@ -28,11 +30,11 @@ export type Assumptions = {
   scattering: string;
   /** The scene. */
   scene: SceneReference;
-  /** Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without terrain. Lights are not hidden yet. */
+  /** Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without terrain. */
   terrain_occlusion: boolean;
   /** Turbidity at sea level. */
   turbidity: number;
-  /** What the numbers had to do without, one sentence each: ground that the terrain does not have. */
+  /** What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the scene or the packs do not know. */
   warnings: string[];
 };
 
@@ -388,7 +390,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -418,7 +420,7 @@ export interface Gets {
       exposure?: number;
       /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
-      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
       /** Compass letters and the strip that explains the colours. Allowed: on, off. */
       legend?: "on" | "off";
@@ -452,7 +454,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -470,7 +472,7 @@ export interface Gets {
       fov?: number;
       /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
-      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
     };
     answer: Blob;
@@ -502,7 +504,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -540,7 +542,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -570,7 +572,7 @@ export interface Gets {
       exposure?: number;
       /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
-      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
       /** Compass letters and the strip that explains the colours. Allowed: on, off. */
       legend?: "on" | "off";
@@ -604,7 +606,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -622,7 +624,7 @@ export interface Gets {
       fov?: number;
       /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
-      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
     };
     answer: Blob;
@@ -654,7 +656,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;
@@ -684,7 +686,7 @@ export interface Gets {
       exposure?: number;
       /** Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
       width?: number;
-      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
+      /** Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
       height_px?: number;
       /** Compass letters and the strip that explains the colours. Allowed: on, off. */
       legend?: "on" | "off";
@@ -741,7 +743,7 @@ export interface Gets {
       basis?: number;
       /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
       clouds?: string;
-      /** Whether terrain hides the sky below the observer's horizon: it is dark there, and numbers are of the visible sky. Lights are not hidden yet. Allowed: on, off. */
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
       /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
       tolerance?: string;

@@ -39,6 +39,12 @@ export function show_site(container: HTMLElement, site: Site): void {
   container.replaceChildren(...rows);
 }
 
+/** What terrain hides, in words. */
+export function terrain_title(answer: Pick<SkyAnswer, "terrain_occlusion" | "hidden_lights">): string {
+  if (!answer.terrain_occlusion) return "nothing";
+  return answer.hidden_lights ? "sky and lights" : "sky below the horizon";
+}
+
 /** What the server had to do without, in its own words. */
 function warning(text: string): HTMLElement {
   const shown = make("p", "warning", `${text.charAt(0).toUpperCase()}${text.slice(1)}.`);
@@ -90,6 +96,7 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
     row("Light known within 300 km", `${(100 * answer.coverage).toFixed(answer.coverage > 0.995 ? 0 : 1)}`, "%", "coverage"),
     row("Air overhead", (answer.local_optical_depth[1] ?? NaN).toFixed(3), "optical depth", "optical_depth"),
     row("Scattering", scattering_title(answer.scattering), "", "scattering", ground),
+    row("Terrain hides", terrain_title(answer), "", "terrain_occlusion"),
   );
 
   const notes = [

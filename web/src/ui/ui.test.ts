@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { ApiError, plain_words } from "../api/problem.ts";
 import { coordinates, ratio, with_prefix } from "./format.ts";
 import { distance_and_bearing, place_name } from "./nearby.ts";
+import { terrain_title } from "./numbers.ts";
 import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./scattering.ts";
 import { matching_places, place_from_text } from "./search.ts";
 
@@ -80,4 +81,9 @@ test("a problem document becomes a headline and one sentence for each bad parame
     headline: "A parameter is out of range",
     sentences: ["One parameter is not accepted.", "turbidity = 100: is out of range. Allowed: 1.5 to 6."],
   });
+});
+
+test("what terrain hides is said in words", () => {
+  const title = (terrain_occlusion: boolean, hidden_lights: boolean): string => terrain_title({ terrain_occlusion, hidden_lights });
+  assert.deepEqual([title(false, false), title(true, false), title(true, true)], ["nothing", "sky below the horizon", "sky and lights"]);
 });
