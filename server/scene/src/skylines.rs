@@ -133,7 +133,7 @@ impl Skylines {
                     });
                 }
             }
-            above.push(&sums.map(|column| column.map(|sum| (sum / total as f32).round() as u8)));
+            above.push(&sums.map(|column| column.map(|sum| (sum / total as f32 + 0.5) as u8)));
         }
         above
     }
