@@ -12,6 +12,7 @@
 use crate::light_pyramid::Level;
 use crate::sections::{Flaw, Sections, pack_ascending, unpack_ascending};
 use bytemuck::{cast_slice, pod_collect_to_vec};
+use rayon::prelude::*;
 use skyglow_physics::blocking::{BLOCKING_COUNT, blocking_position};
 use std::borrow::Cow;
 
@@ -113,13 +114,11 @@ impl Skylines {
     /// 1): the mean of the places on the axis of blocking angles, weighted by flux, in which the tables are linear.
     ///
     /// * `flux_dnb_w`: upward flux of a child by its index.
-    pub(crate) fn of_blocks(&self, level: &Level, flux_dnb_w: impl Fn(usize) -> f64) -> Self {
-        let mut above = Self { at: Vec::with_capacity(level.blocks.len()), blocked: Vec::new() };
-        for block in 0..level.blocks.len() {
+    pub(crate) fn of_blocks(&self, level: &Level, flux_dnb_w: impl Fn(usize) -> f64 + Sync) -> Self {
+        let of_block = |block: usize| {
             let children = level.children(block);
             if children.clone().all(|child| self.is_open(child)) {
-                above.at.push(OPEN);
-                continue;
+                return Skyline::default();
             }
             let mut sums = [[0f32; REACH_COUNT]; SKYLINE_AZIMUTH_COUNT];
             let mut total = 0.0;
@@ -133,8 +132,11 @@ impl Skylines {
                     });
                 }
             }
-            above.push(&sums.map(|column| column.map(|sum| (sum / total as f32).round() as u8)));
-        }
+            sums.map(|column| column.map(|sum| (sum / total as f32 + 0.5) as u8))
+        };
+        let skylines: Vec<Skyline> = (0..level.blocks.len()).into_par_iter().map(of_block).collect();
+        let mut above = Self::default();
+        skylines.iter().for_each(|skyline| above.push(skyline));
         above
     }
 

@@ -41,7 +41,7 @@ fn skyline(terrain: &Terrain, grid: &Grid, pixels: &LitPixels, index: usize) -> 
     let (column, row) = morton::decode(pixels.codes[index]);
     let place = GeoPoint::from_vector(grid.center(column, row));
     let nearest_m = nearest_wall_m(grid.area_m2(column, row).sqrt());
-    let sight = terrain.around_source(place, f64::from(pixels.altitude_m[index]), nearest_m);
+    let sight = terrain.around_source(place, f64::from(pixels.altitude_m[index]), nearest_m).hasty();
     let mut skyline = Skyline::default();
     if !sight.is_open() {
         for (number, codes) in skyline.iter_mut().enumerate() {

@@ -5,11 +5,20 @@ use super::cell::{CellCrossing, Piece};
 use super::height_bounds::{BLOCK_CELLS, HeightBounds};
 use super::layer::TerrainLayer;
 use super::tile::SIDE;
+use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::horizon::terrain_elevation_tangent;
 use std::sync::Arc;
 
 /// Ground nearer than this is under the observer's feet, metres.
 pub(super) const NEAREST_GROUND_M: f64 = 1.0;
+
+/// By how much the tangent of ground must exceed that of what is seen to be looked at; nothing by default.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slack {
+    pub(super) relative: f64,
+    pub(super) absolute: f64,
+}
+
 /// A line of sight and the highest ground seen along it.
 pub(super) struct Ray<'a> {
     layer: &'a TerrainLayer,
@@ -19,6 +28,8 @@ pub(super) struct Ray<'a> {
     cover: Option<&'a dyn Fn(f64) -> bool>,
     /// tan e of the highest ground seen, at least 0.
     tangent: f64,
+    /// How much higher ground must be to be looked at.
+    slack: Slack,
     /// Tiles at hand, by the parity of their column and row: neighbours never push each other out.
     tiles: [(usize, Option<Arc<Vec<f32>>>); 4],
 }
@@ -32,7 +43,13 @@ impl<'a> Ray<'a> {
         cover: Option<&'a dyn Fn(f64) -> bool>,
     ) -> Self {
         let tiles = std::array::from_fn(|_| (usize::MAX, None));
-        Self { layer, bounds: layer.bounds(), observer_altitude_m, cover, tangent, tiles }
+        let (bounds, slack) = (layer.bounds(), Slack::default());
+        Self { layer, bounds, observer_altitude_m, cover, tangent, slack, tiles }
+    }
+
+    /// The same, passing over ground that is not higher by some slack than what is seen.
+    pub(super) fn with_slack(self, slack: Slack) -> Self {
+        Self { slack, ..self }
     }
 
     /// tan e of the highest ground seen, at least what the ray began with.
@@ -40,10 +57,14 @@ impl<'a> Ray<'a> {
         self.tangent
     }
 
-    /// Whether ground of some altitude, at a distance or farther, would be seen.
+    /// Whether ground of some altitude, at a distance or farther, would be seen: never false where
+    /// [`terrain_elevation_tangent`] is above what is seen, by the first terms of its sine and cosine, which bound them.
     pub(super) fn would_see(&self, altitude_m: f64, distance_m: f64) -> bool {
-        let nearest_m = distance_m.max(NEAREST_GROUND_M);
-        terrain_elevation_tangent(self.observer_altitude_m, altitude_m, nearest_m) > self.tangent
+        let arc = distance_m.max(NEAREST_GROUND_M) / EARTH_RADIUS_M;
+        let (square, radius_m) = (arc * arc, EARTH_RADIUS_M + altitude_m);
+        let drop_m = radius_m * square * (0.5 - square / 24.0);
+        let threshold = self.tangent * (1.0 + self.slack.relative) + self.slack.absolute;
+        altitude_m - self.observer_altitude_m - drop_m > threshold * radius_m * arc * (1.0 - square / 6.0)
     }
 
     /// Looks along a piece.

@@ -22,6 +22,21 @@ const LONGEST_STRETCH_M: f64 = 16_000.0;
 /// The shortest: 2 cm.
 const SHORTEST_STRETCH_M: f64 = 1_000.0;
 
+/// How long the stretches are that are taken as straight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stride {
+    /// At most this part of the distance at which they begin.
+    share: f64,
+    longest_m: f64,
+}
+
+impl Stride {
+    /// For the observer's horizon.
+    pub(super) const FINE: Self = Self { share: 0.25, longest_m: LONGEST_STRETCH_M };
+    /// For skylines at a few azimuths: a stretch as long as it is far, and 80 m off at most, at 64 km and 45°.
+    pub(super) const COARSE: Self = Self { share: 1.0, longest_m: 64_000.0 };
+}
+
 /// A layer as one observer sees it.
 pub(super) struct View<'a> {
     pub(super) layer: &'a TerrainLayer,
@@ -128,7 +143,7 @@ fn tangent_towards(
         let cover: Option<&dyn Fn(f64) -> bool> =
             if view.earlier.is_empty() { None } else { Some(&is_covered) };
         let mut ray = Ray::new(view.layer, observer_altitude_m, tangent, cover);
-        look_along(&mut ray, view, view.reach_m, frame, &point);
+        look_along(&mut ray, view, view.reach_m, Stride::FINE, frame, &point);
         tangent = ray.tangent();
     }
     tangent
@@ -140,17 +155,21 @@ pub(super) fn look_along(
     ray: &mut Ray<'_>,
     view: &View<'_>,
     (first_m, last_m): (f64, f64),
+    stride: Stride,
     frame: &LocalFrame,
     point: &dyn Fn(f64) -> DVec3,
 ) {
+    if !ray.would_see(view.highest_m, first_m) {
+        return;
+    }
     let grid = view.layer.grid();
     let turn = grid.turn_columns();
     // Meridians draw together towards the poles, and great circles bend more between them.
-    let longest_m = LONGEST_STRETCH_M * frame.up.truncate().length().max(0.02);
+    let longest_m = stride.longest_m * frame.up.truncate().length().max(0.02);
     let mut start_m = first_m;
     let mut start = grid.position_near(point(start_m), view.near);
     while start_m < last_m && ray.would_see(view.highest_m, start_m) {
-        let stretch_m = (0.25 * start_m).min(longest_m).max(SHORTEST_STRETCH_M.min(longest_m));
+        let stretch_m = (stride.share * start_m).min(longest_m).max(SHORTEST_STRETCH_M.min(longest_m));
         let end_m = (start_m + stretch_m).min(last_m);
         let end = grid.position_near(point(end_m), start.unwrap_or(view.near));
         if let (Some(from), Some(to)) = (start, end) {

@@ -6,8 +6,8 @@
 //! a raster's light is spread over its pixel: see [`nearest_wall_m`].
 
 use super::Terrain;
-use super::ray::{NEAREST_GROUND_M, Ray};
-use super::skyline::{View, look_along};
+use super::ray::{NEAREST_GROUND_M, Ray, Slack};
+use super::skyline::{Stride, View, look_along};
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
@@ -28,6 +28,8 @@ pub(crate) struct SourceSight<'a> {
     altitude_m: f64,
     nearest_m: f64,
     views: Vec<View<'a>>,
+    stride: Stride,
+    slack: Slack,
 }
 
 impl Terrain {
@@ -35,11 +37,18 @@ impl Terrain {
     pub(crate) fn around_source(&self, place: GeoPoint, altitude_m: f64, nearest_m: f64) -> SourceSight<'_> {
         let frame = LocalFrame::at(place);
         let views = self.views(&frame, altitude_m);
-        SourceSight { frame, altitude_m, nearest_m: nearest_m.max(NEAREST_GROUND_M), views }
+        let nearest_m = nearest_m.max(NEAREST_GROUND_M);
+        SourceSight { frame, altitude_m, nearest_m, views, stride: Stride::FINE, slack: Slack::default() }
     }
 }
 
 impl SourceSight<'_> {
+    /// The same view with less care, in a fraction of the time: angles come out at most 1 % and 0.007° too low, half of
+    /// what a byte tells apart, and great circles are taken as straight over longer stretches.
+    pub(crate) fn hasty(self) -> Self {
+        Self { stride: Stride::COARSE, slack: Slack { relative: 0.01, absolute: 1.2e-4 }, ..self }
+    }
+
     /// Whether no terrain is above the light's horizontal plane.
     pub(crate) fn is_open(&self) -> bool {
         self.views.is_empty()
@@ -85,8 +94,9 @@ impl SourceSight<'_> {
                     };
                     let cover: Option<&dyn Fn(f64) -> bool> =
                         if view.earlier.is_empty() { None } else { Some(&is_covered) };
-                    let mut ray = Ray::new(view.layer, self.altitude_m, tangent, cover);
-                    look_along(&mut ray, view, band_m, &self.frame, &point);
+                    let mut ray =
+                        Ray::new(view.layer, self.altitude_m, tangent, cover).with_slack(self.slack);
+                    look_along(&mut ray, view, band_m, self.stride, &self.frame, &point);
                     tangent = ray.tangent();
                 }
             }

@@ -105,6 +105,29 @@ fn hills_agree_with_a_walk_over_them_at_every_reach() {
 }
 
 #[test]
+fn a_hasty_look_is_hardly_lower_and_never_far_off() {
+    let hills = terrain(|c, r| hills_m(c, r, 11));
+    let (mut sum_deg, mut count) = (0.0, 0.0);
+    for (latitude, longitude) in [(46.0, 8.0), (46.613, 7.251), (45.377, 8.707), (45.9, 7.9)] {
+        let at = place(latitude, longitude);
+        let altitude_m = hills.elevation_m(at).unwrap();
+        let careful = hills.around_source(at, altitude_m, 58.0);
+        let hasty = hills.around_source(at, altitude_m, 58.0).hasty();
+        for number in 0..32 {
+            let azimuth_rad = f64::from(number) * PI / 16.0;
+            let looks = careful.tangents(azimuth_rad, 0.0, &REACHES_M).into_iter();
+            for (careful, hasty) in looks.zip(hasty.tangents(azimuth_rad, 0.0, &REACHES_M)) {
+                let off_deg = (hasty.atan() - careful.atan()).to_degrees();
+                assert!(off_deg.abs() < 0.02 + 0.02 * careful.atan().to_degrees(), "{hasty} {careful}");
+                (sum_deg, count) = (sum_deg + off_deg, count + 1.0);
+            }
+        }
+    }
+    let bias_deg: f64 = sum_deg / count;
+    assert!((-0.05..0.01).contains(&bias_deg), "{bias_deg}");
+}
+
+#[test]
 fn where_layers_overlap_the_first_counts_at_every_reach() {
     let first =
         layer(
