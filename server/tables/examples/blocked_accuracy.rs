@@ -121,13 +121,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pack = Pack::open(Path::new(pack))?;
     let atmosphere = Atmosphere::new(Turbidity::new(pack.manifest().turbidity)?);
     let lobes = EmissionMix::garstang().weights();
+    let Some(axes) = &pack.manifest().blocked else { return Err("the pack holds the open sky alone".into()) };
+    // A pack made for trying may hold less.
+    let nearest_m = (1.5 * axes.distance_m[0]).max(1_000.0);
+    let farthest_m = (axes.distance_m[axes.distance_m.len() - 1] / 1.5).min(150_000.0);
+    let highest_m = axes.observer_altitude_m[axes.observer_altitude_m.len() - 1].min(3_000.0);
     let (mut all, mut all_open, mut all_dark) = (Vec::new(), Vec::new(), Vec::new());
     let mut cells: Vec<(f64, f64, f64)> = Vec::new();
     for i in 1..=sources.parse()? {
         let spread = |ratio: f64| (f64::from(i) * ratio + 0.17).fract();
-        let distance_m = 1_000.0 * 150f64.powf(spread(0.856_674_9));
+        let distance_m = nearest_m * (farthest_m / nearest_m).powf(spread(0.856_674_9));
         let source_altitude_m = 2_000.0 * spread(0.733_891_9).powi(2);
-        let observer_altitude_m = 3_000.0 * spread(0.628_706_7).powi(2);
+        let observer_altitude_m = highest_m * spread(0.628_706_7).powi(2);
         let mut angle_deg = 0.3 * (25.0f64 / 0.3).powf(spread(0.538_597_3));
         if at_nodes {
             let (lower, weight) = blocking_position(angle_deg);

@@ -2,7 +2,7 @@
 //!
 //! Layout: magic, manifest length (u64 LE), manifest (JSON), then each section as length (u64 LE) and a zstd
 //! frame of its bytes with equal byte positions side by side, and at the end the BLAKE3 of all before it. Shape
-//! coefficients are packed as wrapping differences of their bits from one distance to the next ([`crate::packing`]).
+//! coefficients are packed as wrapping differences of their bits from one distance to the next (`packing.rs`).
 //! The manifest lies beside the pack as `.json` too; the two must agree.
 
 use crate::{

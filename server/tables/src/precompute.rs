@@ -1,4 +1,5 @@
-//! Making a pack: training images → basis → every node's images projected on it → file.
+//! Making a pack: training images → basis → every node's images projected on it → the same for sources behind skylines
+//! → file.
 //!
 //! Images are not kept: each (observer altitude, distance) part is computed, projected and stored, so memory
 //! stays small, a killed run goes on, and the result does not depend on threads or interruptions (every part
