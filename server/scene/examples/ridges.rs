@@ -5,6 +5,8 @@
 //! (tile N46E008). Errors are those of the model over directions of the visible sky, with the light scaled to a zenith
 //! as bright as the natural one.
 //!
+//! `ridges write FILE` writes the made-up lights, for other measurements.
+//!
 //! `cargo run --release -p skyglow-scene --example ridges -- - N46E008_srtm3.tif 46.66,8.59`
 
 #![expect(clippy::expect_used, reason = "a measuring tool for developers stops at the first error")]
@@ -169,6 +171,12 @@ fn look_from(scene: &Scene, place: GeoPoint) {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
+    if let [_, write, file] = arguments.as_slice()
+        && write == "write"
+    {
+        write_lights(Path::new(file));
+        return;
+    }
     assert!(arguments.len() >= 4, "usage: ridges RADIANCE|- TERRAIN LAT,LON...");
     let dir = tempfile::tempdir().expect("a folder");
     let made_up = dir.path().join("lights.tif");

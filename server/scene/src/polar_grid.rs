@@ -1,8 +1,8 @@
 //! The light around an observer by azimuth and distance: what the engine turns into a sky.
 
-use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
+use skyglow_physics::{GeoPoint, PointSource};
 
 /// Azimuth columns; column i is centred on i·360/256 degrees.
 pub const AZIMUTH_COLUMN_COUNT: usize = 256;
@@ -57,6 +57,20 @@ type Light = [f64; 2];
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct BlockedCell([[f32; 2]; BLOCKING_COUNT]);
+
+impl PolarGrid {
+    /// The grid of point sources around a place, each with its place on the axis of blocking angles (the node and the
+    /// weight that [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added). For measuring: a
+    /// scene makes its own.
+    pub fn of_sources(observer: GeoPoint, sources: impl IntoIterator<Item = (PointSource, f64)>) -> Self {
+        let mut accumulator = PolarAccumulator::new();
+        for (source, blocking) in sources {
+            let at = log_distance(source.distance_m);
+            accumulator.add(source.azimuth_rad, at, source.altitude_m, blocking, source.flux_dnb_w);
+        }
+        accumulator.finish(observer, 1.0)
+    }
+}
 
 /// A polar grid being filled.
 pub(crate) struct PolarAccumulator {

@@ -51,7 +51,7 @@ fn raised_by_m(offset_m: f64) -> f64 {
     if offset_m > 0.0 { (solved_offset_m(offset_m) - offset_m).max(0.0) } else { 0.0 }
 }
 
-/// How finely the fields of a table are solved.
+/// How finely fields are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldResolution {

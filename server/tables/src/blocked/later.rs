@@ -62,7 +62,7 @@ impl LaterParts {
         kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
         made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
-        let resolution = multiple.field_resolution.resolution();
+        let resolution = axes.field_resolution.resolution();
         let of_ground = |(ground, &ground_m): (usize, &f64)| -> Result<Vec<Vec<f32>>, TablesError> {
             let setting = SourceSetting::new(atmosphere, ground_m, ground_m, multiple.ground_albedo)?;
             let mut open: Option<Vec<f32>> = None;
