@@ -7,7 +7,7 @@ use crate::{
 };
 use skyglow_engine::{Engine, EngineConfig, Observatory, observatory, resident_tables};
 use skyglow_http::SkySource;
-use skyglow_scene::{DEMO_ID, SceneId, SceneStore, create_demo};
+use skyglow_scene::{SceneStore, create_demo, demo_is_wanted};
 use skyglow_tables::packs_in;
 use std::{path::Path, sync::Arc};
 
@@ -30,14 +30,13 @@ pub(crate) fn open(data: &Path, packs: &Path, device: Device) -> Result<Arc<dyn 
     Ok(Arc::new(skyglow_http::ObservatorySource::new(Arc::new(observatory))))
 }
 
-/// Makes the demo scene where there is none.
+/// Makes the demo scene where there is none, or one of an older program.
 ///
 /// # Errors
 /// [`Failure::Work`] where the data folder cannot be written.
 pub(crate) fn make_demo_if_missing(data: &Path) -> Result<(), Failure> {
     let store = SceneStore::new(data);
-    let id = SceneId::parse(DEMO_ID).map_err(Failure::work)?;
-    if store.exists(&id) {
+    if !demo_is_wanted(&store) {
         return Ok(());
     }
     tracing::info!("making the demo scene in {}", store.scenes_dir().display());

@@ -66,6 +66,21 @@ pub fn create_demo(
     ingest_as(store, &options, true, progress)
 }
 
+/// Whether a store lacks the demo, or has one of an older program that knew no skylines. A scene of that id that somebody
+/// else ingested is left alone.
+pub fn demo_is_wanted(store: &SceneStore) -> bool {
+    match SceneId::parse(DEMO_ID) {
+        Ok(id) if store.exists(&id) => {
+            store.read_metadata(&id).is_ok_and(|stored| is_outdated(&stored.metadata))
+        }
+        _ => true,
+    }
+}
+
+fn is_outdated(stored: &SceneMetadata) -> bool {
+    stored.illustrative && stored.hidden_lights_are_unknown()
+}
+
 fn places_csv() -> String {
     let mut text = "name,latitude,longitude,population\n".to_owned();
     for town in towns::TOWNS {

@@ -37,7 +37,7 @@ mod store;
 mod stored;
 mod terrain;
 
-pub use demo::{DEMO_ID, create_demo};
+pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use error::SceneError;
 pub use gather::FAR_BLOCK_RATIO;
 pub use ground::Ground;

@@ -87,7 +87,7 @@ impl SceneStore {
         Ok(list)
     }
 
-    fn read_metadata(&self, id: &SceneId) -> Result<StoredScene, SceneError> {
+    pub(crate) fn read_metadata(&self, id: &SceneId) -> Result<StoredScene, SceneError> {
         let path = self.scene_dir(id).join(METADATA_FILE);
         let text = match std::fs::read(&path) {
             Ok(text) => text,

@@ -64,6 +64,30 @@ fn light_behind_a_ridge_is_at_the_ridges_angle_and_in_front_of_it_at_none() {
 }
 
 #[test]
+fn the_edge_of_the_terrain_is_no_wall_to_lights_beyond_it() {
+    // A plateau at 1 500 m that begins 4 or 17 km east of the town; nothing is known of the ground before it.
+    let scene_with_plateau_from = |first_column: usize| {
+        let bench = Bench::new();
+        let is_town = |c: usize, r: usize| (278..282).contains(&c) && (198..202).contains(&r);
+        let light = TestRaster::new(600, 400, |c, r| if is_town(c, r) { 20.0 } else { 0.0 });
+        let ground = TestRaster::new(600, 400, |c, _| if c < first_column { f64::NAN } else { 1_500.0 });
+        ground.write_f32(&bench.path("terrain.tif"));
+        bench.scene_with(&light, |options| options.terrain = vec![bench.path("terrain.tif")])
+    };
+    let east = town().destination(std::f64::consts::FRAC_PI_2, 64_000.0);
+    let unknown = scene_with_plateau_from(320);
+    assert_eq!(unknown.metadata().report.terrain.as_ref().unwrap().missing.count, 16);
+    assert!(
+        unknown.polar_grid(east, true).cells.iter().all(|cell| cell.blocking == 0 && cell.altitude_m == 0.0)
+    );
+    // Near the plateau the ground counts as the plateau's, and that is level: no wall either.
+    let near = scene_with_plateau_from(290);
+    assert!(
+        near.polar_grid(east, true).cells.iter().all(|cell| cell.blocking == 0 && cell.altitude_m > 1_400.0)
+    );
+}
+
+#[test]
 fn a_segment_is_hidden_below_the_ridge_and_free_above_it() {
     let bench = Bench::new();
     let scene = town_west_of_a_ridge(&bench, 300.0);

@@ -57,7 +57,7 @@ fn raised_by_m(offset_m: f64) -> f64 {
 pub enum FieldResolution {
     /// [`Resolution::table`].
     Table,
-    /// [`Resolution::coarse`], for tests.
+    /// [`Resolution::coarse`], for ratios of fields and for tests.
     Coarse,
 }
 

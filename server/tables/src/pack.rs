@@ -194,7 +194,8 @@ impl Pack {
             .map_err(|error| refused(format!("its manifest cannot be read: {error}")))?;
         if !formats.contains(&manifest.format_version) || manifest.model_version != MODEL_VERSION {
             return Err(refused(format!(
-                "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION}",
+                "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION}; \
+                 make it again with `skyglow precompute`",
                 manifest.format_version, manifest.model_version
             )));
         }

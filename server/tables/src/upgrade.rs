@@ -29,6 +29,26 @@ fn options_of(manifest: &Manifest, blocked: Option<BlockedAxes>) -> Result<Preco
     })
 }
 
+/// Refuses a pack that was fitted with other constants than this program's, as far as its manifest says them: the tables
+/// added would not belong to it.
+fn check_constants(path: &Path, old: &Manifest, options: &PrecomputeOptions) -> Result<(), TablesError> {
+    let turbidity = Turbidity::new(old.turbidity)?;
+    let mut wanted =
+        options.parameters(turbidity).manifest(old.measured_error.clone(), String::new()).parameters;
+    if old.parameters.fit.is_none() {
+        wanted.fit = None;
+    }
+    if old.parameters == wanted {
+        return Ok(());
+    }
+    Err(TablesError::Refused {
+        path: path.to_owned(),
+        reason:
+            "it was made with other constants than this program's; make it again with `skyglow precompute`"
+                .to_owned(),
+    })
+}
+
 /// Makes packs of this format in `out` of packs of this format or the one before, which must differ in turbidity
 /// alone, and returns their paths in ascending order of turbidity; `blocked` as in [`PrecomputeOptions`]. Several at
 /// once share most of the work; a killed run goes on where it stopped. `out` may be the folder of the packs themselves:
@@ -47,7 +67,12 @@ pub fn add_blocked(
         .map(|path| Ok((path, Pack::open_older(path)?)))
         .collect::<Result<Vec<_>, TablesError>>()?;
     old.sort_by(|a, b| a.1.manifest().turbidity.total_cmp(&b.1.manifest().turbidity));
-    old.dedup_by(|a, b| a.1.manifest().turbidity == b.1.manifest().turbidity);
+    if let Some(pair) = old.windows(2).find(|p| p[0].1.manifest().turbidity == p[1].1.manifest().turbidity) {
+        return Err(TablesError::Refused {
+            path: pair[1].0.clone(),
+            reason: format!("{} has the same turbidity; convert one of them alone", pair[0].0.display()),
+        });
+    }
     let Some((_, first)) = old.first() else { return Ok(Vec::new()) };
     let options = options_of(first.manifest(), blocked.cloned())?;
     let mut turbidities = Vec::with_capacity(old.len());
@@ -61,6 +86,9 @@ pub fn add_blocked(
                     .to_owned(),
             });
         }
+    }
+    for (path, pack) in &old {
+        check_constants(path, pack.manifest(), &options)?;
     }
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();

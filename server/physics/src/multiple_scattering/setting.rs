@@ -133,7 +133,8 @@ impl Resolution {
         }
     }
 
-    /// For tests: a coarse field in a second.
+    /// For tests and for ratios of two fields, in which most of what it has wrong cancels: a coarse field in a second or
+    /// two. Packs rest on it (`later` of their manifests): raise the model's version with it.
     pub fn coarse() -> Self {
         Self {
             ring_step: 0.4,

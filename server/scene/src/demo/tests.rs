@@ -5,7 +5,13 @@ use skyglow_physics::GeoPoint;
 fn the_demo_is_said_to_be_illustrative_and_comes_out_the_same_twice() {
     let dir = tempfile::tempdir().unwrap();
     let store = SceneStore::new(dir.path());
+    assert!(demo_is_wanted(&store));
     let first = create_demo(&store, &mut |_| {}).unwrap();
+    assert!(!demo_is_wanted(&store));
+    // That of an older program is made anew, and nothing that was measured.
+    let older = SceneMetadata { light_skylines: false, ..first.clone() };
+    assert!(is_outdated(&older) && !is_outdated(&first));
+    assert!(!is_outdated(&SceneMetadata { illustrative: false, ..older }));
     assert!(first.illustrative && first.title.contains("illustrative"));
     assert!(first.attribution.as_ref().unwrap().contains("Illustrative"));
     let bytes = std::fs::read(dir.path().join("scenes/demo/light.bin")).unwrap();

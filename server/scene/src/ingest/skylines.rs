@@ -43,7 +43,9 @@ fn skyline(terrain: &Terrain, grid: &Grid, pixels: &LitPixels, index: usize) -> 
     let nearest_m = nearest_wall_m(grid.area_m2(column, row).sqrt());
     let sight = terrain.around_source(place, f64::from(pixels.altitude_m[index]), nearest_m).hasty();
     let mut skyline = Skyline::default();
-    if !sight.is_open() {
+    // Where the ground is unknown the light was put at sea level, and the edge of the terrain would be a wall to it.
+    let is_known = terrain.ground(place).known_altitude_m().is_some();
+    if is_known && !sight.is_open() {
         for (number, codes) in skyline.iter_mut().enumerate() {
             let azimuth_rad = number as f64 * TAU / SKYLINE_AZIMUTH_COUNT as f64;
             *codes = sight.tangents(azimuth_rad, OPEN_TANGENT, &SKYLINE_REACHES_M).map(code_of);
