@@ -11,7 +11,9 @@
 //!
 //! Taking a block moves no light by more than that ratio (in radians of azimuth, and relatively in
 //! distance), the width of an azimuth column, and leaves the mean position of the block's light where it was:
-//! the error is of second order and below that of the splat itself.
+//! the error is of second order and below that of the splat itself. A block's skyline is the mean of its lights', which
+//! is not quite the sky of lights behind different ones: 0.001 to 0.22 % in the mean over the sky at ten places of the
+//! demo and Kenya (`block_skylines` of the workspace's tests).
 
 use crate::grid::Grid;
 use crate::light_pyramid::{Level, LightPyramid};

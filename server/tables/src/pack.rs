@@ -199,6 +199,24 @@ impl Pack {
                 manifest.format_version, manifest.model_version
             )));
         }
+        let axes = &manifest.axes;
+        let blocked_is_empty = manifest.blocked.as_ref().is_some_and(|blocked| {
+            blocked.observer_altitude_m.is_empty()
+                || blocked.distance_m.is_empty()
+                || blocked.node_count() == 0
+        });
+        if axes.distance_m.is_empty()
+            || axes.observer_altitude_m.is_empty()
+            || axes.offset_count < 3
+            || manifest.basis_count == 0
+            || blocked_is_empty
+            || manifest
+                .blocked
+                .as_ref()
+                .is_some_and(|b| b.basis_count == 0 || b.basis_count > manifest.basis_count)
+        {
+            return Err(refused("an axis of its manifest is empty, or longer than it can be".to_owned()));
+        }
         let nodes =
             manifest.axes.observer_altitude_m.len() * IMAGE_COUNT * manifest.axes.geometries_per_observer();
         let mut section = |what: &str, count: usize, width: usize| -> Result<Vec<u8>, TablesError> {

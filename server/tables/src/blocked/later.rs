@@ -153,3 +153,68 @@ impl LaterParts {
         taps
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multiple::FieldResolution;
+    use skyglow_physics::{
+        BAND_COUNT, LOBE_COUNT, Turbidity,
+        multiple_scattering::ViewRow,
+        panorama::{azimuth_rad, elevation_rad},
+    };
+
+    #[test]
+    fn at_its_nodes_the_part_is_that_of_a_cut_field_and_multiplies_the_open_table() {
+        let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
+        let distance_m = [2_000.0, 30_000.0];
+        let multiple = MultipleAxes::coarse(0.15);
+        let axes = LaterAxes {
+            ground_altitude_m: vec![0.0],
+            offset_m: vec![-1_500.0, 0.0],
+            column: vec![0, 16, 64, 128],
+            field_resolution: FieldResolution::Coarse,
+        };
+        let table =
+            MultipleTable::solve(atmosphere, &multiple, &distance_m, |_, _| None, |_, _, _| Ok(())).unwrap();
+        let later =
+            LaterParts::solve(atmosphere, &multiple, &axes, &distance_m, |_, _| None, |_, _, _| Ok(()))
+                .unwrap();
+        let resolution = axes.field_resolution.resolution();
+        let setting = SourceSetting::new(atmosphere, 0.0, 0.0, 0.15).unwrap();
+        let open = SourceField::solve(setting, &resolution);
+        let angle = 4;
+        let cut = SourceField::solve(setting.behind(blocking_deg(angle).to_radians()).unwrap(), &resolution);
+        for (distance, observer_m) in [(0, 0.0), (1, 0.0), (1, 1_500.0)] {
+            let geometry = SourceGeometry {
+                distance_m: distance_m[distance],
+                source_altitude_m: 0.0,
+                observer_altitude_m: observer_m,
+            };
+            let mut open_images = vec![0.0; IMAGE_COUNT * PIXEL_COUNT];
+            table.add_to(&geometry, &mut open_images);
+            let mut images = vec![0.0; IMAGE_COUNT * PIXEL_COUNT];
+            later.add_to(&table, &geometry, angle, distance, &mut images);
+            for (row, column) in [(0, 0), (10, 64), (63, 128), (30, 16)] {
+                let see = |field: &SourceField| {
+                    let rays = ViewRow::new(field, observer_m, elevation_rad(row)).unwrap();
+                    rays.radiance_per_watt(geometry.distance_m, azimuth_rad(column))
+                };
+                let (cut, open) = (see(&cut), see(&open));
+                for band in 0..BAND_COUNT {
+                    for lobe in 0..LOBE_COUNT {
+                        let sample = crate::images::image_index(lobe, band) * PIXEL_COUNT
+                            + row * HALF_COLUMN_COUNT
+                            + column;
+                        let part = (cut[band][lobe] / open[band][lobe]).min(1.0);
+                        let got = images[sample] / open_images[sample];
+                        assert!((got / part - 1.0).abs() < 1e-3, "{distance} {row} {column}: {got} {part}");
+                        // The low lobe loses most, the steep one nothing below 30°: no two could be exchanged.
+                        assert!(lobe != 1 || part < 0.9, "{part}");
+                        assert!(lobe != 2 || part > 0.98, "{part}");
+                    }
+                }
+            }
+        }
+    }
+}
