@@ -197,7 +197,8 @@ impl Observatory {
     /// Whatever is wrong with scene, place, altitude, turbidity or basis; a full queue; a device that fails.
     pub async fn sky(&self, request: SkyRequest) -> Result<SkyAnswer, EngineError> {
         let (shelf, wanted) = (Arc::clone(&self.shelf), request.clone());
-        let view = tokio::task::spawn_blocking(move || View::of(&shelf, &wanted))
+        let hides_lights = self.hides_lights(request.scattering);
+        let view = tokio::task::spawn_blocking(move || View::of(&shelf, &wanted, hides_lights))
             .await
             .map_err(|_| EngineError::Stopped)??;
         let rendered = self.engine.render(view.render_request(&request)).await?;
@@ -209,9 +210,15 @@ impl Observatory {
     /// # Errors
     /// As [`Self::sky`].
     pub fn sky_blocking(&self, request: &SkyRequest) -> Result<SkyAnswer, EngineError> {
-        let view = View::of(&self.shelf, request)?;
+        let view = View::of(&self.shelf, request, self.hides_lights(request.scattering))?;
         let rendered = self.engine.render_blocking(view.render_request(request))?;
         Ok(view.answer(request, rendered))
+    }
+
+    /// Whether the packs of a scattering know sources behind skylines.
+    fn hides_lights(&self, scattering: Scattering) -> bool {
+        let kinds = &self.engine.info().kinds;
+        kinds.iter().any(|resident| resident.kind.scattering == scattering && resident.hides_lights)
     }
 }
 
@@ -225,7 +232,8 @@ struct View {
 }
 
 impl View {
-    fn of(shelf: &SceneShelf, request: &SkyRequest) -> Result<Self, EngineError> {
+    /// `hides_lights`: whether the packs know skylines; else no light is put behind one.
+    fn of(shelf: &SceneShelf, request: &SkyRequest, hides_lights: bool) -> Result<Self, EngineError> {
         let place = request.place;
         let scene = scene_around(shelf, &request.scene, place)?;
         let ground = scene.ground(place);
@@ -240,7 +248,7 @@ impl View {
             altitude_m: if altitude_m < 0.0 { 0.0 } else { altitude_m },
             ground,
         };
-        let polar = Arc::new(scene.polar_grid(place, request.terrain_hides));
+        let polar = Arc::new(scene.polar_grid(place, request.terrain_hides && hides_lights));
         let horizon = (request.terrain_hides && scene.metadata().terrain).then(|| {
             let start = Instant::now();
             (scene.horizon(place, observer.altitude_m), start.elapsed())
