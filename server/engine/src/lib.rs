@@ -41,4 +41,5 @@ pub const MAX_BATCH: usize = 8;
 /// Most nodes that the requests of one batch may mix, unless one request alone needs more.
 pub const MAX_BATCH_NODES: usize = 8192;
 /// Most lit cells that the requests of one batch may have: as many as one grid can with light at every blocking angle.
-pub const MAX_BATCH_CELLS: usize = 8 * skyglow_physics::AZIMUTH_COUNT * skyglow_scene::RING_COUNT;
+pub const MAX_BATCH_CELLS: usize =
+    skyglow_physics::blocking::BLOCKING_COUNT * skyglow_physics::AZIMUTH_COUNT * skyglow_scene::RING_COUNT;

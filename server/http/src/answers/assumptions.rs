@@ -153,12 +153,15 @@ pub fn sky_warnings(
 
 /// What is said where terrain is wanted and lights behind it are nevertheless seen.
 fn skyline_warning(query: &SkyQuery, scene: &SceneMetadata, facts: &SourceFacts) -> Option<String> {
+    // Without terrain there is nothing to hide behind.
     if !query.terrain_hides || !scene.terrain {
         return None;
     }
     let reason = match facts.why_open(query.scattering) {
         Some(reason) => reason,
-        None if !scene.light_skylines => "the scene was stored before skylines were: ingest it again",
+        None if scene.hidden_lights_are_unknown() => {
+            "the scene was stored before skylines were: ingest it again"
+        }
         None => return None,
     };
     Some(format!("lights behind ridges count as if they were not: {reason}"))
