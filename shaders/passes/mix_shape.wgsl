@@ -23,36 +23,31 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let shares = scales[band * frame.node_count + node_index];
   var first = vec4<f32>(0.0);
   var second = vec4<f32>(0.0);
-  if node.blocking == 0u {
-    let tap_layer = requests[node.request].tap_layer;
-    let tap_weight = requests[node.request].tap_weight;
-    let tap_count = requests[node.request].tap_count;
-    for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
-      if shares[lobe] > 0.0 {
-        let texel =
-          shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.table_octet_count);
-        for (var tap = 0u; tap < tap_count; tap++) {
-          let factor = shares[lobe] * tap_weight[tap];
-          let halves = textureLoad(shape, texel, tap_layer[tap], 0);
-          first += factor * vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y));
-          second += factor * vec4<f32>(unpack2x16float(halves.z), unpack2x16float(halves.w));
+  let is_open = node.blocking == 0u;
+  var tap_layer = requests[node.request].tap_layer;
+  var tap_weight = requests[node.request].tap_weight;
+  var tap_count = requests[node.request].tap_count;
+  var octet_count = frame.table_octet_count;
+  if !is_open {
+    tap_layer = requests[node.request].blocked_tap_layer;
+    tap_weight = requests[node.request].blocked_tap_weight;
+    // The table may hold fewer functions: the others are 0.
+    tap_count = select(0u, requests[node.request].blocked_tap_count, octet < frame.blocked_octet_count);
+    octet_count = frame.blocked_octet_count;
+  }
+  for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
+    if shares[lobe] > 0.0 {
+      let texel = shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, octet_count);
+      for (var tap = 0u; tap < tap_count; tap++) {
+        let factor = shares[lobe] * tap_weight[tap];
+        var halves: vec4<u32>;
+        if is_open {
+          halves = textureLoad(shape, texel, tap_layer[tap], 0);
+        } else {
+          halves = textureLoad(blocked_shape, texel, blocked_layer(tap_layer[tap], node.blocking - 1u), 0);
         }
-      }
-    }
-  } else if octet < frame.blocked_octet_count {
-    let tap_layer = requests[node.request].blocked_tap_layer;
-    let tap_weight = requests[node.request].blocked_tap_weight;
-    let tap_count = requests[node.request].blocked_tap_count;
-    for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
-      if shares[lobe] > 0.0 {
-        let texel =
-          shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.blocked_octet_count);
-        for (var tap = 0u; tap < tap_count; tap++) {
-          let factor = shares[lobe] * tap_weight[tap];
-          let halves = textureLoad(blocked_shape, texel, blocked_layer(tap_layer[tap], node.blocking - 1u), 0);
-          first += factor * vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y));
-          second += factor * vec4<f32>(unpack2x16float(halves.z), unpack2x16float(halves.w));
-        }
+        first += factor * vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y));
+        second += factor * vec4<f32>(unpack2x16float(halves.z), unpack2x16float(halves.w));
       }
     }
   }
