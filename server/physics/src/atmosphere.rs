@@ -2,6 +2,7 @@
 
 use crate::{
     bands::{BAND_COUNT, Band},
+    cloud::CloudBase,
     error::{PhysicsError, check_range},
 };
 
@@ -46,16 +47,17 @@ impl Default for Turbidity {
     }
 }
 
-/// Extinction and scattering of the two species at one turbidity.
+/// Extinction and scattering of the two species at one turbidity, and the cloud base that closes the sky, if any.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Atmosphere {
     turbidity: Turbidity,
     molecule_extinction_per_m: [f64; BAND_COUNT],
     aerosol_extinction_per_m: [f64; BAND_COUNT],
+    cloud: Option<CloudBase>,
 }
 
 impl Atmosphere {
-    /// The atmosphere at a turbidity: β_m(λ) = β_m(550)·(550/λ)⁴,
+    /// The atmosphere at a turbidity under a clear sky: β_m(λ) = β_m(550)·(550/λ)⁴,
     /// β_a(λ) = (T − 1)·β_m(550)·(8.0/1.2)·(550/λ)^1.3.
     pub fn new(turbidity: Turbidity) -> Self {
         let relative = |band: Band, power: f64| (550.0 / band.wavelength_nm()).powf(power);
@@ -66,7 +68,18 @@ impl Atmosphere {
             turbidity,
             molecule_extinction_per_m: Band::ALL.map(|b| MOLECULE_EXTINCTION_550_PER_M * relative(b, 4.0)),
             aerosol_extinction_per_m: Band::ALL.map(|b| aerosol_550 * relative(b, 1.3)),
+            cloud: None,
         }
+    }
+
+    /// The same air under a closed layer of cloud, or under a clear sky (None).
+    pub fn under(self, cloud: Option<CloudBase>) -> Self {
+        Self { cloud, ..self }
+    }
+
+    /// The layer of cloud that closes the sky; None for a clear one.
+    pub fn cloud(&self) -> Option<CloudBase> {
+        self.cloud
     }
 
     /// The turbidity this was made for.

@@ -10,6 +10,7 @@ pub mod atmosphere;
 pub mod bands;
 pub mod blocking;
 pub mod chapman;
+pub mod cloud;
 mod cone;
 pub mod direct_sum;
 pub mod emission;
@@ -31,6 +32,7 @@ pub mod source_pixel;
 
 pub use atmosphere::{Atmosphere, Turbidity};
 pub use bands::{BAND_COUNT, Band};
+pub use cloud::CloudBase;
 pub use emission::{EmissionMix, LOBE_COUNT, Lobe};
 pub use error::PhysicsError;
 pub use geometry::{EARTH_RADIUS_M, GeoPoint};
