@@ -18,6 +18,7 @@ use std::{error::Error, path::Path, sync::Arc};
 struct Truth {
     scene: String,
     scattering: Scattering,
+    cloud_base_m: None,
     place: GeoPoint,
     observer_altitude_m: f64,
     turbidities: Vec<f64>,
@@ -104,6 +105,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 observer_altitude_m: truth.observer_altitude_m,
                 turbidity: Turbidity::new(turbidity)?,
                 scattering: truth.scattering,
+                cloud_base_m: None,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
                 basis: None,

@@ -38,6 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 observer_altitude_m,
                 turbidity,
                 scattering,
+                cloud_base_m: None,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
                 basis: None,

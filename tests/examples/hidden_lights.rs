@@ -116,6 +116,7 @@ fn compare(
             observer_altitude_m: eye_m,
             turbidity,
             scattering: Scattering::Single,
+            cloud_base_m: None,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
             basis: None,

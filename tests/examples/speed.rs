@@ -49,6 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 observer_altitude_m,
                 turbidity,
                 scattering,
+                cloud_base_m: None,
                 emission,
                 flux_per_dnb_flux: lamp.flux_per_dnb_flux,
                 basis: None,

@@ -25,6 +25,7 @@ const VISIBLE_CD_M2: f64 = 1.7e-7;
 #[derive(serde::Deserialize)]
 struct StoredTruth {
     scattering: Scattering,
+    cloud_base_m: None,
     latitude_deg: f64,
     longitude_deg: f64,
     observer_altitude_m: f64,
@@ -81,6 +82,7 @@ fn compare(
             observer_altitude_m: truth.observer_altitude_m + raised_m,
             turbidity: Turbidity::new(truth.turbidities[turbidity]).unwrap(),
             scattering: truth.scattering,
+            cloud_base_m: None,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
             basis: None,

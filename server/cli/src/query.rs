@@ -8,7 +8,7 @@ use skyglow_http::{
     parameters::{MOST_BASIS_FUNCTIONS, Parameter, ParameterSet},
     source::SourceFacts,
 };
-use skyglow_physics::Turbidity;
+use skyglow_physics::{CloudBase, Turbidity};
 use skyglow_tables::{Manifest, Scattering, packs_in};
 use std::{marker::PhantomData, path::Path};
 
@@ -84,6 +84,7 @@ fn percent_encoded(text: &str) -> String {
 /// What is allowed at all, whatever packs are resident: to find slips before anything is loaded.
 fn widest_facts() -> SourceFacts {
     let kind = |&scattering| KindFacts {
+        clouds: None,
         scattering,
         turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
         basis_count: MOST_BASIS_FUNCTIONS as usize,
@@ -94,6 +95,7 @@ fn widest_facts() -> SourceFacts {
         executor: "reference".to_owned(),
         adapter: String::new(),
         kinds: Scattering::ALL.iter().map(kind).collect(),
+        any_cloud_albedo: Some(CloudBase::DEFAULT_ALBEDO),
         altitude_range_m: (0.0, 100_000.0),
         pack_checksums: String::new(),
     }
@@ -119,20 +121,33 @@ pub(crate) fn facts_of_packs(folder: &Path) -> SourceFacts {
         .filter_map(|text| serde_json::from_slice(&text).ok())
         .collect();
     let mut facts = widest_facts();
-    let kinds: Vec<KindFacts> = Scattering::ALL.iter().filter_map(|&s| kind_facts(&manifests, s)).collect();
+    let mut skies: Vec<Option<u32>> = manifests.iter().map(cloud_base_m).collect();
+    skies.sort_unstable();
+    skies.dedup();
+    let kinds = |sky: &Option<u32>| -> Vec<KindFacts> {
+        Scattering::ALL.iter().filter_map(|&s| kind_facts(&manifests, *sky, s)).collect()
+    };
+    let kinds: Vec<KindFacts> = skies.iter().flat_map(kinds).collect();
     if !kinds.is_empty() {
         facts.kinds = kinds;
+        facts.any_cloud_albedo = None;
     }
     let highest_m = manifests.iter().filter_map(|manifest| manifest.axes.observer_altitude_m.last().copied());
     facts.altitude_range_m.1 = highest_m.reduce(f64::min).unwrap_or(facts.altitude_range_m.1);
     facts
 }
 
-/// What the packs of one scattering will serve; None where there are none.
-fn kind_facts(manifests: &[Manifest], scattering: Scattering) -> Option<KindFacts> {
-    let mut packs = manifests.iter().filter(|manifest| manifest.scattering == scattering);
+fn cloud_base_m(manifest: &Manifest) -> Option<u32> {
+    manifest.clouds.map(|clouds| clouds.base_m)
+}
+
+/// What the packs of one scattering under one sky will serve; None where there are none.
+fn kind_facts(manifests: &[Manifest], sky: Option<u32>, scattering: Scattering) -> Option<KindFacts> {
+    let is_one = |manifest: &&Manifest| manifest.scattering == scattering && cloud_base_m(manifest) == sky;
+    let mut packs = manifests.iter().filter(is_one);
     let first = packs.next()?;
     let mut facts = KindFacts {
+        clouds: first.clouds,
         scattering,
         turbidity_range: (first.turbidity, first.turbidity),
         basis_count: first.basis_count,
@@ -166,7 +181,7 @@ mod tests {
     use super::*;
     use skyglow_http::{accept::Format, parameters::PanoramaParameters};
     use skyglow_tables::{
-        TableAxes,
+        Clouds, TableAxes,
         manifest::{MeasuredError, PackParameters},
     };
 
@@ -200,11 +215,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(facts_of_packs(folder.path()), widest_facts());
         let (single, multiple) = (Scattering::Single, Scattering::Multiple);
-        for (turbidity, scattering, basis_count) in
-            [(4.0, multiple, 32), (1.5, single, 64), (2.0, multiple, 16), (6.0, single, 64)]
-        {
+        for (turbidity, scattering, basis_count) in [
+            (4.0, multiple, 32),
+            (1.5, single, 64),
+            (2.0, multiple, 16),
+            (6.0, single, 64),
+            (3.0, multiple, 16),
+        ] {
             let parameters = PackParameters {
                 turbidity,
+                clouds: (turbidity == 3.0).then(|| Clouds::new(1_000, 0.6).unwrap()),
                 scattering,
                 multiple: (scattering == multiple).then(|| skyglow_tables::MultipleAxes::coarse(0.2)),
                 axes: TableAxes::coarse(),
@@ -220,6 +240,7 @@ mod tests {
             std::fs::write(pack.with_extension("json"), serde_json::to_vec(&manifest).unwrap()).unwrap();
         }
         let kind = |scattering, turbidity_range, basis_count, ground_albedo| KindFacts {
+            clouds: None,
             scattering,
             turbidity_range,
             basis_count,
@@ -228,7 +249,14 @@ mod tests {
         };
         assert_eq!(
             facts_of_packs(folder.path()).kinds,
-            [kind(single, (1.5, 6.0), 64, None), kind(multiple, (2.0, 4.0), 32, Some(0.2))]
+            [
+                kind(single, (1.5, 6.0), 64, None),
+                kind(multiple, (2.0, 4.0), 32, Some(0.2)),
+                KindFacts {
+                    clouds: Clouds::new(1_000, 0.6).ok(),
+                    ..kind(multiple, (3.0, 3.0), 16, Some(0.2))
+                },
+            ]
         );
     }
 }

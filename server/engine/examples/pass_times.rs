@@ -56,6 +56,7 @@ fn measure(
                 observer_altitude_m: 1661.0,
                 turbidity: Turbidity::new(turbidity)?,
                 scattering: Scattering::Single,
+                cloud_base_m: None,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
                 basis: None,

@@ -79,6 +79,7 @@ pub(crate) fn warm_up_requests(set: &TableSet) -> Vec<Prepared> {
                 observer_altitude_m: 10.0,
                 turbidity: Turbidity::new(turbidity).ok()?,
                 scattering: packs.kind.scattering,
+                cloud_base_m: packs.kind.cloud_base_m,
                 emission: EmissionMix::garstang(),
                 flux_per_dnb_flux: [1.0; 3],
                 basis: None,

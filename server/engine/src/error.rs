@@ -27,6 +27,16 @@ pub enum EngineError {
         /// Highest allowed, metres.
         maximum_m: f64,
     },
+    /// The observer is at the clouds or above them.
+    #[error("altitude is {altitude_m} m; the clouds are at {base_m} m, and allowed is up to {maximum_m} m")]
+    AboveClouds {
+        /// Altitude asked for, metres above sea level.
+        altitude_m: f64,
+        /// Base of the clouds, metres above sea level.
+        base_m: u32,
+        /// Highest allowed, metres.
+        maximum_m: f64,
+    },
     /// No resident packs of this kind.
     #[error("no packs with {kind} are resident; resident is {}", listed(resident))]
     KindNotResident {

@@ -3,6 +3,7 @@
 use crate::{
     engine::Engine,
     error::EngineError,
+    packs::PackKind,
     request::{RenderRequest, Rendered},
     scene_shelf::SceneShelf,
 };
@@ -50,6 +51,8 @@ pub struct SkyRequest {
     pub turbidity: Turbidity,
     /// Orders of scattering, of which packs are resident.
     pub scattering: Scattering,
+    /// Base of the layer of cloud above sea level, metres, of which packs are resident; None under a clear sky.
+    pub cloud_base_m: Option<u32>,
     /// The lamp.
     pub lamp: Lamp,
     /// Where lamps send their light.
@@ -58,6 +61,13 @@ pub struct SkyRequest {
     pub basis: Option<usize>,
     /// Whether the scene's terrain hides the sky below the observer's horizon.
     pub terrain_hides: bool,
+}
+
+impl SkyRequest {
+    /// The kind of packs that it is rendered from.
+    fn kind(&self) -> PackKind {
+        PackKind { cloud_base_m: self.cloud_base_m, scattering: self.scattering }
+    }
 }
 
 /// Where an answer was observed.
@@ -197,7 +207,7 @@ impl Observatory {
     /// Whatever is wrong with scene, place, altitude, turbidity or basis; a full queue; a device that fails.
     pub async fn sky(&self, request: SkyRequest) -> Result<SkyAnswer, EngineError> {
         let (shelf, wanted) = (Arc::clone(&self.shelf), request.clone());
-        let hides_lights = self.hides_lights(request.scattering);
+        let hides_lights = self.hides_lights(request.kind());
         let view = tokio::task::spawn_blocking(move || View::of(&shelf, &wanted, hides_lights))
             .await
             .map_err(|_| EngineError::Stopped)??;
@@ -210,15 +220,15 @@ impl Observatory {
     /// # Errors
     /// As [`Self::sky`].
     pub fn sky_blocking(&self, request: &SkyRequest) -> Result<SkyAnswer, EngineError> {
-        let view = View::of(&self.shelf, request, self.hides_lights(request.scattering))?;
+        let view = View::of(&self.shelf, request, self.hides_lights(request.kind()))?;
         let rendered = self.engine.render_blocking(view.render_request(request))?;
         Ok(view.answer(request, rendered))
     }
 
-    /// Whether the packs of a scattering know sources behind skylines.
-    fn hides_lights(&self, scattering: Scattering) -> bool {
+    /// Whether the packs of a kind know sources behind skylines.
+    fn hides_lights(&self, kind: PackKind) -> bool {
         let kinds = &self.engine.info().kinds;
-        kinds.iter().any(|resident| resident.kind.scattering == scattering && resident.hides_lights)
+        kinds.iter().any(|resident| resident.kind == kind && resident.hides_lights)
     }
 }
 
@@ -262,6 +272,7 @@ impl View {
             observer_altitude_m: self.observer.altitude_m,
             turbidity: request.turbidity,
             scattering: request.scattering,
+            cloud_base_m: request.cloud_base_m,
             emission: request.emission,
             flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
             basis: request.basis,
@@ -276,7 +287,11 @@ impl View {
         SkyAnswer {
             scene: self.scene.metadata().clone(),
             observer: self.observer,
-            quantities: SkyQuantities::of_visible(&rendered.panorama, &horizon),
+            quantities: if request.cloud_base_m.is_some() {
+                SkyQuantities::under_clouds(&rendered.panorama, &horizon)
+            } else {
+                SkyQuantities::of_visible(&rendered.panorama, &horizon)
+            },
             rendered,
             horizon,
             horizon_time,

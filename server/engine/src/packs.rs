@@ -6,10 +6,13 @@ use skyglow_scene::{RING_COUNT, ring_distance_m};
 use skyglow_tables::{Manifest, Pack, ResidentTables, Scattering};
 use std::{fmt, path::PathBuf, sync::Arc};
 
-/// What packs have in common that turbidity is interpolated between. The order is from the coarsest model of the
-/// air to the best.
+/// What packs have in common that turbidity is interpolated between. Under one sky the order is from the coarsest model
+/// of the air to the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct PackKind {
+    /// Base of the closed layer of cloud above sea level, metres; None under a clear sky, which comes first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cloud_base_m: Option<u32>,
     /// Orders of scattering.
     pub scattering: Scattering,
 }
@@ -17,18 +20,24 @@ pub struct PackKind {
 impl PackKind {
     /// The kind of a pack.
     pub fn of(tables: &ResidentTables) -> Self {
-        Self { scattering: tables.scattering }
+        Self { cloud_base_m: tables.clouds.map(|clouds| clouds.base_m), scattering: tables.scattering }
     }
 
     /// The kind of the pack that a manifest describes.
     pub fn of_manifest(manifest: &Manifest) -> Self {
-        Self { scattering: manifest.scattering }
+        Self { cloud_base_m: manifest.clouds.map(|clouds| clouds.base_m), scattering: manifest.scattering }
+    }
+
+    /// Altitude of the base above sea level, metres: no light comes through it. Infinite under a clear sky.
+    pub(crate) fn cloud_altitude_m(self) -> f64 {
+        self.cloud_base_m.map_or(f64::INFINITY, f64::from)
     }
 }
 
 impl fmt::Display for PackKind {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{} scattering", self.scattering.name())
+        write!(out, "{} scattering", self.scattering.name())?;
+        self.cloud_base_m.map_or(Ok(()), |base_m| write!(out, " under clouds at {base_m} m"))
     }
 }
 
@@ -75,7 +84,7 @@ impl ResidentKind {
 ///
 /// # Errors
 /// [`EngineError::Tables`] naming the file that is refused; [`EngineError::IncompatibleTables`] where packs of one
-/// kind were computed over grounds of different albedo: what lies between them is the sky over neither.
+/// kind were computed over grounds or under clouds of different albedo: what lies between them is the sky of neither.
 pub fn resident_tables(packs: &[PathBuf]) -> Result<(Vec<Arc<ResidentTables>>, Vec<Manifest>), EngineError> {
     let ring_distances_m: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
     let mut tables = Vec::new();
@@ -88,26 +97,35 @@ pub fn resident_tables(packs: &[PathBuf]) -> Result<(Vec<Arc<ResidentTables>>, V
     manifests.sort_by(|a, b| {
         PackKind::of_manifest(a).cmp(&PackKind::of_manifest(b)).then(a.turbidity.total_cmp(&b.turbidity))
     });
-    check_grounds(&manifests)?;
+    check_albedos(&manifests)?;
     Ok((tables, manifests))
 }
 
-fn check_grounds(sorted: &[Manifest]) -> Result<(), EngineError> {
+fn check_albedos(sorted: &[Manifest]) -> Result<(), EngineError> {
     let words = |albedo: Option<f64>| albedo.map_or_else(|| "none".to_owned(), |albedo| albedo.to_string());
     for pair in sorted.windows(2) {
         let [before, pack] = pair else { continue };
         let kind = PackKind::of_manifest(pack);
-        if kind == PackKind::of_manifest(before) && pack.ground_albedo != before.ground_albedo {
-            return Err(EngineError::IncompatibleTables {
-                turbidity: pack.turbidity,
-                kind,
-                reason: format!(
-                    "its ground albedo is {}, that of the pack for turbidity {} is {}",
-                    words(pack.ground_albedo),
-                    before.turbidity,
-                    words(before.ground_albedo)
-                ),
-            });
+        if kind != PackKind::of_manifest(before) {
+            continue;
+        }
+        let cloud_albedo = |manifest: &Manifest| manifest.clouds.map(|clouds| clouds.albedo);
+        for (what, ours, theirs) in [
+            ("ground", pack.ground_albedo, before.ground_albedo),
+            ("cloud", cloud_albedo(pack), cloud_albedo(before)),
+        ] {
+            if ours != theirs {
+                return Err(EngineError::IncompatibleTables {
+                    turbidity: pack.turbidity,
+                    kind,
+                    reason: format!(
+                        "its {what} albedo is {}, that of the pack for turbidity {} is {}",
+                        words(ours),
+                        before.turbidity,
+                        words(theirs)
+                    ),
+                });
+            }
         }
     }
     Ok(())
@@ -117,7 +135,7 @@ fn check_grounds(sorted: &[Manifest]) -> Result<(), EngineError> {
 mod tests {
     use super::*;
     use skyglow_tables::{
-        MultipleAxes, TableAxes,
+        Clouds, MultipleAxes, TableAxes,
         manifest::{MeasuredError, PackParameters},
     };
 
@@ -126,6 +144,7 @@ mod tests {
             turbidity,
             scattering,
             multiple: ground_albedo.map(MultipleAxes::coarse),
+            clouds: None,
             axes: TableAxes::coarse(),
             basis_count: 8,
             training_geometries: 1,
@@ -140,12 +159,34 @@ mod tests {
     fn packs_of_one_kind_lie_over_one_ground() {
         let first_order = manifest(2.0, Scattering::Single, None);
         let all_orders = |turbidity, albedo| manifest(turbidity, Scattering::Multiple, Some(albedo));
-        check_grounds(&[first_order.clone(), all_orders(2.0, 0.15), all_orders(3.0, 0.15)]).unwrap();
-        let snow = check_grounds(&[first_order, all_orders(2.0, 0.15), all_orders(3.0, 0.8)]).unwrap_err();
+        check_albedos(&[first_order.clone(), all_orders(2.0, 0.15), all_orders(3.0, 0.15)]).unwrap();
+        let snow = check_albedos(&[first_order, all_orders(2.0, 0.15), all_orders(3.0, 0.8)]).unwrap_err();
         assert_eq!(
             snow.to_string(),
             "the pack for turbidity 3 with multiple scattering does not fit: its ground albedo is 0.8, that of the \
              pack for turbidity 2 is 0.15"
         );
+    }
+
+    #[test]
+    fn packs_under_clouds_are_kinds_of_their_own_and_those_of_one_base_have_one_albedo() {
+        let under = |turbidity, base_m, albedo| Manifest {
+            clouds: Some(Clouds::new(base_m, albedo).unwrap()),
+            ..manifest(turbidity, Scattering::Single, None)
+        };
+        check_albedos(&[
+            manifest(3.0, Scattering::Single, None),
+            under(2.0, 1_000, 0.5),
+            under(3.0, 2_000, 0.7),
+        ])
+        .unwrap();
+        let bright = check_albedos(&[under(2.0, 1_000, 0.5), under(3.0, 1_000, 0.7)]).unwrap_err();
+        assert_eq!(
+            bright.to_string(),
+            "the pack for turbidity 3 with single scattering under clouds at 1000 m does not fit: its cloud albedo is \
+             0.7, that of the pack for turbidity 2 is 0.5"
+        );
+        let kind = |manifest| PackKind::of_manifest(&manifest);
+        assert!(kind(manifest(6.0, Scattering::Multiple, Some(0.15))) < kind(under(2.0, 1_000, 0.5)));
     }
 }

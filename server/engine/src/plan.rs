@@ -208,6 +208,7 @@ mod tests {
             observer_altitude_m: 300.0,
             turbidity: Turbidity::new(turbidity).unwrap(),
             scattering: Scattering::Single,
+            cloud_base_m: None,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: [1.0; 3],
             basis: Some(10),

@@ -2,13 +2,14 @@
 
 use crate::{
     error::EngineError,
-    packs::ResidentKind,
+    packs::{PackKind, ResidentKind},
     request::{RenderRequest, WorkCount},
     table_set::TableSet,
     taps::{Taps, lagrange_taps},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
 use skyglow_scene::{PolarCell, PolarGrid};
+use skyglow_tables::clouds::CLOUD_ROOM_M;
 
 /// Two turbidities nearer than this are the same.
 pub const SAME_TURBIDITY: f64 = 1e-9;
@@ -77,7 +78,7 @@ impl Prepared {
     /// Checks a request against the resident tables and lists its work.
     ///
     /// # Errors
-    /// Scattering that is not resident, altitude, turbidity or basis out of range, or a malformed polar grid.
+    /// Scattering or clouds that are not resident, altitude, turbidity or basis out of range, or a malformed polar grid.
     pub fn new(request: &RenderRequest, set: &TableSet) -> Result<Self, EngineError> {
         let observer_altitude_m = checked_altitude_m(request.observer_altitude_m, set)?;
         let altitude_taps = lagrange_taps(set.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M);
@@ -85,6 +86,7 @@ impl Prepared {
             lagrange_taps(blocked.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M)
         });
         let packs = set.kind(request.kind())?;
+        check_below_clouds(observer_altitude_m, packs.kind)?;
         let turbidity_taps = turbidity_taps(request.turbidity.value(), packs)?;
         let resident = packs.basis_count;
         let basis_count = request.basis.unwrap_or(resident);
@@ -106,7 +108,8 @@ impl Prepared {
         };
         if flux_per_dnb_flux.iter().any(|flux| *flux > 0.0) {
             let axes = NodeAxes { set, hides_lights: packs.hides_lights };
-            prepared.list_work(&request.polar, observer_altitude_m, &axes);
+            let highest_source_m = packs.kind.cloud_altitude_m();
+            prepared.list_work(&request.polar, observer_altitude_m, highest_source_m, &axes);
         }
         Ok(prepared)
     }
@@ -132,14 +135,24 @@ impl Prepared {
         }
     }
 
-    fn list_work(&mut self, polar: &PolarGrid, observer_altitude_m: f64, axes: &NodeAxes<'_>) {
+    /// Lists the lit cells and the nodes that they touch; light at `highest_source_m` and above shines on clouds from
+    /// above, and none of it comes through.
+    fn list_work(
+        &mut self,
+        polar: &PolarGrid,
+        observer_altitude_m: f64,
+        highest_source_m: f64,
+        axes: &NodeAxes<'_>,
+    ) {
+        let is_seen =
+            |cell: &PolarCell| cell.flux_dnb_w > 0.0 && f64::from(cell.altitude_m) < highest_source_m;
         let mut node_of = vec![u32::MAX; axes.slot_count(polar)];
         let mut position = Vec::with_capacity(polar.cells.len());
         for cell in &polar.cells {
             let offset_m = (f64::from(cell.altitude_m) - observer_altitude_m) as f32;
             let (slot, weight) = axes.slot_below(cell, offset_m);
             position.push((slot, weight));
-            if cell.flux_dnb_w > 0.0 {
+            if is_seen(cell) {
                 node_of[slot] = 0;
                 node_of[slot + usize::from(weight > 0.0)] = 0;
             }
@@ -152,7 +165,7 @@ impl Prepared {
             let column = polar.azimuth_start[azimuth] as usize..polar.azimuth_start[azimuth + 1] as usize;
             let first_cell = self.cells.len() as u32;
             for (cell, &(slot, weight)) in polar.cells[column.clone()].iter().zip(&position[column]) {
-                if cell.flux_dnb_w > 0.0 {
+                if is_seen(cell) {
                     self.cells.push(PreparedCell {
                         flux_dnb_w: cell.flux_dnb_w,
                         lower_node: node_of[slot],
@@ -245,6 +258,16 @@ fn checked_altitude_m(altitude_m: f64, set: &TableSet) -> Result<f64, EngineErro
     Ok(altitude_m.max(0.0))
 }
 
+fn check_below_clouds(altitude_m: f64, kind: PackKind) -> Result<(), EngineError> {
+    let maximum_m = kind.cloud_altitude_m() - CLOUD_ROOM_M;
+    match kind.cloud_base_m {
+        Some(base_m) if altitude_m > maximum_m => {
+            Err(EngineError::AboveClouds { altitude_m, base_m, maximum_m })
+        }
+        _ => Ok(()),
+    }
+}
+
 fn turbidity_taps(turbidity: f64, packs: &ResidentKind) -> Result<Taps, EngineError> {
     let nodes = &packs.turbidities;
     let (minimum, maximum) = (nodes[0], nodes[nodes.len() - 1]);
@@ -304,6 +327,7 @@ mod tests {
             observer_altitude_m: 100.0,
             turbidity: Turbidity::new(2.0).unwrap(),
             scattering: Scattering::Single,
+            cloud_base_m: None,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: [1.0; 3],
             basis: None,

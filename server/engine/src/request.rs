@@ -18,6 +18,8 @@ pub struct RenderRequest {
     pub turbidity: Turbidity,
     /// Orders of scattering, of which packs are resident.
     pub scattering: Scattering,
+    /// Base of the layer of cloud above sea level, metres, of which packs are resident; None under a clear sky.
+    pub cloud_base_m: Option<u32>,
     /// Where the lamps send their light.
     pub emission: EmissionMix,
     /// s_b: the lamps' flux in bands R, G, B per DNB flux.
@@ -29,7 +31,7 @@ pub struct RenderRequest {
 impl RenderRequest {
     /// The kind of packs that it is rendered from.
     pub fn kind(&self) -> PackKind {
-        PackKind { scattering: self.scattering }
+        PackKind { cloud_base_m: self.cloud_base_m, scattering: self.scattering }
     }
 }
 

@@ -8,7 +8,7 @@ use skyglow_physics::{
 };
 use skyglow_scene::{PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 use skyglow_tables::{
-    OffsetAxis, Scattering,
+    Clouds, OffsetAxis, Scattering,
     resident::{FREQUENCY_COUNT, ResidentBlocked, ResidentTables},
 };
 use std::sync::Arc;
@@ -52,6 +52,17 @@ pub fn table_set_of(
         Scattering::Multiple => with_all_orders(tables(turbidity, basis_count)),
     };
     turbidities.iter().map(|turbidity| Arc::new(pack(turbidity))).collect()
+}
+
+/// Packs as if they had been made under a closed layer of cloud.
+pub fn under_clouds(tables: Vec<Arc<ResidentTables>>, base_m: u32) -> Vec<Arc<ResidentTables>> {
+    let cover = |pack: Arc<ResidentTables>| {
+        let mut pack = Arc::unwrap_or_clone(pack);
+        pack.clouds = Clouds::new(base_m, 0.5).ok();
+        pack.checksum.insert_str(0, "clouds-");
+        Arc::new(pack)
+    };
+    tables.into_iter().map(cover).collect()
 }
 
 /// Makes a made-up pack brighter, the more the farther the source, as multiple scattering does.
@@ -104,6 +115,7 @@ pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
     ResidentTables {
         turbidity,
         scattering: Scattering::Single,
+        clouds: None,
         checksum: format!("{:016x}", turbidity.to_bits() ^ basis_count as u64),
         observer_altitude_m,
         offset_count: OFFSET_COUNT,

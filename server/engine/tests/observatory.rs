@@ -56,6 +56,7 @@ fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeigh
         observer_height,
         turbidity: Turbidity::new(2.5).unwrap(),
         scattering: Scattering::Single,
+        cloud_base_m: None,
         lamp: LampPreset::Mixed.lamp(),
         emission: EmissionMix::garstang(),
         basis: None,

@@ -65,6 +65,9 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
         assumptions.lamp.preset.as_deref().unwrap_or("custom"),
         assumptions.coverage,
     );
+    if assumptions.clouds != "none" {
+        words.push_str(&format!(", clouds at {} m", assumptions.clouds));
+    }
     if scene.illustrative {
         words.push_str("; ");
         words.push_str(ILLUSTRATIVE);

@@ -1,11 +1,13 @@
-//! What is resident, by the orders of scattering that the packs hold.
+//! What is resident, by the clouds and the orders of scattering that the packs hold.
 
-use crate::source::SourceFacts;
-use skyglow_tables::Scattering;
+use crate::source::{SkyQuery, SourceFacts};
+use skyglow_tables::{Clouds, Scattering};
 
-/// The packs of one scattering, as far as a request must know them.
+/// The packs of one scattering under one sky, as far as a request must know them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindFacts {
+    /// The layer of cloud; None under a clear sky.
+    pub clouds: Option<Clouds>,
     /// Orders of scattering.
     pub scattering: Scattering,
     /// Smallest and largest turbidity resident.
@@ -18,32 +20,56 @@ pub struct KindFacts {
     pub why_open: Option<&'static str>,
 }
 
+impl KindFacts {
+    /// Base of the layer of cloud above sea level, metres; None under a clear sky.
+    pub fn cloud_base_m(&self) -> Option<u32> {
+        self.clouds.map(|clouds| clouds.base_m)
+    }
+}
+
 impl SourceFacts {
+    /// The packs under a sky, by scattering, the best last.
+    pub fn kinds_under(&self, cloud_base_m: Option<u32>) -> impl DoubleEndedIterator<Item = &KindFacts> {
+        let any = self.any_cloud_albedo.is_some();
+        self.kinds.iter().filter(move |kind| any || kind.cloud_base_m() == cloud_base_m)
+    }
+
     /// The packs that serve a request which names no scattering; None where nothing is resident.
-    pub fn best_kind(&self) -> Option<&KindFacts> {
-        self.kinds.last()
+    pub fn best_kind(&self, cloud_base_m: Option<u32>) -> Option<&KindFacts> {
+        self.kinds_under(cloud_base_m).next_back()
     }
 
-    /// The packs of a scattering, where there are any.
-    pub fn kind(&self, scattering: Scattering) -> Option<&KindFacts> {
-        self.kinds.iter().find(|kind| kind.scattering == scattering)
+    /// The packs that serve a request, where there are any.
+    pub fn kind(&self, query: &SkyQuery) -> Option<&KindFacts> {
+        self.kinds_under(query.cloud_base_m).find(|kind| kind.scattering == query.scattering)
     }
 
-    /// Why sources behind skylines count as under an open sky with a scattering; None where they do not.
-    pub fn why_open(&self, scattering: Scattering) -> Option<&'static str> {
-        self.kind(scattering).and_then(|kind| kind.why_open)
+    /// Lambertian albedo of the base of a request's clouds; None under a clear sky.
+    pub fn cloud_albedo(&self, query: &SkyQuery) -> Option<f64> {
+        query.cloud_base_m?;
+        self.any_cloud_albedo.or_else(|| Some(self.kind(query)?.clouds?.albedo))
     }
 
-    /// What is allowed with a scattering, named only where another one would allow something else.
+    /// What is allowed with some packs, named only where others would allow something else.
     pub fn allowed_with(&self, kind: &KindFacts, allowed: String) -> String {
-        match self.kinds.len() {
-            0 | 1 => allowed,
-            _ => format!("{allowed} with {} scattering", kind.scattering.name()),
+        let scattering = kind.scattering.name();
+        match (self.kinds.len(), kind.cloud_base_m()) {
+            (0 | 1, _) => allowed,
+            (_, None) => format!("{allowed} with {scattering} scattering"),
+            (_, Some(base_m)) => format!("{allowed} with {scattering} scattering under clouds at {base_m} m"),
         }
     }
 
-    /// The names of every scattering resident.
-    pub fn scatterings(&self) -> String {
-        self.kinds.iter().map(|kind| kind.scattering.name()).collect::<Vec<_>>().join(", ")
+    /// The names of every scattering resident under a sky.
+    pub fn scatterings(&self, cloud_base_m: Option<u32>) -> String {
+        self.kinds_under(cloud_base_m).map(|kind| kind.scattering.name()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Bases of the layers of cloud that there are packs for, metres, ascending.
+    pub fn cloud_bases_m(&self) -> Vec<u32> {
+        let mut bases_m: Vec<u32> = self.kinds.iter().filter_map(KindFacts::cloud_base_m).collect();
+        bases_m.sort_unstable();
+        bases_m.dedup();
+        bases_m
     }
 }

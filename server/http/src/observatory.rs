@@ -12,7 +12,7 @@ use skyglow_engine::{
 };
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{Place, RasterTile, SceneError, SceneId, SceneMetadata, TileLayer};
-use skyglow_tables::Manifest;
+use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
 
 /// An observatory with what is fixed after the start.
@@ -30,6 +30,7 @@ impl ObservatorySource {
             executor: info.executor.name().to_owned(),
             adapter: info.adapter.clone(),
             kinds: info.kinds.iter().map(|kind| kind_facts(kind, observatory.atmospheres())).collect(),
+            any_cloud_albedo: None,
             altitude_range_m: (info.altitude_range_m[0], info.altitude_range_m[1]),
             pack_checksums: observatory
                 .engine()
@@ -52,6 +53,7 @@ fn kind_facts(resident: &ResidentKind, manifests: &[Manifest]) -> KindFacts {
     // Packs of one kind lie over one ground.
     let pack = manifests.iter().find(|manifest| PackKind::of_manifest(manifest) == resident.kind);
     KindFacts {
+        clouds: pack.and_then(|pack| pack.clouds),
         scattering: resident.kind.scattering,
         turbidity_range: ends(&resident.turbidities),
         basis_count: resident.basis_count,
@@ -70,6 +72,9 @@ impl From<EngineError> for SourceError {
             EngineError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m } => {
                 SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }
             }
+            EngineError::AboveClouds { altitude_m, base_m, maximum_m } => {
+                SourceError::AboveClouds { altitude_m, base_m, maximum_m }
+            }
             EngineError::TurbidityOutOfRange { turbidity, minimum, maximum } => SourceError::OutOfRange {
                 parameter: TURBIDITY.name,
                 value: turbidity.to_string(),
@@ -82,8 +87,8 @@ impl From<EngineError> for SourceError {
             },
             EngineError::KindNotResident { kind, resident } => SourceError::NotResident {
                 parameter: SCATTERING.name,
-                value: kind.scattering.name().to_owned(),
-                resident: resident.iter().map(|kind| kind.scattering.name()).collect::<Vec<_>>().join(", "),
+                value: kind.to_string(),
+                resident: resident.iter().map(PackKind::to_string).collect::<Vec<_>>().join(", "),
             },
             EngineError::OutsideScene { bounds, .. } => SourceError::OutsideScene { bounds },
             EngineError::Scene(error) => error.into(),
@@ -103,15 +108,23 @@ impl From<SceneError> for SourceError {
     }
 }
 
+/// The part of a range of altitudes that lies below a pack's clouds.
+fn below_clouds_m(manifest: &Manifest, (lowest_m, highest_m): (f64, f64)) -> [f64; 2] {
+    let ceiling_m = manifest.clouds.map_or(f64::INFINITY, Clouds::ceiling_m);
+    [lowest_m, highest_m.min(ceiling_m)]
+}
+
 /// A pack as the interface describes it.
 fn atmosphere(manifest: &Manifest) -> AtmosphereAnswer {
     AtmosphereAnswer {
         turbidity: manifest.turbidity,
         scattering: manifest.scattering.name().to_owned(),
         ground_albedo: manifest.ground_albedo,
+        cloud_base_m: manifest.clouds.map(|clouds| clouds.base_m),
+        cloud_albedo: manifest.clouds.map(|clouds| clouds.albedo),
         bands_nm: manifest.bands_nm.clone(),
-        observer_altitude_m: ends(&manifest.axes.observer_altitude_m).into(),
-        source_altitude_m: [0.0, skyglow_tables::axes::HIGHEST_ALTITUDE_M],
+        observer_altitude_m: below_clouds_m(manifest, ends(&manifest.axes.observer_altitude_m)),
+        source_altitude_m: below_clouds_m(manifest, (0.0, skyglow_tables::axes::HIGHEST_ALTITUDE_M)),
         distance_m: ends(&manifest.axes.distance_m).into(),
         basis_count: manifest.basis_count,
         checksum: manifest.checksum.clone(),
@@ -178,6 +191,7 @@ impl SkySource for ObservatorySource {
                 },
                 turbidity: query.turbidity,
                 scattering: query.scattering,
+                cloud_base_m: query.cloud_base_m,
                 lamp: query.lamp,
                 emission: query.emission,
                 basis: query.basis,

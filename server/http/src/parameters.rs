@@ -131,8 +131,8 @@ parameters! {
     }, "garstang", false;
     /// Number of basis functions; the default is all that are resident, and no more can be had.
     BASIS = "basis", Kind::Integer { minimum: 1, maximum: MOST_BASIS_FUNCTIONS }, "", false;
-    /// Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet).
-    CLOUDS = "clouds", Kind::Text { allowed: "none" }, "none", false;
+    /// Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for.
+    CLOUDS = "clouds", Kind::Text { allowed: "none, or a whole number from 200 to 12000 m" }, "none", false;
     /// Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count.
     TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
     /// Wanted relative error (not supported yet).
@@ -231,7 +231,7 @@ parameter_sets! {
 mod tests {
     use super::*;
     use skyglow_display::Colormap;
-    use skyglow_physics::LampPreset;
+    use skyglow_physics::{CloudBase, LampPreset};
     use skyglow_tables::Scattering;
 
     #[test]
@@ -253,5 +253,7 @@ mod tests {
         assert_eq!(FOV.default.parse(), Ok(skyglow_display::options::DEFAULT_FOV_DEG));
         assert_eq!(ELEVATION.default.parse(), Ok(skyglow_display::options::DEFAULT_ELEVATION_DEG));
         assert_eq!(TURBIDITY.default.parse(), Ok(skyglow_physics::Turbidity::default().value()));
+        let (lowest_m, highest_m) = (CloudBase::LOWEST_M, CloudBase::HIGHEST_M);
+        assert!(CLOUDS.allowed().contains(&format!("from {lowest_m} to {highest_m} m")));
     }
 }

@@ -59,7 +59,9 @@ pub fn sky(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<(
     let sky = read_sky(&mut reader, scene, facts);
     let light = read_light(&mut reader);
     reader.finish()?;
-    Ok((sky.ok_or_else(|| ApiError::internal("a sky was neither read nor refused"))?, light))
+    let sky = sky.ok_or_else(|| ApiError::internal("a sky was neither read nor refused"))?;
+    let light = light_under(&sky, light);
+    Ok((sky, light))
 }
 
 /// Reads the parameters of a panorama in a format.
@@ -75,9 +77,16 @@ pub fn panorama(
     let mut reader = Reader::new(query, p::PanoramaParameters::ALL);
     only_what_means_something(&mut reader, format);
     let sky = read_sky(&mut reader, scene, facts);
-    let view = read_view(&mut reader);
+    let mut view = read_view(&mut reader);
     reader.finish()?;
-    Ok((sky.ok_or_else(|| ApiError::internal("a sky was neither read nor refused"))?, view))
+    let sky = sky.ok_or_else(|| ApiError::internal("a sky was neither read nor refused"))?;
+    view.options.sky = light_under(&sky, view.options.sky);
+    Ok((sky, view))
+}
+
+/// The light that there is of the light asked for: nothing natural comes through clouds.
+fn light_under(query: &SkyQuery, light: Sky) -> Sky {
+    if query.cloud_base_m.is_some() { Sky::Artificial } else { light }
 }
 
 fn only_what_means_something(reader: &mut Reader, format: Format) {

@@ -5,7 +5,7 @@ use crate::{
     answers::AtmosphereAnswer,
     error::ApiError,
     kind_facts::KindFacts,
-    parameters::{ALTITUDE, HEIGHT},
+    parameters::{ALTITUDE, CLOUDS, HEIGHT},
     problem::Mistake,
 };
 use skyglow_engine::EngineStats;
@@ -22,8 +22,10 @@ pub struct SourceFacts {
     pub executor: String,
     /// Name of the device.
     pub adapter: String,
-    /// The packs resident, by scattering, the best last; one at least.
+    /// The packs resident, those of a clear sky first, under each sky by scattering, the best last; one at least.
     pub kinds: Vec<KindFacts>,
+    /// Albedo of the base of clouds at whatever altitude, where no packs are needed; None where packs decide.
+    pub any_cloud_albedo: Option<f64>,
     /// Lowest and highest observer altitude resident, metres.
     pub altitude_range_m: (f64, f64),
     /// Checksums of all resident packs, one after another; part of every ETag.
@@ -62,6 +64,8 @@ pub struct SkyQuery {
     pub turbidity: Turbidity,
     /// Orders of scattering, of which packs are resident.
     pub scattering: Scattering,
+    /// Base of the layer of cloud above sea level, metres, of which packs are resident; None under a clear sky.
+    pub cloud_base_m: Option<u32>,
     /// The lamp.
     pub lamp: Lamp,
     /// Where lamps send their light.
@@ -130,6 +134,16 @@ pub enum SourceError {
         /// Lowest resident, metres.
         minimum_m: f64,
         /// Highest resident, metres.
+        maximum_m: f64,
+    },
+    /// Observer at the clouds or above them.
+    #[error("altitude is {altitude_m} m; the clouds are at {base_m} m, and allowed is up to {maximum_m} m")]
+    AboveClouds {
+        /// Altitude asked for, metres.
+        altitude_m: f64,
+        /// Base of the clouds, metres.
+        base_m: u32,
+        /// Highest allowed, metres.
         maximum_m: f64,
     },
     /// Another number that the resident tables do not reach.
@@ -217,6 +231,18 @@ fn too_high(eye_height: EyeHeight, altitude_m: f64, (minimum_m, maximum_m): (f64
     )
 }
 
+/// Refuses clouds that an eye is in or above.
+fn above_clouds(altitude_m: f64, base_m: u32, maximum_m: f64) -> ApiError {
+    let room_m = f64::from(base_m) - maximum_m;
+    ApiError::parameter(
+        CLOUDS.name,
+        base_m.to_string(),
+        format!("none, or a base {room_m:.0} m or more above the observer, who is at {altitude_m:.0} m"),
+        "the observer would be in the clouds or above them".to_owned(),
+        Mistake::OutOfRange,
+    )
+}
+
 /// Degrees without the last digits of the way through radians.
 fn rounded(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
@@ -229,6 +255,9 @@ impl From<SourceError> for ApiError {
             SourceError::OutsideScene { .. } => ApiError::internal("a place was checked without a place"),
             SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m } => {
                 too_high(EyeHeight::AboveSea(altitude_m), altitude_m, (minimum_m, maximum_m))
+            }
+            SourceError::AboveClouds { altitude_m, base_m, maximum_m } => {
+                above_clouds(altitude_m, base_m, maximum_m)
             }
             SourceError::OutOfRange { parameter, value, allowed } => ApiError::parameter(
                 parameter,

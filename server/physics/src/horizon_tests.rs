@@ -95,7 +95,7 @@ fn a_sky_hidden_altogether_has_numbers_without_light() {
     assert_eq!((quantities.mean_luminance_cd_m2, quantities.horizontal_illuminance_lx), (0.0, 0.0));
     assert!(quantities.horizontal_total_illuminance_lx.abs() < 1e-12);
     assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
-    assert!(quantities.sqm_total_brightness_mag_arcsec2.is_finite());
+    assert!(quantities.sqm_total_brightness_mag_arcsec2.is_some_and(f64::is_finite));
 }
 
 fn any_horizon() -> impl Strategy<Value = Horizon> {

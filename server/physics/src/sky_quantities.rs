@@ -21,6 +21,8 @@ pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
 /// What is reported of a sky. Luminances are artificial light alone unless the name says `total`; `total`
 /// is artificial plus a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are None for a sky without light.
 ///
+/// Under clouds nothing natural comes through: totals are artificial light alone, and what speaks of stars is None.
+///
 /// Where terrain hides part of the sky, all of them speak of the visible part: means are over visible directions,
 /// illuminances are what the visible sky gives, and the brightest direction is one of them. A mean over no visible
 /// direction at all is 0.
@@ -33,13 +35,13 @@ pub struct SkyQuantities {
     /// Zenith luminance with the natural sky, cd m⁻².
     pub zenith_total_luminance_cd_m2: f64,
     /// Zenith surface brightness with the natural sky, mag arcsec⁻².
-    pub zenith_total_brightness_mag_arcsec2: f64,
-    /// Artificial over natural luminance at the zenith.
+    pub zenith_total_brightness_mag_arcsec2: Option<f64>,
+    /// Artificial luminance at the zenith over the natural one of a clear sky.
     pub ratio_to_natural: f64,
     /// As a Sky Quality Meter at the zenith sees it (Gaussian, FWHM 20°), cd m⁻².
     pub sqm_luminance_cd_m2: f64,
     /// What such a meter would read with the natural sky, mag arcsec⁻².
-    pub sqm_total_brightness_mag_arcsec2: f64,
+    pub sqm_total_brightness_mag_arcsec2: Option<f64>,
     /// Mean over the visible sky (the upper hemisphere less what terrain hides), cd m⁻².
     pub mean_luminance_cd_m2: f64,
     /// E = ∫ L sin φ dΩ over the visible sky, lux.
@@ -52,10 +54,10 @@ pub struct SkyQuantities {
     pub brightest_azimuth_deg: f64,
     /// Elevation of that direction, degrees.
     pub brightest_elevation_deg: f64,
-    /// Bortle class of the total brightness at the zenith, 1..=9.
-    pub bortle_class: u8,
-    /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2).
-    pub naked_eye_limit_mag: f64,
+    /// Bortle class of the total brightness at the zenith, 1..=9; None under clouds.
+    pub bortle_class: Option<u8>,
+    /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2); None under clouds.
+    pub naked_eye_limit_mag: Option<f64>,
     /// Radiance at the zenith (same mean), W m⁻² sr⁻¹ in R, G, B.
     pub zenith_radiance_w_m2_sr: [f64; 3],
 }
@@ -107,7 +109,23 @@ impl SkyQuantities {
     /// All quantities of the sky above a horizon. `panorama` is artificial light with its hidden samples 0, as
     /// [`Horizon::darken`] leaves it.
     pub fn of_visible(panorama: &Panorama, horizon: &Horizon) -> Self {
-        let natural = natural_sky_luminance_cd_m2();
+        let clear = natural_sky_luminance_cd_m2();
+        let quantities = Self::with_natural(panorama, horizon, clear);
+        let total = quantities.zenith_total_luminance_cd_m2;
+        Self {
+            bortle_class: quantities.zenith_total_brightness_mag_arcsec2.map(bortle_class),
+            naked_eye_limit_mag: Some(naked_eye_limit_mag(total)),
+            ..quantities
+        }
+    }
+
+    /// As [`Self::of_visible`] under a closed layer of cloud.
+    pub fn under_clouds(panorama: &Panorama, horizon: &Horizon) -> Self {
+        Self::with_natural(panorama, horizon, 0.0)
+    }
+
+    /// All but what speaks of stars, with a uniform natural sky of `natural` cd m⁻².
+    fn with_natural(panorama: &Panorama, horizon: &Horizon, natural: f64) -> Self {
         let zenith_radiance_w_m2_sr =
             weighted_mean_radiance(
                 panorama,
@@ -143,17 +161,13 @@ impl SkyQuantities {
                 }
             }
         }
-        let total_brightness = |luminance: f64| {
-            brightness_mag_arcsec2(luminance.max(0.0) + natural)
-                .unwrap_or(crate::photometry::NATURAL_SKY_MAG_ARCSEC2)
-        };
-        let zenith_total_brightness_mag_arcsec2 = total_brightness(zenith);
+        let total_brightness = |luminance: f64| brightness_mag_arcsec2(luminance.max(0.0) + natural);
         Self {
             zenith_luminance_cd_m2: zenith,
             zenith_brightness_mag_arcsec2: brightness_mag_arcsec2(zenith),
             zenith_total_luminance_cd_m2: zenith + natural,
-            zenith_total_brightness_mag_arcsec2,
-            ratio_to_natural: zenith / natural,
+            zenith_total_brightness_mag_arcsec2: total_brightness(zenith),
+            ratio_to_natural: zenith / natural_sky_luminance_cd_m2(),
             sqm_luminance_cd_m2: sqm,
             sqm_total_brightness_mag_arcsec2: total_brightness(sqm),
             mean_luminance_cd_m2: mean,
@@ -162,8 +176,8 @@ impl SkyQuantities {
             brightest_luminance_cd_m2: brightest.0,
             brightest_azimuth_deg: azimuth_rad(brightest.2).to_degrees(),
             brightest_elevation_deg: elevation_rad(brightest.1).to_degrees(),
-            bortle_class: bortle_class(zenith_total_brightness_mag_arcsec2),
-            naked_eye_limit_mag: naked_eye_limit_mag(zenith + natural),
+            bortle_class: None,
+            naked_eye_limit_mag: None,
             zenith_radiance_w_m2_sr,
         }
     }
@@ -198,9 +212,23 @@ mod tests {
     fn a_dark_sky_is_natural_and_has_no_artificial_magnitude() {
         let quantities = SkyQuantities::of(&Panorama::dark());
         assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
-        assert!((quantities.zenith_total_brightness_mag_arcsec2 - 22.0).abs() < 1e-9);
-        assert_eq!(quantities.bortle_class, 1);
-        assert!((quantities.naked_eye_limit_mag - 6.27).abs() < 0.01);
+        assert!((quantities.zenith_total_brightness_mag_arcsec2.unwrap() - 22.0).abs() < 1e-9);
+        assert_eq!(quantities.bortle_class, Some(1));
+        assert!((quantities.naked_eye_limit_mag.unwrap() - 6.27).abs() < 0.01);
+    }
+
+    #[test]
+    fn under_clouds_totals_are_artificial_light_alone_and_there_are_no_stars() {
+        let (panorama, open) = (uniform(1e-6), Horizon::flat());
+        let (clear, cloudy) = (SkyQuantities::of(&panorama), SkyQuantities::under_clouds(&panorama, &open));
+        assert_eq!(cloudy.zenith_total_luminance_cd_m2, cloudy.zenith_luminance_cd_m2);
+        assert_eq!(cloudy.zenith_total_brightness_mag_arcsec2, cloudy.zenith_brightness_mag_arcsec2);
+        assert_eq!(cloudy.horizontal_total_illuminance_lx, cloudy.horizontal_illuminance_lx);
+        assert_eq!((cloudy.bortle_class, cloudy.naked_eye_limit_mag), (None, None));
+        assert_eq!(cloudy.ratio_to_natural, clear.ratio_to_natural);
+        assert!(clear.horizontal_total_illuminance_lx > 1.0001 * cloudy.horizontal_total_illuminance_lx);
+        let dark = SkyQuantities::under_clouds(&Panorama::dark(), &open);
+        assert_eq!(dark.zenith_total_brightness_mag_arcsec2, None);
     }
 
     #[test]

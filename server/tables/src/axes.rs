@@ -8,9 +8,14 @@
 //! lowest part of every ray, below its horizontal plane, in the Earth's shadow. Low rays lose their light within
 //! some hundred metres above Δ₀, so nodes are closest there.
 
+use crate::clouds::held_geometry;
 use serde::{Deserialize, Serialize};
-use skyglow_physics::geometry::EARTH_RADIUS_M;
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
+use skyglow_physics::{
+    CloudBase,
+    geometry::EARTH_RADIUS_M,
+    single_source::SourceGeometry,
+    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M},
+};
 
 /// Highest observer and source altitude of a pack, metres.
 pub const HIGHEST_ALTITUDE_M: f64 = 6_000.0;
@@ -137,6 +142,22 @@ impl TableAxes {
     pub fn source_altitude_m(&self, observer_altitude: usize, distance: usize, offset: usize) -> f64 {
         let axis = OffsetAxis::at_distance(self.distance_m[distance], self.offset_count);
         held_source_altitude_m(self.observer_altitude_m[observer_altitude] + axis.offset_m(offset as f64))
+    }
+
+    /// The geometry of a node, below a layer of cloud if there is one.
+    pub fn geometry(
+        &self,
+        observer_altitude: usize,
+        distance: usize,
+        offset: usize,
+        cloud: Option<CloudBase>,
+    ) -> SourceGeometry {
+        let node = SourceGeometry {
+            distance_m: self.distance_m[distance],
+            source_altitude_m: self.source_altitude_m(observer_altitude, distance, offset),
+            observer_altitude_m: self.observer_altitude_m[observer_altitude],
+        };
+        held_geometry(node, cloud)
     }
 
     /// Number of (distance, offset) nodes: images of one observer altitude, each of all bands and lobes.

@@ -25,9 +25,10 @@ impl Checkpoint {
             .map_err(|error| TablesError::Manifest { path: out.to_owned(), reason: error.to_string() })?;
         let hash = blake3::hash(&json).to_hex();
         let folder = out.join(format!(
-            ".turbidity-{:.2}-{}-{}.partial",
+            ".turbidity-{:.2}-{}{}-{}.partial",
             parameters.turbidity,
             parameters.scattering.name(),
+            crate::clouds::Clouds::file_name_part(parameters.clouds),
             &hash.as_str()[..8]
         ));
         std::fs::create_dir_all(&folder).map_err(TablesError::io(&folder))?;

@@ -2,7 +2,7 @@
 
 use crate::{axes::TableAxes, multiple::MultipleTable};
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
+    Atmosphere, BAND_COUNT, CloudBase, ELEVATION_COUNT, LOBE_COUNT,
     panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
     quadrature::gauss_legendre,
     single_source::{OUTPUT_COUNT, SourceGeometry, cut_radiance_per_watt_fixed},
@@ -67,15 +67,13 @@ pub fn images_at_node(
     distance: usize,
     offset: usize,
 ) -> Vec<SourceImages> {
-    images_of(
-        atmospheres,
-        multiple,
-        &SourceGeometry {
-            distance_m: axes.distance_m[distance],
-            source_altitude_m: axes.source_altitude_m(observer_altitude, distance, offset),
-            observer_altitude_m: axes.observer_altitude_m[observer_altitude],
-        },
-    )
+    let geometry = axes.geometry(observer_altitude, distance, offset, cloud_over(atmospheres));
+    images_of(atmospheres, multiple, &geometry)
+}
+
+/// The layer of cloud over atmospheres that are computed together, which is the same over all.
+pub(crate) fn cloud_over(atmospheres: &[Atmosphere]) -> Option<CloudBase> {
+    atmospheres.first().and_then(Atmosphere::cloud)
 }
 
 /// The images of any geometry, one set for each atmosphere. Several cost little more than one: rays, columns

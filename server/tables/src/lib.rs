@@ -6,6 +6,7 @@
 pub mod axes;
 mod blocked;
 mod checkpoint;
+pub mod clouds;
 pub mod error;
 pub mod fit;
 pub mod images;
@@ -21,6 +22,7 @@ mod upgrade;
 
 pub use axes::{OffsetAxis, TableAxes};
 pub use blocked::{BlockedAxes, LaterAxes};
+pub use clouds::Clouds;
 pub use error::TablesError;
 pub use manifest::{Manifest, Scattering};
 pub use multiple::{MultipleAxes, MultipleTable};

@@ -3,6 +3,7 @@
 use crate::{
     axes::TableAxes,
     blocked::BlockedAxes,
+    clouds::Clouds,
     fit::{FitConstants, WEIGHT_EXPONENT},
     images::{DARK_LOG_SCALE, NODES_PER_PIECE},
     multiple::MultipleAxes,
@@ -89,6 +90,9 @@ pub struct Manifest {
     /// Lambertian albedo of the ground that multiply scattered light was computed over.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground_albedo: Option<f64>,
+    /// The layer of cloud that closes the sky; not there under a clear one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clouds: Option<Clouds>,
     /// Wavelengths of R, G, B, nanometres.
     pub bands_nm: Vec<f64>,
     /// Lobes in array order.
@@ -149,6 +153,9 @@ pub struct PackParameters {
     /// Sample points of multiply scattered light, where scattering is multiple.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub multiple: Option<MultipleAxes>,
+    /// The layer of cloud that closes the sky; None under a clear one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clouds: Option<Clouds>,
     /// Sample points.
     pub axes: TableAxes,
     /// Sample points of sources behind skylines.
@@ -172,8 +179,9 @@ impl PackParameters {
             }
             _ => String::new(),
         };
+        let clouds = self.clouds.map_or_else(String::new, |clouds| clouds.flags());
         format!(
-            "skyglow precompute --turbidity {} --scattering {}{albedo} --basis {}",
+            "skyglow precompute --turbidity {} --scattering {}{albedo}{clouds} --basis {}",
             self.turbidity,
             self.scattering.name(),
             self.basis_count
@@ -207,6 +215,7 @@ impl PackParameters {
             turbidity: self.turbidity,
             scattering: self.scattering,
             ground_albedo: self.multiple.as_ref().map(|multiple| multiple.ground_albedo),
+            clouds: self.clouds,
             bands_nm: Band::ALL.map(Band::wavelength_nm).to_vec(),
             lobes: Lobe::ALL.map(|lobe| lobe.name().to_owned()).to_vec(),
             azimuth_count: AZIMUTH_COUNT,

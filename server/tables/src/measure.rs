@@ -2,6 +2,7 @@
 //! engine would, against the converged integral.
 
 use crate::{
+    clouds::{Clouds, held_below_clouds_m},
     images::{HALF_COLUMN_COUNT, image_index},
     manifest::{LobeError, MeasuredError},
     multiple::MultipleTable,
@@ -85,8 +86,13 @@ pub(crate) fn measure_error(
     sources: usize,
     advance: &(dyn Fn() + Sync),
 ) -> MeasuredError {
-    let Ok(turbidity) = Turbidity::new(pack.manifest().turbidity) else { return MeasuredError::default() };
-    let atmosphere = Atmosphere::new(turbidity);
+    let manifest = pack.manifest();
+    let (Ok(turbidity), Ok(cloud)) =
+        (Turbidity::new(manifest.turbidity), manifest.clouds.map(Clouds::base).transpose())
+    else {
+        return MeasuredError::default();
+    };
+    let atmosphere = Atmosphere::new(turbidity).under(cloud);
     let every: Vec<SourceErrors> = (1..=sources)
         .into_par_iter()
         .map(|i| {
@@ -140,8 +146,9 @@ fn source_errors(
 ) -> SourceErrors {
     let spread = |ratio: f64| (i as f64 * ratio).fract();
     let distance_m = 250.0 * 1_200f64.powf(spread(0.819_172_5));
-    let observer_altitude_m = 6_000.0 * spread(0.671_043_6).powi(2);
-    let highest_m = (0.5 * distance_m).min(6_000.0 - observer_altitude_m);
+    let ceiling_m = held_below_clouds_m(6_000.0, atmosphere.cloud());
+    let observer_altitude_m = ceiling_m * spread(0.671_043_6).powi(2);
+    let highest_m = (0.5 * distance_m).min(ceiling_m - observer_altitude_m);
     let offset_m = -observer_altitude_m + (observer_altitude_m + highest_m) * spread(0.549_700_5);
     let tables = pack.resident(&[distance_m]);
     let c = coefficients(&tables, observer_altitude_m, offset_m);

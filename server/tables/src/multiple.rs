@@ -9,6 +9,7 @@
 //! observer raised to the wanted one. It is that of a ground lower by the difference, and is interpolated as such.
 
 use crate::{
+    clouds::{Clouds, altitudes_below, held_below_clouds_m},
     error::TablesError,
     images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
 };
@@ -100,6 +101,11 @@ impl MultipleAxes {
         }
     }
 
+    /// The same below a layer of cloud.
+    pub fn below(self, clouds: Clouds) -> Self {
+        Self { ground_altitude_m: altitudes_below(&self.ground_altitude_m, clouds.ceiling_m()), ..self }
+    }
+
     /// Few points, for tests of everything but accuracy.
     pub fn coarse(ground_albedo: f64) -> Self {
         Self {
@@ -143,6 +149,7 @@ impl MultipleTable {
         kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
         made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
+        let held_m = |altitude_m| held_below_clouds_m(altitude_m, atmosphere.cloud());
         // [ground][offset]: side by side, for a field alone does not keep every thread busy.
         let parts: Vec<Vec<Vec<f32>>> = axes
             .ground_altitude_m
@@ -159,13 +166,18 @@ impl MultipleTable {
                     let field = match solved.take() {
                         Some((solved_m, field)) if solved_m == above_m => field,
                         _ => SourceField::solve(
-                            SourceSetting::new(atmosphere, ground_m + above_m, ground_m, axes.ground_albedo)?,
+                            SourceSetting::new(
+                                atmosphere,
+                                held_m(ground_m + above_m),
+                                ground_m,
+                                axes.ground_albedo,
+                            )?,
                             &axes.field_resolution.resolution(),
                         ),
                     };
                     let observer_m =
                         ground_m + if offset_m > 0.0 { raised_by_m(offset_m) } else { -offset_m };
-                    let part = view(&field, &axes.column, distance_m, observer_m)?;
+                    let part = view(&field, &axes.column, distance_m, held_m(observer_m))?;
                     solved = Some((above_m, field));
                     made(ground, offset, &part)?;
                     Ok(part)

@@ -8,6 +8,7 @@
 use crate::{
     axes::OffsetAxis,
     blocked::BlockedTables,
+    clouds::Clouds,
     error::TablesError,
     images::IMAGE_COUNT,
     manifest::{FORMAT_BEFORE, FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering},
@@ -59,8 +60,12 @@ pub fn packs_in(folder: &Path) -> Result<Vec<PathBuf>, TablesError> {
 }
 
 /// File name of a pack, without folder.
-pub fn pack_file_name(turbidity: f64, scattering: Scattering) -> String {
-    format!("turbidity-{turbidity:.2}-{}.{PACK_EXTENSION}", scattering.name())
+pub fn pack_file_name(turbidity: f64, scattering: Scattering, clouds: Option<Clouds>) -> String {
+    format!(
+        "turbidity-{turbidity:.2}-{}{}.{PACK_EXTENSION}",
+        scattering.name(),
+        Clouds::file_name_part(clouds)
+    )
 }
 
 impl Pack {
@@ -109,7 +114,11 @@ impl Pack {
     /// # Errors
     /// [`TablesError`] naming the file.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, TablesError> {
-        let path = folder.join(pack_file_name(self.manifest.turbidity, self.manifest.scattering));
+        let path = folder.join(pack_file_name(
+            self.manifest.turbidity,
+            self.manifest.scattering,
+            self.manifest.clouds,
+        ));
         let json = serde_json::to_vec_pretty(&self.manifest)
             .map_err(|error| TablesError::Manifest { path: path.clone(), reason: error.to_string() })?;
         let bytes = self.encoded(&json, &path)?;
@@ -320,6 +329,7 @@ impl Pack {
         let mut tables = ResidentTables {
             turbidity: self.manifest.turbidity,
             scattering: self.manifest.scattering,
+            clouds: self.manifest.clouds,
             checksum: self.manifest.checksum.clone(),
             observer_altitude_m: axes.observer_altitude_m.clone(),
             offset_count: offsets,

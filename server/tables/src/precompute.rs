@@ -9,11 +9,12 @@ use crate::{
     axes::{OffsetAxis, TableAxes},
     blocked::{BlockedAxes, BlockedJob, make_blocked},
     checkpoint::Checkpoint,
+    clouds::{Clouds, held_below_clouds_m, held_geometry},
     error::TablesError,
     fit::{
         Basis, FitConstants, Projector, TrainingImage, dim_factor, fit_basis, raised_share, sample_weights,
     },
-    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node},
+    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node, images_of},
     manifest::{MeasuredError, PackParameters, Scattering},
     measure::measure_error,
     multiple::{MultipleAxes, MultipleTable},
@@ -23,7 +24,8 @@ use crate::{
 use half::f16;
 use rayon::prelude::*;
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, Turbidity, multiple_scattering::DEFAULT_GROUND_ALBEDO,
+    Atmosphere, BAND_COUNT, CloudBase, LOBE_COUNT, Lobe, Turbidity,
+    multiple_scattering::DEFAULT_GROUND_ALBEDO, single_source::SourceGeometry,
 };
 use std::path::{Path, PathBuf};
 
@@ -53,6 +55,8 @@ pub struct PrecomputeOptions {
     pub scattering: Scattering,
     /// Sample points of multiply scattered light and the ground's albedo; unused where scattering is single.
     pub multiple: MultipleAxes,
+    /// The layer of cloud that closes the sky; None for a clear one.
+    pub clouds: Option<Clouds>,
     /// Sample points.
     pub axes: TableAxes,
     /// Sample points of sources behind skylines; None for the open sky alone.
@@ -77,6 +81,7 @@ impl PrecomputeOptions {
             turbidity,
             scattering: Scattering::Single,
             multiple: MultipleAxes::full(DEFAULT_GROUND_ALBEDO),
+            clouds: None,
             axes: TableAxes::full(),
             blocked: Some(BlockedAxes::full()),
             basis_count: DEFAULT_BASIS_COUNT,
@@ -92,6 +97,7 @@ impl PrecomputeOptions {
             turbidity,
             scattering: Scattering::Single,
             multiple: MultipleAxes::coarse(DEFAULT_GROUND_ALBEDO),
+            clouds: None,
             axes: TableAxes::coarse(),
             blocked: Some(BlockedAxes::coarse()),
             basis_count: 16,
@@ -99,6 +105,26 @@ impl PrecomputeOptions {
             fit_iterations: 1,
             error_sources: 4,
         }
+    }
+
+    /// The same under a layer of cloud, with the sample points that there are below it.
+    pub fn under(self, clouds: Clouds) -> Self {
+        Self {
+            multiple: self.multiple.below(clouds),
+            blocked: self.blocked.map(|axes| axes.below(clouds)),
+            clouds: Some(clouds),
+            ..self
+        }
+    }
+
+    /// The layer of cloud as the physics has it.
+    fn cloud_base(&self) -> Result<Option<CloudBase>, TablesError> {
+        Ok(self.clouds.map(Clouds::base).transpose()?)
+    }
+
+    /// The air of a turbidity.
+    pub(crate) fn atmosphere(&self, turbidity: Turbidity) -> Result<Atmosphere, TablesError> {
+        Ok(Atmosphere::new(turbidity).under(self.cloud_base()?))
     }
 
     /// Sample points of multiply scattered light; None for the first order alone.
@@ -121,6 +147,7 @@ impl PrecomputeOptions {
             turbidity: turbidity.value(),
             scattering: self.scattering,
             multiple: self.multiple_axes().cloned(),
+            clouds: self.clouds,
             axes: self.axes.clone(),
             blocked: self.blocked_axes(),
             basis_count: self.basis_count,
@@ -165,14 +192,17 @@ pub fn precompute_together(
         }
     }
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
-    let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| Atmosphere::new(t)).collect();
+    let atmospheres =
+        turbidities.iter().map(|&t| options.atmosphere(t)).collect::<Result<Vec<Atmosphere>, _>>()?;
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
     let checkpoints: Vec<Checkpoint> =
         parameters.iter().map(|p| Checkpoint::open(out, p)).collect::<Result<_, _>>()?;
     let multiple = make_multiple(options, &atmospheres, &checkpoints, progress)?;
     let bases = make_bases(options, &atmospheres, &multiple, &checkpoints, progress)?;
     let projectors: Vec<Projector> = bases.iter().map(Projector::new).collect();
-    let (observers, distances) = (options.axes.observer_altitude_m.len(), options.axes.distance_m.len());
+    // Observers above clouds repeat the highest below them, and are not computed again.
+    let observers = distinct_observers(options)?;
+    let distances = options.axes.distance_m.len();
     progress.begin("sky images", (observers * distances) as u64);
     // [part][turbidity]
     let parts: Vec<Vec<Vec<f32>>> = (0..observers * distances)
@@ -252,26 +282,31 @@ pub(crate) fn finish(
 pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
 
 /// Node geometries of the training set, every other one from anywhere on the axes and from everyday places. Sources
-/// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them.
-fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
-    let axes = &options.axes;
+/// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
+/// are places at clouds and above.
+fn training_nodes(options: &PrecomputeOptions) -> Result<Vec<(usize, usize, usize)>, TablesError> {
+    let (axes, cloud) = (&options.axes, options.cloud_base()?);
     let mut nodes = Vec::with_capacity(options.training_geometries);
     for i in 1..100 * options.training_geometries {
         // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
         let node =
             if nodes.len() % 2 == 0 { node_anywhere(axes, spread) } else { everyday_node(axes, spread) };
-        let altitude_m = axes.source_altitude_m(node.0, node.1, node.2);
-        let offset_m = altitude_m - axes.observer_altitude_m[node.0];
-        let steepest_m = (0.7 * axes.distance_m[node.1] + 50.0).min(3_500.0);
-        if (-600.0..=6_500.0).contains(&altitude_m) && offset_m <= steepest_m {
+        let geometry = axes.geometry(node.0, node.1, node.2, None);
+        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
+        let steepest_m = (0.7 * distance_m + 50.0).min(3_500.0);
+        let is_below_clouds = held_geometry(geometry, cloud) == geometry;
+        if (-600.0..=6_500.0).contains(&geometry.source_altitude_m)
+            && offset_m <= steepest_m
+            && is_below_clouds
+        {
             nodes.push(node);
         }
         if nodes.len() == options.training_geometries {
             break;
         }
     }
-    nodes
+    Ok(nodes)
 }
 
 /// A node from numbers 0..1, all observers, distances and offsets alike.
@@ -298,9 +333,10 @@ fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
 /// # Errors
 /// [`TablesError::Fit`] when a least-squares step breaks down.
 pub fn basis_alone(options: &PrecomputeOptions, multiple: &[MultipleTable]) -> Result<Basis, TablesError> {
-    let nodes = training_nodes(options);
-    let images = training_images(options, &[Atmosphere::new(options.turbidity)], multiple, &nodes, &|| ());
-    let set = training_set(options, &nodes, &images, 0);
+    let nodes = training_nodes(options)?;
+    let atmospheres = [options.atmosphere(options.turbidity)?];
+    let images = training_images(options, &atmospheres, multiple, &nodes, &|| ());
+    let set = training_set(options, &nodes, &images, 0)?;
     fit_basis(&set, options.basis_count, options.fit_iterations, &|| ())
 }
 
@@ -332,10 +368,11 @@ fn training_set(
     nodes: &[(usize, usize, usize)],
     images: &[Vec<SourceImages>],
     turbidity: usize,
-) -> Vec<TrainingImage> {
+) -> Result<Vec<TrainingImage>, TablesError> {
     let mut set = Vec::with_capacity(nodes.len() * IMAGE_COUNT);
     for (&(observer, distance, offset), images) in nodes.iter().zip(images) {
-        let (offset_m, distance_m) = node_offset_m(&options.axes, observer, distance, offset);
+        let geometry = options.axes.geometry(observer, distance, offset, options.cloud_base()?);
+        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
         let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
         let raised_share = raised_share(offset_m, distance_m);
         for (lobe, shapes) in
@@ -349,13 +386,12 @@ fn training_set(
             }));
         }
     }
-    set
+    Ok(set)
 }
 
 /// Offset and distance of a node, metres.
-fn node_offset_m(axes: &TableAxes, observer: usize, distance: usize, offset: usize) -> (f64, f64) {
-    let altitude_m = axes.source_altitude_m(observer, distance, offset);
-    (altitude_m - axes.observer_altitude_m[observer], axes.distance_m[distance])
+fn offset_and_distance_m(geometry: &SourceGeometry) -> (f64, f64) {
+    (geometry.source_altitude_m - geometry.observer_altitude_m, geometry.distance_m)
 }
 
 /// Multiply scattered light of every turbidity; empty for the first order alone.
@@ -405,7 +441,7 @@ fn make_bases(
     if let Some(bases) = checkpoints.iter().map(load).collect() {
         return Ok(bases);
     }
-    let nodes = training_nodes(options);
+    let nodes = training_nodes(options)?;
     progress.begin("training images", nodes.len() as u64);
     let images = training_images(options, atmospheres, multiple, &nodes, &|| progress.advance(1));
     progress.begin("basis fit", (options.fit_iterations as u64 + 1) * atmospheres.len() as u64);
@@ -413,7 +449,7 @@ fn make_bases(
         .iter()
         .enumerate()
         .map(|(index, checkpoint)| {
-            let set = training_set(options, &nodes, &images, index);
+            let set = training_set(options, &nodes, &images, index)?;
             let basis = fit_basis(&set, count, options.fit_iterations, &|| progress.advance(1))?;
             checkpoint.store("basis", &basis.functions)?;
             Ok(basis)
@@ -437,19 +473,20 @@ fn make_part(
 ) -> Result<Vec<Vec<f32>>, TablesError> {
     let mut parts = vec![Vec::with_capacity(part_len(options)); atmospheres.len()];
     let record = IMAGE_COUNT * (1 + options.basis_count);
+    let cloud = options.cloud_base()?;
     let mut previous_altitude_m = f64::NAN;
     for offset in 0..options.axes.offset_count {
         // Nodes outside the range of source altitudes repeat the last one inside.
-        let altitude_m = options.axes.source_altitude_m(observer, distance, offset);
-        if altitude_m == previous_altitude_m {
+        let geometry = options.axes.geometry(observer, distance, offset, cloud);
+        if geometry.source_altitude_m == previous_altitude_m {
             for part in &mut parts {
                 part.extend_from_within(part.len() - record..);
             }
             continue;
         }
-        previous_altitude_m = altitude_m;
-        let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
-        let (offset_m, distance_m) = node_offset_m(&options.axes, observer, distance, offset);
+        previous_altitude_m = geometry.source_altitude_m;
+        let images = images_of(atmospheres, multiple, &geometry);
+        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
         let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
         for ((part, images), projector) in parts.iter_mut().zip(&images).zip(projectors) {
             for lobe in 0..LOBE_COUNT {
@@ -468,14 +505,24 @@ fn make_part(
     Ok(parts)
 }
 
+/// Number of observer altitudes, from the lowest on, before they repeat the one below.
+fn distinct_observers(options: &PrecomputeOptions) -> Result<usize, TablesError> {
+    let cloud = options.cloud_base()?;
+    let mut held_m: Vec<f64> =
+        options.axes.observer_altitude_m.iter().map(|&z| held_below_clouds_m(z, cloud)).collect();
+    held_m.dedup();
+    Ok(held_m.len())
+}
+
 /// Parts `[observer][distance]` of `[turbidity][offset][image][1 + basis]` → sections of one turbidity's pack,
-/// `[observer][image][distance][offset]` and the same with `[basis]`.
+/// `[observer][image][distance][offset]` and the same with `[basis]`; observers that have no parts repeat the last.
 fn arrange(options: &PrecomputeOptions, parts: &[Vec<Vec<f32>>], turbidity: usize) -> (Vec<f32>, Vec<f16>) {
     let (distances, offsets) = (options.axes.distance_m.len(), options.axes.offset_count);
     let record = 1 + options.basis_count;
     let mut log_scale = Vec::new();
     let mut shape = Vec::new();
     for observer in 0..options.axes.observer_altitude_m.len() {
+        let observer = observer.min(parts.len() / distances - 1);
         for image in 0..IMAGE_COUNT {
             for distance in 0..distances {
                 for offset in 0..offsets {

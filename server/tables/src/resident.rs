@@ -1,6 +1,6 @@
 //! A pack laid out for evaluation: distances resampled to the rings of the polar grid.
 
-use crate::{axes::OffsetAxis, manifest::Scattering};
+use crate::{axes::OffsetAxis, clouds::Clouds, manifest::Scattering};
 use half::f16;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
 
@@ -16,6 +16,8 @@ pub struct ResidentTables {
     pub turbidity: f64,
     /// Orders of scattering in it.
     pub scattering: Scattering,
+    /// The layer of cloud that it was made under; None for a clear sky.
+    pub clouds: Option<Clouds>,
     /// Checksum of the pack file, hexadecimal.
     pub checksum: String,
     /// Observer altitudes of the table, metres, ascending.

@@ -20,6 +20,7 @@ fn options_of(manifest: &Manifest, blocked: Option<BlockedAxes>) -> Result<Preco
         turbidity,
         scattering: manifest.scattering,
         multiple: manifest.parameters.multiple.clone().unwrap_or(full.multiple),
+        clouds: manifest.clouds,
         axes: manifest.axes.clone(),
         blocked,
         basis_count: manifest.basis_count,
@@ -92,7 +93,8 @@ pub fn add_blocked(
     }
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
-    let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| Atmosphere::new(t)).collect();
+    let atmospheres =
+        turbidities.iter().map(|&t| options.atmosphere(t)).collect::<Result<Vec<Atmosphere>, _>>()?;
     let checkpoints: Vec<Checkpoint> =
         parameters.iter().map(|p| Checkpoint::open(out, p)).collect::<Result<_, _>>()?;
     let multiple = make_multiple(&options, &atmospheres, &checkpoints, progress)?;

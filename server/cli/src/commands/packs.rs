@@ -86,8 +86,18 @@ fn percent(manifest: &Manifest, error: impl Fn(&LobeError) -> f64) -> String {
 }
 
 fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
-    let head =
-        ["pack", "MB", "turbidity", "scattering", "ground", "basis", "error (median)", "(90 %)", "checksum"];
+    let head = [
+        "pack",
+        "MB",
+        "turbidity",
+        "scattering",
+        "ground",
+        "clouds",
+        "basis",
+        "error (median)",
+        "(90 %)",
+        "checksum",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for entry in entries {
         let name = entry.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -97,6 +107,7 @@ fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
                 manifest.turbidity.to_string(),
                 manifest.scattering.name().to_owned(),
                 manifest.ground_albedo.map_or_else(|| "-".to_owned(), |albedo| format!("albedo {albedo}")),
+                manifest.clouds.map_or_else(|| "-".to_owned(), |clouds| format!("{} m", clouds.base_m)),
                 manifest.basis_count.to_string(),
                 percent(manifest, |lobe| lobe.median),
                 percent(manifest, |lobe| lobe.p90),

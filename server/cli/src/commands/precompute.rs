@@ -3,14 +3,14 @@
 use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
 use skyglow_http::parameters::MOST_BASIS_FUNCTIONS;
-use skyglow_physics::Turbidity;
-use skyglow_tables::{MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
+use skyglow_physics::{CloudBase, Turbidity};
+use skyglow_tables::{Clouds, MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
 use std::path::PathBuf;
 
 /// Make the table pack of one turbidity, or of several at once (minutes; goes on where a killed run stopped)
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs\n  skyglow precompute --turbidity 1.5,2.5,6 --out packs   (shares most of the work)\n  skyglow precompute --turbidity 2.5 --ground-albedo 0.8 --out snow"
+    after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs\n  skyglow precompute --turbidity 1.5,2.5,6 --out packs   (shares most of the work)\n  skyglow precompute --turbidity 2.5 --ground-albedo 0.8 --out snow\n  skyglow precompute --turbidity 2.5 --cloud-base 1500   (an overcast sky)"
 )]
 pub(crate) struct Precompute {
     /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 thick haze; several with commas
@@ -29,6 +29,12 @@ pub(crate) struct Precompute {
     /// Albedo of the ground, 0 to 1, which sends light back up; with multiple scattering alone [default: 0.15]
     #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
     ground_albedo: Option<f64>,
+    /// Base of a closed layer of cloud, whole metres above sea level [default: none, a clear sky]
+    #[arg(long, env = "SKYGLOW_CLOUD_BASE", value_name = "M", value_parser = cloud_base_m)]
+    cloud_base: Option<u32>,
+    /// Albedo of that base from below, 0 to 1 [default: 0.5]
+    #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true, requires = "cloud_base")]
+    cloud_albedo: Option<f64>,
     /// Folder of the pack and its manifest [default: where `serve` looks for packs]
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
     out: Option<PathBuf>,
@@ -52,6 +58,13 @@ impl From<Orders> for Scattering {
             Orders::Single => Self::Single,
         }
     }
+}
+
+fn cloud_base_m(text: &str) -> Result<u32, String> {
+    let base_m = text.parse().map_err(|_| "allowed are whole metres".to_owned())?;
+    Clouds::new(base_m, CloudBase::DEFAULT_ALBEDO)
+        .map(|clouds| clouds.base_m)
+        .map_err(|error| error.to_string())
 }
 
 fn multiple_of_4(text: &str) -> Result<usize, String> {
@@ -86,12 +99,15 @@ impl Precompute {
         }
         let first = self.turbidity.first().copied().unwrap_or_default();
         let full = PrecomputeOptions::full(first);
-        Ok(PrecomputeOptions {
+        let options = PrecomputeOptions {
             scattering,
             multiple: self.ground_albedo.map_or(full.multiple, MultipleAxes::full),
             basis_count: self.basis.unwrap_or(full.basis_count),
             ..full
-        })
+        };
+        let Some(base_m) = self.cloud_base else { return Ok(options) };
+        let albedo = self.cloud_albedo.unwrap_or(CloudBase::DEFAULT_ALBEDO);
+        Ok(options.under(Clouds::new(base_m, albedo).map_err(|error| Failure::Usage(error.to_string()))?))
     }
 }
 
@@ -134,6 +150,20 @@ mod tests {
         let refused = options(&["--scattering", "single", "--ground-albedo", "0.15"]).unwrap_err();
         assert!(matches!(refused, Failure::Usage(_)), "{refused}");
         assert!(options(&["--scattering", "double"]).is_err());
+    }
+
+    #[test]
+    fn clouds_have_a_base_in_range_and_an_albedo_that_is_nothing_without_them() {
+        let clouds = |arguments: &[&str]| options(arguments).unwrap().clouds;
+        assert_eq!(clouds(&[]), None);
+        assert_eq!(clouds(&["--cloud-base", "1500"]), Clouds::new(1_500, 0.5).ok());
+        assert_eq!(clouds(&["--cloud-base", "800", "--cloud-albedo", "0.7"]), Clouds::new(800, 0.7).ok());
+        for wrong in [["--cloud-base", "150"], ["--cloud-base", "1500.5"], ["--cloud-albedo", "0.7"]] {
+            let refused = options(&wrong).unwrap_err().to_string();
+            assert!(refused.contains("cloud"), "{refused}");
+        }
+        let below = options(&["--cloud-base", "1000"]).unwrap();
+        assert!(below.multiple.ground_altitude_m.iter().all(|&ground_m| ground_m <= 900.0));
     }
 
     impl Line {

@@ -51,6 +51,7 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
     let or_dark = |magnitude: Option<f64>| {
         magnitude.map_or_else(|| "no light".to_owned(), |m| format!("{m:.2} mag arcsec-2"))
     };
+    let or_clouds = |value: Option<String>| value.unwrap_or_else(|| "behind clouds".to_owned());
     let observer = &assumptions.observer;
     let depth = assumptions.local_optical_depth;
     let emission = &assumptions.emission;
@@ -58,11 +59,11 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
     let mut rows = vec![
         row("zenith, artificial", or_dark(sky.zenith_brightness_mag_arcsec2)),
         row("", format!("{:.4e} cd m-2", sky.zenith_luminance_cd_m2)),
-        row("zenith, total", format!("{:.2} mag arcsec-2", sky.zenith_total_brightness_mag_arcsec2)),
-        row("Sky Quality Meter", format!("{:.2} mag arcsec-2", sky.sqm_total_brightness_mag_arcsec2)),
+        row("zenith, total", or_dark(sky.zenith_total_brightness_mag_arcsec2)),
+        row("Sky Quality Meter", or_dark(sky.sqm_total_brightness_mag_arcsec2)),
         row("artificial / natural", format!("{:.4}", sky.ratio_to_natural)),
-        row("Bortle class", sky.bortle_class.to_string()),
-        row("faintest star", format!("{:.2} mag", sky.naked_eye_limit_mag)),
+        row("Bortle class", or_clouds(sky.bortle_class.map(|class| class.to_string()))),
+        row("faintest star", or_clouds(sky.naked_eye_limit_mag.map(|limit| format!("{limit:.2} mag")))),
         row("horizontal", format!("{:.4e} lx", sky.horizontal_illuminance_lx)),
         row("all-sky mean", format!("{:.4e} cd m-2", sky.mean_luminance_cd_m2)),
         row(
@@ -76,6 +77,7 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         row("turbidity", format!("{} at sea level", assumptions.turbidity)),
         row("optical depth there", format!("{:.3} {:.3} {:.3} (R, G, B)", depth[0], depth[1], depth[2])),
         row("scattering", scattering(assumptions)),
+        row("clouds", clouds(assumptions)),
         row("lamp", assumptions.lamp.preset.clone().unwrap_or_else(|| "custom".to_owned())),
         row(
             "emission",
@@ -103,6 +105,13 @@ fn terrain(assumptions: &Assumptions) -> &'static str {
         (false, _) => "hides nothing",
         (true, false) => "hides the sky below the horizon",
         (true, true) => "hides the sky below the horizon, and light below its source's skyline",
+    }
+}
+
+fn clouds(assumptions: &Assumptions) -> String {
+    match assumptions.cloud_albedo {
+        Some(albedo) => format!("closed at {} m above sea level, of albedo {albedo}", assumptions.clouds),
+        None => assumptions.clouds.clone(),
     }
 }
 

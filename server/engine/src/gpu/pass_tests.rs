@@ -29,6 +29,7 @@ fn prepared(seed: u64, observer_altitude_m: f64, turbidity: f64, set: &TableSet)
         observer_altitude_m,
         turbidity: Turbidity::new(turbidity).unwrap(),
         scattering: Scattering::Single,
+        cloud_base_m: None,
         emission: EmissionMix::new([0.5, 0.3, 0.2]).unwrap(),
         flux_per_dnb_flux: [0.4, 0.6, 0.2],
         basis: None,

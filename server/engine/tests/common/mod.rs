@@ -20,6 +20,7 @@ pub(crate) fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
         observer_altitude_m: 1661.0,
         turbidity: Turbidity::new(turbidity).unwrap(),
         scattering: Scattering::Single,
+        cloud_base_m: None,
         emission: EmissionMix::garstang(),
         flux_per_dnb_flux: [0.408, 0.642, 0.186],
         basis: None,

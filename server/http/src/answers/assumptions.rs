@@ -85,8 +85,10 @@ pub struct Assumptions {
     pub lamp: LampAnswer,
     /// The emission.
     pub emission: EmissionAnswer,
-    /// `none`: clouds are not modelled yet.
+    /// `none`, or the altitude of the base of a closed layer of cloud in metres above sea level.
     pub clouds: String,
+    /// Lambertian albedo of that base from below; null where there are no clouds.
+    pub cloud_albedo: Option<f64>,
     /// Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without
     /// terrain.
     pub terrain_occlusion: bool,
@@ -101,13 +103,14 @@ pub struct Assumptions {
     /// What rendered: `gpu`, `lavapipe` or `cpu`.
     pub executor: String,
     /// What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the
-    /// scene or the packs do not know.
+    /// scene or the packs do not know, the natural sky behind clouds.
     pub warnings: Vec<String>,
 }
 
 impl Assumptions {
     /// Those of a rendered sky.
     pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &RenderedSky, facts: &SourceFacts) -> Self {
+        let kind = facts.kind(query);
         Self {
             scene: scene.into(),
             observer: ObserverAnswer {
@@ -121,14 +124,15 @@ impl Assumptions {
             turbidity: query.turbidity.value(),
             local_optical_depth: sky.local_optical_depth,
             scattering: query.scattering.name().to_owned(),
-            ground_albedo: facts.kind(query.scattering).and_then(|kind| kind.ground_albedo),
+            ground_albedo: kind.and_then(|kind| kind.ground_albedo),
             lamp: query.lamp.into(),
             emission: query.emission.into(),
-            clouds: "none".to_owned(),
+            clouds: query.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
+            cloud_albedo: facts.cloud_albedo(query),
             terrain_occlusion: query.terrain_hides && scene.terrain,
             hidden_lights: query.terrain_hides
                 && scene.light_skylines
-                && facts.why_open(query.scattering).is_none(),
+                && kind.and_then(|kind| kind.why_open).is_none(),
             flux_within_300_km_dnb_w: sky.flux_dnb_w,
             basis_count: sky.basis_count,
             executor: facts.executor.clone(),
@@ -148,7 +152,17 @@ pub fn sky_warnings(
         EyeHeight::AboveGround(_) => ground_warning(scene, ground),
         EyeHeight::AboveSea(_) => None,
     };
-    ground.into_iter().chain(skyline_warning(query, scene, facts)).collect()
+    let skyline = skyline_warning(query, scene, facts);
+    ground.into_iter().chain(skyline).chain(cloud_warning(query)).collect()
+}
+
+/// What is said under clouds, where some numbers are not what their names lead one to think.
+fn cloud_warning(query: &SkyQuery) -> Option<String> {
+    query.cloud_base_m.map(|_| {
+        "no natural light comes through the clouds: totals are artificial light alone, and there is neither Bortle \
+         class nor limiting magnitude"
+            .to_owned()
+    })
 }
 
 /// What is said where terrain is wanted and lights behind it are nevertheless seen.
@@ -157,7 +171,7 @@ fn skyline_warning(query: &SkyQuery, scene: &SceneMetadata, facts: &SourceFacts)
     if !query.terrain_hides || !scene.terrain {
         return None;
     }
-    let reason = match facts.why_open(query.scattering) {
+    let reason = match facts.kind(query).and_then(|kind| kind.why_open) {
         Some(reason) => reason,
         None if scene.hidden_lights_are_unknown() => {
             "the scene was stored before skylines were: ingest it again"

@@ -12,6 +12,10 @@ pub struct AtmosphereAnswer {
     pub scattering: String,
     /// Lambertian albedo of that ground; null where scattering is single.
     pub ground_albedo: Option<f64>,
+    /// Base of the closed layer of cloud above sea level, metres; null under a clear sky.
+    pub cloud_base_m: Option<u32>,
+    /// Lambertian albedo of that base from below; null under a clear sky.
+    pub cloud_albedo: Option<f64>,
     /// Wavelengths of the bands, nm.
     pub bands_nm: Vec<f64>,
     /// Lowest and highest observer altitude, metres.

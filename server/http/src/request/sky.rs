@@ -10,6 +10,7 @@ use crate::{
 use skyglow_display::Sky;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
 use skyglow_scene::SceneId;
+use skyglow_tables::Clouds;
 
 pub(super) fn read_place(reader: &mut Reader) -> Option<GeoPoint> {
     let (latitude_deg, longitude_deg) = (reader.required_number(&p::LAT), reader.required_number(&p::LON));
@@ -26,7 +27,8 @@ pub(super) fn read_light(reader: &mut Reader) -> Sky {
 pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyQuery> {
     let place = read_place(reader);
     let eye_height = read_eye_height(reader, facts);
-    let kind = read_kind(reader, facts);
+    let cloud_base_m = read_clouds(reader, facts);
+    let kind = cloud_base_m.and_then(|cloud_base_m| read_kind(reader, facts, cloud_base_m));
     let turbidity = read_turbidity(reader, facts, kind);
     let lamp = read_lamp(reader);
     let emission = read_emission(reader);
@@ -40,6 +42,7 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
         eye_height,
         turbidity: turbidity?,
         scattering: kind?.scattering,
+        cloud_base_m: cloud_base_m?,
         lamp,
         emission,
         basis,
@@ -75,15 +78,39 @@ fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
 }
 
 /// The packs that the scattering asks for; None where it is refused, and what depends on it cannot be checked.
-fn read_kind<'a>(reader: &mut Reader, facts: &'a SourceFacts) -> Option<&'a KindFacts> {
+fn read_kind<'a>(
+    reader: &mut Reader,
+    facts: &'a SourceFacts,
+    cloud_base_m: Option<u32>,
+) -> Option<&'a KindFacts> {
     let Some(name) = reader.choice(&p::SCATTERING) else {
-        return reader.text(&p::SCATTERING).is_none().then(|| facts.best_kind()).flatten();
+        return reader.text(&p::SCATTERING).is_none().then(|| facts.best_kind(cloud_base_m)).flatten();
     };
-    let kind = facts.kinds.iter().find(|kind| kind.scattering.name() == name);
+    let kind = facts.kinds_under(cloud_base_m).find(|kind| kind.scattering.name() == name);
     if kind.is_none() {
-        reader.fail(&p::SCATTERING, Mistake::NotResident, None, Some(facts.scatterings()));
+        reader.fail(&p::SCATTERING, Mistake::NotResident, None, Some(facts.scatterings(cloud_base_m)));
     }
     kind
+}
+
+/// The base of the clouds, Some(None) under a clear sky; None where it is refused.
+fn read_clouds(reader: &mut Reader, facts: &SourceFacts) -> Option<Option<u32>> {
+    let Some(text) = reader.text(&p::CLOUDS).filter(|text| *text != "none") else { return Some(None) };
+    let Some(base_m) = text.parse().ok().filter(|&base_m| Clouds::new(base_m, 0.0).is_ok()) else {
+        reader.fail(&p::CLOUDS, Mistake::NotAllowed, None, None);
+        return None;
+    };
+    if facts.best_kind(Some(base_m)).is_some() {
+        return Some(Some(base_m));
+    }
+    let bases_m: Vec<String> = facts.cloud_bases_m().iter().map(u32::to_string).collect();
+    let allowed = match bases_m.as_slice() {
+        [] => "none: no packs under clouds are resident; `skyglow precompute --cloud-base` makes them"
+            .to_owned(),
+        bases_m => format!("none, {}", bases_m.join(", ")),
+    };
+    reader.fail(&p::CLOUDS, Mistake::NotResident, None, Some(allowed));
+    None
 }
 
 fn read_basis(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>) -> Option<usize> {
@@ -147,9 +174,6 @@ fn read_emission(reader: &mut Reader) -> EmissionMix {
 
 /// Parameters whose only possible value, for now, is what the answer says anyway.
 fn read_what_is_not_there_yet(reader: &mut Reader) {
-    if reader.text(&p::CLOUDS).is_some_and(|clouds| clouds != "none") {
-        reader.fail(&p::CLOUDS, Mistake::NotSupportedYet, None, None);
-    }
     for parameter in [&p::TOLERANCE, &p::SCENARIO] {
         if reader.text(parameter).is_some() {
             reader.fail(parameter, Mistake::NotSupportedYet, None, None);

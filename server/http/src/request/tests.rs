@@ -4,20 +4,21 @@ use super::*;
 use crate::{kind_facts::KindFacts, problem::Mistake, source::EyeHeight};
 use skyglow_display::{PictureOptions, Projection};
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
-use skyglow_tables::Scattering;
+use skyglow_tables::{Clouds, Scattering};
 
 fn facts() -> SourceFacts {
     SourceFacts {
         executor: "cpu".into(),
         adapter: "none".into(),
         kinds: vec![kind(Scattering::Single, (1.5, 6.0), 64)],
+        any_cloud_albedo: None,
         altitude_range_m: (0.0, 6000.0),
         pack_checksums: "x".into(),
     }
 }
 
 fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize) -> KindFacts {
-    KindFacts { scattering, turbidity_range, basis_count, ground_albedo: None, why_open: None }
+    KindFacts { clouds: None, scattering, turbidity_range, basis_count, ground_albedo: None, why_open: None }
 }
 
 fn read(query: &str) -> Result<(SkyQuery, View), ApiError> {
@@ -79,13 +80,47 @@ fn altitudes_below_the_sea_count_as_0() {
 
 #[test]
 fn what_is_not_built_yet_is_said_to_be_so() {
-    let (kind, errors) = refused("lat=-1&lon=36&clouds=1500&tolerance=0.01&scenario=abc");
+    let (kind, errors) = refused("lat=-1&lon=36&tolerance=0.01&scenario=abc");
     assert_eq!(kind, "/problems/not-supported-yet");
-    assert_eq!(errors.len(), 3);
+    assert_eq!(errors.len(), 2);
     assert_eq!(refused("lat=-1&lon=36&scattering=multiple").0, "/problems/not-resident");
     assert_eq!(refused("lat=-1&lon=36&basis=128").0, "/problems/not-resident");
     for fine in ["clouds=none", "scattering=single", "terrain=on", "terrain=off", "basis=64"] {
         assert!(read(&format!("lat=-1&lon=36&{fine}")).is_ok(), "{fine}");
+    }
+}
+
+#[test]
+fn clouds_are_those_that_tables_are_resident_for_and_let_nothing_natural_through() {
+    let errors = read("lat=-1&lon=36&clouds=1500").unwrap_err().problem().errors;
+    assert_eq!((errors[0].parameter.as_str(), errors[0].code), ("clouds", Mistake::NotResident));
+    assert!(errors[0].allowed.contains("precompute --cloud-base"), "{errors:?}");
+    let mut facts = facts();
+    let under = |base_m, scattering, range| KindFacts {
+        clouds: Some(Clouds::new(base_m, 0.5).unwrap()),
+        ..kind(scattering, range, 32)
+    };
+    facts.kinds.push(under(1_000, Scattering::Multiple, (2.5, 2.5)));
+    facts.kinds.push(under(2_000, Scattering::Single, (2.0, 3.0)));
+    let read = |query: &str| {
+        panorama(Some(&format!("lat=-1&lon=36{query}")), SceneId::parse("demo").unwrap(), &facts, Format::Png)
+    };
+    let (sky, view) = read("&clouds=2000&sky=total&turbidity=3").unwrap();
+    assert_eq!((sky.cloud_base_m, sky.scattering), (Some(2_000), Scattering::Single));
+    assert_eq!(view.options.sky, Sky::Artificial);
+    assert_eq!(read("&sky=total").unwrap().1.options.sky, Sky::Total);
+    // The best resident is that of a clear sky, whatever comes after it.
+    assert_eq!(read("").unwrap().0.scattering, Scattering::Single);
+    for (query, allowed) in [
+        ("&clouds=1500", "none, 1000, 2000"),
+        ("&clouds=low", "none, or a whole number from 200 to 12000 m"),
+        ("&clouds=100", "none, or a whole number from 200 to 12000 m"),
+        ("&clouds=1000.5", "none, or a whole number from 200 to 12000 m"),
+        ("&clouds=2000&scattering=multiple", "single"),
+        ("&clouds=1000&turbidity=3", "2.5 to 2.5 with multiple scattering under clouds at 1000 m"),
+    ] {
+        let errors = read(query).unwrap_err().problem().errors;
+        assert_eq!((errors.len(), errors[0].allowed.as_str()), (1, allowed), "{query}");
     }
 }
 

@@ -55,12 +55,14 @@ impl Default for Fake {
                 executor: "cpu".into(),
                 adapter: "made up".into(),
                 kinds: vec![KindFacts {
+                    clouds: None,
                     scattering: Scattering::Single,
                     turbidity_range: (1.5, 6.0),
                     basis_count: 64,
                     ground_albedo: None,
                     why_open: None,
                 }],
+                any_cloud_albedo: None,
                 altitude_range_m: (0.0, 6000.0),
                 pack_checksums: "abc".into(),
             },
@@ -101,6 +103,7 @@ impl Fake {
     pub(crate) fn with_both_kinds() -> Self {
         let mut fake = Self::default();
         fake.facts.kinds.push(KindFacts {
+            clouds: None,
             scattering: Scattering::Multiple,
             turbidity_range: (2.0, 5.0),
             basis_count: 32,

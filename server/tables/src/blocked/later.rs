@@ -5,6 +5,7 @@
 
 use super::{ANGLE_COUNT, LaterAxes, blocking_deg};
 use crate::{
+    clouds::held_below_clouds_m,
     error::TablesError,
     images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT},
     multiple::{MultipleAxes, MultipleTable, bent_offset, column_taps, view},
@@ -42,7 +43,8 @@ impl LaterAxes {
     fn views(&self, field: &SourceField, ground_m: f64, distance_m: &[f64]) -> Result<Vec<f32>, TablesError> {
         let mut views = Vec::with_capacity(self.part_len(distance_m.len()));
         for offset_m in &self.offset_m {
-            views.extend(view(field, &self.column, distance_m, ground_m - offset_m)?);
+            let observer_m = held_below_clouds_m(ground_m - offset_m, field.setting().atmosphere.cloud());
+            views.extend(view(field, &self.column, distance_m, observer_m)?);
         }
         Ok(views)
     }

@@ -10,7 +10,11 @@ mod later;
 mod stage;
 mod tables;
 
-use crate::{axes::logarithmic, multiple::FieldResolution};
+use crate::{
+    axes::logarithmic,
+    clouds::{Clouds, altitudes_below},
+    multiple::FieldResolution,
+};
 use serde::{Deserialize, Serialize};
 use skyglow_physics::blocking::{BLOCKING_ANGLES_DEG, BLOCKING_COUNT};
 
@@ -71,6 +75,14 @@ impl BlockedAxes {
                 field_resolution: FieldResolution::Coarse,
             }),
         }
+    }
+
+    /// The same below a layer of cloud; observers above it are held below it.
+    pub fn below(mut self, clouds: Clouds) -> Self {
+        if let Some(later) = &mut self.later {
+            later.ground_altitude_m = altitudes_below(&later.ground_altitude_m, clouds.ceiling_m());
+        }
+        self
     }
 
     /// Few points, made in seconds: for tests of everything but accuracy.

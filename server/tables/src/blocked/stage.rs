@@ -4,9 +4,10 @@ use super::{ANGLE_COUNT, BlockedAxes, BlockedTables, blocking_deg, later::LaterP
 use crate::{
     axes::{OffsetAxis, held_source_altitude_m},
     checkpoint::Checkpoint,
+    clouds::held_geometry,
     error::TablesError,
     fit::{Basis, Projector, cut_dim_factor, sample_weights},
-    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_with},
+    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, cloud_over, image_index, images_with},
     manifest::Scattering,
     multiple::{MultipleAxes, MultipleTable},
     pack::Pack,
@@ -135,11 +136,12 @@ fn make_part(
         let axis = OffsetAxis::behind_skyline(distance_m, blocking_deg(angle), job.axes.offset_count);
         for node in 0..job.axes.offset_count {
             let offset_m = axis.offset_m(node as f64);
-            let geometry = SourceGeometry {
+            let node = SourceGeometry {
                 distance_m,
                 source_altitude_m: held_source_altitude_m(observer_m + offset_m),
                 observer_altitude_m: observer_m,
             };
+            let geometry = held_geometry(node, cloud_over(job.atmospheres));
             let add_later = |atmosphere: usize, images: &mut [f64]| {
                 if let (Some(later), Some(table)) = (later.get(atmosphere), job.multiple.get(atmosphere)) {
                     later.add_to(table, &geometry, angle, distance, images);
@@ -147,7 +149,7 @@ fn make_part(
             };
             let images =
                 images_with(job.atmospheres, &geometry, blocking_deg(angle).to_radians(), &add_later);
-            let held_offset_m = geometry.source_altitude_m - observer_m;
+            let held_offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
             let dim_factor = cut_dim_factor(job.scattering, held_offset_m, distance_m, blocking_deg(angle));
             for ((part, open), images) in parts.iter_mut().zip(open).zip(&images) {
                 push_differences(part, job, open, images, dim_factor, observer_m, distance, offset_m)?;
