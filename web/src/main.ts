@@ -8,7 +8,8 @@ import { brightness_mag_arcsec2 } from "./photometry.ts";
 import { Legend } from "./sky/legend.ts";
 import { SkyView } from "./sky/sky_view.ts";
 import { fragment_from_state, state_from_fragment, type Place, type ViewState } from "./state.ts";
-import { Controls } from "./ui/controls.ts";
+import { cloud_bases, packs_under } from "./ui/clouds.ts";
+import { Controls, DEFAULT_TURBIDITY } from "./ui/controls.ts";
 import { by_id } from "./ui/dom.ts";
 import { show_downloads } from "./ui/downloads.ts";
 import { coordinates } from "./ui/format.ts";
@@ -16,7 +17,7 @@ import { place_name } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
 import { show_numbers, show_site } from "./ui/numbers.ts";
 import { show_readout } from "./ui/readout.ts";
-import { resident_scatterings, scattering_title, turbidity_within } from "./ui/scattering.ts";
+import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./ui/scattering.ts";
 import { Search } from "./ui/search.ts";
 import { wire_switches } from "./ui/switches.ts";
 
@@ -47,7 +48,8 @@ class Viewer {
   private readonly controls = new Controls({
     scene: (scene) => this.change({ scene, place: null, view: null }, { push: true }),
     turbidity: (turbidity) => this.change({ turbidity }),
-    scattering: (scattering) => this.change({ scattering, turbidity: turbidity_within(this.atmospheres, scattering, this.state.turbidity) }),
+    scattering: (scattering) => this.change({ scattering, turbidity: turbidity_within(this.packs(), scattering, this.state.turbidity) }),
+    clouds: (clouds) => this.choose_clouds(clouds),
     lamp: (lamp) => this.change({ lamp }),
     emission: (emission) => this.change({ emission }),
     terrain: (terrain) => this.change({ terrain }),
@@ -96,7 +98,7 @@ class Viewer {
     } catch (reason) {
       this.notice.show(reason);
     }
-    this.drop_absent_scattering();
+    this.drop_absent_air();
     this.controls.show(this.state, null);
     await this.start_map(map_code);
     addEventListener("popstate", () => this.restore());
@@ -161,10 +163,31 @@ class Viewer {
     this.write_url(false);
   }
 
+  /** The packs under the clouds of the state. */
+  private packs(): Atmosphere[] {
+    return packs_under(this.atmospheres, this.state.clouds);
+  }
+
+  /** Scattering and turbidity stay where the packs under these clouds serve them. */
+  private choose_clouds(clouds: number | null): void {
+    const packs = packs_under(this.atmospheres, clouds);
+    const scattering = resident_scatterings(packs).find((name) => name === this.state.scattering) ?? null;
+    const ends = turbidity_ends(packs, scattering);
+    const wanted = this.state.turbidity ?? DEFAULT_TURBIDITY;
+    const reached = ends !== null && wanted >= ends[0] && wanted <= ends[1];
+    this.change({ clouds, scattering, turbidity: reached ? this.state.turbidity : turbidity_within(packs, scattering, wanted) });
+  }
+
   /** A link may come from a server with other tables. */
-  private drop_absent_scattering(): void {
+  private drop_absent_air(): void {
+    const { clouds } = this.state;
+    if (clouds !== null && this.atmospheres.length > 0 && !cloud_bases(this.atmospheres).includes(clouds)) {
+      this.notice.show(new Error(`This server has no tables for clouds from ${clouds} m up; showing a clear sky instead.`));
+      this.state = { ...this.state, clouds: null };
+      this.write_url(false);
+    }
     const { scattering } = this.state;
-    const resident = resident_scatterings(this.atmospheres);
+    const resident = resident_scatterings(this.packs());
     const best = resident[0];
     if (scattering === null || best === undefined || resident.includes(scattering)) return;
     this.notice.show(new Error(`This server has no tables for scattering of ${scattering_title(scattering)}; showing ${scattering_title(best)} instead.`));
@@ -189,7 +212,7 @@ class Viewer {
   private restore(): void {
     const scene_before = this.state.scene;
     this.state = state_from_fragment(location.hash);
-    this.drop_absent_scattering();
+    this.drop_absent_air();
     if (this.state.view !== null) this.map?.jump_to(this.state.view);
     if (this.state.scene !== scene_before) this.enter_scene();
     else this.show_state();
@@ -215,10 +238,10 @@ class Viewer {
   }
 
   private parameters(place: Place): SkyParameters {
-    const { turbidity, scattering, lamp, emission, terrain } = this.state;
+    const { turbidity, scattering, clouds, lamp, emission, terrain } = this.state;
     // Five decimals are a metre; a link restores the very same request.
     const rounded = (degrees: number) => +degrees.toFixed(5);
-    const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }) };
+    const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }), ...(clouds === null ? {} : { clouds: String(clouds) }) };
     const ground = terrain === "on" ? {} : { terrain };
     return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), lamp, emission, ...ground, ...air };
   }

@@ -8,6 +8,7 @@ const EVERYTHING: ViewState = {
   view: { zoom: 7.31, latitude_deg: -1.25, longitude_deg: 36.9 },
   turbidity: 3.2,
   scattering: "single",
+  clouds: 1500,
   lamp: "led_4000k",
   emission: "shielded",
   terrain: "off",
@@ -32,7 +33,7 @@ test("a place on the equator and the prime meridian is not taken for a missing o
 });
 
 test("what makes no sense in a fragment takes its default", () => {
-  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1");
+  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1");
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });
 

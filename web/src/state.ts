@@ -33,6 +33,8 @@ export interface ViewState {
   turbidity: number | null;
   /** null: the best that the server has. */
   scattering: ScatteringName | null;
+  /** Base of a closed layer of cloud above sea level, metres; null: a clear sky. */
+  clouds: number | null;
   lamp: string;
   emission: string;
   /** Whether terrain hides the sky below the horizon. */
@@ -50,6 +52,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   view: null,
   turbidity: null,
   scattering: null,
+  clouds: null,
   lamp: "mixed",
   emission: "garstang",
   terrain: "on",
@@ -95,6 +98,7 @@ export function state_from_fragment(fragment: string): ViewState {
         : null,
     turbidity: number_in(query.get("turbidity"), 1, 100),
     scattering: SCATTERING_NAMES.find((name) => name === query.get("scattering")) ?? null,
+    clouds: number_in(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
     emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,
     terrain: one_of(query.get("terrain"), ["on", "off"], DEFAULT_STATE.terrain),
@@ -120,6 +124,7 @@ export function fragment_from_state(state: ViewState): string {
   }
   add("turbidity", state.turbidity, null);
   add("scattering", state.scattering, null);
+  add("clouds", state.clouds, null);
   add("lamp", state.lamp, DEFAULT_STATE.lamp);
   add("emission", state.emission, DEFAULT_STATE.emission);
   add("terrain", state.terrain, DEFAULT_STATE.terrain);

@@ -52,6 +52,7 @@ function answer(query) {
       calibration: 1,
       turbidity,
       scattering,
+      clouds: "none",
       ground_albedo: scattering === "multiple" ? 0.15 : null,
       local_optical_depth: [0.08, 0.15, 0.31],
       warnings: warnings(place),
@@ -71,7 +72,7 @@ function api(path, query, response) {
     return false;
   };
   if (path === "scenes") return json([scene]);
-  if (path === "atmospheres") return json(["single", "multiple"].flatMap((scattering) => [1.5, 6].map((turbidity) => ({ scattering, turbidity }))));
+  if (path === "atmospheres") return json(["single", "multiple"].flatMap((scattering) => [1.5, 6].map((turbidity) => ({ scattering, turbidity, cloud_base_m: null }))));
   if (path === "scenes/demo/places") return json(TOWNS);
   if (path === "scenes/demo/site") {
     const place = { latitude_deg: Number(query.get("lat")) };

@@ -8,7 +8,7 @@ type PathValues<P extends Path> = Gets[P]["path"];
 type Query<P extends Path> = Gets[P]["query"];
 
 /** What the sky depends on besides the scene. */
-export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "lamp" | "emission">;
+export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission">;
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 
 /** How often a busy server (429, 503) is asked again before the viewer gives up. */

@@ -6,7 +6,9 @@ export type Assumptions = {
   basis_count: number;
   /** Factor on the raster's radiances. */
   calibration: number;
-  /** `none`: clouds are not modelled yet. */
+  /** Lambertian albedo of that base from below; null where there are no clouds. */
+  cloud_albedo?: number | null;
+  /** `none`, or the altitude of the base of a closed layer of cloud in metres above sea level. */
   clouds: string;
   /** Covered share of the disc of 300 km around the place; light outside the raster is unknown, not absent. */
   coverage: number;
@@ -34,7 +36,7 @@ export type Assumptions = {
   terrain_occlusion: boolean;
   /** Turbidity at sea level. */
   turbidity: number;
-  /** What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the scene or the packs do not know. */
+  /** What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the scene or the packs do not know, the natural sky behind clouds. */
   warnings: string[];
 };
 
@@ -46,6 +48,10 @@ export type AtmosphereAnswer = {
   basis_count: number;
   /** Checksum of the pack. */
   checksum: string;
+  /** Lambertian albedo of that base from below; null under a clear sky. */
+  cloud_albedo?: number | null;
+  /** Base of the closed layer of cloud above sea level, metres; null under a clear sky. */
+  cloud_base_m?: number | null;
   /** Nearest and farthest source, metres. */
   distance_m: number[];
   /** Lambertian albedo of that ground; null where scattering is single. */
@@ -194,10 +200,10 @@ export type Problem = {
   type: string;
 };
 
-/** The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of the sky, all are of the visible part. */
+/** The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light alone, and what speaks of stars is null. */
 export type QuantitiesAnswer = {
-  /** Bortle class of the total at the zenith, 1..=9. */
-  bortle_class: number;
+  /** Bortle class of the total at the zenith, 1..=9; null under clouds. */
+  bortle_class?: number | null;
   /** Its azimuth, degrees clockwise from north. */
   brightest_azimuth_deg: number;
   /** Its elevation, degrees. */
@@ -210,14 +216,14 @@ export type QuantitiesAnswer = {
   horizontal_total_illuminance_lx: number;
   /** Mean over the visible sky, cd m⁻². */
   mean_luminance_cd_m2: number;
-  /** Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2). */
-  naked_eye_limit_mag: number;
-  /** Artificial over natural luminance at the zenith. */
+  /** Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2); null under clouds. */
+  naked_eye_limit_mag?: number | null;
+  /** Artificial luminance at the zenith over the natural one of a clear sky. */
   ratio_to_natural: number;
   /** As a Sky Quality Meter at the zenith sees it (Gaussian, FWHM 20°), cd m⁻². */
   sqm_luminance_cd_m2: number;
   /** What such a meter reads with the natural sky, mag arcsec⁻². */
-  sqm_total_brightness_mag_arcsec2: number;
+  sqm_total_brightness_mag_arcsec2?: number | null;
   /** The same, mag arcsec⁻². */
   zenith_brightness_mag_arcsec2?: number | null;
   /** Mean within 5° of the zenith, cd m⁻². */
@@ -225,7 +231,7 @@ export type QuantitiesAnswer = {
   /** Radiance at the zenith in R, G, B, W m⁻² sr⁻¹. */
   zenith_radiance_w_m2_sr: number[];
   /** With the natural sky, mag arcsec⁻². */
-  zenith_total_brightness_mag_arcsec2: number;
+  zenith_total_brightness_mag_arcsec2?: number | null;
   /** With the natural sky, cd m⁻². */
   zenith_total_luminance_cd_m2: number;
 };
@@ -388,7 +394,7 @@ export interface Gets {
       emission?: string;
       /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
-      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
@@ -452,7 +458,7 @@ export interface Gets {
       emission?: string;
       /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
-      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
@@ -502,7 +508,7 @@ export interface Gets {
       emission?: string;
       /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
-      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
@@ -540,7 +546,7 @@ export interface Gets {
       emission?: string;
       /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
-      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
@@ -604,7 +610,7 @@ export interface Gets {
       emission?: string;
       /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
-      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
@@ -654,7 +660,7 @@ export interface Gets {
       emission?: string;
       /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
-      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
@@ -741,7 +747,7 @@ export interface Gets {
       emission?: string;
       /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
       basis?: number;
-      /** Cloud: none, or the altitude of the cloud base in metres above sea level (not supported yet). Allowed: none. */
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";

@@ -30,6 +30,8 @@ export class SkyGrid {
   readonly artificial_cd_m2: Float64Array;
   /** Elevation of the terrain horizon in each column, degrees. Empty when the answer has none. */
   readonly horizon_deg: readonly number[];
+  /** Luminance of the natural sky that is seen, cd m⁻²: nothing of it through clouds. */
+  readonly natural_cd_m2: number;
 
   constructor(answer: PanoramaAnswer) {
     const { grid, radiance } = answer;
@@ -40,6 +42,7 @@ export class SkyGrid {
     this.elevation_first_deg = grid.elevation_first_deg;
     this.elevation_step_deg = grid.elevation_step_deg;
     this.horizon_deg = answer.horizon_deg ?? [];
+    this.natural_cd_m2 = answer.clouds === "none" ? NATURAL_SKY_CD_M2 : 0;
     const [red, green, blue] = radiance;
     if (red?.length !== this.elevation_count || green?.length !== this.elevation_count || blue?.length !== this.elevation_count) {
       throw new Error(`the panorama has ${red?.length ?? 0} rows where its grid says ${this.elevation_count}`);
@@ -83,7 +86,7 @@ export class SkyGrid {
       azimuth_deg: this.azimuth_first_deg + column * this.azimuth_step_deg,
       elevation_deg: this.elevation_first_deg + row * this.elevation_step_deg,
       artificial_cd_m2,
-      total_cd_m2: is_below_horizon ? 0 : artificial_cd_m2 + NATURAL_SKY_CD_M2,
+      total_cd_m2: is_below_horizon ? 0 : artificial_cd_m2 + this.natural_cd_m2,
       is_below_horizon,
     };
   }
@@ -93,7 +96,7 @@ export class SkyGrid {
    * one of their column, so that no darkness of the ground runs into the sky above it.
    */
   log_luminance(kind: SkyKind, floor_cd_m2: number): Float32Array {
-    const added = kind === "total" ? NATURAL_SKY_CD_M2 : 0;
+    const added = kind === "total" ? this.natural_cd_m2 : 0;
     const values = Float32Array.from(this.artificial_cd_m2, (value) => Math.log10(Math.max(value + added, floor_cd_m2)));
     for (let column = 0; column < this.azimuth_count; column++) {
       let lowest = 0;

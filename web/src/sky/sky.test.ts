@@ -25,6 +25,7 @@ function answer_with_light_at(row: number, column: number): PanoramaAnswer {
       elevation_first_deg: STEP_DEG / 2,
       elevation_step_deg: STEP_DEG,
     },
+    clouds: "none",
     radiance: [band(0), green, band(0)],
   } as PanoramaAnswer;
 }
@@ -39,6 +40,13 @@ test("the nearest sample is the API's own value, with north at both ends", () =>
     assert.ok(Math.abs(sample.total_cd_m2 - 567e-5 - NATURAL_SKY_CD_M2) < 1e-15);
   }
   assert.ok(grid.nearest(1.5, 0).artificial_cd_m2 < 1e-6);
+});
+
+test("nothing of the natural sky is added under clouds", () => {
+  const grid = new SkyGrid({ ...answer_with_light_at(0, 0), clouds: "1500" });
+  const sample = grid.nearest(0, 0);
+  assert.equal(sample.total_cd_m2, sample.artificial_cd_m2);
+  assert.deepEqual(grid.log_luminance("total", 1e-9), grid.log_luminance("artificial", 1e-9));
 });
 
 test("a panorama with missing rows is refused", () => {

@@ -6,6 +6,7 @@ import type { ColourMapName } from "../sky/colour_maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
 import { LAYERS, type LayerName, type TerrainKind, type ViewState } from "../state.ts";
+import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
 import { by_id, debounced, make } from "./dom.ts";
 import { EMISSIONS, LAMPS } from "./lamps.ts";
 import { resident_scatterings, SCATTERINGS, turbidity_ends } from "./scattering.ts";
@@ -15,6 +16,8 @@ export interface ControlEvents {
   turbidity: (turbidity: number) => void;
   /** null: the best that the server has. */
   scattering: (scattering: ScatteringName | null) => void;
+  /** Base above sea level, metres; null: a clear sky. */
+  clouds: (clouds: number | null) => void;
   lamp: (lamp: string) => void;
   emission: (emission: string) => void;
   terrain: (terrain: TerrainKind) => void;
@@ -75,7 +78,10 @@ export class Controls {
   private readonly turbidity = by_id("turbidity", HTMLInputElement);
   private readonly turbidity_value = by_id("turbidity-value", HTMLOutputElement);
   private readonly scattering = by_id("scattering", HTMLSelectElement);
+  private readonly clouds = by_id("clouds", HTMLSelectElement);
+  /** Those under the clouds of the state. */
   private atmospheres: readonly Atmosphere[] = [];
+  private all_atmospheres: readonly Atmosphere[] = [];
   private readonly lamp = by_id("lamp", HTMLSelectElement);
   private readonly emission = by_id("emission", HTMLSelectElement);
   private readonly terrain = by_id("terrain", HTMLSelectElement);
@@ -94,6 +100,7 @@ export class Controls {
       const chosen = SCATTERINGS.find(([name]) => name === this.scattering.value)?.[0] ?? null;
       events.scattering(chosen === resident_scatterings(this.atmospheres)[0] ? null : chosen);
     });
+    this.clouds.addEventListener("change", () => events.clouds(this.clouds.value === "none" ? null : Number(this.clouds.value)));
     this.lamp.addEventListener("change", () => events.lamp(this.lamp.value));
     this.emission.addEventListener("change", () => events.emission(this.emission.value));
     this.terrain.addEventListener("change", () => events.terrain(this.terrain.value as TerrainKind));
@@ -123,12 +130,18 @@ export class Controls {
   }
 
   set_atmospheres(atmospheres: readonly Atmosphere[]): void {
-    this.atmospheres = atmospheres;
-    this.show_air(null);
+    this.all_atmospheres = atmospheres;
+    this.show_air(null, null);
   }
 
-  /** What can be chosen of scattering, and of turbidity with that scattering. */
-  private show_air(scattering: ScatteringName | null): void {
+  /** What can be chosen of clouds, of scattering under them, and of turbidity with that scattering. */
+  private show_air(scattering: ScatteringName | null, clouds: number | null): void {
+    this.atmospheres = packs_under(this.all_atmospheres, clouds);
+    const bases = cloud_bases(this.all_atmospheres);
+    const choices = [null, ...bases].map((base) => [String(base ?? "none"), clouds_title(base)] as const);
+    fill(this.clouds, choices, String(clouds ?? "none"));
+    // A choice of one is none.
+    by_id("clouds-field", HTMLElement).hidden = bases.length === 0;
     const resident = resident_scatterings(this.atmospheres);
     const best = resident[0];
     if (best !== undefined) {
@@ -155,7 +168,7 @@ export class Controls {
       by_id("layer-elevation", HTMLInputElement).disabled = !scene.terrain;
       this.terrain.disabled = !scene.terrain;
     }
-    this.show_air(state.scattering);
+    this.show_air(state.scattering, state.clouds);
     this.turbidity.value = String(state.turbidity ?? DEFAULT_TURBIDITY);
     this.show_turbidity();
     fill(this.lamp, LAMPS, state.lamp);

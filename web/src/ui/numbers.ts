@@ -6,6 +6,7 @@ import { compass_name } from "../sky/projection.ts";
 import { lamp_title } from "./lamps.ts";
 import { make } from "./dom.ts";
 import { magnitude, ratio, short_number, with_prefix } from "./format.ts";
+import { clouds_title } from "./clouds.ts";
 import { scattering_title } from "./scattering.ts";
 
 const BORTLE = [
@@ -56,7 +57,7 @@ function warning(text: string): HTMLElement {
 export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: SkyKind, lamp: string, scene: Scene): void {
   const { sky } = answer;
   const total = kind === "total";
-  const zenith_mag = total ? sky.zenith_total_brightness_mag_arcsec2 : (sky.zenith_brightness_mag_arcsec2 ?? null);
+  const zenith_mag = (total ? sky.zenith_total_brightness_mag_arcsec2 : sky.zenith_brightness_mag_arcsec2) ?? null;
   const zenith_cd_m2 = total ? sky.zenith_total_luminance_cd_m2 : sky.zenith_luminance_cd_m2;
   const illuminance_lx = total ? sky.horizontal_total_illuminance_lx : sky.horizontal_illuminance_lx;
 
@@ -70,32 +71,35 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
     make("span", "zenith-luminance", with_prefix(zenith_cd_m2, "cd/m²")),
   );
 
-  const bortle_number = make("b", "", String(sky.bortle_class));
+  const bortle_class = sky.bortle_class ?? null;
+  const bortle_number = make("b", "", bortle_class === null ? "–" : String(bortle_class));
   bortle_number.dataset["value"] = "bortle_class";
   const steps = make("div", "bortle-steps");
   for (let step = 1; step <= 9; step++) {
-    const mark = make("i", step === sky.bortle_class ? "here" : "");
+    const mark = make("i", step === bortle_class ? "here" : "");
     mark.dataset["step"] = String(step);
     steps.append(mark);
   }
   steps.setAttribute("aria-hidden", "true");
-  const bortle = make("div", "bortle", make("span", "zenith-name", "Bortle class"), make("div", "zenith-value", bortle_number, make("small", "", "of 9")), steps, make("span", "bortle-name", BORTLE[sky.bortle_class] ?? ""));
+  const bortle = make("div", "bortle", make("span", "zenith-name", "Bortle class"), make("div", "zenith-value", bortle_number, make("small", "", "of 9")), steps, make("span", "bortle-name", bortle_class === null ? "no stars: the sky is overcast" : (BORTLE[bortle_class] ?? "")));
 
   const brightest = `towards ${compass_name(sky.brightest_azimuth_deg)}, ${sky.brightest_elevation_deg.toFixed(0)}° up`;
   const { ground_albedo } = answer;
   const ground = ground_albedo === null || ground_albedo === undefined ? "" : `over ground of albedo ${short_number(ground_albedo)}`;
+  const limit = sky.naked_eye_limit_mag;
   const list = make(
     "dl",
     "number-list",
     row("Artificial at the zenith", `${ratio(sky.ratio_to_natural)} ×`, "natural", "ratio"),
     row("Light on the ground", with_prefix(illuminance_lx, "lx"), "", "illuminance"),
-    row("Faintest stars", sky.naked_eye_limit_mag.toFixed(2), "mag, naked eye", "naked_eye_limit"),
-    row("Sky Quality Meter", sky.sqm_total_brightness_mag_arcsec2.toFixed(2), "mag/arcsec²", "sqm"),
+    limit === null || limit === undefined ? row("Faintest stars", "none", "behind clouds", "naked_eye_limit") : row("Faintest stars", limit.toFixed(2), "mag, naked eye", "naked_eye_limit"),
+    row("Sky Quality Meter", magnitude(sky.sqm_total_brightness_mag_arcsec2 ?? null), "mag/arcsec²", "sqm"),
     row("Brightest", with_prefix(sky.brightest_luminance_cd_m2, "cd/m²"), "", "brightest", brightest),
     row("Observer", `${Math.round(answer.observer.altitude_m)}`, "m above sea level", "altitude"),
     row("Light known within 300 km", `${(100 * answer.coverage).toFixed(answer.coverage > 0.995 ? 0 : 1)}`, "%", "coverage"),
     row("Air overhead", (answer.local_optical_depth[1] ?? NaN).toFixed(3), "optical depth", "optical_depth"),
     row("Scattering", scattering_title(answer.scattering), "", "scattering", ground),
+    row("Clouds", clouds_title(answer.clouds === "none" ? null : Number(answer.clouds)), "", "clouds"),
     row("Terrain hides", terrain_title(answer), "", "terrain_occlusion"),
   );
 

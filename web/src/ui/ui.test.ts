@@ -4,6 +4,7 @@ import { ApiError, plain_words } from "../api/problem.ts";
 import { coordinates, ratio, with_prefix } from "./format.ts";
 import { distance_and_bearing, place_name } from "./nearby.ts";
 import { terrain_title } from "./numbers.ts";
+import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
 import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./scattering.ts";
 import { matching_places, place_from_text } from "./search.ts";
 
@@ -69,6 +70,14 @@ test("each scattering has its own turbidities, and the best is the default", () 
   assert.deepEqual(turbidity_ends(first_order, null), [1.5, 6]);
   assert.equal(turbidity_ends(first_order, "multiple"), null);
   assert.deepEqual(["multiple", "single"].map(scattering_title), ["all orders", "first order alone"]);
+});
+
+test("clouds are those that there are packs for, and their packs are no clear sky's", () => {
+  const packs = [{ cloud_base_m: null, n: 1 }, { cloud_base_m: 2000, n: 2 }, { cloud_base_m: 800, n: 3 }, { cloud_base_m: 2000, n: 4 }, { n: 5 }];
+  assert.deepEqual(cloud_bases(packs), [800, 2000]);
+  assert.deepEqual(packs_under(packs, null).map(({ n }) => n), [1, 5]);
+  assert.deepEqual(packs_under(packs, 2000).map(({ n }) => n), [2, 4]);
+  assert.deepEqual([clouds_title(null), clouds_title(800)], ["none, a clear sky", "closed, from 800 m up"]);
 });
 
 test("a problem document becomes a headline and one sentence for each bad parameter", () => {

@@ -216,6 +216,8 @@ impl SkySource for Fake {
             turbidity: 2.5,
             scattering: kind.scattering.name().into(),
             ground_albedo: kind.ground_albedo,
+            cloud_base_m: kind.cloud_base_m(),
+            cloud_albedo: kind.clouds.map(|clouds| clouds.albedo),
             bands_nm: vec![680.0, 550.0, 440.0],
             observer_altitude_m: [0.0, 6000.0],
             source_altitude_m: [0.0, 6000.0],
