@@ -6,18 +6,18 @@
 //! where the `horizon` lobe jumps to zero) or the cone of the skyline that cuts the source's light, at the ray's nearest points to the source and to the vertical
 //! above it, at the 60° cone where the `oblique` lobe ends, and at a few scale heights. Between cuts the
 //! variable is the angle α at the source, u = u_c + D·tan α, which absorbs 1/d².
+//!
+//! Under a cloud the ray ends at its base, and what the base reflects of the source's light is added.
 
 use crate::{
-    atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},
     bands::BAND_COUNT,
-    chapman,
     cone::{RayFromSource, sin_blocking},
-    emission::{LOBE_COUNT, lobe_intensities_per_sr},
+    emission::LOBE_COUNT,
     geometry::EARTH_RADIUS_M,
-    phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
     quadrature::integrate_pieces,
 };
 use glam::DVec3;
+use scattering::{Scattering, relative_densities};
 
 /// Rays end at this altitude: 30 scale heights of the molecules, beyond which less than 1e-12 is left.
 const TOP_ALTITUDE_M: f64 = 240_000.0;
@@ -43,6 +43,7 @@ pub struct SourceGeometry {
 /// A view ray and a source in one frame: observer at the origin, z up, the source's azimuth along x.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceRay {
+    geometry: SourceGeometry,
     radius_m: f64,
     observer_radius_m: f64,
     source: DVec3,
@@ -50,6 +51,8 @@ pub struct SourceRay {
     view: DVec3,
     /// Sine of the elevation at the source at and below which it sends out nothing; 0 for the open sky.
     sin_blocking: f64,
+    /// Altitude at which the ray ends, metres: [`TOP_ALTITUDE_M`], or the base of a cloud.
+    top_altitude_m: f64,
 }
 
 /// A point on a view ray with everything scattering there needs.
@@ -113,6 +116,7 @@ impl SourceRay {
         // (R + h_c)cos α − (R + h_o) = h_c − h_o − (R + h_c)·2sin²(α/2).
         let drop = source_radius * 2.0 * half_sine * half_sine;
         Self {
+            geometry: *geometry,
             radius_m,
             observer_radius_m: radius_m + geometry.observer_altitude_m,
             source: DVec3::new(
@@ -123,6 +127,7 @@ impl SourceRay {
             source_up: DVec3::new(sin_arc, 0.0, cos_arc),
             view: DVec3::new(cos_el * cos_az, cos_el * sin_az, sin_el),
             sin_blocking: 0.0,
+            top_altitude_m: TOP_ALTITUDE_M,
         }
     }
 
@@ -168,9 +173,10 @@ impl SourceRay {
     }
 
     /// The lit part of the ray, metres: above the source's horizon plane (the upper-hemisphere rule is the
-    /// Earth's shadow), above its skyline, and below [`TOP_ALTITUDE_M`]. None where no part is lit.
+    /// Earth's shadow), above its skyline, and below [`TOP_ALTITUDE_M`] or the base of the cloud. None where no
+    /// part is lit.
     pub fn lit_range_m(&self) -> Option<(f64, f64)> {
-        let end = self.path_to_altitude_m(TOP_ALTITUDE_M);
+        let end = self.path_to_altitude_m(self.top_altitude_m);
         // Height of the observer below the source's horizon plane, and how fast the ray climbs through it.
         let below = self.source_up.dot(self.source);
         let rate = self.source_up.dot(self.view);
@@ -263,104 +269,9 @@ impl SourceRay {
     }
 }
 
-/// The integrand of b for several atmospheres at once: the geometry and the columns are shared.
-struct Scattering<'a> {
-    atmospheres: &'a [Atmosphere],
-    source_altitude_m: f64,
-    /// Sine of the elevation at the source at and below which it sends out nothing.
-    sin_blocking: f64,
-    /// Densities of molecules and aerosol at the source, relative to z = 0.
-    source_density: [f64; 2],
-    /// Columns of molecules and aerosol from the observer along the whole view ray, metres.
-    observer_column_m: [f64; 2],
-}
-
-/// Densities of molecules and aerosol relative to z = 0.
-fn relative_densities(altitude_m: f64) -> [f64; 2] {
-    [(-altitude_m / MOLECULE_SCALE_HEIGHT_M).exp(), (-altitude_m / AEROSOL_SCALE_HEIGHT_M).exp()]
-}
-
-impl<'a> Scattering<'a> {
-    fn new(
-        atmospheres: &'a [Atmosphere],
-        geometry: &SourceGeometry,
-        blocking_rad: f64,
-        elevation_rad: f64,
-    ) -> Self {
-        let observer_density = relative_densities(geometry.observer_altitude_m);
-        let sin_elevation = elevation_rad.sin();
-        let tables = [chapman::molecules(), chapman::aerosol()];
-        Self {
-            atmospheres,
-            source_altitude_m: geometry.source_altitude_m,
-            sin_blocking: sin_blocking(blocking_rad),
-            source_density: relative_densities(geometry.source_altitude_m),
-            observer_column_m: std::array::from_fn(|species| {
-                tables[species].column_m(
-                    geometry.observer_altitude_m,
-                    sin_elevation,
-                    observer_density[species],
-                )
-            }),
-        }
-    }
-
-    /// b's integrand [m⁻³ sr⁻¹], `[atmosphere][band][lobe]`.
-    fn by_lobe<const N: usize>(&self, p: &RayPoint) -> [f64; N] {
-        let lobes = lobe_intensities_per_sr(p.cos_zenith_at_source);
-        let mut out = [0.0; N];
-        self.scattered(p, |slot, scattered| {
-            for (lobe, intensity) in lobes.iter().enumerate() {
-                out[slot * LOBE_COUNT + lobe] = scattered * intensity;
-            }
-        });
-        out
-    }
-
-    /// b's integrand [m⁻³ sr⁻¹] of a mix of lobes, `[atmosphere][band]`.
-    fn of_mix<const N: usize>(&self, p: &RayPoint, weights: [f64; LOBE_COUNT]) -> [f64; N] {
-        let lobes = lobe_intensities_per_sr(p.cos_zenith_at_source);
-        let intensity: f64 = lobes.iter().zip(weights).map(|(f, w)| f * w).sum();
-        let mut out = [0.0; N];
-        self.scattered(p, |slot, scattered| out[slot] = scattered * intensity);
-        out
-    }
-
-    /// Scattering times both transmissions over d² [m⁻³ sr⁻¹, per unit intensity] for each (atmosphere, band)
-    /// slot.
-    fn scattered(&self, p: &RayPoint, mut put: impl FnMut(usize, f64)) {
-        if p.cos_zenith_at_source <= self.sin_blocking {
-            return;
-        }
-        let density = relative_densities(p.altitude_m);
-        let column = |species: usize, table: &chapman::ChapmanTable| {
-            let here = density[species];
-            let from_source =
-                table.column_m(self.source_altitude_m, p.cos_zenith_at_source, self.source_density[species])
-                    - table.column_m(p.altitude_m, p.cos_zenith_of_light, here);
-            let to_observer =
-                self.observer_column_m[species] - table.column_m(p.altitude_m, p.cos_zenith_of_view, here);
-            (from_source + to_observer).max(0.0)
-        };
-        let path_molecules_m = column(0, chapman::molecules());
-        let path_aerosol_m = column(1, chapman::aerosol());
-        let phase_molecules = density[0] * rayleigh_per_sr(p.cos_gamma) / p.source_distance_m2;
-        let phase_aerosol =
-            density[1] * AEROSOL_ALBEDO * henyey_greenstein_per_sr(p.cos_gamma, AEROSOL_ASYMMETRY)
-                / p.source_distance_m2;
-        for (index, atmosphere) in self.atmospheres.iter().enumerate() {
-            let beta_m = atmosphere.molecule_extinction_per_m();
-            let beta_a = atmosphere.aerosol_extinction_per_m();
-            for band in 0..BAND_COUNT {
-                let depth = beta_m[band] * path_molecules_m + beta_a[band] * path_aerosol_m;
-                let scattering = beta_m[band] * phase_molecules + beta_a[band] * phase_aerosol;
-                put(index * BAND_COUNT + band, (-depth).exp() * scattering);
-            }
-        }
-    }
-}
-
+mod overcast;
 mod radiance;
+mod scattering;
 
 pub use radiance::{
     cut_mixed_radiance_per_watt, cut_radiance_per_watt, cut_radiance_per_watt_fixed,
@@ -378,3 +289,6 @@ mod tests;
 
 #[cfg(test)]
 mod cut_tests;
+
+#[cfg(test)]
+mod overcast_tests;

@@ -1,5 +1,8 @@
 use super::*;
-use crate::atmosphere::Turbidity;
+use crate::{
+    atmosphere::{Atmosphere, Turbidity},
+    phase::{henyey_greenstein_per_sr, rayleigh_per_sr},
+};
 use proptest::prelude::*;
 
 fn atmosphere(turbidity: f64) -> Atmosphere {

@@ -1,7 +1,10 @@
 //! Sources behind a skyline.
 
 use super::*;
-use crate::{atmosphere::Turbidity, quadrature::gauss_legendre};
+use crate::{
+    atmosphere::{Atmosphere, Turbidity},
+    quadrature::gauss_legendre,
+};
 use proptest::prelude::*;
 
 fn atmosphere(turbidity: f64) -> Atmosphere {

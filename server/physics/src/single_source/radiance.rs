@@ -4,8 +4,12 @@
 //! `blocking_rad` is the elevation of the skyline as seen from the source: at and below it the source sends out
 //! nothing, in any direction. 0 and below is the open sky, the very numbers of the functions without it; at π/2 all
 //! is dark. Radiance falls as it rises.
+//!
+//! Under a cloud (`Atmosphere::under`) the light that its base reflects is added; an observer at or above the base sees
+//! exactly nothing, and of a source there nothing is seen. Atmospheres that are asked together must lie under the same
+//! cloud: the functions panic if not.
 
-use super::{OUTPUT_COUNT, RadiancePerWatt, Scattering, SourceGeometry, SourceRay};
+use super::{OUTPUT_COUNT, RadiancePerWatt, Scattering, SourceGeometry, overcast::with_base};
 use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
@@ -49,11 +53,9 @@ pub fn cut_radiance_per_watt<const N: usize>(
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
     let scattering = Scattering::new(atmospheres, geometry, blocking_rad, elevation_rad);
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad).cut_at(blocking_rad).integrate(
-        tolerance,
-        floor_per_m2_sr,
-        |p| scattering.by_lobe(p),
-    )
+    let ray = scattering.ray(geometry, blocking_rad, relative_azimuth_rad, elevation_rad);
+    let air = ray.integrate(tolerance, floor_per_m2_sr, |p| scattering.by_lobe(p));
+    with_base(air, scattering.lit_base_point(&ray).map(|p| scattering.reflected_by_lobe(&p)))
 }
 
 /// As [`radiance_per_watt`] with a fixed rule (see [`SourceRay::integrate_fixed`]): about 1e-4 with 10 nodes.
@@ -78,9 +80,9 @@ pub fn cut_radiance_per_watt_fixed<const N: usize>(
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
     let scattering = Scattering::new(atmospheres, geometry, blocking_rad, elevation_rad);
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad)
-        .cut_at(blocking_rad)
-        .integrate_fixed(nodes, |p| scattering.by_lobe(p))
+    let ray = scattering.ray(geometry, blocking_rad, relative_azimuth_rad, elevation_rad);
+    let air = ray.integrate_fixed(nodes, |p| scattering.by_lobe(p));
+    with_base(air, scattering.lit_base_point(&ray).map(|p| scattering.reflected_by_lobe(&p)))
 }
 
 /// Sky radiance per watt of a source with a mix of lobes, m⁻² sr⁻¹, `[atmosphere][band]`, to a relative
@@ -117,11 +119,9 @@ pub fn cut_mixed_radiance_per_watt<const N: usize>(
     assert_eq!(N, atmospheres.len() * BAND_COUNT, "one slot for each atmosphere and band");
     let scattering = Scattering::new(atmospheres, geometry, blocking_rad, elevation_rad);
     let weights = emission.weights();
-    SourceRay::new(geometry, relative_azimuth_rad, elevation_rad).cut_at(blocking_rad).integrate(
-        tolerance,
-        0.0,
-        |p| scattering.of_mix(p, weights),
-    )
+    let ray = scattering.ray(geometry, blocking_rad, relative_azimuth_rad, elevation_rad);
+    let air = ray.integrate(tolerance, 0.0, |p| scattering.of_mix(p, weights));
+    with_base(air, scattering.lit_base_point(&ray).map(|p| scattering.reflected_of_mix(&p, weights)))
 }
 
 /// [`radiance_per_watt`] for one atmosphere, as `[band][lobe]`.
