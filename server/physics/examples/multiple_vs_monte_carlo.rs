@@ -3,7 +3,7 @@
 //! cargo run --release -p skyglow-physics --example multiple_vs_monte_carlo -- [key=value …]
 //!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
 //!   directions=ten|wide|mitsuba  paths=65536  resolution=table|reference|coarse  source_m=0  observer_m=0
-//!   albedo=0.15  seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
+//!   albedo=0.15  cloud_base_m=1000 (none: a clear sky)  cloud_albedo=0.5  seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
 //!   speed=yes|no (how long a row and a ray take)
 //!   and any field of `Resolution` by its name
 //!
@@ -14,7 +14,7 @@
 //! converged, without noise.
 
 use skyglow_physics::{
-    Atmosphere, Band, Lobe, Turbidity,
+    Atmosphere, Band, CloudBase, Lobe, Turbidity,
     multiple_scattering::{
         DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow,
         monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
@@ -162,10 +162,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (paths, seed) = (options.number("paths", 65_536.0)? as u64, options.number("seed", 1.0)? as u64);
     let use_rows = options.text("rows", "yes") == "yes";
     let tell_orders = options.text("orders", "no") == "yes";
+    let cloud = match options.text("cloud_base_m", "none").as_str() {
+        "none" => None,
+        base_m => Some(CloudBase::new(
+            base_m.parse()?,
+            options.number("cloud_albedo", CloudBase::DEFAULT_ALBEDO)?,
+        )?),
+    };
     let mut all = Statistics::default();
     let mut parts: Vec<(String, Statistics)> = Vec::new();
     for turbidity in options.numbers("turbidity", "2,4")? {
-        let atmosphere = Atmosphere::new(Turbidity::new(turbidity)?);
+        let atmosphere = Atmosphere::new(Turbidity::new(turbidity)?).under(cloud);
         let setting =
             SourceSetting::for_observer(atmosphere, source_altitude_m, observer_altitude_m, albedo)?;
         let started = Instant::now();

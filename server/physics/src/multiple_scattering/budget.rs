@@ -1,4 +1,4 @@
-//! Power counted where light sets out: what of it reaches space.
+//! Power counted where light sets out: what of it reaches space. Nothing does through the base of a cloud.
 
 use super::{
     energy::LogField,
@@ -30,14 +30,20 @@ pub(super) struct DirectBudget {
     pub(super) scattered_w: [f64; LANES],
     pub(super) absorbed_w: [f64; LANES],
     pub(super) escaped_w: [f64; LANES],
+    /// What arrives at the base of a cloud, and what of it the base sends back.
+    pub(super) at_base_w: [f64; LANES],
+    pub(super) returned_w: [f64; LANES],
     /// What the source sends out above its skyline; 1 under an open sky.
     pub(super) emitted_w: [f64; LANES],
     /// What of the light scattered once escapes without another event.
     pub(super) once_scattered_escaped_w: [f64; LANES],
 }
 
-/// Transmission from a point to space per band; 0 where the ground is in the way.
+/// Transmission from a point to space per band; 0 where the ground or a cloud is in the way.
 fn to_space(setting: &SourceSetting, altitude_m: f64, cos_zenith: f64) -> [f64; BAND_COUNT] {
+    if setting.atmosphere.cloud().is_some() {
+        return [0.0; BAND_COUNT];
+    }
     let path = SlantPath::new(altitude_m, cos_zenith);
     if path.path_down_to_m(setting.ground_altitude_m).is_some() {
         return [0.0; BAND_COUNT];
@@ -54,6 +60,8 @@ pub(super) fn direct_budget(setting: &SourceSetting) -> DirectBudget {
         scattered_w: [0.0; LANES],
         absorbed_w: [0.0; LANES],
         escaped_w: [0.0; LANES],
+        at_base_w: [0.0; LANES],
+        returned_w: [0.0; LANES],
         emitted_w: std::array::from_fn(|lane| emitted[lane % LOBE_COUNT]),
         once_scattered_escaped_w: [0.0; LANES],
     };
@@ -84,7 +92,11 @@ fn add_ray(
 ) {
     let lobes = lobe_intensities_per_sr(cos_zenith);
     let path = SlantPath::new(setting.source_altitude_m, cos_zenith);
-    let end_m = path.path_up_to_m(SPACE_ALTITUDE_M);
+    let cloud = setting.atmosphere.cloud();
+    let end_m = match cloud {
+        Some(cloud) => path.path_to_base_m(cloud.altitude_m()),
+        None => path.path_up_to_m(SPACE_ALTITUDE_M),
+    };
     let beta_m = setting.atmosphere.molecule_extinction_per_m();
     let beta_a = setting.atmosphere.aerosol_extinction_per_m();
     // [scattered, absorbed, once scattered and escaped][band]
@@ -111,7 +123,14 @@ fn add_ray(
         budget.scattered_w[lane] += watts * sums[0][band];
         budget.absorbed_w[lane] += watts * sums[1][band];
         budget.once_scattered_escaped_w[lane] += watts * sums[2][band];
-        budget.escaped_w[lane] += watts * (-out[band]).exp();
+        let end_w = watts * (-out[band]).exp();
+        match cloud {
+            Some(cloud) => {
+                budget.at_base_w[lane] += end_w;
+                budget.returned_w[lane] += end_w * cloud.albedo();
+            }
+            None => budget.escaped_w[lane] += end_w,
+        }
     }
 }
 
@@ -139,13 +158,16 @@ fn escape_after_turn(setting: &SourceSetting, altitude_m: f64, cos_zenith: f64) 
 }
 
 /// Power of the next order that escapes: what the air of the grid sends out, and what the ground sends back
-/// (`returned_w`), each without another event.
+/// (`returned_w`), each without another event. Nothing under a cloud.
 pub(super) fn escaping_w(
     setting: &SourceSetting,
     grid: &FieldGrid,
     source: &Moments,
     returned_w: [f64; LANES],
 ) -> [f64; LANES] {
+    if setting.atmosphere.cloud().is_some() {
+        return [0.0; LANES];
+    }
     let nodes = zenith_nodes(ESCAPE_ZENITHS);
     let polar: Vec<Vec<f64>> = nodes.iter().map(|&(mu, _)| legendre(source.degree, mu)).collect();
     // A ray seen in a direction sets out against it.

@@ -1,7 +1,7 @@
 //! Where the power of each order goes: the ledger that must balance.
 //!
-//! What is scattered (and sent back by the ground) as light of one order is extinguished in the air, arrives at
-//! the ground, or leaves through the top. Of what is extinguished a part is scattered on as the next order.
+//! What is scattered (and sent back by the ground and the base of a cloud) as light of one order is extinguished in the air, arrives at
+//! the ground or at the base of a cloud, or leaves through the top, which a cloud closes. Of what is extinguished a part is scattered on as the next order.
 //!
 //! Extinction and arrival are counted where light arrives (from radiance on the grid), escape where it sets out
 //! (from the source function): the balance ties both ends of the transport together.
@@ -24,12 +24,14 @@ use std::f64::consts::PI;
 /// in none of the sums but the first two.
 #[derive(Clone, Debug)]
 pub struct OrderPower {
-    /// Number of times this light was scattered or sent back by the ground; 0 is direct light.
+    /// Number of times this light was scattered or sent back by the ground or the base of a cloud; 0 is direct light.
     pub order: usize,
     pub(super) sent_w: [f64; LANES],
     pub(super) extinguished_w: [f64; LANES],
     pub(super) scattered_on_w: [f64; LANES],
     pub(super) at_ground_w: [f64; LANES],
+    pub(super) at_base_w: [f64; LANES],
+    /// What ground and base send back.
     pub(super) returned_w: [f64; LANES],
     pub(super) escaped_w: [f64; LANES],
 }
@@ -43,12 +45,13 @@ impl OrderPower {
             extinguished_w: std::array::from_fn(|lane| budget.scattered_w[lane] + budget.absorbed_w[lane]),
             scattered_on_w: budget.scattered_w,
             at_ground_w: [0.0; LANES],
-            returned_w: [0.0; LANES],
+            at_base_w: budget.at_base_w,
+            returned_w: budget.returned_w,
             escaped_w: budget.escaped_w,
         }
     }
 
-    /// What became light of this order: scattered in the air and sent back by the ground, `[band][lobe]`.
+    /// What became light of this order: scattered in the air and sent back by the ground and the base of a cloud, `[band][lobe]`.
     pub fn sent_w(&self) -> RadiancePerWatt {
         outputs_from_lanes(&self.sent_w)
     }
@@ -68,15 +71,21 @@ impl OrderPower {
         outputs_from_lanes(&self.at_ground_w)
     }
 
-    /// What leaves through the top of the air.
+    /// What arrives at the base of a cloud; 0 under a clear sky.
+    pub fn at_base_w(&self) -> RadiancePerWatt {
+        outputs_from_lanes(&self.at_base_w)
+    }
+
+    /// What leaves through the top of the air; 0 under a cloud.
     pub fn escaped_w(&self) -> RadiancePerWatt {
         outputs_from_lanes(&self.escaped_w)
     }
 
-    /// (extinguished + at the ground + escaped)/sent − 1, `[band][lobe]`.
+    /// (extinguished + at the ground + at the base + escaped)/sent − 1, `[band][lobe]`.
     pub fn imbalance(&self) -> RadiancePerWatt {
         outputs_from_lanes(&std::array::from_fn(|lane| {
-            let gone = self.extinguished_w[lane] + self.at_ground_w[lane] + self.escaped_w[lane];
+            let mut gone = self.extinguished_w[lane] + self.at_ground_w[lane] + self.escaped_w[lane];
+            gone += self.at_base_w[lane];
             if self.sent_w[lane] > 0.0 { gone / self.sent_w[lane] - 1.0 } else { 0.0 }
         }))
     }
@@ -120,6 +129,7 @@ pub(super) fn field_power(
         extinguished_w: [0.0; LANES],
         scattered_on_w: [0.0; LANES],
         at_ground_w: [0.0; LANES],
+        at_base_w: [0.0; LANES],
         returned_w: [0.0; LANES],
         escaped_w,
     };
@@ -148,5 +158,18 @@ pub(super) fn field_power(
         }
     });
     power.returned_w = power.at_ground_w.map(|w| w * setting.ground_albedo);
+    if let Some(cloud) = setting.atmosphere.cloud() {
+        let up = LogField::new(grid, radiance.up_flux.iter().copied());
+        let top = Between { lower: grid.layer_count() - 1, upper_weight: 0.0 };
+        let stretch = (1.0 + cloud.altitude_m() / EARTH_RADIUS_M).powi(2);
+        grid.for_each_area(|ring, area_m2| {
+            for (sum, arriving) in power.at_base_w.iter_mut().zip(up.at(ring, top)).take(USED_LANES) {
+                *sum += arriving * area_m2 * stretch;
+            }
+        });
+        for (returned, arriving) in power.returned_w.iter_mut().zip(power.at_base_w) {
+            *returned += arriving * cloud.albedo();
+        }
+    }
     power
 }

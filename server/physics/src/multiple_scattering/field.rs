@@ -9,7 +9,8 @@ use super::{
     lanes::{LANES, Lanes},
     setting::{Resolution, SourceSetting},
     source_function::{Moments, SourceFunction, USED_LANES},
-    transport::{GroundRadiance, Radiance, transport},
+    surfaces::{BaseFlux, SurfaceRadiance, Surfaces},
+    transport::{Radiance, transport},
 };
 use rayon::prelude::*;
 
@@ -19,12 +20,15 @@ const JUDGED_WITHIN_M: f64 = 300_000.0;
 const STEEPEST_TAIL: f64 = 0.9;
 
 /// Light of orders two and more around one source of 1 W: what every place of the air sends into every
-/// direction, for all bands and lobes, light that the ground sent back included.
+/// direction, for all bands and lobes, light that the ground and the base of a cloud sent back included.
 #[derive(Clone, Debug)]
 pub struct SourceField {
     pub(super) setting: SourceSetting,
     pub(super) grid: FieldGrid,
     pub(super) source: SourceFunction,
+    /// What the base of a cloud sends back of the light of all orders, itself of orders two and more; None under a
+    /// clear sky.
+    pub(super) base: Option<SurfaceRadiance>,
     powers: Vec<OrderPower>,
     changes: Vec<f64>,
 }
@@ -39,6 +43,7 @@ impl SourceField {
         let grid = FieldGrid::new(
             setting.source_altitude_m,
             setting.ground_altitude_m,
+            setting.atmosphere.cloud(),
             resolution.ring_step,
             resolution.layer_cuts,
         );
@@ -51,14 +56,18 @@ impl SourceField {
         let mut escaped_w = direct.once_scattered_escaped_w;
         let mut changes = Vec::new();
         let mut sent_w = direct.scattered_w;
-        let mut returned_w = [0.0; LANES];
+        let mut returned_w = direct.returned_w;
+        let mut base_flux = setting.atmosphere.cloud().map(|cloud| (cloud, BaseFlux::dark(&grid)));
         let mut total: Option<Moments> = None;
         let mut before: Option<Moments> = None;
         for order in 1..=resolution.most_orders {
             let power = field_power(&setting, &grid, &radiance, order, sent_w, returned_w, escaped_w);
             (sent_w, returned_w) = (power.scattered_on_w, power.returned_w);
             powers.push(power);
-            let ground = GroundRadiance::new(setting.ground_albedo, &grid, &radiance.down_flux);
+            let surfaces = Surfaces::new(&setting, &grid, &radiance);
+            if let Some((_, flux)) = &mut base_flux {
+                flux.add(&grid, &radiance);
+            }
             let scattered = radiance.moments.scattered(&setting, &grid);
             escaped_w = escaping_w(&setting, &grid, &scattered, returned_w);
             let change = match &mut total {
@@ -81,10 +90,11 @@ impl SourceField {
             }
             let function = SourceFunction::new(&scattered);
             before = Some(scattered);
-            radiance = transport(&setting, resolution, &grid, &function, &ground);
+            radiance = transport(&setting, resolution, &grid, &function, &surfaces);
         }
         let source = SourceFunction::new(&total.unwrap_or_else(|| Moments::dark(&grid, 0)));
-        Self { setting, grid, source, powers, changes }
+        let base = base_flux.map(|(cloud, flux)| flux.radiance(cloud.albedo(), STEEPEST_TAIL));
+        Self { setting, grid, source, base, powers, changes }
     }
 
     /// What the field was solved for.
@@ -115,6 +125,7 @@ fn first_radiance(first: &FirstOrder<'_>, grid: &FieldGrid, degree: usize) -> Ra
     Radiance {
         moments: Moments { degree, values: places.iter().flat_map(|p| p.moments.iter().copied()).collect() },
         down_flux: places.iter().map(|p| p.down_flux).collect(),
+        up_flux: places.iter().map(|p| p.up_flux).collect(),
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! At a place P the directions form a polar grid about the direction to the source: the radiance grows like
 //! 1/θ towards the source, and the factor sin θ of the solid angle takes that away. Along each direction the
-//! variable is the angle at the source (as in `single_source`), cut where the integrand bends.
+//! variable is the angle at the source (as in `single_source`), cut where the integrand bends. What the base of a
+//! cloud reflects is added by [`super::reflected`].
 
 use super::{
     LANES, Lanes,
@@ -10,6 +11,7 @@ use super::{
     grid::FieldGrid,
     harmonics::{cosines, legendre, pair_count, pair_index},
     optics::{SlantPath, optical_depths, relative_densities},
+    reflected::Reflection,
     setting::SourceSetting,
 };
 use crate::{
@@ -34,9 +36,9 @@ const BRIGHT_SIZE_M: f64 = 5_000.0;
 #[derive(Clone, Debug)]
 pub(super) struct FirstOrderRule {
     /// Nodes in the angle from the source's direction, half of them in the bright part around it.
-    polar: Vec<(f64, f64)>,
+    pub(super) polar: Vec<(f64, f64)>,
     /// Directions around it in a half turn.
-    around: usize,
+    pub(super) around: usize,
     /// Nodes in each piece of a ray.
     along: Vec<(f64, f64)>,
 }
@@ -54,14 +56,63 @@ pub(super) struct FirstOrderPlace {
     pub(super) moments: Vec<Lanes>,
     /// Flux through the horizontal from above, m⁻².
     pub(super) down_flux: [f64; LANES],
+    /// Flux through the horizontal from below, m⁻².
+    pub(super) up_flux: [f64; LANES],
+}
+
+/// First-order light at one place as it adds up, direction by direction.
+pub(super) struct Gathering {
+    degree: usize,
+    moments: Vec<[f64; LANES]>,
+    down_flux: [f64; LANES],
+    up_flux: [f64; LANES],
+}
+
+impl Gathering {
+    fn new(degree: usize) -> Self {
+        let moments = vec![[0.0f64; LANES]; pair_count(degree)];
+        Self { degree, moments, down_flux: [0.0; LANES], up_flux: [0.0; LANES] }
+    }
+
+    /// Adds radiance [m⁻² sr⁻¹ per watt] from direction `view` times a solid angle [sr], which holds the mirror image
+    /// on the other side of the source's vertical plane.
+    pub(super) fn add(&mut self, place: &Place, view: DVec3, radiance: &[f64; LANES], solid_angle: f64) {
+        let cos_zenith = view.dot(place.up).clamp(-1.0, 1.0);
+        let horizontal = (1.0 - cos_zenith * cos_zenith).sqrt().max(1e-12);
+        let cos_azimuth = (view.dot(place.outward) / horizontal).clamp(-1.0, 1.0);
+        let polar = legendre(self.degree, cos_zenith);
+        let azimuthal = cosines(self.degree, cos_azimuth);
+        for l in 0..=self.degree {
+            for m in 0..=l {
+                let factor = polar[pair_index(l, m)] * azimuthal[m] * solid_angle;
+                for (sum, value) in self.moments[pair_index(l, m)].iter_mut().zip(radiance) {
+                    *sum += factor * value;
+                }
+            }
+        }
+        for (sum, value) in self.down_flux.iter_mut().zip(radiance) {
+            *sum += value * cos_zenith.max(0.0) * solid_angle;
+        }
+        for (sum, value) in self.up_flux.iter_mut().zip(radiance) {
+            *sum += value * (-cos_zenith).max(0.0) * solid_angle;
+        }
+    }
+
+    fn done(self) -> FirstOrderPlace {
+        FirstOrderPlace {
+            moments: self.moments.iter().map(|moment| moment.map(|value| value as f32)).collect(),
+            down_flux: self.down_flux,
+            up_flux: self.up_flux,
+        }
+    }
 }
 
 /// A place and its local directions in the frame of the Earth's centre with the source on the z axis.
-struct Place {
-    position: DVec3,
-    outward: DVec3,
-    up: DVec3,
-    altitude_m: f64,
+pub(super) struct Place {
+    pub(super) position: DVec3,
+    pub(super) outward: DVec3,
+    pub(super) up: DVec3,
+    pub(super) altitude_m: f64,
 }
 
 impl Place {
@@ -86,6 +137,8 @@ pub(super) struct FirstOrder<'a> {
     /// Sine of the elevation of the skyline around the source.
     sin_blocking: f64,
     top_altitude_m: f64,
+    /// The base of the cloud, lit by the source.
+    reflection: Option<Reflection<'a>>,
 }
 
 impl<'a> FirstOrder<'a> {
@@ -97,6 +150,7 @@ impl<'a> FirstOrder<'a> {
             source_density: relative_densities(setting.source_altitude_m),
             sin_blocking: sin_blocking(setting.blocking_rad),
             top_altitude_m,
+            reflection: Reflection::new(setting, rule),
         }
     }
 
@@ -121,9 +175,7 @@ impl<'a> FirstOrder<'a> {
         let to_source = (self.source - place.position).normalize();
         let beside = DVec3::Y;
         let across = beside.cross(to_source);
-        let mut light =
-            FirstOrderPlace { moments: vec![[0.0; LANES]; pair_count(degree)], down_flux: [0.0; LANES] };
-        let mut moments = vec![[0.0f64; LANES]; pair_count(degree)];
+        let mut light = Gathering::new(degree);
         let from_source_m = (self.source - place.position).length();
         for (angle, weight) in self.polar_angles(from_source_m) {
             let (sin_polar, cos_polar) = angle.sin_cos();
@@ -134,36 +186,24 @@ impl<'a> FirstOrder<'a> {
                 let Some(radiance) = self.along_ray(&place, view) else { continue };
                 // Both halves of the sphere at once: the other one is its mirror image.
                 let solid_angle = weight * sin_polar * TAU / self.rule.around as f64;
-                let cos_zenith = view.dot(place.up).clamp(-1.0, 1.0);
-                let horizontal = (1.0 - cos_zenith * cos_zenith).sqrt().max(1e-12);
-                let cos_azimuth = (view.dot(place.outward) / horizontal).clamp(-1.0, 1.0);
-                let polar = legendre(degree, cos_zenith);
-                let azimuthal = cosines(degree, cos_azimuth);
-                for l in 0..=degree {
-                    for m in 0..=l {
-                        let factor = polar[pair_index(l, m)] * azimuthal[m] * solid_angle;
-                        for (sum, value) in moments[pair_index(l, m)].iter_mut().zip(radiance) {
-                            *sum += factor * value;
-                        }
-                    }
-                }
-                for (sum, value) in light.down_flux.iter_mut().zip(radiance) {
-                    *sum += value * cos_zenith.max(0.0) * solid_angle;
-                }
+                light.add(&place, view, &radiance, solid_angle);
             }
         }
-        for (to, from) in light.moments.iter_mut().zip(&moments) {
-            *to = from.map(|value| value as f32);
+        if let Some(reflection) = &self.reflection {
+            reflection.add(&place, &mut light);
         }
-        light
+        light.done()
     }
 
-    /// First-order radiance per watt [m⁻² sr⁻¹] at a place from direction `view`; None where nothing is lit.
+    /// Radiance per watt [m⁻² sr⁻¹] of what the air scatters once at a place from direction `view`; None where nothing is lit.
     fn along_ray(&self, place: &Place, view: DVec3) -> Option<[f64; LANES]> {
         let cos_zenith = view.dot(place.up);
         let path = SlantPath::new(place.altitude_m, cos_zenith);
         let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
-        let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(self.top_altitude_m));
+        let end_m = ground_m.unwrap_or_else(|| match self.setting.atmosphere.cloud() {
+            Some(cloud) => path.path_to_base_m(cloud.altitude_m()),
+            None => path.path_up_to_m(self.top_altitude_m),
+        });
         // Above the source's horizon plane only, and above its skyline.
         let (height, rate) = (place.position.z - self.source.z, view.z);
         let (low, high) = match (height > 0.0, rate > 0.0) {

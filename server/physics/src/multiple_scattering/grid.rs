@@ -1,9 +1,9 @@
 //! The grid of places around a source: distance from its vertical by altitude.
 
 use super::lanes::quick_ln;
-use crate::geometry::EARTH_RADIUS_M;
+use crate::{cloud::CloudBase, geometry::EARTH_RADIUS_M};
 
-/// Top of the grid above the sphere, metres: 4e-4 of the molecules lie above.
+/// Top of the grid above the sphere under a clear sky, metres: 4e-4 of the molecules lie above.
 pub(super) const TOP_ALTITUDE_M: f64 = 62_000.0;
 /// Outermost ring of the grid, metres of arc.
 pub(super) const OUTER_DISTANCE_M: f64 = 420_000.0;
@@ -64,17 +64,19 @@ fn ring_distance_m(coordinate: f64) -> f64 {
 }
 
 impl FieldGrid {
-    /// Rings `ring_step` apart in x; layers dense about the source and the ground, each gap cut
-    /// into `layer_cuts` parts.
+    /// Rings `ring_step` apart in x; layers dense about the source, the ground and the base of a cloud, which is the
+    /// top one then, each gap cut into `layer_cuts` parts.
     pub(super) fn new(
         source_altitude_m: f64,
         ground_altitude_m: f64,
+        cloud: Option<CloudBase>,
         ring_step: f64,
         layer_cuts: usize,
     ) -> Self {
+        let top_m = cloud.map_or(TOP_ALTITUDE_M, CloudBase::altitude_m);
         let last = (ring_coordinate(OUTER_DISTANCE_M) / ring_step).ceil() as usize;
         let ring_m = (0..=last).map(|k| ring_distance_m(ring_step * k as f64)).collect();
-        let mut layers: Vec<f64> = vec![ground_altitude_m, TOP_ALTITUDE_M];
+        let mut layers: Vec<f64> = vec![ground_altitude_m, top_m];
         for offset_m in LAYER_OFFSETS_M {
             layers.push(source_altitude_m + offset_m);
             layers.push(source_altitude_m - offset_m);
@@ -82,17 +84,24 @@ impl FieldGrid {
             if offset_m >= 150.0 {
                 layers.push(ground_altitude_m + offset_m);
             }
+            // Light changes below a base as it does above a ground.
+            if cloud.is_some() && offset_m >= 80.0 {
+                layers.push(top_m - offset_m);
+            }
         }
-        layers.retain(|&z| z >= ground_altitude_m && z <= TOP_ALTITUDE_M);
+        layers.retain(|&z| z >= ground_altitude_m && z <= top_m);
         layers.sort_by(f64::total_cmp);
         // Layers that nearly coincide add work and nothing else; the ground, the source's and the top one stay.
         let mut kept: Vec<f64> = Vec::new();
         for z in layers {
-            let must = z == source_altitude_m || z == TOP_ALTITUDE_M || z == ground_altitude_m;
+            let must = z == source_altitude_m || z == top_m || z == ground_altitude_m;
             match kept.last() {
                 Some(&below) if z == below => {}
                 Some(&below) => {
-                    let away = (z - source_altitude_m).abs().min(z - ground_altitude_m);
+                    let mut away = (z - source_altitude_m).abs().min(z - ground_altitude_m);
+                    if cloud.is_some() {
+                        away = away.min(top_m - z);
+                    }
                     let crowded = z - below < (0.2 * away).max(25.0);
                     let replaceable = below != source_altitude_m && below != ground_altitude_m;
                     if must && crowded && replaceable {
@@ -187,7 +196,7 @@ mod tests {
     #[test]
     fn layers_start_at_the_ground_hold_the_source_and_end_at_the_top() {
         for (source, ground) in [(0.0, 0.0), (1_700.0, 1_700.0), (2_000.0, 300.0), (420.0, 400.0)] {
-            let grid = FieldGrid::new(source, ground, 0.2, 1);
+            let grid = FieldGrid::new(source, ground, None, 0.2, 1);
             assert_eq!(grid.layer_m[0], ground);
             assert_eq!(*grid.layer_m.last().unwrap(), TOP_ALTITUDE_M);
             assert!(grid.layer_m.contains(&source));
@@ -197,8 +206,25 @@ mod tests {
     }
 
     #[test]
+    fn the_base_of_a_cloud_is_the_top_layer_and_layers_are_close_below_it() {
+        for (source, ground, base) in
+            [(0.0, 0.0, 200.0), (0.0, 0.0, 1_000.0), (900.0, 300.0, 950.0), (0.0, 0.0, 12_000.0)]
+        {
+            let cloud = CloudBase::new(base, 0.5).unwrap();
+            let grid = FieldGrid::new(source, ground, Some(cloud), 0.2, 1);
+            assert_eq!(grid.layer_m[0], ground);
+            assert_eq!(*grid.layer_m.last().unwrap(), base);
+            assert!(grid.layer_m.contains(&source));
+            assert!(grid.layer_m.windows(2).all(|pair| pair[1] - pair[0] > 10.0));
+            let below = grid.layer_m[grid.layer_count() - 2];
+            assert!(base - below <= 100.0, "{below} below {base}");
+            assert!(grid.layer_count() < 45, "{}", grid.layer_count());
+        }
+    }
+
+    #[test]
     fn the_volume_of_the_cells_is_that_of_the_cap() {
-        let grid = FieldGrid::new(0.0, 0.0, 0.2, 1);
+        let grid = FieldGrid::new(0.0, 0.0, None, 0.2, 1);
         let mut volume = 0.0;
         grid.for_each_volume(|_, _, _, v| volume += v);
         let arc = grid.ring_m.last().unwrap() / EARTH_RADIUS_M;

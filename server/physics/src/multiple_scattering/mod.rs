@@ -3,8 +3,9 @@
 //! The light of one source is symmetric about the source's vertical. So the radiance of each order is kept on
 //! a two-dimensional grid (distance from the vertical by altitude) as moments over direction, which a phase
 //! function multiplies by its own. First-order light arrives from a point and is integrated exactly at every
-//! place ([`first_order`]); each later order is followed along straight rays from every place ([`transport`]).
+//! place ([`first_order`], [`reflected`]); each later order is followed along straight rays from every place ([`transport`]).
 //! An observer's sky is one more integral along the view ray ([`view`]).
+//! The base of a cloud, if there is one, closes the grid: what it reflects counts as one scattering, like the ground's.
 //!
 //! [`monte_carlo`] is the judge: it shares nothing with the solver but columns and phase functions.
 
@@ -19,16 +20,18 @@ mod lanes;
 pub mod monte_carlo;
 mod optics;
 mod path;
+mod reflected;
 mod setting;
 mod source_function;
 mod sum;
+mod surfaces;
 mod transport;
 mod view;
 
 pub use energy::OrderPower;
 pub use field::SourceField;
 use lanes::{LANES, Lanes};
-pub use setting::{DEFAULT_GROUND_ALBEDO, Resolution, SourceSetting};
+pub use setting::{DEFAULT_GROUND_ALBEDO, LEAST_BELOW_BASE_M, Resolution, SourceSetting};
 pub use sum::{MultipleSum, SumDensity};
 pub use view::ViewRow;
 

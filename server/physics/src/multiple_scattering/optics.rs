@@ -91,6 +91,16 @@ impl SlantPath {
         if b >= 0.0 { c / (b + root) } else { root - b }
     }
 
+    /// Path to the base of a cloud that is not below the start, metres: 0 from the base itself upwards, the whole chord
+    /// below it downwards.
+    pub(super) fn path_to_base_m(&self, base_altitude_m: f64) -> f64 {
+        let above = (base_altitude_m - self.start_altitude_m).max(0.0);
+        let c = above * (self.start_radius_m + EARTH_RADIUS_M + base_altitude_m);
+        let b = self.start_radius_m * self.cos_zenith;
+        let root = (b * b + c).sqrt();
+        if b > 0.0 { c / (b + root) } else { root - b }
+    }
+
     /// The point at distance `path_m` ≥ 0 along the ray.
     pub(super) fn point(&self, path_m: f64) -> SlantPoint {
         let (r0, mu) = (self.start_radius_m, self.cos_zenith);
@@ -149,6 +159,12 @@ mod tests {
         for mu in [-0.01, 0.0, 0.7] {
             let up = SlantPath::new(1_000.0, mu);
             assert!((up.point(up.path_up_to_m(60_000.0)).altitude_m - 60_000.0).abs() < 1e-6);
+            assert_eq!(up.path_up_to_m(60_000.0), up.path_to_base_m(60_000.0));
         }
+        // From the base itself: a chord below it, or nothing.
+        let chord = SlantPath::new(1_000.0, -0.01).path_to_base_m(1_000.0);
+        assert!((chord / (0.02 * (EARTH_RADIUS_M + 1_000.0)) - 1.0).abs() < 1e-12);
+        assert_eq!(SlantPath::new(1_000.0, 0.3).path_to_base_m(1_000.0), 0.0);
+        assert_eq!(SlantPath::new(1_000.0, 0.0).path_to_base_m(1_000.0), 0.0);
     }
 }

@@ -29,12 +29,29 @@ pub(super) struct PathStep {
     pub(super) weight: Lanes,
 }
 
-/// A ray's steps, and the ground at its end if it meets it.
+/// A surface that a ray ends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Surface {
+    Ground,
+    /// The base of the cloud.
+    Base,
+}
+
+/// Where a ray ends on a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PathEnd {
+    pub(super) surface: Surface,
+    /// Arc to there, metres.
+    pub(super) arc_m: f64,
+    /// What the air lets through of the light from there.
+    pub(super) through: Lanes,
+}
+
+/// A ray's steps, and the ground or the base of a cloud at its end if it gets there.
 #[derive(Clone, Debug)]
 pub(super) struct SteppedPath {
     pub(super) steps: Vec<PathStep>,
-    /// Arc to where the ray meets the ground [m], and what the air lets through of it.
-    pub(super) ground: Option<(f64, Lanes)>,
+    pub(super) end: Option<PathEnd>,
 }
 
 /// How long steps are.
@@ -47,6 +64,12 @@ pub(super) struct Stride {
 }
 
 impl SteppedPath {
+    /// A ray in the dark.
+    pub(super) fn dark() -> Self {
+        Self { steps: Vec::new(), end: None }
+    }
+
+    /// The ray from an altitude, which is not above the base of the cloud, if there is one.
     pub(super) fn new(
         setting: &SourceSetting,
         grid: &FieldGrid,
@@ -56,7 +79,9 @@ impl SteppedPath {
     ) -> Self {
         let path = SlantPath::new(altitude_m, cos_zenith);
         let ground_m = path.path_down_to_m(setting.ground_altitude_m);
-        let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
+        let cloud = setting.atmosphere.cloud();
+        let base_m = cloud.map(|cloud| path.path_to_base_m(cloud.altitude_m()));
+        let end_m = ground_m.or(base_m).unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
         let sine = (1.0 - cos_zenith * cos_zenith).max(0.0).sqrt();
         let arc_m = |u: f64| EARTH_RADIUS_M * (u * sine).atan2(EARTH_RADIUS_M + altitude_m + u * cos_zenith);
         let thickest = BAND_COUNT - 1;
@@ -70,7 +95,10 @@ impl SteppedPath {
         let mut here = path.point(0.0);
         while from_m < end_m {
             let extinction = beta[0] * here.density[0] + beta[1] * here.density[1];
-            let height_m = (here.altitude_m - setting.ground_altitude_m).max(0.0);
+            let mut height_m = (here.altitude_m - setting.ground_altitude_m).max(0.0);
+            if let Some(cloud) = cloud {
+                height_m = height_m.min((cloud.altitude_m() - here.altitude_m).max(0.0));
+            }
             let climb_m = 0.4 * height_m + 120.0;
             let step_m = (stride.growth * from_m + stride.first_m)
                 .min(LONGEST_DEPTH / extinction)
@@ -88,10 +116,16 @@ impl SteppedPath {
             });
             (from_m, before, here) = (to_m, after, next);
             if before.iter().all(|&t| t < LEAST_TRANSMISSION) {
-                return Self { steps, ground: None };
+                return Self { steps, end: None };
             }
         }
-        Self { steps, ground: ground_m.map(|u| (arc_m(u), lanes_from_bands(before))) }
+        let surface = if ground_m.is_some() { Some(Surface::Ground) } else { base_m.map(|_| Surface::Base) };
+        let end = surface.map(|surface| PathEnd {
+            surface,
+            arc_m: arc_m(end_m),
+            through: lanes_from_bands(before),
+        });
+        Self { steps, end }
     }
 }
 

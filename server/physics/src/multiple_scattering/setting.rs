@@ -7,6 +7,11 @@ use crate::{
 
 /// Albedo of the ground unless another is asked for.
 pub const DEFAULT_GROUND_ALBEDO: f64 = 0.15;
+/// A field is solved for sources at least so far below the base of a cloud, metres: nearer, the spot that they light is
+/// smaller than the field's rings.
+pub const LEAST_BELOW_BASE_M: f64 = 25.0;
+/// Highest source, metres.
+const HIGHEST_SOURCE_M: f64 = 10_000.0;
 
 /// One source in its air above its ground.
 ///
@@ -15,9 +20,9 @@ pub const DEFAULT_GROUND_ALBEDO: f64 = 0.15;
 /// the ground at the observer's altitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceSetting {
-    /// The air.
+    /// The air, and the cloud over it, if any.
     pub atmosphere: Atmosphere,
-    /// Altitude of the source, metres, −2 000..=10 000.
+    /// Altitude of the source, metres, −2 000..=10 000, and [`LEAST_BELOW_BASE_M`] and more below the base of a cloud.
     pub source_altitude_m: f64,
     /// Altitude of the ground, metres, −2 000..=source_altitude_m.
     pub ground_altitude_m: f64,
@@ -29,7 +34,8 @@ pub struct SourceSetting {
 }
 
 impl SourceSetting {
-    /// Checks the ranges; the sky is open.
+    /// Checks the ranges; the sky is open. Under a cloud a source at the base or less than [`LEAST_BELOW_BASE_M`] below
+    /// it is refused.
     ///
     /// # Errors
     /// [`PhysicsError::OutOfRange`] naming `source_altitude`, `ground_altitude` or `ground_albedo`.
@@ -39,7 +45,11 @@ impl SourceSetting {
         ground_altitude_m: f64,
         ground_albedo: f64,
     ) -> Result<Self, PhysicsError> {
-        check_range("source_altitude", source_altitude_m, -2_000.0, 10_000.0, "m")?;
+        let highest_m = atmosphere
+            .cloud()
+            .map_or(f64::INFINITY, |cloud| cloud.altitude_m() - LEAST_BELOW_BASE_M)
+            .min(HIGHEST_SOURCE_M);
+        check_range("source_altitude", source_altitude_m, -2_000.0, highest_m, "m")?;
         check_range("ground_altitude", ground_altitude_m, -2_000.0, source_altitude_m, "m")?;
         check_range("ground_albedo", ground_albedo, 0.0, 1.0, "")?;
         Ok(Self { atmosphere, source_altitude_m, ground_altitude_m, ground_albedo, blocking_rad: 0.0 })

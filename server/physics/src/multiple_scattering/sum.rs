@@ -4,10 +4,11 @@
 //! observer altitude: dense over the altitude of the source, over distance and over azimuth (a test halves the
 //! steps). Nothing of a pack is in it but the solver.
 
-use super::{Resolution, SourceField, SourceSetting, ViewRow};
+use super::{LEAST_BELOW_BASE_M, Resolution, SourceField, SourceSetting, ViewRow};
 use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
+    cloud::CloudBase,
     emission::EmissionMix,
     error::PhysicsError,
     interpolation::lagrange_taps,
@@ -74,6 +75,9 @@ impl MultipleSum {
     ///
     /// Solves one field for every altitude of sources: seconds each. Without sources nothing is solved.
     ///
+    /// Under a cloud, sources at or above the base are dark and so is everything to an observer there; a source less
+    /// than [`LEAST_BELOW_BASE_M`] below the base counts as that far below it.
+    ///
     /// # Errors
     /// [`PhysicsError::OutOfRange`] for an altitude or albedo outside the solver's ranges, or an elevation below 0.
     pub fn radiance(
@@ -82,19 +86,22 @@ impl MultipleSum {
         flux_per_dnb_flux: [f64; BAND_COUNT],
         directions: &[Direction],
     ) -> Result<Vec<[f64; BAND_COUNT]>, PhysicsError> {
-        if sources.is_empty() {
+        let base_m = self.atmosphere.cloud().map_or(f64::INFINITY, CloudBase::altitude_m);
+        let lit: Vec<PointSource> =
+            sources.iter().filter(|source| source.altitude_m < base_m).copied().collect();
+        if lit.is_empty() || self.observer_altitude_m >= base_m {
             return Ok(vec![[0.0; BAND_COUNT]; directions.len()]);
         }
         let mut rows: Vec<f64> = directions.iter().map(|direction| direction.elevation_rad).collect();
         rows.sort_by(f64::total_cmp);
         rows.dedup();
-        let dense = self.solve(altitude_nodes(sources, self.density.altitude_step_m), &rows)?;
+        let dense = self.solve(altitude_nodes(&lit, base_m, self.density.altitude_step_m), &rows)?;
         Ok(directions
             .par_iter()
             .map(|direction| {
                 let row = rows.partition_point(|&elevation| elevation < direction.elevation_rad);
                 let mut sum = [0.0; BAND_COUNT];
-                for source in sources {
+                for source in &lit {
                     let per_watt = dense.radiance_per_watt(row, source, direction.azimuth_rad);
                     for band in 0..BAND_COUNT {
                         sum[band] += source.flux_dnb_w * flux_per_dnb_flux[band] * per_watt[band];
@@ -150,10 +157,12 @@ impl MultipleSum {
     }
 }
 
-/// Altitudes of sources, metres, from the lowest to the highest in equal steps.
-fn altitude_nodes(sources: &[PointSource], step_m: f64) -> Vec<f64> {
+/// Altitudes of sources, metres, from the lowest to the highest in equal steps, all of them so far below a base that
+/// fields are solved for them.
+fn altitude_nodes(sources: &[PointSource], base_m: f64, step_m: f64) -> Vec<f64> {
     let (lowest, highest) = sources.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), source| {
-        (low.min(source.altitude_m), high.max(source.altitude_m))
+        let altitude_m = source.altitude_m.min(base_m - LEAST_BELOW_BASE_M);
+        (low.min(altitude_m), high.max(altitude_m))
     });
     let steps = ((highest - lowest) / step_m).ceil();
     if steps < 1.0 {

@@ -1,12 +1,13 @@
 //! From the source function of one order to the radiance of that order at every place of the grid.
 
 use super::{
-    grid::{Between, FieldGrid},
+    grid::FieldGrid,
     harmonics::{cosines, legendre, pair_count, pair_index},
-    lanes::{LANES, Lanes, exp_lanes},
+    lanes::{LANES, Lanes},
     path::{SteppedPath, Stride, track},
     setting::{Resolution, SourceSetting},
     source_function::{Moments, SourceFunction},
+    surfaces::Surfaces,
 };
 use crate::quadrature::gauss_legendre;
 use rayon::prelude::*;
@@ -23,25 +24,8 @@ pub(super) struct Radiance {
     pub(super) moments: Moments,
     /// Flux through the horizontal from above, m⁻² per watt, `[point]`.
     pub(super) down_flux: Vec<[f64; LANES]>,
-}
-
-/// ln of the radiance that the ground sends back [m⁻² sr⁻¹ per watt], `[ring]`.
-#[derive(Clone, Debug)]
-pub(super) struct GroundRadiance(pub(super) Vec<Lanes>);
-
-impl GroundRadiance {
-    /// A·E/π from the flux from above in the lowest layer.
-    pub(super) fn new(albedo: f64, grid: &FieldGrid, down_flux: &[[f64; LANES]]) -> Self {
-        let ln = |flux: f64| (albedo * flux / PI).max(1e-36).ln() as f32;
-        Self(down_flux[..grid.ring_count()].iter().map(|flux| flux.map(ln)).collect())
-    }
-
-    #[inline]
-    fn at(&self, ring: Between) -> Lanes {
-        let (near, far) = (&self.0[ring.lower], &self.0[ring.lower + 1]);
-        let w = ring.upper_weight as f32;
-        exp_lanes(&std::array::from_fn(|lane| near[lane] + w * (far[lane] - near[lane])))
-    }
+    /// Flux through the horizontal from below, m⁻² per watt, `[point]`.
+    pub(super) up_flux: Vec<[f64; LANES]>,
 }
 
 /// Cosines of zenith angles with weights summing to 2: each hemisphere has its own nodes, as at the ground
@@ -81,22 +65,24 @@ fn azimuths(nodes: &[(f64, f64)], distance_m: f64, degree: usize) -> Vec<Azimuth
 struct Gathered {
     moments: Vec<[f64; LANES]>,
     down_flux: [f64; LANES],
+    up_flux: [f64; LANES],
 }
 
-/// Radiance of one order from its source function and what the ground sends back.
+/// Radiance of one order from its source function and what the ground and the base of a cloud send back.
 pub(super) fn transport(
     setting: &SourceSetting,
     resolution: &Resolution,
     grid: &FieldGrid,
     source: &SourceFunction,
-    ground: &GroundRadiance,
+    surfaces: &Surfaces,
 ) -> Radiance {
     let degree = resolution.later_degree;
     let pairs = pair_count(degree);
     let azimuth_nodes = gauss_legendre(resolution.azimuths / 2);
     let rings: Vec<Vec<Azimuth>> =
         (0..grid.ring_count()).map(|ring| azimuths(&azimuth_nodes, grid.place_m(ring).0, degree)).collect();
-    let empty = Gathered { moments: vec![[0.0; LANES]; pairs], down_flux: [0.0; LANES] };
+    let empty =
+        Gathered { moments: vec![[0.0; LANES]; pairs], down_flux: [0.0; LANES], up_flux: [0.0; LANES] };
     let mut gathered = vec![empty; grid.point_count()];
     for (cos_zenith, zenith_weight) in zenith_nodes(resolution.polar_per_hemisphere) {
         // Zenith angles turn by less than a degree in 100 km; the source function does not notice.
@@ -110,7 +96,7 @@ pub(super) fn transport(
             let mut modes = vec![[0.0f64; LANES]; degree + 1];
             for azimuth in &rings[point % rings.len()] {
                 let (cosine, sine) = (azimuth.cosine, azimuth.sine);
-                let radiance = along(&path, grid, source, &table, ground, distance_m, cosine, sine);
+                let radiance = along(&path, grid, source, &table, surfaces, distance_m, cosine, sine);
                 for (mode, cosine) in modes.iter_mut().zip(&azimuth.cosines) {
                     for (sum, value) in mode.iter_mut().zip(radiance) {
                         *sum += cosine * azimuth.weight * f64::from(value);
@@ -119,6 +105,9 @@ pub(super) fn transport(
             }
             for (sum, value) in place.down_flux.iter_mut().zip(modes[0]) {
                 *sum += zenith_weight * cos_zenith.max(0.0) * value;
+            }
+            for (sum, value) in place.up_flux.iter_mut().zip(modes[0]) {
+                *sum += zenith_weight * (-cos_zenith).max(0.0) * value;
             }
             for l in 0..=degree {
                 for m in 0..=l {
@@ -136,6 +125,7 @@ pub(super) fn transport(
             values: gathered.iter().flat_map(|p| p.moments.iter().map(|m| m.map(|v| v as f32))).collect(),
         },
         down_flux: gathered.iter().map(|p| p.down_flux).collect(),
+        up_flux: gathered.iter().map(|p| p.up_flux).collect(),
     }
 }
 
@@ -145,7 +135,7 @@ fn along(
     grid: &FieldGrid,
     source: &SourceFunction,
     table: &super::source_function::DirectionTable,
-    ground: &GroundRadiance,
+    surfaces: &Surfaces,
     start_m: f64,
     cos_azimuth: f64,
     sin_azimuth: f64,
@@ -159,12 +149,12 @@ fn along(
             sum[lane] += step.weight[lane] * value[lane];
         }
     }
-    if let Some((arc_m, through)) = &path.ground {
-        let (distance_m, _) = track(start_m, cos_azimuth, sin_azimuth, *arc_m);
+    if let Some(end) = &path.end {
+        let (distance_m, _) = track(start_m, cos_azimuth, sin_azimuth, end.arc_m);
         if let Some(ring) = grid.ring_at(distance_m) {
-            let value = ground.at(ring);
+            let value = surfaces.at(end.surface, ring);
             for lane in 0..LANES {
-                sum[lane] += through[lane] * value[lane];
+                sum[lane] += end.through[lane] * value[lane];
             }
         }
     }

@@ -1,6 +1,9 @@
 //! What an observer sees of a field: orders two and more of the sky's radiance.
 //!
 //!   b₂₊ = ∫ S·β·e^{−τ} du = Σ_steps S·(T₀ − T₁)     [m⁻² sr⁻¹ per watt]
+//!
+//! and, where the ray ends at the base of a cloud, what the base sends back of light of all orders. An observer at or
+//! above the base sees exactly nothing.
 
 use super::{
     field::SourceField,
@@ -73,11 +76,23 @@ impl<'a> ViewRow<'a> {
                 sum[lane] += step.weight[lane] * value[lane];
             }
         }
+        field.add_base(&self.path, (distance_m, -cosine, sine), &mut sum);
         outputs_from_lanes(&sum.map(f64::from))
     }
 }
 
 impl SourceField {
+    /// Adds the light of the base at the end of a ray that starts at `(distance_m, cos_azimuth, sin_azimuth)`.
+    fn add_base(&self, path: &SteppedPath, start: (f64, f64, f64), sum: &mut Lanes) {
+        let (Some(base), Some(end)) = (&self.base, &path.end) else { return };
+        let (from_source_m, _) = track(start.0, start.1, start.2, end.arc_m);
+        let Some(ring) = self.grid.ring_at(from_source_m) else { return };
+        let value = base.at(ring);
+        for lane in 0..LANES {
+            sum[lane] += end.through[lane] * value[lane];
+        }
+    }
+
     /// Radiance of orders two and more per watt, m⁻² sr⁻¹, `[band][lobe]` as in
     /// [`crate::single_source::radiance_per_watt_of`], which gives the first order: the sum of both is the sky.
     ///
@@ -131,6 +146,7 @@ impl SourceField {
                 sum[lane] += step.weight[lane] * mean[lane] * shape[lane].max(0.0);
             }
         }
+        self.add_base(&path, (geometry.distance_m, -cosine, sine), &mut sum);
         Ok(outputs_from_lanes(&sum.map(f64::from)))
     }
 }
@@ -142,6 +158,10 @@ fn view_path(
 ) -> Result<SteppedPath, PhysicsError> {
     check_range("elevation", elevation_rad, 0.0, std::f64::consts::FRAC_PI_2 + 1e-9, "rad")?;
     check_range("observer_altitude", observer_altitude_m, field.setting.ground_altitude_m, 20_000.0, "m")?;
+    let cloud = field.setting.atmosphere.cloud();
+    if cloud.is_some_and(|cloud| observer_altitude_m >= cloud.altitude_m()) {
+        return Ok(SteppedPath::dark());
+    }
     let cos_zenith = elevation_rad.sin().min(1.0);
     Ok(SteppedPath::new(&field.setting, &field.grid, observer_altitude_m, cos_zenith, VIEW_STRIDE))
 }

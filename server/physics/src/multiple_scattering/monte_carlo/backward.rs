@@ -1,6 +1,6 @@
 //! Backward: light followed from the eye to the source.
 //!
-//! Every vertex of a path (a scattering or a point of the ground) asks the source for its direct light. Two
+//! Every vertex of a path (a scattering or a point of the ground or of the base of a cloud) asks the source for its direct light. Two
 //! choices keep the variance finite although that light grows like 1/d²: distances along a ray are drawn half
 //! from free paths and half equiangularly about the source (Kulla & Fajardo 2012), directions half from the
 //! phase function and half evenly in the angle from the source's direction; each draw is weighted by the mean
@@ -17,6 +17,7 @@ use super::{
 use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::Band,
+    cloud::CloudBase,
     cone::sin_blocking,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
@@ -32,6 +33,8 @@ const TOP_ALTITUDE_M: f64 = 100_000.0;
 const ROULETTE_FROM: usize = 6;
 const SURVIVAL: f64 = 0.7;
 const LONGEST_PATH: usize = 400;
+/// Paths go on so far below the base of a cloud, metres.
+const OFF_BASE_M: f64 = 1e-4;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
 const STREAM_PATHS: u64 = 1_024;
 
@@ -53,9 +56,19 @@ struct Hit {
     path_m: f64,
     altitude_m: f64,
     density: [f64; 2],
-    /// Transmission over density of the draw: for the air m (times a coefficient m⁻¹), for the ground a number.
+    /// Transmission over density of the draw: for the air m (times a coefficient m⁻¹), for a surface a number.
     weight: f64,
-    on_ground: bool,
+    /// The surface that is hit, if it is not the air.
+    surface: Option<Wall>,
+}
+
+/// A Lambertian surface that a ray ends on.
+#[derive(Clone, Copy)]
+struct Wall {
+    altitude_m: f64,
+    albedo: f64,
+    /// 1 where its bright side looks up, −1 where it looks down.
+    side: f64,
 }
 
 impl Tracer {
@@ -126,26 +139,28 @@ impl Tracer {
         for vertex in 0..LONGEST_PATH {
             let Some(hit) = self.draw_point(position, direction, random) else { break };
             position += direction * hit.path_m;
-            let normal = position.normalize();
+            let normal = position.normalize() * hit.surface.map_or(1.0, |wall| wall.side);
             let scatterers =
                 [self.molecules_per_m * hit.density[0], AEROSOL_ALBEDO * self.aerosol_per_m * hit.density[1]];
             weight *= hit.weight;
             if let Some((light, from_source)) = self.direct(position, hit.altitude_m) {
-                let response = if hit.on_ground {
-                    self.setting.ground_albedo / PI * (-from_source.dot(normal)).max(0.0)
-                } else {
-                    mixed_phase(scatterers, -from_source.dot(direction))
+                let response = match hit.surface {
+                    Some(wall) => wall.albedo / PI * (-from_source.dot(normal)).max(0.0),
+                    None => mixed_phase(scatterers, -from_source.dot(direction)),
                 };
                 let order = vertex.min(TOLD_ORDERS - 1);
                 for lobe in 0..LOBE_COUNT {
                     orders[order][lobe] += weight * response * light[lobe];
                 }
             }
-            let (next, factor) = if hit.on_ground {
-                (lambertian_direction(normal, random), self.setting.ground_albedo)
-            } else {
-                self.draw_direction(position, direction, scatterers, random)
+            let (next, factor) = match hit.surface {
+                Some(wall) => (lambertian_direction(normal, random), wall.albedo),
+                None => self.draw_direction(position, direction, scatterers, random),
             };
+            if hit.surface.is_some_and(|wall| wall.side < 0.0) {
+                // Off the base, lest rounding puts the next ray's start above it.
+                position += normal * OFF_BASE_M;
+            }
             weight *= factor;
             direction = next;
             if weight <= 0.0 {
@@ -181,28 +196,37 @@ impl Tracer {
         Some((lobe_intensities_per_sr(unit.z).map(|f| f * through), unit))
     }
 
-    /// Draws where a ray is scattered or meets the ground.
+    /// Draws where a ray is scattered or meets a surface. None above the base of a cloud.
     fn draw_point(&self, position: DVec3, direction: DVec3, random: &mut Random) -> Option<Hit> {
         let radius = position.length();
         let path = SlantPath::new(radius - EARTH_RADIUS_M, direction.dot(position) / radius);
         let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
-        let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
+        let cloud = self.setting.atmosphere.cloud();
+        let top_m = cloud.map_or(TOP_ALTITUDE_M, CloudBase::altitude_m);
+        let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(top_m));
         if end_m <= 1e-6 {
             return None;
         }
+        let ground = Wall {
+            altitude_m: self.setting.ground_altitude_m,
+            albedo: self.setting.ground_albedo,
+            side: 1.0,
+        };
+        let base = cloud.map(|cloud| Wall { altitude_m: top_m, albedo: cloud.albedo(), side: -1.0 });
+        let wall = ground_m.map(|_| ground).or(base);
         let depth_at = |u: f64| {
             let point = path.point(u);
             (optical_depths(&self.setting.atmosphere, point.columns_m)[self.band], point)
         };
         let whole = depth_at(end_m).0;
-        // Rays that end on the ground may draw the ground with the probability that light gets there.
+        // Rays that end on a surface may draw it with the probability that light gets there.
         let scattered_share = 1.0 - (-whole).exp();
-        if ground_m.is_some() && random.unit() >= scattered_share {
-            let altitude_m = self.setting.ground_altitude_m;
+        if let Some(wall) = wall.filter(|_| random.unit() >= scattered_share) {
+            let altitude_m = wall.altitude_m;
             let density = relative_densities(altitude_m);
-            return Some(Hit { path_m: end_m, altitude_m, density, weight: 1.0, on_ground: true });
+            return Some(Hit { path_m: end_m, altitude_m, density, weight: 1.0, surface: Some(wall) });
         }
-        let air_probability = if ground_m.is_some() { scattered_share } else { 1.0 };
+        let air_probability = if wall.is_some() { scattered_share } else { 1.0 };
         let from_source = position - self.source;
         let nearest_m = -from_source.dot(direction);
         let miss_m = (from_source + direction * nearest_m).length().max(1e-3);
@@ -222,7 +246,7 @@ impl Tracer {
         let equiangular = 1.0 / ((high - low) * miss_m * (1.0 + beside * beside));
         let free = extinction * through / scattered_share;
         let weight = through / (0.5 * (equiangular + free) * air_probability);
-        Some(Hit { path_m, altitude_m: point.altitude_m, density: point.density, weight, on_ground: false })
+        Some(Hit { path_m, altitude_m: point.altitude_m, density: point.density, weight, surface: None })
     }
 
     /// Draws where light that is scattered into `direction` came from, and the weight of the draw, m⁻¹.

@@ -1,17 +1,61 @@
 //! Where a flight of light crosses the surface that a view ray sweeps out about the source's vertical.
 
 use super::{
-    super::{optics::SlantPath, setting::SourceSetting},
+    super::{
+        optics::{SlantPath, optical_depths},
+        setting::SourceSetting,
+    },
     Detector,
 };
 use crate::geometry::EARTH_RADIUS_M;
 use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
 
 /// A view ray in the frame of the source: z is the source's vertical, the origin the source.
 pub(super) struct Ray {
     observer: DVec3,
     view: DVec3,
     pub(super) path: SlantPath,
+    base: Option<BaseRing>,
+}
+
+/// Where a view ray meets the base of a cloud.
+struct BaseRing {
+    /// Nearest and farthest distance from the source's vertical at which arriving light is counted, metres.
+    from_m: f64,
+    to_m: f64,
+    /// Radiance that the observer sees of 1 W arriving in the ring, m⁻² sr⁻¹.
+    radiance_per_w: f64,
+}
+
+/// Half the width of a ring over the distance of the view ray's end from the source: the light that arrives falls as
+/// a power of that distance, so its mean over the ring is that at its middle to a few parts in 1 000.
+const RING_HALF_WIDTH: f64 = 0.05;
+
+impl BaseRing {
+    /// None under a clear sky and for an observer at or above the base.
+    fn new(
+        setting: &SourceSetting,
+        band: usize,
+        observer: DVec3,
+        view: DVec3,
+        path: &SlantPath,
+    ) -> Option<Self> {
+        let cloud = setting.atmosphere.cloud()?;
+        let length_m = path.path_up_to_m(cloud.altitude_m());
+        if length_m <= 0.0 {
+            return None;
+        }
+        let end = observer + view * length_m;
+        let (rho_m, half_m) = (end.x.hypot(end.y), RING_HALF_WIDTH * end.length());
+        let (from_m, to_m) = ((rho_m - half_m).max(0.0), rho_m + half_m);
+        // The sphere over a ring is larger than its shadow by the tilt of its vertical.
+        let radius_m = EARTH_RADIUS_M + cloud.altitude_m();
+        let cap = |rho_m: f64| TAU * radius_m * radius_m * (1.0 - (1.0 - (rho_m / radius_m).powi(2)).sqrt());
+        let through = (-optical_depths(&setting.atmosphere, path.point(length_m).columns_m)[band]).exp();
+        let radiance_per_w = cloud.albedo() / PI * through / (cap(to_m) - cap(from_m));
+        Some(Self { from_m, to_m, radiance_per_w })
+    }
 }
 
 /// A flight crossing the surface.
@@ -28,7 +72,7 @@ pub(super) struct Crossing {
 }
 
 impl Ray {
-    pub(super) fn new(setting: &SourceSetting, detector: &Detector) -> Self {
+    pub(super) fn new(setting: &SourceSetting, band: usize, detector: &Detector) -> Self {
         let geometry = &detector.geometry;
         let arc = geometry.distance_m / EARTH_RADIUS_M;
         let (sine, cosine) = arc.sin_cos();
@@ -41,11 +85,18 @@ impl Ray {
         let view = DVec3::new(-cosine, 0.0, sine) * (cos_el * cos_az)
             + DVec3::Y * (cos_el * sin_az)
             + DVec3::new(sine, 0.0, cosine) * sin_el;
-        Self {
-            observer: DVec3::new(radius * sine, 0.0, height),
-            view,
-            path: SlantPath::new(geometry.observer_altitude_m, sin_el),
-        }
+        let observer = DVec3::new(radius * sine, 0.0, height);
+        let path = SlantPath::new(geometry.observer_altitude_m, sin_el);
+        let base = BaseRing::new(setting, band, observer, view, &path);
+        Self { observer, view, path, base }
+    }
+
+    /// Radiance that the observer sees at the base of a cloud for 1 W that arrives there, m⁻² sr⁻¹; 0 outside the ring
+    /// that stands for the end of the view ray.
+    pub(super) fn base_radiance_per_w(&self, arrival: DVec3) -> f64 {
+        let rho_m = arrival.x.hypot(arrival.y);
+        let ring = self.base.as_ref().filter(|ring| rho_m >= ring.from_m && rho_m < ring.to_m);
+        ring.map_or(0.0, |ring| ring.radiance_per_w)
     }
 
     /// Where a flight of length `end_m` from `start` along the unit vector `direction` crosses the surface.

@@ -9,6 +9,9 @@
 //! copy of the view direction through P and φ̂ the horizontal around the vertical: ρ·|v × φ̂| du dφ is the
 //! element of the surface, and |ω·n| what of it a flight sees. Flights are counted along their whole length,
 //! whether or not the light is scattered before.
+//!
+//! Under a cloud the flights that arrive at the base are counted too, in a narrow ring about the source's vertical
+//! through the point where the view ray meets the base: E = Σ w·e^{−τ}/ring's area, L = E·A/π·e^{−τ(P,O)}.
 
 use super::{
     super::{
@@ -22,6 +25,7 @@ use super::{
 use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::Band,
+    cloud::CloudBase,
     cone::sin_blocking,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
@@ -83,7 +87,8 @@ impl ForwardTracer {
     /// estimates of different detectors are therefore correlated, those of other seeds are not.
     /// The same seed gives the same numbers on any number of threads.
     pub fn estimate(&self, detectors: &[Detector], paths: u64, seed: u64) -> Vec<Estimate> {
-        let rays: Vec<Ray> = detectors.iter().map(|detector| Ray::new(&self.setting, detector)).collect();
+        let rays: Vec<Ray> =
+            detectors.iter().map(|detector| Ray::new(&self.setting, self.band, detector)).collect();
         let streams = paths.div_ceil(STREAM_PATHS).max(1);
         let sums: Vec<_> = (0..streams)
             .into_par_iter()
@@ -151,23 +156,35 @@ impl ForwardTracer {
             let radius = from_center.length();
             let path = SlantPath::new(radius - EARTH_RADIUS_M, flight.direction.dot(from_center) / radius);
             let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
-            let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
+            let cloud = self.setting.atmosphere.cloud();
+            let top_m = cloud.map_or(TOP_ALTITUDE_M, CloudBase::altitude_m);
+            let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(top_m));
             for (index, ray) in rays.iter().enumerate() {
                 self.catch(ray, &flight, &path, end_m, &mut tallies[index], &mut caught[index]);
             }
             let depth_at =
                 |u: f64| optical_depths(&self.setting.atmosphere, path.point(u).columns_m)[self.band];
             let (drawn, whole) = (-random.unit().ln(), depth_at(end_m));
-            if drawn >= whole {
-                if ground_m.is_none() {
-                    return;
+            let at_base = cloud.filter(|_| ground_m.is_none());
+            if at_base.is_some() {
+                let arrival = flight.start + flight.direction * end_m;
+                for (index, ray) in rays.iter().enumerate() {
+                    let reflected_per_w = ray.base_radiance_per_w(arrival) * (-whole).exp();
+                    Self::count(&flight, reflected_per_w, &mut tallies[index], &mut caught[index]);
                 }
+            }
+            if drawn >= whole {
+                let (side, albedo) = match (ground_m, at_base) {
+                    (Some(_), _) => (1.0, self.setting.ground_albedo),
+                    (None, Some(cloud)) => (-1.0, cloud.albedo()),
+                    (None, None) => return,
+                };
                 flight.start += flight.direction * end_m;
-                let normal = (flight.start - center).normalize();
-                // Off the surface, lest rounding puts the start below it.
+                let normal = (flight.start - center).normalize() * side;
+                // Off the surface, lest rounding puts the start behind it.
                 flight.start += normal * 1e-4;
                 flight.direction = lambertian_direction(normal, random);
-                flight.weight = flight.weight.map(|w| w * self.setting.ground_albedo);
+                flight.weight = flight.weight.map(|w| w * albedo);
             } else {
                 let path_m = path_of_depth_m(drawn, whole, end_m, depth_at);
                 let density = path.point(path_m).density;
@@ -207,12 +224,20 @@ impl ForwardTracer {
                 AEROSOL_ALBEDO * self.aerosol_per_m * point.density[1],
             ];
             let value = through * mixed_phase(scatterers, crossing.cos_gamma) / (TAU * crossing.facing_m);
-            for lobe in 0..LOBE_COUNT {
-                let value = value * flight.weight[lobe];
-                tally[flight.order.min(TOLD_ORDERS - 1)][lobe] += value;
-                if flight.order > 0 {
-                    caught[lobe] += value;
-                }
+            Self::count(flight, value, tally, caught);
+        }
+    }
+
+    /// Counts light of a flight that goes on to the observer, `per_weight` of it.
+    fn count(flight: &Flight, per_weight: f64, tally: &mut Tally, caught: &mut [f64; LOBE_COUNT]) {
+        if per_weight <= 0.0 {
+            return;
+        }
+        for lobe in 0..LOBE_COUNT {
+            let value = per_weight * flight.weight[lobe];
+            tally[flight.order.min(TOLD_ORDERS - 1)][lobe] += value;
+            if flight.order > 0 {
+                caught[lobe] += value;
             }
         }
     }
