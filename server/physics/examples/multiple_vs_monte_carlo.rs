@@ -164,10 +164,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let tell_orders = options.text("orders", "no") == "yes";
     let cloud = match options.text("cloud_base_m", "none").as_str() {
         "none" => None,
-        base_m => Some(CloudBase::new(
-            base_m.parse()?,
-            options.number("cloud_albedo", CloudBase::DEFAULT_ALBEDO)?,
-        )?),
+        base_m => {
+            Some(CloudBase::new(base_m.parse()?, options.number("cloud_albedo", CloudBase::DEFAULT_ALBEDO)?)?)
+        }
     };
     let mut all = Statistics::default();
     let mut parts: Vec<(String, Statistics)> = Vec::new();

@@ -37,3 +37,6 @@ pub use view::ViewRow;
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod overcast_tests;

@@ -1,0 +1,229 @@
+//! All orders below a closed layer of cloud.
+
+use super::{
+    monte_carlo::{Detector, ForwardTracer, Tracer},
+    *,
+};
+use crate::{
+    Atmosphere, Band, CloudBase, EmissionMix, PointSource, Turbidity,
+    panorama::Direction,
+    quadrature::integrate_adaptive,
+    single_source::{SourceGeometry, cut_radiance_per_watt_of, radiance_per_watt_of},
+};
+use std::{f64::consts::PI, sync::LazyLock};
+
+const BASE_M: f64 = 1_000.0;
+
+fn air(base_m: f64, albedo: f64) -> Atmosphere {
+    let cloud = CloudBase::new(base_m, albedo).unwrap();
+    Atmosphere::new(Turbidity::new(2.0).unwrap()).under(Some(cloud))
+}
+
+fn setting(base_m: f64, albedo: f64) -> SourceSetting {
+    SourceSetting::new(air(base_m, albedo), 0.0, 0.0, DEFAULT_GROUND_ALBEDO).unwrap()
+}
+
+fn at(distance_m: f64) -> SourceGeometry {
+    SourceGeometry { distance_m, source_altitude_m: 0.0, observer_altitude_m: 0.0 }
+}
+
+/// Solved once for all tests here: a base at 1 km of albedo 0.5, over a source at sea level.
+static FIELD: LazyLock<SourceField> =
+    LazyLock::new(|| SourceField::solve(setting(BASE_M, 0.5), &Resolution::coarse()));
+
+#[test]
+fn below_a_cloud_light_is_scattered_absorbed_or_kept_by_ground_and_base_and_none_escapes() {
+    let powers = FIELD.powers();
+    assert!(powers.len() >= 6);
+    for power in powers {
+        let tolerance = if power.order == 0 { 1e-4 } else { 0.03 };
+        assert_eq!(power.escaped_w(), [[0.0; 3]; 3]);
+        for (band, lobes) in power.imbalance().iter().enumerate() {
+            for (lobe, imbalance) in lobes.iter().enumerate() {
+                assert!(imbalance.abs() < tolerance, "order {} {band} {lobe}: {imbalance}", power.order);
+            }
+        }
+    }
+    // Most of the direct light arrives at the base: without it the first balance fails, and the later ones too.
+    assert!(powers[0].at_base_w()[1][0] > 0.8);
+    assert!(powers[1..].iter().all(|power| power.at_base_w()[1][0] > 0.05 * power.sent_w()[1][0]));
+    // Half of the direct light is sent back, and with what is scattered it is the light of the first order.
+    let sent = powers[0].scattered_on_w()[1][0] + 0.5 * powers[0].at_base_w()[1][0];
+    assert!((powers[1].sent_w()[1][0] / sent - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn first_order_light_on_the_grid_is_that_of_single_source_below_a_cloud() {
+    let resolution = Resolution::table();
+    let rule = first_order::FirstOrderRule::new(
+        resolution.first_polar,
+        resolution.first_around,
+        resolution.first_along,
+    );
+    for (blocking_rad, rings) in [(0.0, &[2, 9, 12, 15][..]), (0.15, &[2, 9])] {
+        let setting = setting(BASE_M, 0.5).behind(blocking_rad).unwrap();
+        let cloud = setting.atmosphere.cloud();
+        let grid = grid::FieldGrid::new(0.0, 0.0, cloud, 0.4, 1);
+        let first = first_order::FirstOrder::new(&setting, &rule, grid::TOP_ALTITUDE_M);
+        for layer in [0, grid.layer_count() / 2, grid.layer_count() - 2] {
+            for &ring in rings {
+                let point = layer * grid.ring_count() + ring;
+                let (distance_m, observer_altitude_m) = grid.place_m(point);
+                let geometry = SourceGeometry { observer_altitude_m, ..at(distance_m) };
+                let place = first.at(&grid, point, 2);
+                let flux = integrate_adaptive(0.0, 0.5 * PI, 1e-3, 0.0, |elevation| {
+                    integrate_adaptive(0.0, PI, 1e-3, 0.0, |azimuth| {
+                        let (air, cut) = (&setting.atmosphere, blocking_rad);
+                        let sky = cut_radiance_per_watt_of(air, &geometry, cut, azimuth, elevation, 1e-4);
+                        [0, 1, 2].map(|lobe| 2.0 * sky[1][lobe] * elevation.sin() * elevation.cos())
+                    })
+                });
+                // The oblique lobe lights a disc of the base with a sharp edge.
+                for (lobe, tolerance) in [0.02, 0.02, 0.06].into_iter().enumerate() {
+                    let error = place.down_flux[3 + lobe] / flux[lobe] - 1.0;
+                    assert!(error.abs() < tolerance, "{distance_m} {observer_altitude_m} {lobe}: {error}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_row_agrees_with_the_sum_of_moments_below_a_cloud() {
+    for elevation in [0.1f64, 0.6, 1.5] {
+        let row = ViewRow::new(&FIELD, 0.0, elevation).unwrap();
+        for (distance_m, azimuth) in [(400.0, 0.4), (7e3, 1.7), (30e3, 2.8)] {
+            let left = row.radiance_per_watt(distance_m, azimuth);
+            let right = row.radiance_per_watt(distance_m, -azimuth);
+            let exact = FIELD.radiance_per_watt(&at(distance_m), azimuth, elevation).unwrap();
+            for band in 0..3 {
+                for lobe in 0..3 {
+                    assert!(left[band][lobe] > 0.0 && left[band][lobe].is_finite());
+                    assert!((left[band][lobe] / right[band][lobe] - 1.0).abs() < 1e-5);
+                    let error = left[band][lobe] / exact[band][lobe] - 1.0;
+                    assert!(error.abs() < 0.02, "{distance_m} {azimuth} {elevation}: {error}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_solver_agrees_with_light_traced_forward_below_a_cloud() {
+    let directions = [(0.0f64, 1.57f64), (0.0, 0.2), (1.6, 0.5), (3.1, 0.8)];
+    let detectors: Vec<Detector> = [1e3, 5e3]
+        .into_iter()
+        .flat_map(|distance_m| {
+            directions.map(|(relative_azimuth_rad, elevation_rad)| Detector {
+                geometry: at(distance_m),
+                relative_azimuth_rad,
+                elevation_rad,
+            })
+        })
+        .collect();
+    let traced = ForwardTracer::new(*FIELD.setting(), Band::G).estimate(&detectors, 100_000, 7);
+    for (detector, traced) in detectors.iter().zip(&traced) {
+        let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
+        let more = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
+        let first =
+            radiance_per_watt_of(&FIELD.setting().atmosphere, &detector.geometry, azimuth, elevation, 1e-6);
+        let total = first[1][0] + traced.radiance_per_m2_sr[0];
+        let noise = traced.standard_error_per_m2_sr[0] / total;
+        let error = (first[1][0] + more) / total - 1.0;
+        assert!(noise < 0.04, "{detector:?}: {noise}");
+        assert!(error.abs() < 0.03 + 4.0 * noise, "{detector:?}: {error} with noise {noise}");
+        let check = traced.by_order_per_m2_sr[0][0] / first[1][0] - 1.0;
+        assert!(check.abs() < 0.1, "{detector:?}: first order {check}");
+        // Without the base's part of the later orders, and without any of them, the check fails.
+        assert!((first[1][0] / total - 1.0).abs() > 0.03 + 4.0 * noise, "{detector:?}");
+    }
+}
+
+#[test]
+fn both_tracers_agree_below_a_cloud() {
+    let setting = SourceSetting::new(air(1_500.0, 0.7), 600.0, 200.0, 0.5).unwrap();
+    let geometry = SourceGeometry { distance_m: 2e3, source_altitude_m: 600.0, observer_altitude_m: 200.0 };
+    let (azimuth, elevation) = (1.0, 0.7);
+    let b = Tracer::new(setting, Band::G, &geometry).estimate(azimuth, elevation, 40_000, 3);
+    let detector = Detector { geometry, relative_azimuth_rad: azimuth, elevation_rad: elevation };
+    let f = ForwardTracer::new(setting, Band::G).estimate(&[detector], 60_000, 3)[0];
+    for lobe in 0..3 {
+        let difference = b.radiance_per_m2_sr[lobe] - f.radiance_per_m2_sr[lobe];
+        let noise = b.standard_error_per_m2_sr[lobe].hypot(f.standard_error_per_m2_sr[lobe]);
+        assert!(difference.abs() < 4.0 * noise, "lobe {lobe}: {b:?} {f:?}");
+        assert!(noise < 0.1 * b.radiance_per_m2_sr[lobe], "lobe {lobe}: {b:?} {f:?}");
+        // Both know the first order, most of which is the base's.
+        let first = radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, elevation, 1e-6)[1][lobe];
+        for traced in [&b, &f] {
+            let traced_first = traced.by_order_per_m2_sr[0][lobe];
+            assert!((traced_first - first).abs() <= 0.1 * first, "{lobe}: {first} {traced:?}");
+        }
+    }
+}
+
+#[test]
+fn more_albedo_is_brighter_everywhere_and_a_black_base_darker_than_the_clear_sky() {
+    let solve = |atmosphere: Atmosphere| {
+        let setting = SourceSetting::new(atmosphere, 0.0, 0.0, DEFAULT_GROUND_ALBEDO).unwrap();
+        SourceField::solve(setting, &Resolution::coarse())
+    };
+    let (black, white) = (solve(air(BASE_M, 0.0)), solve(air(BASE_M, 0.9)));
+    let open = solve(air(BASE_M, 0.0).under(None));
+    for distance_m in [300.0, 4e3, 25e3] {
+        for (azimuth, elevation) in [(0.0, 0.1), (0.5, 0.6), (3.0, 0.3), (0.0, 1.57)] {
+            let of =
+                |field: &SourceField| field.radiance_per_watt(&at(distance_m), azimuth, elevation).unwrap();
+            let (black, grey, white, open) = (of(&black), of(&FIELD), of(&white), of(&open));
+            for band in 0..3 {
+                for lobe in 0..3 {
+                    let order = [black, grey, white].map(|sky| sky[band][lobe]);
+                    assert!(0.0 < order[0] && order[0] < order[1] && order[1] < order[2], "{order:?}");
+                    assert!(order[0] < open[band][lobe], "{distance_m} {azimuth} {elevation}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_observer_at_or_above_the_base_sees_nothing_and_a_source_there_is_refused_by_name() {
+    for observer_altitude_m in [BASE_M, 1_700.0] {
+        let row = ViewRow::new(&FIELD, observer_altitude_m, 0.4).unwrap();
+        assert_eq!(row.radiance_per_watt(3e3, 0.2), [[0.0; 3]; 3]);
+        let geometry = SourceGeometry { observer_altitude_m, ..at(3e3) };
+        assert_eq!(FIELD.radiance_per_watt(&geometry, 0.2, 0.4).unwrap(), [[0.0; 3]; 3]);
+    }
+    let below = SourceGeometry { observer_altitude_m: BASE_M - 1.0, ..at(3e3) };
+    assert!(FIELD.radiance_per_watt(&below, 0.2, 0.4).unwrap()[1][0] > 0.0);
+    for source_m in [BASE_M, 1_500.0, BASE_M - 0.5 * LEAST_BELOW_BASE_M] {
+        let error = SourceSetting::new(air(BASE_M, 0.5), source_m, 0.0, 0.15).unwrap_err().to_string();
+        assert!(error.contains("source_altitude") && error.contains("975"), "{error}");
+    }
+    assert!(SourceSetting::new(air(BASE_M, 0.5), BASE_M - LEAST_BELOW_BASE_M, 0.0, 0.15).is_ok());
+    assert!(SourceSetting::new(air(BASE_M, 0.5).under(None), 1_500.0, 0.0, 0.15).is_ok());
+}
+
+#[test]
+fn a_sum_leaves_out_what_is_above_the_base() {
+    let source =
+        |altitude_m: f64| PointSource { azimuth_rad: 0.3, distance_m: 3e3, altitude_m, flux_dnb_w: 1e6 };
+    let directions = [Direction { azimuth_rad: 0.0, elevation_rad: 0.8 }];
+    let sky = |observer_altitude_m: f64, sources: &[PointSource]| {
+        let sum = MultipleSum {
+            atmosphere: air(BASE_M, 0.5),
+            ground_albedo: 0.15,
+            observer_altitude_m,
+            emission: EmissionMix::garstang(),
+            resolution: Resolution::coarse(),
+            density: SumDensity { distances: 24, azimuths: 21, ..SumDensity::default() },
+        };
+        sum.radiance(sources, [1.0; 3], &directions).unwrap()[0]
+    };
+    let low = sky(100.0, &[source(200.0)]);
+    assert!(low[1] > 0.0);
+    assert_eq!(sky(100.0, &[source(200.0), source(BASE_M), source(1_800.0)]), low);
+    assert_eq!(sky(100.0, &[source(BASE_M), source(1_800.0)]), [0.0; 3]);
+    assert_eq!(sky(BASE_M, &[source(200.0)]), [0.0; 3]);
+    // Just below the base is not left out.
+    assert!(sky(100.0, &[source(BASE_M - 1.0)])[1] > 0.0);
+}
