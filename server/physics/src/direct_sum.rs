@@ -6,9 +6,10 @@
 use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
+    blocked_source::BlockedSource,
     emission::EmissionMix,
     panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad},
-    single_source::{SourceGeometry, mixed_radiance_per_watt},
+    single_source::{SourceGeometry, cut_mixed_radiance_per_watt},
     source_pixel::PointSource,
 };
 use rayon::prelude::*;
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 /// Relative tolerance of every integral of the truth.
 pub const TRUTH_TOLERANCE: f64 = 1e-6;
 
-/// Sky radiance [W m⁻² sr⁻¹] at each direction, `[direction][atmosphere × band]`.
+/// Sky radiance [W m⁻² sr⁻¹] at each direction, `[direction][atmosphere × band]`, every source under an open sky.
 ///
 /// `flux_per_dnb_flux` is the lamp's s_b. `N` must be the number of atmospheres times [`BAND_COUNT`].
 /// Parallel over directions; the order of summation is fixed, so the result does not depend on threads.
@@ -30,20 +31,35 @@ pub fn direct_sum<const N: usize>(
     directions: &[Direction],
     advance: &(dyn Fn() + Sync),
 ) -> Vec<[f64; N]> {
+    let open: Vec<BlockedSource> = sources.iter().copied().map(BlockedSource::open).collect();
+    cut_direct_sum(atmospheres, &open, observer_altitude_m, emission, flux_per_dnb_flux, directions, advance)
+}
+
+/// As [`direct_sum`], each source's lobe cut all around at its own skyline. With all angles 0 it is that very sum.
+pub fn cut_direct_sum<const N: usize>(
+    atmospheres: &[Atmosphere],
+    sources: &[BlockedSource],
+    observer_altitude_m: f64,
+    emission: EmissionMix,
+    flux_per_dnb_flux: [f64; BAND_COUNT],
+    directions: &[Direction],
+    advance: &(dyn Fn() + Sync),
+) -> Vec<[f64; N]> {
     directions
         .par_iter()
         .map(|direction| {
             let mut sum = [0.0; N];
-            for source in sources {
+            for BlockedSource { source, blocking_rad } in sources {
                 let geometry = SourceGeometry {
                     distance_m: source.distance_m,
                     source_altitude_m: source.altitude_m,
                     observer_altitude_m,
                 };
-                let per_watt: [f64; N] = mixed_radiance_per_watt(
+                let per_watt: [f64; N] = cut_mixed_radiance_per_watt(
                     atmospheres,
                     &geometry,
                     emission,
+                    *blocking_rad,
                     direction.azimuth_rad - source.azimuth_rad,
                     direction.elevation_rad,
                     TRUTH_TOLERANCE,
@@ -139,6 +155,40 @@ mod tests {
     }
 
     const LOOK: Direction = Direction { azimuth_rad: 0.9, elevation_rad: 0.4 };
+
+    #[test]
+    fn skylines_of_no_height_change_no_bit_and_higher_ones_leave_less_down_to_darkness() {
+        let sources = [source(0.2, 9_000.0, 5e6), source(2.0, 60_000.0, 4e7)];
+        let looks = [LOOK, Direction { azimuth_rad: 3.0, elevation_rad: 0.05 }];
+        let behind = |skylines_deg: [f64; 2]| -> Vec<[f64; 3]> {
+            let blocked = sources
+                .iter()
+                .zip(skylines_deg)
+                .map(|(&source, angle_deg)| BlockedSource { source, blocking_rad: angle_deg.to_radians() });
+            cut_direct_sum(
+                &[Atmosphere::new(Turbidity::default())],
+                &blocked.collect::<Vec<_>>(),
+                300.0,
+                EmissionMix::garstang(),
+                LampPreset::Hps.lamp().flux_per_dnb_flux,
+                &looks,
+                &|| (),
+            )
+        };
+        let open = sum(&sources, &looks);
+        assert_eq!(behind([0.0, 0.0]), open);
+        let steps = [0.0, 0.3, 2.0, 9.0, 40.0, 89.0].map(|angle_deg| behind([angle_deg; 2]));
+        for pair in steps.windows(2) {
+            for (lower, higher) in pair[0].iter().flatten().zip(pair[1].iter().flatten()) {
+                // Low looks away from the sources see nothing of what is sent steeply up.
+                assert!(higher < lower || *higher == 0.0, "{lower} {higher}");
+            }
+        }
+        assert!(steps[3][0].iter().all(|value| *value > 0.0));
+        // Each source has its own skyline: with one dark the other is left, as if it stood alone.
+        assert_eq!(behind([90.0, 0.0]), sum(&sources[1..], &looks));
+        assert!(behind([90.0, 90.0]).iter().flatten().all(|value| *value == 0.0));
+    }
 
     #[test]
     fn one_source_is_its_flux_times_lamp_times_lobes() {

@@ -8,6 +8,7 @@
 
 pub mod atmosphere;
 pub mod bands;
+pub mod blocked_source;
 pub mod blocking;
 pub mod chapman;
 pub mod cloud;
@@ -32,6 +33,7 @@ pub mod source_pixel;
 
 pub use atmosphere::{Atmosphere, Turbidity};
 pub use bands::{BAND_COUNT, Band};
+pub use blocked_source::BlockedSource;
 pub use cloud::CloudBase;
 pub use emission::{EmissionMix, LOBE_COUNT, Lobe};
 pub use error::PhysicsError;

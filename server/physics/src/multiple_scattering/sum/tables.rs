@@ -1,0 +1,91 @@
+//! What the observer of a sum sees of single sources, tabulated over distance and azimuth for each field.
+
+use super::{SumDensity, nodes::TAPS};
+use crate::{
+    bands::BAND_COUNT,
+    interpolation::lagrange_taps,
+    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M, PointSource},
+};
+use std::f64::consts::PI;
+
+/// Azimuth nodes are this power of an even share of the half turn.
+const AZIMUTH_CROWDING: f64 = 1.7;
+
+/// Distances and azimuths of a table.
+#[derive(Clone, Debug)]
+pub(super) struct TableAxes {
+    pub(super) distance_m: Vec<f64>,
+    log_distance: Vec<f64>,
+    pub(super) azimuth_rad: Vec<f64>,
+}
+
+impl TableAxes {
+    pub(super) fn new(density: &SumDensity) -> Self {
+        let ratio = FARTHEST_SOURCE_M / NEAREST_SOURCE_M;
+        let share = |k: usize, count: usize| k as f64 / (count - 1) as f64;
+        let distance_m: Vec<f64> = (0..density.distances)
+            .map(|k| NEAREST_SOURCE_M * ratio.powf(share(k, density.distances)))
+            .collect();
+        let azimuth_rad =
+            (0..density.azimuths).map(|k| PI * share(k, density.azimuths).powf(AZIMUTH_CROWDING)).collect();
+        Self { log_distance: distance_m.iter().map(|d| d.ln()).collect(), distance_m, azimuth_rad }
+    }
+
+    /// Samples of one field in one row.
+    pub(super) fn len(&self) -> usize {
+        self.distance_m.len() * self.azimuth_rad.len()
+    }
+}
+
+/// Logarithms for every row of the sky and every field, `[row][field][distance][azimuth]`.
+#[derive(Debug)]
+pub(super) struct LogTable {
+    axes: TableAxes,
+    fields: usize,
+    pub(super) log: Vec<[f32; BAND_COUNT]>,
+}
+
+impl LogTable {
+    /// All zero.
+    pub(super) fn new(axes: TableAxes, rows: usize, fields: usize) -> Self {
+        Self { log: vec![[0.0; BAND_COUNT]; rows * fields * axes.len()], axes, fields }
+    }
+
+    /// Where the samples of a field in a row are, `[distance][azimuth]`.
+    pub(super) fn part(&self, row: usize, field: usize) -> std::ops::Range<usize> {
+        let start = (row * self.fields + field) * self.axes.len();
+        start..start + self.axes.len()
+    }
+
+    /// Samples of a row, of all fields.
+    pub(super) fn row_len(&self) -> usize {
+        self.fields * self.axes.len()
+    }
+
+    /// The logarithm for a source seen in a row at an azimuth [rad]; `fields` are places and weights of fields.
+    pub(super) fn log_at(
+        &self,
+        row: usize,
+        fields: &[(usize, f64)],
+        source: &PointSource,
+        azimuth_rad: f64,
+    ) -> [f64; BAND_COUNT] {
+        // Azimuth from the source's, folded to 0..=π: the sky is even.
+        let turn = (azimuth_rad - source.azimuth_rad).rem_euclid(2.0 * PI);
+        let azimuths = lagrange_taps(&self.axes.azimuth_rad, turn.min(2.0 * PI - turn), TAPS);
+        let distances = lagrange_taps(&self.axes.log_distance, source.distance_m.ln(), TAPS);
+        let mut sum = [0.0; BAND_COUNT];
+        for &(field, field_weight) in fields {
+            for &(distance, distance_weight) in &distances {
+                let start = self.part(row, field).start + distance * self.axes.azimuth_rad.len();
+                for &(azimuth, azimuth_weight) in &azimuths {
+                    let weight = field_weight * distance_weight * azimuth_weight;
+                    for (sum, &log) in sum.iter_mut().zip(&self.log[start + azimuth]) {
+                        *sum += weight * f64::from(log);
+                    }
+                }
+            }
+        }
+        sum
+    }
+}
