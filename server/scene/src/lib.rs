@@ -3,7 +3,7 @@
 //! [`ingest`] reads a radiance raster (and terrain, and places) with GDAL, checks it and stores a scene;
 //! [`SceneStore::open`] opens one; a [`Scene`] answers without GDAL or files: the light around a place by
 //! azimuth and distance ([`Scene::polar_grid`]), the raster's own pixels for the reference
-//! ([`Scene::source_pixels_within`]), terrain, radiance, coverage, map tiles.
+//! ([`Scene::source_pixels_within`], behind terrain [`Scene::blocked_sources`]), terrain, radiance, coverage, map tiles.
 //!
 //! Terrain hides light in two ways: below an observer's horizon there is no sky ([`Scene::horizon`]), and of a light
 //! behind a ridge what leaves it below the ridge does not count (the blocking index of a [`PolarCell`]; the skyline of
@@ -12,6 +12,7 @@
 //! Nothing is resampled at ingest: a scene keeps the raster's own grid, lit pixels alone, and a mask of what
 //! was measured.
 
+mod blocked_sources;
 mod coverage;
 mod demo;
 mod error;

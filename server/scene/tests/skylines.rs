@@ -8,7 +8,8 @@ use common::{Bench, STEP, TestRaster, place};
 use proptest::prelude::*;
 use skyglow_physics::blocking::{BLOCKING_ANGLES_DEG, blocking_position};
 use skyglow_physics::geometry::LocalFrame;
-use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
+use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M, point_sources};
+use skyglow_physics::{BlockedSource, EARTH_RADIUS_M, GeoPoint, PointSource};
 use skyglow_scene::{PolarGrid, Scene, SceneMetadata};
 use std::sync::OnceLock;
 
@@ -80,11 +81,14 @@ fn the_edge_of_the_terrain_is_no_wall_to_lights_beyond_it() {
     assert!(
         unknown.polar_grid(east, true).cells.iter().all(|cell| cell.blocking == 0 && cell.altitude_m == 0.0)
     );
+    let is_open = |scene: &Scene| scene.blocked_sources(east).iter().all(|light| light.blocking_rad == 0.0);
+    assert!(is_open(&unknown));
     // Near the plateau the ground counts as the plateau's, and that is level: no wall either.
     let near = scene_with_plateau_from(284);
     assert!(
         near.polar_grid(east, true).cells.iter().all(|cell| cell.blocking == 0 && cell.altitude_m > 1_400.0)
     );
+    assert!(is_open(&near));
 }
 
 #[test]
@@ -205,6 +209,44 @@ fn angles_of_the_grid_are_those_of_the_exact_lines_of_sight() {
 }
 
 #[test]
+fn lights_of_the_reference_are_the_rasters_own_each_at_its_exact_angle() {
+    let scene = hills();
+    let observer = place(-1.5, 37.9);
+    let lights = scene.blocked_sources(observer);
+    let alone: Vec<PointSource> = lights.iter().map(|light| light.source).collect();
+    let pixels = scene.source_pixels_within(observer, FARTHEST_SOURCE_M);
+    assert_eq!(alone, point_sources(observer, &pixels));
+    // Far lights are their pixels, in the same order.
+    let angles = |lights: &[BlockedSource]| -> Vec<f64> {
+        let far = lights.iter().filter(|light| light.source.distance_m >= SPLIT_WITHIN_M);
+        far.map(|light| light.blocking_rad).collect()
+    };
+    let frame = LocalFrame::at(observer);
+    let exact: Vec<f64> = pixels
+        .iter()
+        .filter(|pixel| frame.bearing_to(pixel.center()).distance_m >= SPLIT_WITHIN_M)
+        .map(|pixel| {
+            let light = GeoPoint::from_vector(pixel.center());
+            let size_m = scene.metadata().pixel_size_m;
+            scene.blocking_angle_rad(light, pixel.altitude_m, size_m, observer)
+        })
+        .collect();
+    let differences = |angles: &[f64]| -> f64 {
+        assert_eq!(angles.len(), exact.len());
+        angles.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    assert!(differences(&angles(&lights)) < 1e-3, "{}", differences(&angles(&lights)));
+    // Pieces of near pixels see what is seen from the middle of their pixel: a slope of these hills.
+    let near: Vec<&BlockedSource> =
+        lights.iter().filter(|light| light.source.distance_m < SPLIT_WITHIN_M).collect();
+    let steepest = near.iter().map(|light| light.blocking_rad).fold(0.0, f64::max);
+    println!("{} pieces, steepest {steepest}", near.len());
+    assert!(near.len() > 50 && (0.01..0.35).contains(&steepest), "{} {steepest}", near.len());
+    // The control: under an open sky they would be others.
+    assert!(differences(&vec![0.0; exact.len()]) > 0.05);
+}
+
+#[test]
 fn a_scene_of_an_older_program_opens_and_says_that_hidden_lights_are_unknown() {
     let bench = Bench::new();
     let scene = town_west_of_a_ridge(&bench, 300.0);
@@ -230,6 +272,9 @@ fn a_scene_of_an_older_program_opens_and_says_that_hidden_lights_are_unknown() {
     assert!(opened.metadata().terrain && opened.metadata().hidden_lights_are_unknown());
     assert_eq!(opened.polar_grid(east, true), opened.polar_grid(east, false));
     assert_ne!(scene.polar_grid(east, true), opened.polar_grid(east, true));
+    // Who walks the terrain needs no stored skylines.
+    assert_eq!(opened.blocked_sources(east), scene.blocked_sources(east));
+    assert!(opened.blocked_sources(east).iter().all(|light| light.blocking_rad > 0.02));
 }
 
 /// A stored description whose version is made anew, in the order of fields that the program writes.
