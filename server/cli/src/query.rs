@@ -105,7 +105,6 @@ fn widest_facts() -> SourceFacts {
 pub(crate) fn reference_facts(ground_albedo: f64) -> SourceFacts {
     let mut facts = widest_facts();
     for kind in &mut facts.kinds {
-        kind.why_open = Some("the reference sums every source under an open sky");
         kind.ground_albedo = (kind.scattering == Scattering::Multiple).then_some(ground_albedo);
     }
     facts

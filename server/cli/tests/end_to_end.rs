@@ -269,6 +269,56 @@ fn the_truth_needs_no_packs_and_names_its_directions() {
 }
 
 #[test]
+fn the_truth_hides_lights_behind_a_ridge_in_every_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let (raster, terrain) = (folder.path().join("town.tif"), folder.path().join("ridge.tif"));
+    common::geotiff::write_radiance(&raster, common::geotiff::Crs::Geographic, &common::geotiff::town());
+    common::geotiff::write_radiance(&terrain, common::geotiff::Crs::Geographic, &common::geotiff::ridge());
+    let data = text(folder.path());
+    skyglow(&["ingest", text(&raster), "--terrain", text(&terrain), "--data", data]).expect_status(0);
+    // East of the town and the ridge.
+    let common = ["--scene", "town", "--lat", "-1.2833", "--lon", "36.9104", "--data", data];
+    let truth = |more: &[&str]| {
+        let count = ["--directions", "16", "--turbidity", "2"];
+        let finished = skyglow(&[&["reference"], &common[..], &count, more].concat()).expect_status(0);
+        (finished.json(), finished.stderr)
+    };
+    for (scattering, fields, fields_open) in [("single", None, None), ("multiple", Some(4), Some(1))] {
+        let (hidden, said) = truth(&["--scattering", scattering]);
+        let (open, said_open) = truth(&["--scattering", scattering, "--terrain", "off"]);
+        for (said, fields) in [(said, fields), (said_open, fields_open)] {
+            let expected = fields.map(|count| format!("later orders: {count} fields"));
+            assert!(said.contains("later orders") == expected.is_some(), "{said}");
+            assert!(expected.is_none_or(|expected| said.contains(&expected)), "{said}");
+        }
+        assert_eq!((&hidden["hidden_lights"], &open["hidden_lights"]), (&true.into(), &false.into()));
+        assert_eq!(hidden["flux_within_300_km_dnb_w"], open["flux_within_300_km_dnb_w"]);
+        let warnings = hidden["warnings"].as_array().unwrap();
+        assert!(warnings.len() == 1 && warnings[0].as_str().unwrap().contains("directions"), "{warnings:?}");
+        let (mut darker, mut seen) = (0.0, 0.0);
+        let pairs =
+            hidden["directions"].as_array().unwrap().iter().zip(open["directions"].as_array().unwrap());
+        for (hidden, open) in pairs {
+            assert_eq!(hidden["azimuth_deg"], open["azimuth_deg"]);
+            let green = |direction: &Value| direction["radiance"][1].as_f64().unwrap();
+            let (hidden, open) = (green(hidden), green(open));
+            assert!(hidden < open, "{hidden} {open}");
+            if hidden > 0.0 {
+                darker += hidden / open;
+                seen += 1.0;
+            }
+        }
+        println!("{scattering}: {:.3} of the light is left in {seen} directions", darker / seen);
+        assert!(seen > 8.0 && (0.5..0.97).contains(&(darker / seen)), "{scattering}: {}", darker / seen);
+    }
+    // The fast path says the same of what it does.
+    let packs = Ground::get().packs();
+    let fast = [&["sky", "--json", "--device", "cpu", "--packs", text(&packs)], &common[..]].concat();
+    let fast = skyglow(&fast).expect_status(0).json();
+    assert_eq!((&fast["hidden_lights"], &fast["terrain_occlusion"]), (&true.into(), &true.into()));
+}
+
+#[test]
 fn the_server_ends_with_0_when_told_to() {
     let server = Ground::get().server();
     assert_eq!(server.get("/readyz").status, 200);

@@ -15,18 +15,23 @@ use skyglow_http::{
     source::{RenderedSky, SkyQuery},
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, Horizon, PointSource, SkyQuantities,
-    direct_sum::{GridSample, direct_sum, grid_direction, panorama_between, stratified_samples},
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, ELEVATION_COUNT, Horizon, SkyQuantities,
+    direct_sum::{GridSample, cut_direct_sum, grid_direction, panorama_between, stratified_samples},
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
-use skyglow_scene::{SceneId, SceneStore};
+use skyglow_scene::{Scene, SceneId, SceneMetadata, SceneStore};
 use skyglow_tables::Scattering;
 
 /// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
 ///
 /// The first order is an integral for every pixel and direction. With multiple scattering all later orders are added
 /// from fields solved for this very observer, one for every 300 m of source altitude: half a minute or a few more.
+///
+/// Terrain hides lights by the model's definition: what leaves a light below the skyline between it and the observer,
+/// as the light sees it, does not count in any order, and counts as cut off all around the light. Every pixel's skyline
+/// comes from the terrain itself. Later orders then need fields behind skylines too, at most seven for every 1000 m of
+/// source altitude: how many in all is said before they are solved.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > truth.json"
@@ -96,7 +101,7 @@ impl Reference {
         }
         let ground = scene.ground(query.place);
         let altitude_m = query.eye_height.altitude_m(ground);
-        let sources = point_sources(query.place, &scene.source_pixels_within(query.place, FARTHEST_SOURCE_M));
+        let sources = lights(&scene, &query);
         let horizon =
             if query.terrain_hides { scene.horizon(query.place, altitude_m) } else { Horizon::flat() };
         // Ground needs no sum, and what lies between directions of the sky is not to take from its darkness.
@@ -117,11 +122,13 @@ impl Reference {
             coverage: scene.coverage(query.place),
             calibration: scene.metadata().calibration,
             local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
-            flux_dnb_w: sources.iter().map(|source| source.flux_dnb_w).sum(),
+            flux_dnb_w: sources.iter().map(|blocked| blocked.source.flux_dnb_w).sum(),
             basis_count: 0,
             passes: Vec::new(),
         };
-        let mut assumptions = Assumptions::new(&query, scene.metadata(), &sky, &facts);
+        // Skylines come from the terrain itself, also where the scene was stored without them.
+        let metadata = SceneMetadata { light_skylines: scene.metadata().terrain, ..scene.metadata().clone() };
+        let mut assumptions = Assumptions::new(&query, &metadata, &sky, &facts);
         let is_sample = self.directions.0.len() < ALL;
         if is_sample {
             assumptions.warnings.push(format!(
@@ -160,12 +167,10 @@ impl Reference {
         &self,
         query: &SkyQuery,
         altitude_m: f64,
-        sources: &[PointSource],
+        sources: &[BlockedSource],
         samples: &[GridSample],
         radiance: &mut [[f64; BAND_COUNT]],
     ) -> Result<(), Failure> {
-        let stages = Stages::new();
-        stages.begin("later orders of scattering", 1);
         let sum = MultipleSum {
             atmosphere: Atmosphere::new(query.turbidity),
             ground_albedo: self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO),
@@ -175,27 +180,42 @@ impl Reference {
             density: SumDensity::default(),
         };
         let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
+        let stages = Stages::new();
+        let fields = sum.field_count(sources);
+        stages.begin(&format!("later orders: {fields} fields"), fields as u64);
         let more = sum
-            .radiance(sources, query.lamp.flux_per_dnb_flux, &directions)
+            .cut_radiance(sources, query.lamp.flux_per_dnb_flux, &directions, &|| stages.advance(1))
             .map_err(|error| Failure::Usage(error.to_string()))?;
         for (bands, more) in radiance.iter_mut().zip(more) {
             bands.iter_mut().zip(more).for_each(|(band, more)| *band += more);
         }
-        stages.advance(1);
         Ok(())
     }
+}
+
+/// Every light around the observer, behind its skyline where terrain is to hide.
+fn lights(scene: &Scene, query: &SkyQuery) -> Vec<BlockedSource> {
+    if query.terrain_hides {
+        let stages = Stages::new();
+        stages.begin("skylines of lights", 1);
+        let sources = scene.blocked_sources(query.place);
+        stages.advance(1);
+        return sources;
+    }
+    let pixels = scene.source_pixels_within(query.place, FARTHEST_SOURCE_M);
+    point_sources(query.place, &pixels).into_iter().map(BlockedSource::open).collect()
 }
 
 fn sum(
     query: &SkyQuery,
     altitude_m: f64,
-    sources: &[PointSource],
+    sources: &[BlockedSource],
     samples: &[GridSample],
 ) -> Vec<[f64; BAND_COUNT]> {
     let stages = Stages::new();
     stages.begin("directions", samples.len() as u64);
     let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
-    direct_sum(
+    cut_direct_sum(
         &[Atmosphere::new(query.turbidity)],
         sources,
         altitude_m,

@@ -38,7 +38,13 @@ pub(crate) fn town() -> Vec<f32> {
         .collect()
 }
 
-/// Writes radiances as a one-band float GeoTIFF with no-data −999.
+/// Altitudes of level ground with a low ridge along a meridian, east of [`town`]: 0.3 to 1.6° high as the town's lights
+/// see it, metres.
+pub(crate) fn ridge() -> Vec<f32> {
+    (0..SIDE * SIDE).map(|index| if index % SIDE == 32 { 450.0 } else { 400.0 }).collect()
+}
+
+/// Writes radiances [nW cm⁻² sr⁻¹] or altitudes [m] as a one-band float GeoTIFF with no-data −999.
 pub(crate) fn write_radiance(path: &Path, crs: Crs, radiance_nw_cm2_sr: &[f32]) {
     let mut encoder = TiffEncoder::new(File::create(path).unwrap()).unwrap();
     let mut image = encoder.new_image::<colortype::Gray32Float>(SIDE, SIDE).unwrap();
