@@ -10,9 +10,10 @@ which="${1:-missing}"
 # What comes with the project.
 scattering=multiple
 
-# Turbidity and scattering stand side by side in a pack's manifest.
+# Turbidity, scattering and the ground's albedo stand side by side in a pack's manifest; clouds would come before bands.
 on_disk="$("$skyglow" packs --packs precomputed --json | tr -d ' \n' |
-    grep -o "\"turbidity\":[0-9.]*,\"scattering\":\"$scattering\"" | grep -o '[0-9.][0-9.]*' || true)"
+    grep -o "\"turbidity\":[0-9.]*,\"scattering\":\"$scattering\",\"ground_albedo\":[0-9.]*,\"bands_nm\"" |
+    sed 's/"turbidity":\([0-9.]*\).*/\1/' || true)"
 
 have() { # have TURBIDITY
     for other in $on_disk; do

@@ -18,7 +18,6 @@ use std::{error::Error, path::Path, sync::Arc};
 struct Truth {
     scene: String,
     scattering: Scattering,
-    cloud_base_m: None,
     place: GeoPoint,
     observer_altitude_m: f64,
     turbidities: Vec<f64>,

@@ -25,7 +25,6 @@ const VISIBLE_CD_M2: f64 = 1.7e-7;
 #[derive(serde::Deserialize)]
 struct StoredTruth {
     scattering: Scattering,
-    cloud_base_m: None,
     latitude_deg: f64,
     longitude_deg: f64,
     observer_altitude_m: f64,
