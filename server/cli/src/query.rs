@@ -102,8 +102,8 @@ fn widest_facts() -> SourceFacts {
 }
 
 /// What is allowed for the reference, which needs no packs.
-pub(crate) fn reference_facts(ground_albedo: f64) -> SourceFacts {
-    let mut facts = widest_facts();
+pub(crate) fn reference_facts(ground_albedo: f64, cloud_albedo: f64) -> SourceFacts {
+    let mut facts = SourceFacts { any_cloud_albedo: Some(cloud_albedo), ..widest_facts() };
     for kind in &mut facts.kinds {
         kind.ground_albedo = (kind.scattering == Scattering::Multiple).then_some(ground_albedo);
     }

@@ -5,7 +5,9 @@ mod common;
 
 use common::engine;
 use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
-use skyglow_engine::{DeviceChoice, EngineError, Observatory, ObserverHeight, SkyRequest};
+use skyglow_engine::{
+    DeviceChoice, Engine, EngineConfig, EngineError, Observatory, ObserverHeight, SkyRequest, synthetic,
+};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, EmissionMix, GeoPoint, Horizon, LampPreset, Panorama, Turbidity,
 };
@@ -213,4 +215,32 @@ fn over_flat_ground_terrain_changes_no_bit_and_without_it_there_is_no_work_for_i
     let request = request(-1.35, 36.5, ObserverHeight::AboveSea(1002.25));
     let answer = observatory(bare.path()).sky_blocking(&request).unwrap();
     assert!(answer.horizon_time.is_none() && answer.horizon.is_flat());
+}
+
+#[test]
+fn an_overcast_sky_has_no_stars_and_none_is_seen_from_above_the_clouds() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let mut tables = synthetic::table_set(&[2.0, 3.0], 8);
+    tables.extend(synthetic::under_clouds(synthetic::table_set(&[2.0, 3.0], 8), 2_000));
+    let engine =
+        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() }).unwrap();
+    let observatory = Observatory::new(engine, Vec::new(), data.path(), 2);
+    let asked = |height_m, cloud_base_m| SkyRequest {
+        cloud_base_m,
+        ..request(-1.35, 36.5, ObserverHeight::AboveGround(height_m))
+    };
+    let clear = observatory.sky_blocking(&asked(2.0, None)).unwrap();
+    let overcast = observatory.sky_blocking(&asked(2.0, Some(2_000))).unwrap();
+    // The made-up packs are the same under both skies: what differs is what clouds are said to do.
+    assert_eq!(overcast.rendered.panorama, clear.rendered.panorama);
+    assert!(clear.quantities.bortle_class.is_some() && overcast.quantities.bortle_class.is_none());
+    assert_eq!(overcast.quantities.zenith_total_luminance_cd_m2, overcast.quantities.zenith_luminance_cd_m2);
+    assert!(observatory.sky_blocking(&asked(950.0, None)).is_ok());
+    match observatory.sky_blocking(&asked(950.0, Some(2_000))) {
+        Err(EngineError::AboveClouds { base_m: 2_000, altitude_m, .. }) => {
+            assert!((altitude_m - 1_950.25).abs() < 0.01);
+        }
+        other => panic!("{other:?}"),
+    }
 }

@@ -2,9 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot set itself up must stop")]
 
-use skyglow_physics::Turbidity;
+use skyglow_physics::{Atmosphere, Turbidity};
 use skyglow_tables::{
-    MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError, packs_in, precompute,
+    Clouds, MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError,
+    images::{image_index, images_at_node, images_of},
+    packs_in, precompute,
 };
 use std::{
     path::{Path, PathBuf},
@@ -222,4 +224,40 @@ fn a_killed_run_goes_on_among_the_skylines_too() {
     assert!(kept("later-") >= 4, "{} parts kept", kept("later-"));
     let path = precompute(&all_orders, folder.path(), &Silent).unwrap();
     assert!(std::fs::read(path).unwrap() == std::fs::read(whole).unwrap(), "the packs differ");
+}
+
+#[test]
+fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_repeats_itself_above_them() {
+    let turbidity = Turbidity::new(2.0).unwrap();
+    let clouds = Clouds::new(1_500, 0.6).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let options = PrecomputeOptions { blocked: None, ..options() };
+    let clear = Pack::open(&precompute(&options, folder.path(), &Silent).unwrap()).unwrap();
+    let overcast = options.under(clouds);
+    let path = precompute(&overcast, folder.path(), &Silent).unwrap();
+    assert_eq!(path.file_name().unwrap(), "turbidity-2.00-single-clouds-1500.skyglow");
+    let pack = Pack::open(&path).unwrap();
+    assert_eq!((pack.manifest().clouds, clear.manifest().clouds), (Some(clouds), None));
+    let command = &pack.manifest().command;
+    assert!(command.contains(" --cloud-base 1500 --cloud-albedo 0.6 "), "{command}");
+
+    let axes = &overcast.axes;
+    let (observer, distance, offset) = (0, 3, 1);
+    let air = Atmosphere::new(turbidity);
+    let scale =
+        |cloud| images_at_node(&[air.under(cloud)], &[], axes, observer, distance, offset)[0].log_scale;
+    let (closed, open) = (scale(clouds.base().ok()), scale(None));
+    let image = image_index(0, 1);
+    assert!(closed[image] > open[image] + 0.3, "{} {}", closed[image], open[image]);
+    let kept = |pack: &Pack, observer| {
+        let tables = pack.resident(&axes.distance_m);
+        f64::from(tables.log_scale[tables.node_index(observer, 0, 1, distance, offset)])
+    };
+    assert!((kept(&pack, observer) - closed[image]).abs() < 1e-5);
+    assert!((kept(&clear, observer) - open[image]).abs() < 1e-5);
+    // 6 000 m counts as the highest place below the clouds, and no part is made twice.
+    let geometry = axes.geometry(1, distance, offset, clouds.base().ok());
+    assert_eq!(geometry.observer_altitude_m, clouds.ceiling_m());
+    let highest = images_of(&[air.under(clouds.base().ok())], &[], &geometry)[0].log_scale;
+    assert!((kept(&pack, 1) - highest[image]).abs() < 1e-5);
 }

@@ -15,13 +15,13 @@ use skyglow_http::{
     source::{RenderedSky, SkyQuery},
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, ELEVATION_COUNT, Horizon, SkyQuantities,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Horizon, SkyQuantities,
     direct_sum::{GridSample, cut_direct_sum, grid_direction, panorama_between, stratified_samples},
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{Scene, SceneId, SceneMetadata, SceneStore};
-use skyglow_tables::Scattering;
+use skyglow_tables::{Clouds, Scattering};
 
 /// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
 ///
@@ -46,6 +46,9 @@ pub(crate) struct Reference {
     /// Lambertian albedo of the ground, 0 to 1, for multiple scattering [default: 0.15]
     #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
     ground_albedo: Option<f64>,
+    /// Lambertian albedo of the base of --clouds from below, 0 to 1 [default: 0.5]
+    #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
+    cloud_albedo: Option<f64>,
     #[command(flatten)]
     query: QueryFlags<ReferenceParameters>,
     #[command(flatten)]
@@ -81,7 +84,8 @@ struct DirectionAnswer {
 impl Reference {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let facts = query::reference_facts(self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO));
+        let cloud_albedo = self.cloud_albedo.unwrap_or(CloudBase::DEFAULT_ALBEDO);
+        let facts = query::reference_facts(self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO), cloud_albedo);
         let (query, light) = request::sky(Some(self.query.query()), self.scene.clone(), &facts)
             .map_err(|error| query::failure(&error))?;
         if query.scattering == Scattering::Single && self.ground_albedo.is_some() {
@@ -91,6 +95,14 @@ impl Reference {
                     .to_owned(),
             ));
         }
+        if query.cloud_base_m.is_none() && self.cloud_albedo.is_some() {
+            return Err(Failure::Usage("--cloud-albedo means nothing without --clouds".to_owned()));
+        }
+        let clouds = query.cloud_base_m.map(|base_m| Clouds::new(base_m, cloud_albedo)).transpose();
+        let clouds = clouds.map_err(|error| Failure::Usage(error.to_string()))?;
+        let cloud =
+            clouds.map(Clouds::base).transpose().map_err(|error| Failure::Usage(error.to_string()))?;
+        let atmosphere = Atmosphere::new(query.turbidity).under(cloud);
         let scene = SceneStore::new(self.data.folder()).open(&self.scene).map_err(Failure::work)?;
         if !scene.contains(query.place) {
             let [west, south, east, north] = scene.metadata().bounds;
@@ -101,27 +113,38 @@ impl Reference {
         }
         let ground = scene.ground(query.place);
         let altitude_m = query.eye_height.altitude_m(ground);
+        if let Some(clouds) = clouds.filter(|clouds| altitude_m > clouds.ceiling_m()) {
+            return Err(Failure::Usage(format!(
+                "the observer, at {altitude_m:.0} m, would be in the clouds or above them: --clouds {} reaches up to {:.0} m",
+                clouds.base_m,
+                clouds.ceiling_m()
+            )));
+        }
         let sources = lights(&scene, &query);
         let horizon =
             if query.terrain_hides { scene.horizon(query.place, altitude_m) } else { Horizon::flat() };
         // Ground needs no sum, and what lies between directions of the sky is not to take from its darkness.
         let is_sky = |&(row, column): &GridSample| !horizon.hides_sample(row, column);
         let visible: Vec<GridSample> = self.directions.0.iter().copied().filter(is_sky).collect();
-        let mut radiance = sum(&query, altitude_m, &sources, &visible);
+        let mut radiance = sum(atmosphere, &query, altitude_m, &sources, &visible);
         if query.scattering == Scattering::Multiple {
-            self.add_later_orders(&query, altitude_m, &sources, &visible, &mut radiance)?;
+            self.add_later_orders(atmosphere, &query, altitude_m, &sources, &visible, &mut radiance)?;
         }
         let mut panorama = panorama_between(&visible, &radiance);
         horizon.darken(&mut panorama);
         let sky = RenderedSky {
-            quantities: SkyQuantities::of_visible(&panorama, &horizon),
+            quantities: if clouds.is_some() {
+                SkyQuantities::under_clouds(&panorama, &horizon)
+            } else {
+                SkyQuantities::of_visible(&panorama, &horizon)
+            },
             panorama,
             horizon,
             altitude_m,
             ground,
             coverage: scene.coverage(query.place),
             calibration: scene.metadata().calibration,
-            local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
+            local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
             flux_dnb_w: sources.iter().map(|blocked| blocked.source.flux_dnb_w).sum(),
             basis_count: 0,
             passes: Vec::new(),
@@ -165,6 +188,7 @@ impl Reference {
     /// Adds what light brings that was scattered more than once.
     fn add_later_orders(
         &self,
+        atmosphere: Atmosphere,
         query: &SkyQuery,
         altitude_m: f64,
         sources: &[BlockedSource],
@@ -172,7 +196,7 @@ impl Reference {
         radiance: &mut [[f64; BAND_COUNT]],
     ) -> Result<(), Failure> {
         let sum = MultipleSum {
-            atmosphere: Atmosphere::new(query.turbidity),
+            atmosphere,
             ground_albedo: self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO),
             observer_altitude_m: altitude_m,
             emission: query.emission,
@@ -207,6 +231,7 @@ fn lights(scene: &Scene, query: &SkyQuery) -> Vec<BlockedSource> {
 }
 
 fn sum(
+    atmosphere: Atmosphere,
     query: &SkyQuery,
     altitude_m: f64,
     sources: &[BlockedSource],
@@ -216,7 +241,7 @@ fn sum(
     stages.begin("directions", samples.len() as u64);
     let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
     cut_direct_sum(
-        &[Atmosphere::new(query.turbidity)],
+        &[atmosphere],
         sources,
         altitude_m,
         query.emission,
