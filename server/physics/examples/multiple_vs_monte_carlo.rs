@@ -3,7 +3,8 @@
 //! cargo run --release -p skyglow-physics --example multiple_vs_monte_carlo -- [key=value …]
 //!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
 //!   directions=ten|wide|mitsuba  paths=65536  resolution=table|reference|coarse  source_m=0  observer_m=0
-//!   albedo=0.15  cloud_base_m=1000 (none: a clear sky)  cloud_albedo=0.5  seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
+//!   albedo=0.15  cloud_base_m=1000 (none: a clear sky)  cloud_albedo=0.5
+//!   seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
 //!   speed=yes|no (how long a row and a ray take)
 //!   and any field of `Resolution` by its name
 //!

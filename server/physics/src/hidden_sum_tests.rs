@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    Turbidity, direct_sum::direct_sum, horizon::terrain_elevation_tangent, lamp::LampPreset,
+    CloudBase, Turbidity, direct_sum::direct_sum, horizon::terrain_elevation_tangent, lamp::LampPreset,
     panorama::Direction,
 };
 
@@ -83,6 +83,36 @@ fn without_terrain_it_is_the_plain_sum() {
     assert!(worst_difference(&uncut, &plain) < 1e-4, "{}", worst_difference(&uncut, &plain));
     // The control: what is hidden is missed.
     assert!(hidden_sum(&atmosphere(), &sum, &|_, _| true).iter().flatten().all(|value| *value == 0.0));
+}
+
+#[test]
+fn below_a_cloud_all_sums_agree_and_what_hides_a_source_from_the_base_counts() {
+    let cloudy = atmosphere().under(Some(CloudBase::new(1_500.0, 0.5).unwrap()));
+    let high = PointSource { altitude_m: 1_600.0, ..source(3_000.0) };
+    let (sources, directions) = ([source(3_000.0), source(9_000.0), high], looks());
+    let sum = sky(&sources, &directions);
+    let plain: Vec<[f64; BAND_COUNT]> = direct_sum(
+        &[cloudy],
+        &sources,
+        OBSERVER_ALTITUDE_M,
+        sum.emission,
+        sum.flux_per_dnb_flux,
+        &directions,
+        &|| (),
+    );
+    let open = hidden_sum(&cloudy, &sum, &|_, _| false);
+    assert!(worst_difference(&open, &plain) < 1e-4, "{}", worst_difference(&open, &plain));
+    let uncut = cut_sum(&cloudy, &sum, &[0.0; 3]);
+    assert!(worst_difference(&uncut, &plain) < 1e-4, "{}", worst_difference(&uncut, &plain));
+    // Above the base there is nothing, so the high source is none; the clear sky has other light.
+    let low = sky(&sources[..2], &directions);
+    assert_eq!(hidden_sum(&cloudy, &low, &|_, _| false), open);
+    assert!(worst_difference(&hidden_sum(&atmosphere(), &sum, &|_, _| false), &open) > 0.5);
+    // A lid over the sources hides the base from them and leaves the air below.
+    let lid = EARTH_RADIUS_M + 1_499.0;
+    let lidded = hidden_sum(&cloudy, &sum, &|_, point_m| point_m.length() > lid);
+    let zenith = directions.len() - 1;
+    assert!(lidded[zenith][1] > 0.0 && lidded[zenith][1] < 0.5 * open[zenith][1], "{lidded:?} {open:?}");
 }
 
 #[test]

@@ -134,7 +134,7 @@ fn the_solver_agrees_with_light_traced_forward_below_a_cloud() {
         assert!(error.abs() < 0.03 + 4.0 * noise, "{detector:?}: {error} with noise {noise}");
         let check = traced.by_order_per_m2_sr[0][0] / first[1][0] - 1.0;
         assert!(check.abs() < 0.1, "{detector:?}: first order {check}");
-        // Without the base's part of the later orders, and without any of them, the check fails.
+        // Without the later orders the check fails.
         assert!((first[1][0] / total - 1.0).abs() > 0.03 + 4.0 * noise, "{detector:?}");
     }
 }
