@@ -1,14 +1,27 @@
 // Requires elementary. Derivations: server/engine/src/twin/blending.rs
 
 const RADIANCE_FLOOR_W_M2_SR: f32 = 1e-13;
+const BEND_ALLOWED: f32 = 0.1;
+const BEND_SHARE_ALLOWED: f32 = 0.06;
 
-fn blend_radiance(radiance_w_m2_sr: vec4<f32>, weight: vec4<f32>) -> f32 {
+fn blend_radiance(radiance_w_m2_sr: vec4<f32>, weight: vec4<f32>, bracket: vec4<f32>) -> f32 {
   let floored = max(radiance_w_m2_sr, vec4<f32>(RADIANCE_FLOOR_W_M2_SR));
   let largest = max(max(floored.x, floored.y), max(floored.z, floored.w));
-  let log_ratio = weight.x * natural_log(floored.x / largest)
-    + weight.y * natural_log(floored.y / largest)
-    + weight.z * natural_log(floored.z / largest)
-    + weight.w * natural_log(floored.w / largest);
+  let log_ratios = vec4<f32>(
+    natural_log(floored.x / largest),
+    natural_log(floored.y / largest),
+    natural_log(floored.z / largest),
+    natural_log(floored.w / largest),
+  );
+  // The two packs around; logarithms are not above 0.
+  let is_around = bracket > vec4<f32>(0.0);
+  let lows = select(vec4<f32>(0.0), log_ratios, is_around);
+  let highs = select(vec4<f32>(-1e30), log_ratios, is_around);
+  let low = min(min(lows.x, lows.y), min(lows.z, lows.w));
+  let high = max(max(highs.x, highs.y), max(highs.z, highs.w));
+  let allowed = BEND_ALLOWED + BEND_SHARE_ALLOWED * (high - low);
+  let line = dot(bracket, log_ratios);
+  let log_ratio = line + min(max(dot(weight, log_ratios) - line, -allowed), allowed);
   let blended = largest * natural_exp(log_ratio);
   return select(blended, 0.0, blended <= 1.00001 * RADIANCE_FLOOR_W_M2_SR);
 }

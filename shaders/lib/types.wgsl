@@ -32,6 +32,8 @@ struct Request {
   tap_layer: vec4<u32>,
   tap_weight: vec4<f32>,
   blend_weight: vec4<f32>,
+  // Of linear interpolation between the two packs around.
+  bracket_weight: vec4<f32>,
   emission: vec3<f32>,
   tap_count: u32,
   flux_per_dnb_flux: vec3<f32>,

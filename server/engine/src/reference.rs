@@ -4,7 +4,7 @@ use crate::{
     node_table::NodeTable,
     prepare::{MixNode, Prepared},
     table_set::TableSet,
-    twin::blending::RADIANCE_FLOOR_W_M2_SR,
+    twin::{BEND_ALLOWED, BEND_SHARE_ALLOWED, RADIANCE_FLOOR_W_M2_SR},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
@@ -20,11 +20,14 @@ pub fn render_f64(request: &Prepared, set: &TableSet) -> Vec<f64> {
     let floor = f64::from(RADIANCE_FLOOR_W_M2_SR);
     (0..Panorama::LEN)
         .map(|sample| {
-            let log_ratio: f64 = rendered
-                .iter()
-                .zip(taps.weights())
-                .map(|(sky, weight)| weight * (sky[sample].max(floor) / floor).ln())
-                .sum();
+            let log: Vec<f64> = rendered.iter().map(|sky| (sky[sample].max(floor) / floor).ln()).collect();
+            let sum = |weights: &[f64]| -> f64 { log.iter().zip(weights).map(|(log, w)| w * log).sum() };
+            let around = log.iter().zip(taps.bracket()).filter(|(_, w)| **w > 0.0).map(|(log, _)| *log);
+            let (low, high) = around
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), log| (low.min(log), high.max(log)));
+            let allowed = f64::from(BEND_ALLOWED) + f64::from(BEND_SHARE_ALLOWED) * (high - low);
+            let line = sum(taps.bracket());
+            let log_ratio = line + (sum(taps.weights()) - line).clamp(-allowed, allowed);
             if log_ratio <= 0.0 { 0.0 } else { floor * log_ratio.exp() }
         })
         .collect()

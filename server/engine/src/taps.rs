@@ -6,6 +6,8 @@ pub struct Taps {
     count: usize,
     index: [usize; Self::MAX],
     weight: [f64; Self::MAX],
+    /// Weights of linear interpolation between the two nodes around, on the same nodes.
+    bracket: [f64; Self::MAX],
 }
 
 impl Taps {
@@ -14,7 +16,8 @@ impl Taps {
 
     /// One node alone.
     pub fn single(index: usize) -> Self {
-        Self { count: 1, index: [index, 0, 0, 0], weight: [1.0, 0.0, 0.0, 0.0] }
+        let alone = [1.0, 0.0, 0.0, 0.0];
+        Self { count: 1, index: [index, 0, 0, 0], weight: alone, bracket: alone }
     }
 
     /// The same taps on nodes that begin at `first` in a longer list.
@@ -40,6 +43,16 @@ impl Taps {
         self.weight.map(|weight| weight as f32)
     }
 
+    /// Weights of linear interpolation between the two of [`Self::indices`] around.
+    pub fn bracket(&self) -> &[f64] {
+        &self.bracket[..self.count]
+    }
+
+    /// [`Self::bracket`] as the shaders take it: f32, zero behind the last tap.
+    pub fn bracket_f32(&self) -> [f32; Self::MAX] {
+        self.bracket.map(|weight| weight as f32)
+    }
+
     /// Node indices as the shaders take them, zero behind the last tap.
     pub fn indices_u32(&self) -> [u32; Self::MAX] {
         self.index.map(|index| index as u32)
@@ -63,7 +76,8 @@ pub fn lagrange_taps(nodes: &[f64], x: f64, tolerance: f64) -> Taps {
     let count = nodes.len().min(Taps::MAX);
     let above = nodes.partition_point(|node| *node <= x);
     let first = above.saturating_sub(2).min(nodes.len() - count);
-    let mut taps = Taps { count, index: [0; Taps::MAX], weight: [0.0; Taps::MAX] };
+    let none = [0.0; Taps::MAX];
+    let mut taps = Taps { count, index: [0; Taps::MAX], weight: none, bracket: none };
     for i in 0..count {
         taps.index[i] = first + i;
         taps.weight[i] = (0..count)
@@ -71,6 +85,10 @@ pub fn lagrange_taps(nodes: &[f64], x: f64, tolerance: f64) -> Taps {
             .map(|j| (x - nodes[first + j]) / (nodes[first + i] - nodes[first + j]))
             .product();
     }
+    // x lies between two nodes, for it is on none of them.
+    let upper_weight = (x - nodes[above - 1]) / (nodes[above] - nodes[above - 1]);
+    taps.bracket[above - 1 - first] = 1.0 - upper_weight;
+    taps.bracket[above - first] = upper_weight;
     taps
 }
 
@@ -121,6 +139,7 @@ mod tests {
         let taps = lagrange_taps(&[1.0, 3.0], 1.5, 1e-9);
         assert_eq!(taps.indices(), [0, 1]);
         assert_eq!(taps.weights(), [0.75, 0.25]);
+        assert_eq!(taps.bracket(), taps.weights());
     }
 
     #[test]
@@ -128,5 +147,8 @@ mod tests {
         assert_eq!(lagrange_taps(&NODES, 1000.0, 1e-9).indices(), [1, 2, 3, 4]);
         assert_eq!(lagrange_taps(&NODES, 100.0, 1e-9).indices(), [0, 1, 2, 3]);
         assert_eq!(lagrange_taps(&NODES, 5000.0, 1e-9).indices(), [2, 3, 4, 5]);
+        assert_eq!(lagrange_taps(&NODES, 1100.0, 1e-9).bracket(), [0.0, 0.5, 0.5, 0.0]);
+        assert_eq!(lagrange_taps(&NODES, 100.0, 1e-9).bracket(), [0.6, 0.4, 0.0, 0.0]);
+        assert_eq!(lagrange_taps(&NODES, 4500.0, 1e-9).bracket(), [0.0, 0.0, 0.5, 0.5]);
     }
 }

@@ -43,7 +43,7 @@ impl CpuExecutor {
         if rendered.len() == 1 {
             return rendered.swap_remove(0);
         }
-        clock.time(Pass::Blend, || blend::blend(&rendered, request.turbidity_taps.weights_f32()))
+        clock.time(Pass::Blend, || blend::blend(&rendered, &request.turbidity_taps))
     }
 
     fn render_pack(&self, request: &Prepared, pack: usize, clock: &mut PassClock) -> Vec<f32> {

@@ -28,6 +28,7 @@ pub(crate) struct Request {
     pub(crate) tap_layer: [u32; 4],
     pub(crate) tap_weight: [f32; 4],
     pub(crate) blend_weight: [f32; 4],
+    pub(crate) bracket_weight: [f32; 4],
     pub(crate) emission: [f32; 3],
     pub(crate) tap_count: u32,
     pub(crate) flux_per_dnb_flux: [f32; 3],

@@ -264,7 +264,7 @@ fn the_blend_agrees_with_the_cpu_on_the_same_input() {
     let all = rig.buffer(&rig.executor.workspace.radiance, 3 * 2 * Panorama::LEN);
     for (request, prepared) in rig.batch.iter().enumerate() {
         let sky = |slot: usize| all[(slot * 2 + request) * Panorama::LEN..][..Panorama::LEN].to_vec();
-        let expected = blend::blend(&[sky(0), sky(1), sky(2)], prepared.turbidity_taps.weights_f32());
+        let expected = blend::blend(&[sky(0), sky(1), sky(2)], &prepared.turbidity_taps);
         assert_close("blend", &rig.rendered[request], &expected, 1e-5);
     }
 }

@@ -147,6 +147,7 @@ fn structures_lie_alike_on_both_sides() {
             tap_layer,
             tap_weight,
             blend_weight,
+            bracket_weight,
             emission,
             tap_count,
             flux_per_dnb_flux,
@@ -185,4 +186,6 @@ fn constants_are_the_same_on_both_sides() {
     }
     let floor = constant(shaders::BLENDING, "RADIANCE_FLOOR_W_M2_SR");
     assert_eq!(floor as f32, twin::RADIANCE_FLOOR_W_M2_SR);
+    assert_eq!(constant(shaders::BLENDING, "BEND_ALLOWED") as f32, twin::BEND_ALLOWED);
+    assert_eq!(constant(shaders::BLENDING, "BEND_SHARE_ALLOWED") as f32, twin::BEND_SHARE_ALLOWED);
 }

@@ -167,9 +167,9 @@ fn cases() -> Vec<Case> {
         case(
             "blend_radiance",
             blending,
-            &[Vector(4, 0.0, 1e-9), Vector(4, -0.2, 0.8)],
+            &[Vector(4, 0.0, 1e-9), Vector(4, -0.2, 0.8), Vector(4, -0.2, 0.8)],
             Answer::Real,
-            |w| bits([twin::blend_radiance(reals(w), reals(&w[4..]))]),
+            |w| bits([twin::blend_radiance(reals(w), reals(&w[4..]), reals(&w[8..]))]),
             1e-5,
             1e-12,
         ),

@@ -28,6 +28,7 @@ impl BatchArrays {
             tap_layer: prepared.altitude_taps.indices_u32(),
             tap_weight: prepared.altitude_taps.weights_f32(),
             blend_weight: prepared.turbidity_taps.weights_f32(),
+            bracket_weight: prepared.turbidity_taps.bracket_f32(),
             emission: prepared.emission,
             tap_count: prepared.altitude_taps.indices().len() as u32,
             flux_per_dnb_flux: prepared.flux_per_dnb_flux,
