@@ -283,7 +283,7 @@ fn the_truth_hides_lights_behind_a_ridge_in_every_order() {
         let finished = skyglow(&[&["reference"], &common[..], &count, more].concat()).expect_status(0);
         (finished.json(), finished.stderr)
     };
-    for (scattering, fields, fields_open) in [("single", None, None), ("multiple", Some(4), Some(1))] {
+    for (scattering, fields, fields_open) in [("single", None, None), ("multiple", Some(5), Some(1))] {
         let (hidden, said) = truth(&["--scattering", scattering]);
         let (open, said_open) = truth(&["--scattering", scattering, "--terrain", "off"]);
         for (said, fields) in [(said, fields), (said_open, fields_open)] {

@@ -30,8 +30,8 @@ use skyglow_tables::{Clouds, Scattering};
 ///
 /// Terrain hides lights by the model's definition: what leaves a light below the skyline between it and the observer,
 /// as the light sees it, does not count in any order, and counts as cut off all around the light. Every pixel's skyline
-/// comes from the terrain itself. Later orders then need fields behind skylines too, at most seven for every 1000 m of
-/// source altitude: how many in all is said before they are solved.
+/// comes from the terrain itself. Later orders then need fields behind skylines too, up to eight for each of some
+/// altitudes around the observer's, which takes minutes: how many there are in all is said before they are solved.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > truth.json"
@@ -219,7 +219,7 @@ impl Reference {
 
 /// Every light around the observer, behind its skyline where terrain is to hide.
 fn lights(scene: &Scene, query: &SkyQuery) -> Vec<BlockedSource> {
-    if query.terrain_hides {
+    if query.terrain_hides && scene.metadata().terrain {
         let stages = Stages::new();
         stages.begin("skylines of lights", 1);
         let sources = scene.blocked_sources(query.place);

@@ -6,7 +6,8 @@
 //!
 //! For sources behind skylines, fields are solved behind skylines of some angles e. Of what an open source would show,
 //! L₀, a skyline leaves L = L₀·s(e)·q(e), where s is the share of the light that the source still sends out and q varies
-//! little: ln q is interpolated between the angles and, over fewer altitudes, between those of sources. At 90° s is 0.
+//! little: ln q is interpolated between the angles and between altitudes of sources, which crowd around the observer's.
+//! At 90° s is 0.
 
 mod nodes;
 mod tables;
@@ -35,8 +36,8 @@ const DARKNESS_PER_M2_SR: f64 = 1e-36;
 pub struct SumDensity {
     /// Largest step between altitudes of sources, metres.
     pub altitude_step_m: f64,
-    /// The same for what skylines leave of their light.
-    pub cut_altitude_step_m: f64,
+    /// Step between altitudes at which fields are solved behind skylines, in ln(1 + |Δ|/150 m), Δ from the observer's.
+    pub cut_offset_step: f64,
     /// Distances from 250 m to 300 km, even in the logarithm.
     pub distances: usize,
     /// Azimuths of a half turn, crowding at the source's.
@@ -45,7 +46,7 @@ pub struct SumDensity {
 
 impl Default for SumDensity {
     fn default() -> Self {
-        Self { altitude_step_m: 300.0, cut_altitude_step_m: 1_000.0, distances: 72, azimuths: 41 }
+        Self { altitude_step_m: 300.0, cut_offset_step: 0.7, distances: 72, azimuths: 41 }
     }
 }
 
@@ -113,7 +114,8 @@ impl MultipleSum {
         let mut rows: Vec<f64> = directions.iter().map(|direction| direction.elevation_rad).collect();
         rows.sort_by(f64::total_cmp);
         rows.dedup();
-        let tables = self.solve(Nodes::new(&sources, &self.density), &rows, advance)?;
+        let tables =
+            self.solve(Nodes::new(&sources, self.observer_altitude_m, &self.density), &rows, advance)?;
         let log_sent: Vec<f64> = sources.iter().map(|blocked| self.log_sent(blocked.blocking_rad)).collect();
         Ok(directions
             .par_iter()
@@ -137,8 +139,7 @@ impl MultipleSum {
         if sources.is_empty() {
             return 0;
         }
-        let nodes = Nodes::new(&sources, &self.density);
-        nodes.altitude_m.len() + nodes.cut.len()
+        Nodes::new(&sources, self.observer_altitude_m, &self.density).field_count()
     }
 
     /// The sources whose light the observer sees: none at the base of a cloud and above, and none from there. Those
@@ -163,20 +164,20 @@ impl MultipleSum {
             self.tabulate(self.setting(altitude_m)?, &axes, rows, &mut open, field)?;
             advance();
         }
-        let mut cut = LogTable::new(axes.clone(), rows.len(), nodes.cut.len());
-        for (field, &(altitude, angle)) in nodes.cut.iter().enumerate() {
-            let blocking_rad = ANGLES_DEG[angle].to_radians();
-            let setting = self.setting(nodes.altitude_m[altitude])?.behind(blocking_rad)?;
-            self.tabulate(setting, &axes, rows, &mut cut, field)?;
-            let log_sent = self.log_sent(blocking_rad) as f32;
-            for row in 0..rows.len() {
-                let of_open = &open.log[open.part(row, altitude)];
-                let part = cut.part(row, field);
-                for (cut, open) in cut.log[part].iter_mut().zip(of_open) {
-                    cut.iter_mut().zip(open).for_each(|(cut, open)| *cut -= open + log_sent);
-                }
-            }
+        let mut cut = LogTable::new(axes.clone(), rows.len(), nodes.cut_count());
+        let mut uncut = LogTable::new(axes.clone(), rows.len(), 1);
+        let mut field = 0;
+        for fields in &nodes.cut {
+            let setting = self.setting(fields.altitude_m)?;
+            self.tabulate(setting, &axes, rows, &mut uncut, 0)?;
             advance();
+            for &angle in &fields.angles {
+                let blocking_rad = ANGLES_DEG[angle].to_radians();
+                self.tabulate(setting.behind(blocking_rad)?, &axes, rows, &mut cut, field)?;
+                cut.subtract(field, &uncut, self.log_sent(blocking_rad));
+                field += 1;
+                advance();
+            }
         }
         Ok(Tables { nodes, open, cut })
     }

@@ -1,4 +1,4 @@
-//! Which fields a sum needs: altitudes of sources, and angles of skylines at some of those altitudes.
+//! Which fields a sum needs: altitudes of sources under an open sky, and altitudes and angles of skylines.
 
 use super::{BlockedSource, SumDensity};
 use crate::interpolation::lagrange_taps;
@@ -11,49 +11,82 @@ pub(super) const TAPS: usize = 4;
 /// `garstang` source 1 to 250 km away comes out 0.02 to 0.7 % wrong in the mean to 10°, 1.6 % at 22°, 3.7 % at 40°, a
 /// fifth at 70°, where 2 % are left.
 pub(super) const ANGLES_DEG: [f64; 8] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0];
-/// The angle at which [`bent`] turns from linear to logarithmic, degrees.
+/// The angle at which [`bent_angle`] turns from linear to logarithmic, degrees.
 const BENT_AT_DEG: f64 = 2.0;
+/// The same for [`bent_offset`], metres.
+const BENT_AT_M: f64 = 150.0;
+/// Sources this near the observer's altitude count as at it where skylines hide them, metres.
+const SAME_ALTITUDE_M: f64 = 5.0;
+/// Nodes beyond this share of the way to the farthest altitude give way to it.
+const NEARLY_FARTHEST: f64 = 0.75;
 
 /// Axis of angles on which what a skyline leaves is smooth.
-fn bent(angle_deg: f64) -> f64 {
+fn bent_angle(angle_deg: f64) -> f64 {
     (1.0 + angle_deg / BENT_AT_DEG).ln()
 }
 
-/// Nodes of the table that a source lies between, with the weight of each.
+/// Axis of distances in altitude from the observer on which what a skyline leaves is smooth, above and below apart:
+/// where the source stands as high as the observer, the air between them leaves its cone, and there is a kink.
+fn bent_offset(offset_m: f64) -> f64 {
+    (1.0 + offset_m / BENT_AT_M).ln()
+}
+
+/// Nodes of a table that a source lies between, with the weight of each.
 pub(super) type Taps = Vec<(usize, f64)>;
+
+/// Fields behind skylines over one altitude.
+#[derive(Debug)]
+pub(super) struct CutFields {
+    /// Altitude of the source, metres.
+    pub(super) altitude_m: f64,
+    /// Places in [`ANGLES_DEG`], ascending: only those that some source needs.
+    pub(super) angles: Vec<usize>,
+}
 
 /// The fields of a sum, and what each source takes of them.
 #[derive(Debug)]
 pub(super) struct Nodes {
     /// Altitudes of sources under an open sky, metres, ascending.
     pub(super) altitude_m: Vec<f64>,
-    /// Fields behind skylines: (place in `altitude_m`, place in [`ANGLES_DEG`]), only those that some source needs.
-    pub(super) cut: Vec<(usize, usize)>,
+    /// Fields behind skylines, in the order of the places that `cut_taps` names.
+    pub(super) cut: Vec<CutFields>,
     /// For each source, places in `altitude_m`.
     pub(super) open_taps: Vec<Taps>,
-    /// For each source, places in `cut`; none under an open sky.
+    /// For each source, places among the fields behind skylines; none under an open sky.
     pub(super) cut_taps: Vec<Taps>,
 }
 
 impl Nodes {
-    /// The nodes for some sources, of which there is at least one.
-    pub(super) fn new(sources: &[BlockedSource], density: &SumDensity) -> Self {
+    /// The nodes for some sources, of which there is at least one, around an observer.
+    pub(super) fn new(sources: &[BlockedSource], observer_altitude_m: f64, density: &SumDensity) -> Self {
         let altitude_m = altitude_nodes(sources, density.altitude_step_m);
-        let cut_altitudes = spread_over(&altitude_m, density.cut_altitude_step_m);
-        let cut_altitude_m: Vec<f64> = cut_altitudes.iter().map(|&place| altitude_m[place]).collect();
-        let bent_angles = ANGLES_DEG.map(bent);
-        let mut places = BTreeMap::new();
-        let mut keys: Vec<Vec<((usize, usize), f64)>> = Vec::with_capacity(sources.len());
-        for BlockedSource { source, blocking_rad } in sources {
+        let offset_m = |blocked: &BlockedSource| blocked.source.altitude_m - observer_altitude_m;
+        let hidden = || sources.iter().filter(|blocked| blocked.blocking_rad > 0.0).map(offset_m);
+        let sides_m = [
+            offset_nodes(
+                hidden().fold(0.0, |far: f64, offset_m| far.max(-offset_m)),
+                density.cut_offset_step,
+            ),
+            offset_nodes(hidden().fold(0.0, |far: f64, offset_m| far.max(offset_m)), density.cut_offset_step),
+        ];
+        let bent_sides = sides_m.clone().map(|side| side.into_iter().map(bent_offset).collect::<Vec<_>>());
+        let bent_angles = ANGLES_DEG.map(bent_angle);
+        // By offset, so that altitudes come out in order: below the observer negative, 0 shared by both sides.
+        let mut places: BTreeMap<(i64, usize), usize> = BTreeMap::new();
+        let mut keys: Vec<Vec<((i64, usize), f64)>> = Vec::with_capacity(sources.len());
+        for blocked in sources {
             let mut taps = Vec::new();
-            if *blocking_rad > 0.0 {
-                let angles = lagrange_taps(&bent_angles, bent(blocking_rad.to_degrees()), TAPS);
-                for (altitude, altitude_weight) in lagrange_taps(&cut_altitude_m, source.altitude_m, TAPS) {
+            if blocked.blocking_rad > 0.0 {
+                let offset_m = offset_m(blocked);
+                let (side, sign) = if offset_m < 0.0 { (0, -1) } else { (1, 1) };
+                let angles = lagrange_taps(&bent_angles, bent_angle(blocked.blocking_rad.to_degrees()), TAPS);
+                for (step, step_weight) in lagrange_taps(&bent_sides[side], bent_offset(offset_m.abs()), TAPS)
+                {
                     // At the first angle, the open sky, a skyline leaves all.
                     for &(angle, angle_weight) in angles.iter().filter(|(angle, _)| *angle > 0) {
-                        let weight = altitude_weight * angle_weight;
+                        let weight = step_weight * angle_weight;
                         if weight != 0.0 {
-                            let node = (cut_altitudes[altitude], angle);
+                            let node = (sign * step as i64, angle);
                             places.insert(node, 0);
                             taps.push((node, weight));
                         }
@@ -62,7 +95,20 @@ impl Nodes {
             }
             keys.push(taps);
         }
-        places.values_mut().enumerate().for_each(|(number, place)| *place = number);
+        let mut cut: Vec<CutFields> = Vec::new();
+        let mut last = None;
+        for (number, (&(step, angle), place)) in places.iter_mut().enumerate() {
+            *place = number;
+            if last != Some(step) {
+                let offset_m = sides_m[usize::from(step >= 0)][step.unsigned_abs() as usize];
+                let altitude_m = observer_altitude_m + offset_m * step.signum() as f64;
+                cut.push(CutFields { altitude_m, angles: Vec::new() });
+                last = Some(step);
+            }
+            if let Some(fields) = cut.last_mut() {
+                fields.angles.push(angle);
+            }
+        }
         let cut_taps = keys
             .into_iter()
             .map(|taps| taps.into_iter().map(|(node, weight)| (places[&node], weight)).collect())
@@ -71,7 +117,17 @@ impl Nodes {
             .iter()
             .map(|blocked| lagrange_taps(&altitude_m, blocked.source.altitude_m, TAPS))
             .collect();
-        Self { cut: places.into_keys().collect(), altitude_m, open_taps, cut_taps }
+        Self { altitude_m, cut, open_taps, cut_taps }
+    }
+
+    /// Number of fields behind skylines.
+    pub(super) fn cut_count(&self) -> usize {
+        self.cut.iter().map(|fields| fields.angles.len()).sum()
+    }
+
+    /// Number of all fields to solve: over each altitude of those behind skylines an open one too.
+    pub(super) fn field_count(&self) -> usize {
+        self.altitude_m.len() + self.cut.len() + self.cut_count()
     }
 }
 
@@ -88,10 +144,13 @@ fn altitude_nodes(sources: &[BlockedSource], step_m: f64) -> Vec<f64> {
     (0..=steps as usize).map(|k| lowest + (highest - lowest) * k as f64 / steps).collect()
 }
 
-/// Places of some of ascending, even nodes [m], first and last among them, as far apart as `step_m` allows.
-fn spread_over(nodes_m: &[f64], step_m: f64) -> Vec<usize> {
-    let last = nodes_m.len() - 1;
-    let steps = (((nodes_m[last] - nodes_m[0]) / step_m).ceil() as usize).min(last);
-    let place = |k: usize| (last * k + steps / 2) / steps.max(1);
-    if steps == 0 { vec![0] } else { (0..=steps).map(place).collect() }
+/// Distances in altitude from the observer, metres, from 0 to the farthest, even in [`bent_offset`] but for the last.
+fn offset_nodes(farthest_m: f64, step: f64) -> Vec<f64> {
+    let nodes = (0..).map(|k: i32| BENT_AT_M * ((f64::from(k) * step).exp() - 1.0));
+    let mut nodes: Vec<f64> =
+        nodes.take_while(|&offset_m| offset_m <= 0.0 || offset_m < NEARLY_FARTHEST * farthest_m).collect();
+    if farthest_m > SAME_ALTITUDE_M {
+        nodes.push(farthest_m);
+    }
+    nodes
 }

@@ -57,6 +57,17 @@ impl LogTable {
         start..start + self.axes.len()
     }
 
+    /// Takes from a field the only one of another table, and an addend besides.
+    pub(super) fn subtract(&mut self, field: usize, other: &Self, addend: f64) {
+        let rows = other.log.chunks(other.row_len());
+        for (row, of_row) in rows.enumerate() {
+            let part = self.part(row, field);
+            for (value, other) in self.log[part].iter_mut().zip(of_row) {
+                value.iter_mut().zip(other).for_each(|(value, other)| *value -= other + addend as f32);
+            }
+        }
+    }
+
     /// Samples of a row, of all fields.
     pub(super) fn row_len(&self) -> usize {
         self.fields * self.axes.len()

@@ -89,18 +89,19 @@ fn sources_behind_skylines_leave_open_ones_as_they_are_bit_for_bit_and_cost_fiel
     assert!(cut(&[dark]).iter().flatten().all(|value| *value == 0.0));
     // The control: with its light it is seen.
     assert_ne!(cut(&[open[0], BlockedSource::open(dark.source), open[1]]), expected);
-    // One field for a skyline at a node of the axis, over one altitude; four around one between nodes.
+    // Of a skyline at a node of the axis, as high as the observer, what it leaves takes two fields; four angles are
+    // around one between nodes.
     let count = |sources: &[BlockedSource]| settled(&density).field_count(sources);
-    assert_eq!(count(&[behind(8.0, 300.0, 4_000.0)]), 2);
-    assert_eq!(count(&[behind(9.0, 300.0, 4_000.0), behind(10.0, 300.0, 5_000.0)]), 5);
+    assert_eq!(count(&[behind(8.0, 800.0, 4_000.0)]), 3);
+    assert_eq!(count(&[behind(9.0, 798.0, 4_000.0), behind(10.0, 798.0, 5_000.0)]), 6);
     assert_eq!(count(&[]), 0);
     let solved = std::sync::atomic::AtomicUsize::new(0);
     let advance = || {
         solved.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     };
-    let sources = [behind(8.0, 300.0, 4_000.0)];
+    let sources = [behind(8.0, 800.0, 4_000.0)];
     settled(&density).cut_radiance(&sources, [1.0; BAND_COUNT], &looks(), &advance).unwrap();
-    assert_eq!(solved.into_inner(), 2);
+    assert_eq!(solved.into_inner(), 3);
 }
 
 #[test]
@@ -117,7 +118,7 @@ fn a_skyline_between_angles_leaves_what_a_field_solved_behind_it_shows_and_highe
         .collect();
     let settled = settled(&SumDensity::default());
     let rows: Vec<f64> = looks().iter().map(|look| look.elevation_rad).collect();
-    let nodes = Nodes::new(&sources, &settled.density);
+    let nodes = Nodes::new(&sources, settled.observer_altitude_m, &settled.density);
     let tables = settled.solve(nodes, &rows, &|| ()).unwrap();
     let weights = settled.emission.weights();
     let mut before = vec![f64::INFINITY; distance_m.len() * rows.len()];
@@ -148,4 +149,58 @@ fn a_skyline_between_angles_leaves_what_a_field_solved_behind_it_shows_and_highe
         // The control: the angle before is another one.
         assert!(mean(&steps) > 2.0 * mean(&errors), "{angle_deg}");
     }
+}
+
+#[test]
+fn over_altitudes_between_those_solved_a_skyline_leaves_what_a_field_of_that_altitude_shows() {
+    let distance_m = [2_000.0, 8_000.0, 40_000.0];
+    // From 700 m below the observer to 1500 m above.
+    let altitudes_m = [100.0, 550.0, 720.0, 1_050.0, 2_300.0];
+    let sources: Vec<BlockedSource> = altitudes_m
+        .iter()
+        .flat_map(|&altitude_m| distance_m.map(|distance_m| behind(8.0, altitude_m, distance_m)))
+        .collect();
+    let rows: Vec<f64> = looks().iter().map(|look| look.elevation_rad).collect();
+    let log_left_with = |cut_offset_step: f64| -> Vec<f64> {
+        let settled = settled(&SumDensity { cut_offset_step, altitude_step_m: 1e5, ..SumDensity::default() });
+        let nodes = Nodes::new(&sources, settled.observer_altitude_m, &settled.density);
+        let tables = settled.solve(nodes, &rows, &|| ()).unwrap();
+        let log_sent = settled.log_sent(8f64.to_radians());
+        // The lowest and the highest altitude are solved themselves.
+        let between = 3..12;
+        let at = |index: usize, row: usize| {
+            let (taps, source) = (&tables.nodes.cut_taps[index], &sources[index].source);
+            tables.cut.log_at(row, taps, source, looks()[row].azimuth_rad)[1] + log_sent
+        };
+        between
+            .flat_map(|index| (0..rows.len()).map(move |row| (index, row)))
+            .map(|(i, row)| at(i, row))
+            .collect()
+    };
+    let settled = settled(&SumDensity::default());
+    let weights = settled.emission.weights();
+    let mut log_left = Vec::new();
+    for &altitude_m in &altitudes_m[1..4] {
+        let open = settled.setting(altitude_m).unwrap();
+        let fields = [open, open.behind(8f64.to_radians()).unwrap()]
+            .map(|setting| SourceField::solve(setting, &settled.resolution));
+        for &distance_m in &distance_m {
+            for look in looks() {
+                let [open, cut] = [0, 1].map(|which: usize| {
+                    let rays = ViewRow::new(&fields[which], settled.observer_altitude_m, look.elevation_rad);
+                    let lobes = rays.unwrap().radiance_per_watt(distance_m, look.azimuth_rad - 0.4)[1];
+                    lobes.iter().zip(weights).map(|(value, weight)| value * weight).sum::<f64>()
+                });
+                log_left.push((cut / open).ln());
+            }
+        }
+    }
+    let error = |step: f64| {
+        let pairs =
+            log_left_with(step).into_iter().zip(&log_left).map(|(a, b)| (a - b).abs()).collect::<Vec<_>>();
+        pairs.iter().sum::<f64>() / pairs.len() as f64
+    };
+    let (used, sparse) = (error(SumDensity::default().cut_offset_step), error(5.0));
+    println!("mean error {used:.4}; with altitudes far apart {sparse:.4}");
+    assert!(used < 0.02 && sparse > 3.0 * used, "{used} {sparse}");
 }
