@@ -244,7 +244,7 @@ fn above_clouds(altitude_m: f64, base_m: u32, maximum_m: f64) -> ApiError {
 }
 
 /// Degrees without the last digits of the way through radians.
-fn rounded(degrees: f64) -> f64 {
+pub(crate) fn rounded(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
 }
 

@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PhysicsError {
     /// A scalar outside its range, or not a finite number.
-    #[error("{parameter} is {value} {unit}; allowed is {minimum} to {maximum} {unit}")]
+    #[error("{parameter} is {value}{}; allowed is {minimum} to {maximum}{}", spaced(unit), spaced(unit))]
     OutOfRange {
         /// Parameter name as users spell it.
         parameter: &'static str,
@@ -27,6 +27,11 @@ pub enum PhysicsError {
         /// What is wrong with it.
         reason: String,
     },
+}
+
+/// A unit behind its number; nothing for pure numbers.
+fn spaced(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
 
 /// Checks that `value` is finite and within `minimum..=maximum`.

@@ -1,7 +1,7 @@
 //! What every number of a sky depends on.
 
 use super::{SceneReference, site::ground_warning};
-use crate::source::{EyeHeight, RenderedSky, SkyQuery, SourceFacts};
+use crate::source::{EyeHeight, RenderedSky, SkyQuery, SourceFacts, rounded};
 use serde::Serialize;
 use skyglow_physics::{EmissionMix, Lamp, Lobe};
 use skyglow_scene::{Ground, SceneMetadata};
@@ -114,8 +114,8 @@ impl Assumptions {
         Self {
             scene: scene.into(),
             observer: ObserverAnswer {
-                latitude_deg: query.place.latitude_deg(),
-                longitude_deg: query.place.longitude_deg(),
+                latitude_deg: rounded(query.place.latitude_deg()),
+                longitude_deg: rounded(query.place.longitude_deg()),
                 altitude_m: sky.altitude_m,
                 terrain_altitude_m: sky.ground.known_altitude_m(),
             },
@@ -141,7 +141,7 @@ impl Assumptions {
     }
 }
 
-/// What a sky had to do without, one sentence each. An eye above sea level does not ask for the ground.
+/// What a sky had to do without, one sentence each. An eye above sea level does not ask for the ground, but may be in it.
 pub fn sky_warnings(
     query: &SkyQuery,
     scene: &SceneMetadata,
@@ -150,10 +150,20 @@ pub fn sky_warnings(
 ) -> Vec<String> {
     let ground = match query.eye_height {
         EyeHeight::AboveGround(_) => ground_warning(scene, ground),
-        EyeHeight::AboveSea(_) => None,
+        EyeHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, ground),
     };
     let skyline = skyline_warning(query, scene, facts);
     ground.into_iter().chain(skyline).chain(cloud_warning(query)).collect()
+}
+
+/// What is said of an eye more than a metre below the ground.
+fn below_ground_warning(altitude_m: f64, ground: Ground) -> Option<String> {
+    let depth_m = ground.known_altitude_m()? - altitude_m;
+    (depth_m > 1.0).then(|| {
+        format!(
+            "the observer is {depth_m:.0} m below the ground: the sky is what air there would show without it"
+        )
+    })
 }
 
 /// What is said under clouds, where some numbers are not what their names lead one to think.

@@ -1,7 +1,7 @@
 //! What is at a place, and how its ground is known.
 
 use super::SceneReference;
-use crate::source::SiteFacts;
+use crate::source::{SiteFacts, rounded};
 use serde::Serialize;
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{Ground, SceneMetadata};
@@ -49,8 +49,8 @@ impl SiteAnswer {
     pub fn new(place: GeoPoint, site: &SiteFacts) -> Self {
         Self {
             scene: (&site.scene).into(),
-            latitude_deg: place.latitude_deg(),
-            longitude_deg: place.longitude_deg(),
+            latitude_deg: rounded(place.latitude_deg()),
+            longitude_deg: rounded(place.longitude_deg()),
             terrain_altitude_m: site.ground.known_altitude_m(),
             radiance_nw_cm2_sr: site.radiance_nw_cm2_sr,
             calibration: site.scene.calibration,

@@ -69,8 +69,13 @@ async fn an_answer_over_a_gap_in_the_terrain_says_which_ground_was_taken() {
         assert_eq!(server.json(&sky).await.1["observer"]["altitude_m"], altitude_m);
         assert!(header(&server.answer(&picture).await, "skyglow-warnings").contains(said));
         // An eye above sea level does not ask for the ground.
-        let (_, above_sea) = server.json(&format!("{sky}&altitude=500")).await;
+        let (_, above_sea) = server.json(&format!("{sky}&altitude=5000")).await;
         assert_eq!(above_sea["warnings"], json!([]));
+        // It may be in it.
+        let (_, buried) = server.json(&format!("{sky}&altitude=1")).await;
+        let is_buried = known.as_f64().is_some_and(|ground_m| ground_m > 2.0);
+        let said = buried["warnings"].to_string().contains("m below the ground");
+        assert_eq!(said, is_buried, "{buried}");
     }
 }
 
