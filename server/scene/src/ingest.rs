@@ -54,7 +54,7 @@ pub(crate) fn ingest_as(
     let source = open::radiance(options)?;
     let mut light = radiance::read(&source, progress)?;
     let terrain = terrain_files::read(&options.terrain, progress)?;
-    terrain_files::raise(&terrain, &mut light, progress)?;
+    terrain_files::raise(&terrain, &mut light, progress);
     let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
     let pyramid = LightPyramid::build(&light.grid, &light.pixels, skylines.as_ref(), options.calibration);
     let mut report = light.report;

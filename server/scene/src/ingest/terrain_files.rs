@@ -119,17 +119,14 @@ fn read_layer(path: &Path, report: &mut TerrainReport) -> Result<TerrainLayer, S
 }
 
 /// Sets the altitude of each lit pixel and reports how much of it is known.
-///
-/// # Errors
-/// [`SceneError::InvalidOption`] naming `--terrain` where it knows the ground of no lit pixel: it is of another place.
 pub(super) fn raise(
     files: &TerrainFiles,
     light: &mut RadianceRaster,
     progress: &mut dyn FnMut(IngestProgress),
-) -> Result<(), SceneError> {
+) {
     if files.terrain.is_empty() {
         light.report.warnings.push("there is no terrain: all lights are taken at sea level".to_owned());
-        return Ok(());
+        return;
     }
     let mut report = files.report.clone();
     let (mut nearest, mut missing) = (Tally::default(), Tally::default());
@@ -156,15 +153,6 @@ pub(super) fn raise(
     progress(IngestProgress { stage: IngestStage::Altitude, done: total as u64, total: total as u64 });
     report.nearest = nearest.finish(&light.grid);
     report.missing = missing.finish(&light.grid);
-    if total > 0 && report.missing.count == total as u64 {
-        return Err(SceneError::InvalidOption {
-            option: "--terrain",
-            reason: format!(
-                "it has no ground within 5 km of any of the {total} lit pixels: it is of another place; without it all \
-                 lights are taken at sea level"
-            ),
-        });
-    }
     let lit = total.max(1) as u64;
     if report.missing.count * 2 > lit {
         light.report.warnings.push(format!(
@@ -173,5 +161,4 @@ pub(super) fn raise(
         ));
     }
     light.report.terrain = Some(report);
-    Ok(())
 }
