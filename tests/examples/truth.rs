@@ -1,8 +1,8 @@
 //! The truth at random places of a scene, for several turbidities at once: slow, written to a file that the
 //! `accuracy` example compares panoramas with.
 //!
-//! `truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest]`: one JSON file a place; files that are there are kept.
-//! PLACES is how many random ones, or a list such as `48.2,14.6;42.6,7` of latitudes and longitudes. `few` takes three turbidities instead of seven, in about half the time; `rest` the others.
+//! `truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest|between]`: one JSON file a place; files that are there are kept.
+//! PLACES is how many random ones, or a list such as `48.2,14.6;42.6,7` of latitudes and longitudes. `few` takes three turbidities instead of seven, in about half the time; `rest` the others, and `between` the two that lie between packs.
 
 use skyglow_physics::{
     Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity,
@@ -18,6 +18,9 @@ const TURBIDITIES: [f64; 7] = [1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0];
 const FEW_TURBIDITIES: [f64; 3] = [1.5, 4.0, 6.0];
 /// The others.
 const REST_TURBIDITIES: [f64; 4] = [2.0, 2.5, 3.5, 4.75];
+
+/// Those between packs.
+const BETWEEN_TURBIDITIES: [f64; 2] = [2.0, 4.0];
 
 /// Places spread over the scene's bounds (additive recurrence): the same every time.
 fn places(scene: &Scene, count: usize) -> Vec<GeoPoint> {
@@ -50,7 +53,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         [_, data, id, count, directions, out, rest] if rest == "rest" => {
             truth::<12>(&REST_TURBIDITIES, data, id, count, directions.parse()?, out)
         }
-        _ => Err("usage: truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest]".into()),
+        [_, data, id, count, directions, out, between] if between == "between" => {
+            truth::<6>(&BETWEEN_TURBIDITIES, data, id, count, directions.parse()?, out)
+        }
+        _ => Err("usage: truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest|between]".into()),
     }
 }
 
