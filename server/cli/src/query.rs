@@ -9,7 +9,7 @@ use skyglow_http::{
     source::SourceFacts,
 };
 use skyglow_physics::{CloudBase, Turbidity};
-use skyglow_tables::{Manifest, Scattering, packs_in};
+use skyglow_tables::{Clouds, Manifest, Scattering, packs_in};
 use std::{marker::PhantomData, path::Path};
 
 /// The flags of a set of parameters, as a query string.
@@ -137,7 +137,7 @@ pub(crate) fn facts_of_packs(folder: &Path) -> SourceFacts {
 }
 
 fn cloud_base_m(manifest: &Manifest) -> Option<u32> {
-    manifest.clouds.map(|clouds| clouds.base_m)
+    manifest.clouds.map(Clouds::base_m)
 }
 
 /// What the packs of one scattering under one sky will serve; None where there are none.
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use skyglow_http::{accept::Format, parameters::PanoramaParameters};
     use skyglow_tables::{
-        Clouds, TableAxes,
+        TableAxes,
         manifest::{MeasuredError, PackParameters},
     };
 

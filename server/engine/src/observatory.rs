@@ -8,7 +8,7 @@ use crate::{
     scene_shelf::SceneShelf,
 };
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, SkyQuantities, Turbidity,
+    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, SkyCover, SkyQuantities, Turbidity,
 };
 use skyglow_scene::{Ground, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer};
 use skyglow_tables::{Manifest, Scattering};
@@ -287,11 +287,11 @@ impl View {
         SkyAnswer {
             scene: self.scene.metadata().clone(),
             observer: self.observer,
-            quantities: if request.cloud_base_m.is_some() {
-                SkyQuantities::under_clouds(&rendered.panorama, &horizon)
-            } else {
-                SkyQuantities::of_visible(&rendered.panorama, &horizon)
-            },
+            quantities: SkyQuantities::under(
+                SkyCover::with_clouds(request.cloud_base_m.is_some()),
+                &rendered.panorama,
+                &horizon,
+            ),
             rendered,
             horizon,
             horizon_time,

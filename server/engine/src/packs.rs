@@ -3,7 +3,7 @@
 use crate::error::EngineError;
 use serde::Serialize;
 use skyglow_scene::{RING_COUNT, ring_distance_m};
-use skyglow_tables::{Manifest, Pack, ResidentTables, Scattering};
+use skyglow_tables::{Clouds, Manifest, Pack, ResidentTables, Scattering};
 use std::{fmt, path::PathBuf, sync::Arc};
 
 /// What packs have in common that turbidity is interpolated between. Under one sky the order is from the coarsest model
@@ -20,12 +20,12 @@ pub struct PackKind {
 impl PackKind {
     /// The kind of a pack.
     pub fn of(tables: &ResidentTables) -> Self {
-        Self { cloud_base_m: tables.clouds.map(|clouds| clouds.base_m), scattering: tables.scattering }
+        Self { cloud_base_m: tables.clouds.map(Clouds::base_m), scattering: tables.scattering }
     }
 
     /// The kind of the pack that a manifest describes.
     pub fn of_manifest(manifest: &Manifest) -> Self {
-        Self { cloud_base_m: manifest.clouds.map(|clouds| clouds.base_m), scattering: manifest.scattering }
+        Self { cloud_base_m: manifest.clouds.map(Clouds::base_m), scattering: manifest.scattering }
     }
 
     /// Altitude of the base above sea level, metres: no light comes through it. Infinite under a clear sky.
@@ -109,7 +109,7 @@ fn check_albedos(sorted: &[Manifest]) -> Result<(), EngineError> {
         if kind != PackKind::of_manifest(before) {
             continue;
         }
-        let cloud_albedo = |manifest: &Manifest| manifest.clouds.map(|clouds| clouds.albedo);
+        let cloud_albedo = |manifest: &Manifest| manifest.clouds.map(Clouds::albedo);
         for (what, ours, theirs) in [
             ("ground", pack.ground_albedo, before.ground_albedo),
             ("cloud", cloud_albedo(pack), cloud_albedo(before)),

@@ -9,7 +9,7 @@ use crate::{
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
 use skyglow_scene::{PolarCell, PolarGrid};
-use skyglow_tables::clouds::CLOUD_ROOM_M;
+use skyglow_tables::clouds::ceiling_m;
 
 /// Two turbidities nearer than this are the same.
 pub const SAME_TURBIDITY: f64 = 1e-9;
@@ -259,13 +259,12 @@ fn checked_altitude_m(altitude_m: f64, set: &TableSet) -> Result<f64, EngineErro
 }
 
 fn check_below_clouds(altitude_m: f64, kind: PackKind) -> Result<(), EngineError> {
-    let maximum_m = kind.cloud_altitude_m() - CLOUD_ROOM_M;
-    match kind.cloud_base_m {
-        Some(base_m) if altitude_m > maximum_m => {
-            Err(EngineError::AboveClouds { altitude_m, base_m, maximum_m })
-        }
-        _ => Ok(()),
+    let Some(base_m) = kind.cloud_base_m else { return Ok(()) };
+    let maximum_m = ceiling_m(f64::from(base_m));
+    if altitude_m > maximum_m {
+        return Err(EngineError::AboveClouds { altitude_m, base_m, maximum_m });
     }
+    Ok(())
 }
 
 fn turbidity_taps(turbidity: f64, packs: &ResidentKind) -> Result<Taps, EngineError> {

@@ -3,7 +3,7 @@
 
 use skyglow_engine::{EngineError, PackKind, RenderRequest, TableSet, prepare::Prepared, synthetic};
 use skyglow_physics::{EmissionMix, Turbidity};
-use skyglow_tables::{Scattering, clouds::CLOUD_ROOM_M};
+use skyglow_tables::{Clouds, Scattering};
 use std::sync::Arc;
 
 const BASE_M: u32 = 1_000;
@@ -69,7 +69,7 @@ fn an_observer_in_the_clouds_or_above_them_is_refused() {
     let at = |observer_altitude_m, cloud_base_m| {
         Prepared::new(&RenderRequest { observer_altitude_m, ..asked(&[10.0], cloud_base_m) }, &set)
     };
-    let highest_m = f64::from(BASE_M) - CLOUD_ROOM_M;
+    let highest_m = Clouds::new(BASE_M, 0.5).unwrap().ceiling_m();
     assert!(at(highest_m, Some(BASE_M)).is_ok());
     assert!(at(highest_m + 1.0, None).is_ok());
     match at(highest_m + 1.0, Some(BASE_M)) {

@@ -23,7 +23,7 @@ pub struct KindFacts {
 impl KindFacts {
     /// Base of the layer of cloud above sea level, metres; None under a clear sky.
     pub fn cloud_base_m(&self) -> Option<u32> {
-        self.clouds.map(|clouds| clouds.base_m)
+        self.clouds.map(Clouds::base_m)
     }
 }
 
@@ -47,7 +47,7 @@ impl SourceFacts {
     /// Lambertian albedo of the base of a request's clouds; None under a clear sky.
     pub fn cloud_albedo(&self, query: &SkyQuery) -> Option<f64> {
         query.cloud_base_m?;
-        self.any_cloud_albedo.or_else(|| Some(self.kind(query)?.clouds?.albedo))
+        self.any_cloud_albedo.or_else(|| Some(self.kind(query)?.clouds?.albedo()))
     }
 
     /// What is allowed with some packs, named only where others would allow something else.

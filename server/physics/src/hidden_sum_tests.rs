@@ -64,23 +64,33 @@ fn worst_difference(a: &[[f64; BAND_COUNT]], b: &[[f64; BAND_COUNT]]) -> f64 {
     pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max)
 }
 
+/// What no terrain hides and what skylines at or below the horizontal cut are the plain sum; the former is returned.
+fn check_against_the_plain_sum(
+    atmosphere: &Atmosphere,
+    sum: &SkySum,
+    no_skylines_rad: &[f64],
+) -> Vec<[f64; BAND_COUNT]> {
+    let plain: Vec<[f64; BAND_COUNT]> = direct_sum(
+        &[*atmosphere],
+        sum.sources,
+        OBSERVER_ALTITUDE_M,
+        sum.emission,
+        sum.flux_per_dnb_flux,
+        sum.directions,
+        &|| (),
+    );
+    let open = hidden_sum(atmosphere, sum, &|_, _| false);
+    assert!(worst_difference(&open, &plain) < 1e-4, "{}", worst_difference(&open, &plain));
+    let uncut = cut_sum(atmosphere, sum, no_skylines_rad);
+    assert!(worst_difference(&uncut, &plain) < 1e-4, "{}", worst_difference(&uncut, &plain));
+    open
+}
+
 #[test]
 fn without_terrain_it_is_the_plain_sum() {
     let (sources, directions) = ([source(20_000.0), source(90_000.0)], looks());
     let sum = sky(&sources, &directions);
-    let plain: Vec<[f64; BAND_COUNT]> = direct_sum(
-        &[atmosphere()],
-        &sources,
-        OBSERVER_ALTITUDE_M,
-        sum.emission,
-        sum.flux_per_dnb_flux,
-        &directions,
-        &|| (),
-    );
-    let open = hidden_sum(&atmosphere(), &sum, &|_, _| false);
-    assert!(worst_difference(&open, &plain) < 1e-4, "{}", worst_difference(&open, &plain));
-    let uncut = cut_sum(&atmosphere(), &sum, &[0.0, -0.1]);
-    assert!(worst_difference(&uncut, &plain) < 1e-4, "{}", worst_difference(&uncut, &plain));
+    check_against_the_plain_sum(&atmosphere(), &sum, &[0.0, -0.1]);
     // The control: what is hidden is missed.
     assert!(hidden_sum(&atmosphere(), &sum, &|_, _| true).iter().flatten().all(|value| *value == 0.0));
 }
@@ -91,19 +101,7 @@ fn below_a_cloud_all_sums_agree_and_what_hides_a_source_from_the_base_counts() {
     let high = PointSource { altitude_m: 1_600.0, ..source(3_000.0) };
     let (sources, directions) = ([source(3_000.0), source(9_000.0), high], looks());
     let sum = sky(&sources, &directions);
-    let plain: Vec<[f64; BAND_COUNT]> = direct_sum(
-        &[cloudy],
-        &sources,
-        OBSERVER_ALTITUDE_M,
-        sum.emission,
-        sum.flux_per_dnb_flux,
-        &directions,
-        &|| (),
-    );
-    let open = hidden_sum(&cloudy, &sum, &|_, _| false);
-    assert!(worst_difference(&open, &plain) < 1e-4, "{}", worst_difference(&open, &plain));
-    let uncut = cut_sum(&cloudy, &sum, &[0.0; 3]);
-    assert!(worst_difference(&uncut, &plain) < 1e-4, "{}", worst_difference(&uncut, &plain));
+    let open = check_against_the_plain_sum(&cloudy, &sum, &[0.0; 3]);
     // Above the base there is nothing, so the high source is none; the clear sky has other light.
     let low = sky(&sources[..2], &directions);
     assert_eq!(hidden_sum(&cloudy, &low, &|_, _| false), open);

@@ -41,5 +41,5 @@ pub use geometry::{EARTH_RADIUS_M, GeoPoint};
 pub use horizon::Horizon;
 pub use lamp::{Lamp, LampPreset};
 pub use panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama};
-pub use sky_quantities::SkyQuantities;
+pub use sky_quantities::{SkyCover, SkyQuantities};
 pub use source_pixel::{PointSource, SourcePixel};

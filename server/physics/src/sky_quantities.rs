@@ -100,28 +100,46 @@ pub fn vertical_illuminance_lx(panorama: &Panorama, facing_azimuth_rad: f64) -> 
     sum
 }
 
+/// Whether the natural sky is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkyCover {
+    /// No cloud: a natural sky of 22.0 mag arcsec⁻², and stars.
+    Clear,
+    /// A closed layer of cloud that lets nothing natural through.
+    Overcast,
+}
+
+impl SkyCover {
+    /// Overcast where there are clouds.
+    pub fn with_clouds(are_there: bool) -> Self {
+        if are_there { Self::Overcast } else { Self::Clear }
+    }
+}
+
 impl SkyQuantities {
     /// All quantities of a panorama of artificial light that nothing hides.
     pub fn of(panorama: &Panorama) -> Self {
         Self::of_visible(panorama, &Horizon::flat())
     }
 
+    /// All quantities of the clear sky above a horizon, as [`Self::under`] gives them.
+    pub fn of_visible(panorama: &Panorama, horizon: &Horizon) -> Self {
+        Self::under(SkyCover::Clear, panorama, horizon)
+    }
+
     /// All quantities of the sky above a horizon. `panorama` is artificial light with its hidden samples 0, as
     /// [`Horizon::darken`] leaves it.
-    pub fn of_visible(panorama: &Panorama, horizon: &Horizon) -> Self {
-        let clear = natural_sky_luminance_cd_m2();
-        let quantities = Self::with_natural(panorama, horizon, clear);
+    pub fn under(cover: SkyCover, panorama: &Panorama, horizon: &Horizon) -> Self {
+        if cover == SkyCover::Overcast {
+            return Self::with_natural(panorama, horizon, 0.0);
+        }
+        let quantities = Self::with_natural(panorama, horizon, natural_sky_luminance_cd_m2());
         let total = quantities.zenith_total_luminance_cd_m2;
         Self {
             bortle_class: quantities.zenith_total_brightness_mag_arcsec2.map(bortle_class),
             naked_eye_limit_mag: Some(naked_eye_limit_mag(total)),
             ..quantities
         }
-    }
-
-    /// As [`Self::of_visible`] under a closed layer of cloud.
-    pub fn under_clouds(panorama: &Panorama, horizon: &Horizon) -> Self {
-        Self::with_natural(panorama, horizon, 0.0)
     }
 
     /// All but what speaks of stars, with a uniform natural sky of `natural` cd m⁻².
@@ -220,14 +238,15 @@ mod tests {
     #[test]
     fn under_clouds_totals_are_artificial_light_alone_and_there_are_no_stars() {
         let (panorama, open) = (uniform(1e-6), Horizon::flat());
-        let (clear, cloudy) = (SkyQuantities::of(&panorama), SkyQuantities::under_clouds(&panorama, &open));
+        let (clear, cloudy) =
+            (SkyQuantities::of(&panorama), SkyQuantities::under(SkyCover::Overcast, &panorama, &open));
         assert_eq!(cloudy.zenith_total_luminance_cd_m2, cloudy.zenith_luminance_cd_m2);
         assert_eq!(cloudy.zenith_total_brightness_mag_arcsec2, cloudy.zenith_brightness_mag_arcsec2);
         assert_eq!(cloudy.horizontal_total_illuminance_lx, cloudy.horizontal_illuminance_lx);
         assert_eq!((cloudy.bortle_class, cloudy.naked_eye_limit_mag), (None, None));
         assert_eq!(cloudy.ratio_to_natural, clear.ratio_to_natural);
         assert!(clear.horizontal_total_illuminance_lx > 1.0001 * cloudy.horizontal_total_illuminance_lx);
-        let dark = SkyQuantities::under_clouds(&Panorama::dark(), &open);
+        let dark = SkyQuantities::under(SkyCover::Overcast, &Panorama::dark(), &open);
         assert_eq!(dark.zenith_total_brightness_mag_arcsec2, None);
     }
 

@@ -9,15 +9,41 @@ use skyglow_physics::{CloudBase, PhysicsError, single_source::SourceGeometry};
 
 /// Room that observers and sources have below the base at least, metres: nearer, a point of light is a spot on the
 /// cloud that no table resolves.
-pub const CLOUD_ROOM_M: f64 = 100.0;
+const CLOUD_ROOM_M: f64 = 100.0;
 
-/// A layer of cloud as packs and requests name it: its base in whole metres above sea level.
+/// A layer of cloud as packs and requests name it: its base in whole metres above sea level, within the ranges of
+/// [`CloudBase::new`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "WrittenClouds", into = "WrittenClouds")]
 pub struct Clouds {
-    /// Altitude of the base above sea level, metres.
-    pub base_m: u32,
-    /// Lambertian albedo of the base from below, 0..=1.
-    pub albedo: f64,
+    base_m: u32,
+    base: CloudBase,
+}
+
+/// A layer of cloud as manifests have it, not yet checked.
+#[derive(Serialize, Deserialize)]
+struct WrittenClouds {
+    base_m: u32,
+    albedo: f64,
+}
+
+impl TryFrom<WrittenClouds> for Clouds {
+    type Error = PhysicsError;
+
+    fn try_from(written: WrittenClouds) -> Result<Self, PhysicsError> {
+        Self::new(written.base_m, written.albedo)
+    }
+}
+
+impl From<Clouds> for WrittenClouds {
+    fn from(clouds: Clouds) -> Self {
+        Self { base_m: clouds.base_m, albedo: clouds.albedo() }
+    }
+}
+
+/// Highest observer and source that tables know under clouds with a base at this altitude, metres above sea level.
+pub fn ceiling_m(base_m: f64) -> f64 {
+    base_m - CLOUD_ROOM_M
 }
 
 impl Clouds {
@@ -26,30 +52,36 @@ impl Clouds {
     /// # Errors
     /// As [`CloudBase::new`].
     pub fn new(base_m: u32, albedo: f64) -> Result<Self, PhysicsError> {
-        CloudBase::new(f64::from(base_m), albedo)?;
-        Ok(Self { base_m, albedo })
+        Ok(Self { base_m, base: CloudBase::new(f64::from(base_m), albedo)? })
+    }
+
+    /// Altitude of the base above sea level, metres.
+    pub fn base_m(self) -> u32 {
+        self.base_m
+    }
+
+    /// Lambertian albedo of the base from below, 0..=1.
+    pub fn albedo(self) -> f64 {
+        self.base.albedo()
     }
 
     /// As the physics has it.
-    ///
-    /// # Errors
-    /// As [`CloudBase::new`], for clouds read from a file.
-    pub fn base(self) -> Result<CloudBase, PhysicsError> {
-        CloudBase::new(f64::from(self.base_m), self.albedo)
+    pub fn base(self) -> CloudBase {
+        self.base
     }
 
     /// Highest observer and source that tables under these clouds know, metres above sea level.
     pub fn ceiling_m(self) -> f64 {
-        f64::from(self.base_m) - CLOUD_ROOM_M
+        ceiling_m(self.base.altitude_m())
     }
 
     /// The flags of the command that makes such a pack.
     pub(crate) fn flags(self) -> String {
         let base = format!(" --cloud-base {}", self.base_m);
-        if self.albedo == CloudBase::DEFAULT_ALBEDO {
+        if self.albedo() == CloudBase::DEFAULT_ALBEDO {
             base
         } else {
-            format!("{base} --cloud-albedo {}", self.albedo)
+            format!("{base} --cloud-albedo {}", self.albedo())
         }
     }
 
@@ -61,7 +93,7 @@ impl Clouds {
 
 /// An altitude as tables below a layer of cloud know it, metres.
 pub(crate) fn held_below_clouds_m(altitude_m: f64, cloud: Option<CloudBase>) -> f64 {
-    cloud.map_or(altitude_m, |base| altitude_m.min(base.altitude_m() - CLOUD_ROOM_M))
+    cloud.map_or(altitude_m, |base| altitude_m.min(ceiling_m(base.altitude_m())))
 }
 
 /// A node's geometry below a layer of cloud: the observer held below it, the source at the same offset from the
@@ -100,7 +132,7 @@ mod tests {
             source_altitude_m,
             observer_altitude_m,
         };
-        let cloud = Clouds::new(1_000, 0.5).unwrap().base().ok();
+        let cloud = Some(Clouds::new(1_000, 0.5).unwrap().base());
         assert_eq!(held_geometry(node(300.0, 500.0), cloud), node(300.0, 500.0));
         assert_eq!(held_geometry(node(300.0, 1_500.0), cloud), node(300.0, 900.0));
         assert_eq!(held_geometry(node(1_900.0, 1_500.0), cloud), node(900.0, 500.0));
@@ -123,5 +155,15 @@ mod tests {
         for (base_m, albedo) in [(100, 0.5), (12_001, 0.5), (1_000, 1.1), (1_000, f64::NAN)] {
             assert!(Clouds::new(base_m, albedo).is_err(), "{base_m} {albedo}");
         }
+    }
+
+    #[test]
+    fn clouds_are_read_as_they_were_written_and_impossible_ones_are_refused_by_name() {
+        let clouds = Clouds::new(1_500, 0.6).unwrap();
+        let text = serde_json::to_string(&clouds).unwrap();
+        assert_eq!(text, r#"{"base_m":1500,"albedo":0.6}"#);
+        assert_eq!(serde_json::from_str::<Clouds>(&text).unwrap(), clouds);
+        let refused = serde_json::from_str::<Clouds>(r#"{"base_m":100,"albedo":0.6}"#).unwrap_err();
+        assert!(refused.to_string().contains("cloud_base"), "{refused}");
     }
 }

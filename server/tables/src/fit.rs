@@ -84,8 +84,8 @@ impl FitConstants {
             shadow_dim: [SHADOW_DIM_FACTOR, SHADOW_DEPTH_M],
             rounding_variance: ROUNDING_VARIANCE,
             low_row: [LOW_ROW_BOOST, LOW_ROW_COUNT, LOW_COLUMN_COUNT],
-            oblique_importance: crate::precompute::OBLIQUE_IMPORTANCE,
-            everyday_altitude_m: crate::precompute::EVERYDAY_ALTITUDE_M,
+            oblique_importance: crate::training::OBLIQUE_IMPORTANCE,
+            everyday_altitude_m: crate::training::EVERYDAY_ALTITUDE_M,
         }
     }
 }

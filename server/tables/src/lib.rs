@@ -18,6 +18,7 @@ mod packing;
 pub mod precompute;
 pub mod resident;
 pub mod spectrum;
+mod training;
 mod upgrade;
 
 pub use axes::{OffsetAxis, TableAxes};

@@ -2,7 +2,7 @@
 //! engine would, against the converged integral.
 
 use crate::{
-    clouds::{Clouds, held_below_clouds_m},
+    clouds::held_below_clouds_m,
     images::{HALF_COLUMN_COUNT, image_index},
     manifest::{LobeError, MeasuredError},
     multiple::MultipleTable,
@@ -11,7 +11,7 @@ use crate::{
 };
 use rayon::prelude::*;
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Lobe, Turbidity,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Lobe,
     interpolation::lagrange_taps,
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, radiance_per_watt_of},
@@ -77,26 +77,20 @@ const INVISIBLE_PER_M2_SR: f64 = 1e-22;
 /// Errors of one source, `[lobe]`: away from the zenith, and at it.
 type SourceErrors = [(Vec<f64>, Vec<f64>); LOBE_COUNT];
 
-/// Measures a pack on `sources` single sources, each in 40 directions, all bands and lobes that carry light.
+/// Measures a pack of an atmosphere on `sources` single sources, each in 40 directions, all bands and lobes that carry light.
 ///
 /// The truth is the converged first order and, where scattering is multiple, the table of the orders after it.
 pub(crate) fn measure_error(
     pack: &Pack,
+    atmosphere: &Atmosphere,
     multiple: Option<&MultipleTable>,
     sources: usize,
     advance: &(dyn Fn() + Sync),
 ) -> MeasuredError {
-    let manifest = pack.manifest();
-    let (Ok(turbidity), Ok(cloud)) =
-        (Turbidity::new(manifest.turbidity), manifest.clouds.map(Clouds::base).transpose())
-    else {
-        return MeasuredError::default();
-    };
-    let atmosphere = Atmosphere::new(turbidity).under(cloud);
     let every: Vec<SourceErrors> = (1..=sources)
         .into_par_iter()
         .map(|i| {
-            let errors = source_errors(pack, &atmosphere, multiple, i);
+            let errors = source_errors(pack, atmosphere, multiple, i);
             advance();
             errors
         })

@@ -6,26 +6,24 @@
 //! is computed by one thread in a fixed order).
 
 use crate::{
-    axes::{OffsetAxis, TableAxes},
+    axes::TableAxes,
     blocked::{BlockedAxes, BlockedJob, make_blocked},
     checkpoint::Checkpoint,
-    clouds::{Clouds, held_below_clouds_m, held_geometry},
+    clouds::{Clouds, held_below_clouds_m},
     error::TablesError,
-    fit::{
-        Basis, FitConstants, Projector, TrainingImage, dim_factor, fit_basis, raised_share, sample_weights,
-    },
-    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, image_index, images_at_node, images_of},
+    fit::{Basis, FitConstants, Projector, dim_factor, fit_basis, sample_weights},
+    images::{IMAGE_COUNT, PIXEL_COUNT, image_index, images_of},
     manifest::{MeasuredError, PackParameters, Scattering},
     measure::measure_error,
     multiple::{MultipleAxes, MultipleTable},
     pack::Pack,
     spectrum::even_spectrum,
+    training::{offset_and_distance_m, training_images, training_nodes, training_set},
 };
 use half::f16;
 use rayon::prelude::*;
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, CloudBase, LOBE_COUNT, Lobe, Turbidity,
-    multiple_scattering::DEFAULT_GROUND_ALBEDO, single_source::SourceGeometry,
+    Atmosphere, BAND_COUNT, CloudBase, LOBE_COUNT, Turbidity, multiple_scattering::DEFAULT_GROUND_ALBEDO,
 };
 use std::path::{Path, PathBuf};
 
@@ -118,13 +116,13 @@ impl PrecomputeOptions {
     }
 
     /// The layer of cloud as the physics has it.
-    fn cloud_base(&self) -> Result<Option<CloudBase>, TablesError> {
-        Ok(self.clouds.map(Clouds::base).transpose()?)
+    pub(crate) fn cloud_base(&self) -> Option<CloudBase> {
+        self.clouds.map(Clouds::base)
     }
 
     /// The air of a turbidity.
-    pub(crate) fn atmosphere(&self, turbidity: Turbidity) -> Result<Atmosphere, TablesError> {
-        Ok(Atmosphere::new(turbidity).under(self.cloud_base()?))
+    pub(crate) fn atmosphere(&self, turbidity: Turbidity) -> Atmosphere {
+        Atmosphere::new(turbidity).under(self.cloud_base())
     }
 
     /// Sample points of multiply scattered light; None for the first order alone.
@@ -192,8 +190,7 @@ pub fn precompute_together(
         }
     }
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
-    let atmospheres =
-        turbidities.iter().map(|&t| options.atmosphere(t)).collect::<Result<Vec<Atmosphere>, _>>()?;
+    let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| options.atmosphere(t)).collect();
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
     let checkpoints: Vec<Checkpoint> =
         parameters.iter().map(|p| Checkpoint::open(out, p)).collect::<Result<_, _>>()?;
@@ -201,7 +198,7 @@ pub fn precompute_together(
     let bases = make_bases(options, &atmospheres, &multiple, &checkpoints, progress)?;
     let projectors: Vec<Projector> = bases.iter().map(Projector::new).collect();
     // Observers above clouds repeat the highest below them, and are not computed again.
-    let observers = distinct_observers(options)?;
+    let observers = distinct_observers(options);
     let distances = options.axes.distance_m.len();
     progress.begin("sky images", (observers * distances) as u64);
     // [part][turbidity]
@@ -231,7 +228,9 @@ pub fn precompute_together(
         .collect::<Result<_, TablesError>>()?;
     progress.begin("measuring the error", (options.error_sources * turbidities.len()) as u64);
     let mut packs = Vec::with_capacity(turbidities.len());
-    for (index, (parameters, basis)) in parameters.iter().zip(&bases).enumerate() {
+    for (index, ((parameters, basis), atmosphere)) in
+        parameters.iter().zip(&bases).zip(&atmospheres).enumerate()
+    {
         let (log_scale, shape) = arrange(options, &parts, index);
         let mut pack = Pack::from_parts(
             parameters.manifest(MeasuredError::default(), String::new()),
@@ -240,7 +239,9 @@ pub fn precompute_together(
             even_spectrum(&basis.functions),
         );
         pack.manifest_mut().measured_error =
-            measure_error(&pack, multiple.get(index), options.error_sources, &|| progress.advance(1));
+            measure_error(&pack, atmosphere, multiple.get(index), options.error_sources, &|| {
+                progress.advance(1)
+            });
         packs.push(pack);
     }
     finish(options, &atmospheres, &multiple, packs, checkpoints, out, progress)
@@ -278,120 +279,16 @@ pub(crate) fn finish(
     Ok(paths)
 }
 
-/// Highest observer and source of the everyday half of the training set, metres.
-pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
-
-/// Node geometries of the training set, every other one from anywhere on the axes and from everyday places. Sources
-/// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
-/// are places at clouds and above.
-fn training_nodes(options: &PrecomputeOptions) -> Result<Vec<(usize, usize, usize)>, TablesError> {
-    let (axes, cloud) = (&options.axes, options.cloud_base()?);
-    let mut nodes = Vec::with_capacity(options.training_geometries);
-    for i in 1..100 * options.training_geometries {
-        // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
-        let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
-        let node =
-            if nodes.len() % 2 == 0 { node_anywhere(axes, spread) } else { everyday_node(axes, spread) };
-        let geometry = axes.geometry(node.0, node.1, node.2, None);
-        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
-        let steepest_m = (0.7 * distance_m + 50.0).min(3_500.0);
-        let is_below_clouds = held_geometry(geometry, cloud) == geometry;
-        if (-600.0..=6_500.0).contains(&geometry.source_altitude_m)
-            && offset_m <= steepest_m
-            && is_below_clouds
-        {
-            nodes.push(node);
-        }
-        if nodes.len() == options.training_geometries {
-            break;
-        }
-    }
-    Ok(nodes)
-}
-
-/// A node from numbers 0..1, all observers, distances and offsets alike.
-fn node_anywhere(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
-    let counts = [axes.observer_altitude_m.len(), axes.distance_m.len(), axes.offset_count];
-    let [observer, distance, offset] = std::array::from_fn(|k| (spread[k] * counts[k] as f64) as usize);
-    (observer, distance, offset)
-}
-
-/// A node where people and lights are, observer and source between the sea and 1 500 m, low ones more often: few
-/// nodes have both low, and in haze a far light seen from the coast is a sky of its own.
-fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
-    let observers = axes.observer_altitude_m.partition_point(|&z| z <= EVERYDAY_ALTITUDE_M);
-    let observer = (spread[0].powf(1.5) * observers as f64) as usize;
-    let distance = (spread[1].sqrt() * axes.distance_m.len() as f64) as usize;
-    let source_m = EVERYDAY_ALTITUDE_M * spread[2] * spread[2];
-    let axis = OffsetAxis::at_distance(axes.distance_m[distance], axes.offset_count);
-    let offset = axis.position(source_m - axes.observer_altitude_m[observer]).round() as usize;
-    (observer, distance, offset)
-}
-
 /// The basis that a pack of one turbidity would have, without its tables: to judge what the fit can do.
 ///
 /// # Errors
 /// [`TablesError::Fit`] when a least-squares step breaks down.
 pub fn basis_alone(options: &PrecomputeOptions, multiple: &[MultipleTable]) -> Result<Basis, TablesError> {
-    let nodes = training_nodes(options)?;
-    let atmospheres = [options.atmosphere(options.turbidity)?];
+    let nodes = training_nodes(options);
+    let atmospheres = [options.atmosphere(options.turbidity)];
     let images = training_images(options, &atmospheres, multiple, &nodes, &|| ());
-    let set = training_set(options, &nodes, &images, 0)?;
+    let set = training_set(options, &nodes, &images, 0);
     fit_basis(&set, options.basis_count, options.fit_iterations, &|| ())
-}
-
-/// Images at the training nodes, `[node][atmosphere]`; `advance` is called once a node.
-fn training_images(
-    options: &PrecomputeOptions,
-    atmospheres: &[Atmosphere],
-    multiple: &[MultipleTable],
-    nodes: &[(usize, usize, usize)],
-    advance: &(dyn Fn() + Sync),
-) -> Vec<Vec<SourceImages>> {
-    nodes
-        .par_iter()
-        .map(|&(observer, distance, offset)| {
-            let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
-            advance();
-            images
-        })
-        .collect()
-}
-
-/// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
-pub(crate) const OBLIQUE_IMPORTANCE: f64 = 0.3;
-
-/// The training set of one turbidity. Steeply raised sources weigh less: they are rare, and costly, since the
-/// bright spot around each is at another place.
-fn training_set(
-    options: &PrecomputeOptions,
-    nodes: &[(usize, usize, usize)],
-    images: &[Vec<SourceImages>],
-    turbidity: usize,
-) -> Result<Vec<TrainingImage>, TablesError> {
-    let mut set = Vec::with_capacity(nodes.len() * IMAGE_COUNT);
-    for (&(observer, distance, offset), images) in nodes.iter().zip(images) {
-        let geometry = options.axes.geometry(observer, distance, offset, options.cloud_base()?);
-        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
-        let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
-        let raised_share = raised_share(offset_m, distance_m);
-        for (lobe, shapes) in
-            Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
-        {
-            let lobe = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
-            set.extend(shapes.chunks_exact(PIXEL_COUNT).map(|shape| TrainingImage {
-                shape: shape.to_vec(),
-                dim_factor,
-                importance: lobe * (1.0 - raised_share),
-            }));
-        }
-    }
-    Ok(set)
-}
-
-/// Offset and distance of a node, metres.
-fn offset_and_distance_m(geometry: &SourceGeometry) -> (f64, f64) {
-    (geometry.source_altitude_m - geometry.observer_altitude_m, geometry.distance_m)
 }
 
 /// Multiply scattered light of every turbidity; empty for the first order alone.
@@ -441,7 +338,7 @@ fn make_bases(
     if let Some(bases) = checkpoints.iter().map(load).collect() {
         return Ok(bases);
     }
-    let nodes = training_nodes(options)?;
+    let nodes = training_nodes(options);
     progress.begin("training images", nodes.len() as u64);
     let images = training_images(options, atmospheres, multiple, &nodes, &|| progress.advance(1));
     progress.begin("basis fit", (options.fit_iterations as u64 + 1) * atmospheres.len() as u64);
@@ -449,7 +346,7 @@ fn make_bases(
         .iter()
         .enumerate()
         .map(|(index, checkpoint)| {
-            let set = training_set(options, &nodes, &images, index)?;
+            let set = training_set(options, &nodes, &images, index);
             let basis = fit_basis(&set, count, options.fit_iterations, &|| progress.advance(1))?;
             checkpoint.store("basis", &basis.functions)?;
             Ok(basis)
@@ -473,7 +370,7 @@ fn make_part(
 ) -> Result<Vec<Vec<f32>>, TablesError> {
     let mut parts = vec![Vec::with_capacity(part_len(options)); atmospheres.len()];
     let record = IMAGE_COUNT * (1 + options.basis_count);
-    let cloud = options.cloud_base()?;
+    let cloud = options.cloud_base();
     let mut previous_altitude_m = f64::NAN;
     for offset in 0..options.axes.offset_count {
         // Nodes outside the range of source altitudes repeat the last one inside.
@@ -506,12 +403,12 @@ fn make_part(
 }
 
 /// Number of observer altitudes, from the lowest on, before they repeat the one below.
-fn distinct_observers(options: &PrecomputeOptions) -> Result<usize, TablesError> {
-    let cloud = options.cloud_base()?;
+fn distinct_observers(options: &PrecomputeOptions) -> usize {
+    let cloud = options.cloud_base();
     let mut held_m: Vec<f64> =
         options.axes.observer_altitude_m.iter().map(|&z| held_below_clouds_m(z, cloud)).collect();
     held_m.dedup();
-    Ok(held_m.len())
+    held_m.len()
 }
 
 /// Parts `[observer][distance]` of `[turbidity][offset][image][1 + basis]` → sections of one turbidity's pack,

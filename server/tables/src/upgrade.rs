@@ -93,8 +93,7 @@ pub fn add_blocked(
     }
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
-    let atmospheres =
-        turbidities.iter().map(|&t| options.atmosphere(t)).collect::<Result<Vec<Atmosphere>, _>>()?;
+    let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| options.atmosphere(t)).collect();
     let checkpoints: Vec<Checkpoint> =
         parameters.iter().map(|p| Checkpoint::open(out, p)).collect::<Result<_, _>>()?;
     let multiple = make_multiple(&options, &atmospheres, &checkpoints, progress)?;

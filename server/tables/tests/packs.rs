@@ -246,7 +246,7 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_repeats_itself_ab
     let air = Atmosphere::new(turbidity);
     let scale =
         |cloud| images_at_node(&[air.under(cloud)], &[], axes, observer, distance, offset)[0].log_scale;
-    let (closed, open) = (scale(clouds.base().ok()), scale(None));
+    let (closed, open) = (scale(Some(clouds.base())), scale(None));
     let image = image_index(0, 1);
     assert!(closed[image] > open[image] + 0.3, "{} {}", closed[image], open[image]);
     let kept = |pack: &Pack, observer| {
@@ -256,8 +256,8 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_repeats_itself_ab
     assert!((kept(&pack, observer) - closed[image]).abs() < 1e-5);
     assert!((kept(&clear, observer) - open[image]).abs() < 1e-5);
     // 6 000 m counts as the highest place below the clouds, and no part is made twice.
-    let geometry = axes.geometry(1, distance, offset, clouds.base().ok());
+    let geometry = axes.geometry(1, distance, offset, Some(clouds.base()));
     assert_eq!(geometry.observer_altitude_m, clouds.ceiling_m());
-    let highest = images_of(&[air.under(clouds.base().ok())], &[], &geometry)[0].log_scale;
+    let highest = images_of(&[air.under(Some(clouds.base()))], &[], &geometry)[0].log_scale;
     assert!((kept(&pack, 1) - highest[image]).abs() < 1e-5);
 }

@@ -79,9 +79,7 @@ export class Controls {
   private readonly turbidity_value = by_id("turbidity-value", HTMLOutputElement);
   private readonly scattering = by_id("scattering", HTMLSelectElement);
   private readonly clouds = by_id("clouds", HTMLSelectElement);
-  /** Those under the clouds of the state. */
   private atmospheres: readonly Atmosphere[] = [];
-  private all_atmospheres: readonly Atmosphere[] = [];
   private readonly lamp = by_id("lamp", HTMLSelectElement);
   private readonly emission = by_id("emission", HTMLSelectElement);
   private readonly terrain = by_id("terrain", HTMLSelectElement);
@@ -98,9 +96,9 @@ export class Controls {
     });
     this.scattering.addEventListener("change", () => {
       const chosen = SCATTERINGS.find(([name]) => name === this.scattering.value)?.[0] ?? null;
-      events.scattering(chosen === resident_scatterings(this.atmospheres)[0] ? null : chosen);
+      events.scattering(chosen === resident_scatterings(this.atmospheres_below())[0] ? null : chosen);
     });
-    this.clouds.addEventListener("change", () => events.clouds(this.clouds.value === "none" ? null : Number(this.clouds.value)));
+    this.clouds.addEventListener("change", () => events.clouds(this.chosen_clouds()));
     this.lamp.addEventListener("change", () => events.lamp(this.lamp.value));
     this.emission.addEventListener("change", () => events.emission(this.emission.value));
     this.terrain.addEventListener("change", () => events.terrain(this.terrain.value as TerrainKind));
@@ -130,25 +128,35 @@ export class Controls {
   }
 
   set_atmospheres(atmospheres: readonly Atmosphere[]): void {
-    this.all_atmospheres = atmospheres;
+    this.atmospheres = atmospheres;
     this.show_air(null, null);
+  }
+
+  /** Base of the clouds that the control stands on, metres; null for a clear sky. */
+  private chosen_clouds(): number | null {
+    return this.clouds.value === "none" ? null : Number(this.clouds.value);
+  }
+
+  /** The packs under the clouds that the control stands on. */
+  private atmospheres_below(): readonly Atmosphere[] {
+    return packs_under(this.atmospheres, this.chosen_clouds());
   }
 
   /** What can be chosen of clouds, of scattering under them, and of turbidity with that scattering. */
   private show_air(scattering: ScatteringName | null, clouds: number | null): void {
-    this.atmospheres = packs_under(this.all_atmospheres, clouds);
-    const bases = cloud_bases(this.all_atmospheres);
+    const bases = cloud_bases(this.atmospheres);
     const choices = [null, ...bases].map((base) => [String(base ?? "none"), clouds_title(base)] as const);
     fill(this.clouds, choices, String(clouds ?? "none"));
     // A choice of one is none.
     by_id("clouds-field", HTMLElement).hidden = bases.length === 0;
-    const resident = resident_scatterings(this.atmospheres);
+    const atmospheres = packs_under(this.atmospheres, clouds);
+    const resident = resident_scatterings(atmospheres);
     const best = resident[0];
     if (best !== undefined) {
       fill(this.scattering, SCATTERINGS.filter(([name]) => resident.includes(name)), scattering ?? best);
     }
     this.scattering.disabled = resident.length < 2;
-    const ends = turbidity_ends(this.atmospheres, scattering);
+    const ends = turbidity_ends(atmospheres, scattering);
     if (ends === null) return;
     const [least, most] = ends;
     this.turbidity.min = String(least);

@@ -107,7 +107,7 @@ fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
                 manifest.turbidity.to_string(),
                 manifest.scattering.name().to_owned(),
                 manifest.ground_albedo.map_or_else(|| "-".to_owned(), |albedo| format!("albedo {albedo}")),
-                manifest.clouds.map_or_else(|| "-".to_owned(), |clouds| format!("{} m", clouds.base_m)),
+                manifest.clouds.map_or_else(|| "-".to_owned(), |clouds| format!("{} m", clouds.base_m())),
                 manifest.basis_count.to_string(),
                 percent(manifest, |lobe| lobe.median),
                 percent(manifest, |lobe| lobe.p90),

@@ -62,9 +62,7 @@ impl From<Orders> for Scattering {
 
 fn cloud_base_m(text: &str) -> Result<u32, String> {
     let base_m = text.parse().map_err(|_| "allowed are whole metres".to_owned())?;
-    Clouds::new(base_m, CloudBase::DEFAULT_ALBEDO)
-        .map(|clouds| clouds.base_m)
-        .map_err(|error| error.to_string())
+    Clouds::new(base_m, CloudBase::DEFAULT_ALBEDO).map(Clouds::base_m).map_err(|error| error.to_string())
 }
 
 fn multiple_of_4(text: &str) -> Result<usize, String> {

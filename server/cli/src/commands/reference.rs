@@ -12,10 +12,11 @@ use skyglow_http::{
     answers::{Assumptions, PanoramaAnswer},
     parameters::ReferenceParameters,
     request,
-    source::{RenderedSky, SkyQuery},
+    source::{RenderedSky, SkyQuery, SourceError},
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Horizon, SkyQuantities,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Horizon, SkyCover,
+    SkyQuantities,
     direct_sum::{GridSample, cut_direct_sum, grid_direction, panorama_between, stratified_samples},
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
@@ -100,9 +101,7 @@ impl Reference {
         }
         let clouds = query.cloud_base_m.map(|base_m| Clouds::new(base_m, cloud_albedo)).transpose();
         let clouds = clouds.map_err(|error| Failure::Usage(error.to_string()))?;
-        let cloud =
-            clouds.map(Clouds::base).transpose().map_err(|error| Failure::Usage(error.to_string()))?;
-        let atmosphere = Atmosphere::new(query.turbidity).under(cloud);
+        let atmosphere = Atmosphere::new(query.turbidity).under(clouds.map(Clouds::base));
         let scene = SceneStore::new(self.data.folder()).open(&self.scene).map_err(Failure::work)?;
         if !scene.contains(query.place) {
             let [west, south, east, north] = scene.metadata().bounds;
@@ -114,11 +113,8 @@ impl Reference {
         let ground = scene.ground(query.place);
         let altitude_m = query.eye_height.altitude_m(ground);
         if let Some(clouds) = clouds.filter(|clouds| altitude_m > clouds.ceiling_m()) {
-            return Err(Failure::Usage(format!(
-                "the observer, at {altitude_m:.0} m, would be in the clouds or above them: --clouds {} reaches up to {:.0} m",
-                clouds.base_m,
-                clouds.ceiling_m()
-            )));
+            let (base_m, maximum_m) = (clouds.base_m(), clouds.ceiling_m());
+            return Err(query::failure(&SourceError::AboveClouds { altitude_m, base_m, maximum_m }.into()));
         }
         let sources = lights(&scene, &query);
         let horizon =
@@ -133,11 +129,7 @@ impl Reference {
         let mut panorama = panorama_between(&visible, &radiance);
         horizon.darken(&mut panorama);
         let sky = RenderedSky {
-            quantities: if clouds.is_some() {
-                SkyQuantities::under_clouds(&panorama, &horizon)
-            } else {
-                SkyQuantities::of_visible(&panorama, &horizon)
-            },
+            quantities: SkyQuantities::under(SkyCover::with_clouds(clouds.is_some()), &panorama, &horizon),
             panorama,
             horizon,
             altitude_m,

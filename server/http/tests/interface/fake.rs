@@ -13,7 +13,7 @@ use skyglow_physics::{
 use skyglow_scene::{
     GridMetadata, Ground, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer,
 };
-use skyglow_tables::Scattering;
+use skyglow_tables::{Clouds, Scattering};
 use std::{
     sync::{
         Arc, Mutex,
@@ -217,7 +217,7 @@ impl SkySource for Fake {
             scattering: kind.scattering.name().into(),
             ground_albedo: kind.ground_albedo,
             cloud_base_m: kind.cloud_base_m(),
-            cloud_albedo: kind.clouds.map(|clouds| clouds.albedo),
+            cloud_albedo: kind.clouds.map(Clouds::albedo),
             bands_nm: vec![680.0, 550.0, 440.0],
             observer_altitude_m: [0.0, 6000.0],
             source_altitude_m: [0.0, 6000.0],

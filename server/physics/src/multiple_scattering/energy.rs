@@ -1,7 +1,8 @@
 //! Where the power of each order goes: the ledger that must balance.
 //!
-//! What is scattered (and sent back by the ground and the base of a cloud) as light of one order is extinguished in the air, arrives at
-//! the ground or at the base of a cloud, or leaves through the top, which a cloud closes. Of what is extinguished a part is scattered on as the next order.
+//! What is scattered (and sent back by the ground and the base of a cloud) as light of one order is extinguished in
+//! the air, arrives at the ground or at the base of a cloud, or leaves through the top, which a cloud closes. Of what is
+//! extinguished a part is scattered on as the next order.
 //!
 //! Extinction and arrival are counted where light arrives (from radiance on the grid), escape where it sets out
 //! (from the source function): the balance ties both ends of the transport together.
@@ -20,8 +21,8 @@ use crate::{
 };
 use std::f64::consts::PI;
 
-/// Power of the light of one order, W per watt of the source (which sends out less than that behind a skyline). Light that goes beyond 420 km from the source is
-/// in none of the sums but the first two.
+/// Power of the light of one order, W per watt of the source (which sends out less than that behind a skyline). Light
+/// that goes beyond 420 km from the source is in none of the sums but the first two.
 #[derive(Clone, Debug)]
 pub struct OrderPower {
     /// Number of times this light was scattered or sent back by the ground or the base of a cloud; 0 is direct light.
@@ -51,7 +52,8 @@ impl OrderPower {
         }
     }
 
-    /// What became light of this order: scattered in the air and sent back by the ground and the base of a cloud, `[band][lobe]`.
+    /// What became light of this order: scattered in the air and sent back by the ground and the base of a cloud,
+    /// `[band][lobe]`.
     pub fn sent_w(&self) -> RadiancePerWatt {
         outputs_from_lanes(&self.sent_w)
     }

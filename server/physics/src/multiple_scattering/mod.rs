@@ -40,3 +40,6 @@ mod tests;
 
 #[cfg(test)]
 mod overcast_tests;
+
+#[cfg(test)]
+mod solver_checks;

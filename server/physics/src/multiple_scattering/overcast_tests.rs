@@ -1,11 +1,14 @@
 //! All orders below a closed layer of cloud.
 
 use super::{
-    monte_carlo::{Detector, ForwardTracer, Tracer},
+    solver_checks::{
+        TRACED_DIRECTION, at, check_against_traced_light, check_balance, check_both_tracers, check_rows,
+        detectors,
+    },
     *,
 };
 use crate::{
-    Atmosphere, Band, CloudBase, EmissionMix, PointSource, Turbidity,
+    Atmosphere, CloudBase, EmissionMix, PointSource, Turbidity,
     panorama::Direction,
     quadrature::integrate_adaptive,
     single_source::{SourceGeometry, cut_radiance_per_watt_of, radiance_per_watt_of},
@@ -23,27 +26,15 @@ fn setting(base_m: f64, albedo: f64) -> SourceSetting {
     SourceSetting::new(air(base_m, albedo), 0.0, 0.0, DEFAULT_GROUND_ALBEDO).unwrap()
 }
 
-fn at(distance_m: f64) -> SourceGeometry {
-    SourceGeometry { distance_m, source_altitude_m: 0.0, observer_altitude_m: 0.0 }
-}
-
 /// Solved once for all tests here: a base at 1 km of albedo 0.5, over a source at sea level.
 static FIELD: LazyLock<SourceField> =
     LazyLock::new(|| SourceField::solve(setting(BASE_M, 0.5), &Resolution::coarse()));
 
 #[test]
 fn below_a_cloud_light_is_scattered_absorbed_or_kept_by_ground_and_base_and_none_escapes() {
+    check_balance(&FIELD);
     let powers = FIELD.powers();
-    assert!(powers.len() >= 6);
-    for power in powers {
-        let tolerance = if power.order == 0 { 1e-4 } else { 0.03 };
-        assert_eq!(power.escaped_w(), [[0.0; 3]; 3]);
-        for (band, lobes) in power.imbalance().iter().enumerate() {
-            for (lobe, imbalance) in lobes.iter().enumerate() {
-                assert!(imbalance.abs() < tolerance, "order {} {band} {lobe}: {imbalance}", power.order);
-            }
-        }
-    }
+    assert!(powers.iter().all(|power| power.escaped_w() == [[0.0; 3]; 3]));
     // Most of the direct light arrives at the base: without it the first balance fails, and the later ones too.
     assert!(powers[0].at_base_w()[1][0] > 0.8);
     assert!(powers[1..].iter().all(|power| power.at_base_w()[1][0] > 0.05 * power.sent_w()[1][0]));
@@ -90,71 +81,24 @@ fn first_order_light_on_the_grid_is_that_of_single_source_below_a_cloud() {
 
 #[test]
 fn a_row_agrees_with_the_sum_of_moments_below_a_cloud() {
-    for elevation in [0.1f64, 0.6, 1.5] {
-        let row = ViewRow::new(&FIELD, 0.0, elevation).unwrap();
-        for (distance_m, azimuth) in [(400.0, 0.4), (7e3, 1.7), (30e3, 2.8)] {
-            let left = row.radiance_per_watt(distance_m, azimuth);
-            let right = row.radiance_per_watt(distance_m, -azimuth);
-            let exact = FIELD.radiance_per_watt(&at(distance_m), azimuth, elevation).unwrap();
-            for band in 0..3 {
-                for lobe in 0..3 {
-                    assert!(left[band][lobe] > 0.0 && left[band][lobe].is_finite());
-                    assert!((left[band][lobe] / right[band][lobe] - 1.0).abs() < 1e-5);
-                    let error = left[band][lobe] / exact[band][lobe] - 1.0;
-                    assert!(error.abs() < 0.02, "{distance_m} {azimuth} {elevation}: {error}");
-                }
-            }
-        }
-    }
+    check_rows(&FIELD, [(400.0, 0.4), (7e3, 1.7), (30e3, 2.8)]);
 }
 
 #[test]
 fn the_solver_agrees_with_light_traced_forward_below_a_cloud() {
-    let directions = [(0.0f64, 1.57f64), (0.0, 0.2), (1.6, 0.5), (3.1, 0.8)];
-    let detectors: Vec<Detector> = [1e3, 5e3]
-        .into_iter()
-        .flat_map(|distance_m| {
-            directions.map(|(relative_azimuth_rad, elevation_rad)| Detector {
-                geometry: at(distance_m),
-                relative_azimuth_rad,
-                elevation_rad,
-            })
-        })
-        .collect();
-    let traced = ForwardTracer::new(*FIELD.setting(), Band::G).estimate(&detectors, 100_000, 7);
-    for (detector, traced) in detectors.iter().zip(&traced) {
-        let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
-        let more = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
-        let first =
-            radiance_per_watt_of(&FIELD.setting().atmosphere, &detector.geometry, azimuth, elevation, 1e-6);
-        let total = first[1][0] + traced.radiance_per_m2_sr[0];
-        let noise = traced.standard_error_per_m2_sr[0] / total;
-        let error = (first[1][0] + more) / total - 1.0;
-        assert!(noise < 0.04, "{detector:?}: {noise}");
-        assert!(error.abs() < 0.03 + 4.0 * noise, "{detector:?}: {error} with noise {noise}");
-        let check = traced.by_order_per_m2_sr[0][0] / first[1][0] - 1.0;
-        assert!(check.abs() < 0.1, "{detector:?}: first order {check}");
-        // Without the later orders the check fails.
-        assert!((first[1][0] / total - 1.0).abs() > 0.03 + 4.0 * noise, "{detector:?}");
-    }
+    let detectors = detectors(&[1e3, 5e3], &[(0.0, 1.57), (0.0, 0.2), (1.6, 0.5), (3.1, 0.8)]);
+    check_against_traced_light(&FIELD, &detectors, 100_000, 0.03, 0.04);
 }
 
 #[test]
 fn both_tracers_agree_below_a_cloud() {
     let setting = SourceSetting::new(air(1_500.0, 0.7), 600.0, 200.0, 0.5).unwrap();
     let geometry = SourceGeometry { distance_m: 2e3, source_altitude_m: 600.0, observer_altitude_m: 200.0 };
-    let (azimuth, elevation) = (1.0, 0.7);
-    let b = Tracer::new(setting, Band::G, &geometry).estimate(azimuth, elevation, 40_000, 3);
-    let detector = Detector { geometry, relative_azimuth_rad: azimuth, elevation_rad: elevation };
-    let f = ForwardTracer::new(setting, Band::G).estimate(&[detector], 60_000, 3)[0];
-    for lobe in 0..3 {
-        let difference = b.radiance_per_m2_sr[lobe] - f.radiance_per_m2_sr[lobe];
-        let noise = b.standard_error_per_m2_sr[lobe].hypot(f.standard_error_per_m2_sr[lobe]);
-        assert!(difference.abs() < 4.0 * noise, "lobe {lobe}: {b:?} {f:?}");
-        assert!(noise < 0.1 * b.radiance_per_m2_sr[lobe], "lobe {lobe}: {b:?} {f:?}");
-        // Both know the first order, most of which is the base's.
-        let first = radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, elevation, 1e-6)[1][lobe];
-        for traced in [&b, &f] {
+    let (azimuth, elevation) = TRACED_DIRECTION;
+    // Both know the first order, most of which is the base's.
+    let first = radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, elevation, 1e-6)[1];
+    for traced in check_both_tracers(setting, geometry, 40_000, 0.1) {
+        for (lobe, &first) in first.iter().enumerate() {
             let traced_first = traced.by_order_per_m2_sr[0][lobe];
             assert!((traced_first - first).abs() <= 0.1 * first, "{lobe}: {first} {traced:?}");
         }

@@ -1,5 +1,8 @@
 use super::{
-    monte_carlo::{Detector, ForwardTracer, Tracer},
+    monte_carlo::ForwardTracer,
+    solver_checks::{
+        at, check_against_traced_light, check_balance, check_both_tracers, check_rows, detectors,
+    },
     *,
 };
 use crate::{
@@ -14,10 +17,6 @@ fn setting(turbidity: f64, source_altitude_m: f64, ground_altitude_m: f64, albed
     SourceSetting::new(atmosphere, source_altitude_m, ground_altitude_m, albedo).unwrap()
 }
 
-fn at(distance_m: f64) -> SourceGeometry {
-    SourceGeometry { distance_m, source_altitude_m: 0.0, observer_altitude_m: 0.0 }
-}
-
 /// Turbidity 2, source and ground at sea level, the default ground: solved once for all tests here.
 static FIELD: LazyLock<SourceField> = LazyLock::new(|| {
     SourceField::solve(setting(2.0, 0.0, 0.0, DEFAULT_GROUND_ALBEDO), &Resolution::coarse())
@@ -25,17 +24,8 @@ static FIELD: LazyLock<SourceField> = LazyLock::new(|| {
 
 #[test]
 fn what_is_scattered_out_of_the_beams_is_scattered_in_absorbed_or_escapes() {
+    check_balance(&FIELD);
     let powers = FIELD.powers();
-    assert!(powers.len() >= 6);
-    for power in powers {
-        // Direct light by quadrature; later orders on the coarse grid, counted at both ends of the transport.
-        let tolerance = if power.order == 0 { 1e-4 } else { 0.03 };
-        for (band, lobes) in power.imbalance().iter().enumerate() {
-            for (lobe, imbalance) in lobes.iter().enumerate() {
-                assert!(imbalance.abs() < tolerance, "order {} {band} {lobe}: {imbalance}", power.order);
-            }
-        }
-    }
     // The check can fail: without what escapes nothing balances.
     let first = &powers[1];
     assert!(first.escaped_w()[1][0] > 0.3 * first.sent_w()[1][0]);
@@ -89,22 +79,7 @@ fn first_order_light_on_the_grid_is_that_of_single_source() {
 
 #[test]
 fn the_sky_is_mirror_symmetric_and_a_row_agrees_with_the_sum_of_moments() {
-    for elevation in [0.1f64, 0.6, 1.5] {
-        let row = ViewRow::new(&FIELD, 0.0, elevation).unwrap();
-        for (distance_m, azimuth) in [(400.0, 0.4), (7e3, 1.7), (60e3, 2.8)] {
-            let left = row.radiance_per_watt(distance_m, azimuth);
-            let right = row.radiance_per_watt(distance_m, -azimuth);
-            let exact = FIELD.radiance_per_watt(&at(distance_m), azimuth, elevation).unwrap();
-            for band in 0..3 {
-                for lobe in 0..3 {
-                    assert!(left[band][lobe] > 0.0 && left[band][lobe].is_finite());
-                    assert!((left[band][lobe] / right[band][lobe] - 1.0).abs() < 1e-5);
-                    let error = left[band][lobe] / exact[band][lobe] - 1.0;
-                    assert!(error.abs() < 0.02, "{distance_m} {azimuth} {elevation}: {error}");
-                }
-            }
-        }
-    }
+    check_rows(&FIELD, [(400.0, 0.4), (7e3, 1.7), (60e3, 2.8)]);
 }
 
 #[test]
@@ -132,54 +107,17 @@ fn a_brighter_ground_brightens_the_sky() {
 
 #[test]
 fn the_solver_agrees_with_light_traced_forward() {
-    let directions = [(0.0f64, 1.57f64), (0.0, 0.5), (1.6, 0.5), (3.1, 0.8)];
-    let detectors: Vec<Detector> = [2e3, 10e3]
-        .into_iter()
-        .flat_map(|distance_m| {
-            directions.map(|(relative_azimuth_rad, elevation_rad)| Detector {
-                geometry: at(distance_m),
-                relative_azimuth_rad,
-                elevation_rad,
-            })
-        })
-        .collect();
-    let traced = ForwardTracer::new(*FIELD.setting(), Band::G).estimate(&detectors, 60_000, 7);
-    for (detector, traced) in detectors.iter().zip(&traced) {
-        let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
-        let more = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
-        let first =
-            radiance_per_watt_of(&FIELD.setting().atmosphere, &detector.geometry, azimuth, elevation, 1e-6);
-        let total = first[1][0] + traced.radiance_per_m2_sr[0];
-        let noise = traced.standard_error_per_m2_sr[0] / total;
-        let error = (first[1][0] + more) / total - 1.0;
-        assert!(error.abs() < 0.05 + 4.0 * noise, "{detector:?}: {error} with noise {noise}");
-        // The tracer's own first order against the quadrature.
-        let check = traced.by_order_per_m2_sr[0][0] / first[1][0] - 1.0;
-        assert!(check.abs() < 0.1, "{detector:?}: first order {check}");
-        // Without the higher orders the check fails.
-        assert!((first[1][0] / total - 1.0).abs() > 0.05 + 4.0 * noise);
-    }
+    let detectors = detectors(&[2e3, 10e3], &[(0.0, 1.57), (0.0, 0.5), (1.6, 0.5), (3.1, 0.8)]);
+    check_against_traced_light(&FIELD, &detectors, 60_000, 0.05, f64::INFINITY);
 }
 
 #[test]
 fn both_tracers_agree_and_are_the_same_on_any_number_of_threads() {
     let setting = setting(2.0, 1_000.0, 300.0, 0.5);
     let geometry = SourceGeometry { distance_m: 4e3, source_altitude_m: 1_000.0, observer_altitude_m: 300.0 };
-    let (azimuth, elevation) = (1.0, 0.7);
-    let backward = Tracer::new(setting, Band::G, &geometry);
-    let forward = ForwardTracer::new(setting, Band::G);
-    let detector = Detector { geometry, relative_azimuth_rad: azimuth, elevation_rad: elevation };
-    let run =
-        || (backward.estimate(azimuth, elevation, 20_000, 3), forward.estimate(&[detector], 60_000, 3)[0]);
-    let (b, f) = run();
-    for lobe in 0..3 {
-        let difference = b.radiance_per_m2_sr[lobe] - f.radiance_per_m2_sr[lobe];
-        let noise = b.standard_error_per_m2_sr[lobe].hypot(f.standard_error_per_m2_sr[lobe]);
-        assert!(difference.abs() < 4.0 * noise, "lobe {lobe}: {b:?} {f:?}");
-        assert!(noise < 0.2 * b.radiance_per_m2_sr[lobe], "lobe {lobe}: {b:?} {f:?}");
-    }
+    let run = || check_both_tracers(setting, geometry, 20_000, 0.2);
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(alone.install(run), (b, f));
+    assert_eq!(alone.install(run), run());
 }
 
 #[test]
@@ -226,15 +164,8 @@ fn the_power_of_a_source_behind_a_skyline_balances_and_is_what_the_skyline_leave
 
 #[test]
 fn the_solver_agrees_with_light_traced_forward_behind_a_skyline() {
-    let detectors: Vec<Detector> =
-        [(2e3, 0.0f64, 1.57f64), (2e3, 1.6, 0.5), (10e3, 0.0, 0.5), (10e3, 3.1, 0.08)]
-            .into_iter()
-            .map(|(distance_m, relative_azimuth_rad, elevation_rad)| Detector {
-                geometry: at(distance_m),
-                relative_azimuth_rad,
-                elevation_rad,
-            })
-            .collect();
+    let mut detectors = detectors(&[2e3], &[(0.0, 1.57), (1.6, 0.5)]);
+    detectors.extend(solver_checks::detectors(&[10e3], &[(0.0, 0.5), (3.1, 0.08)]));
     let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&detectors, 60_000, 7);
     let mut far_off = 0;
     for (detector, traced) in detectors.iter().zip(&traced) {

@@ -1,0 +1,116 @@
+//! The training set of a basis: which sample points it is fitted on, their images, and what each weighs.
+
+use crate::{
+    axes::{OffsetAxis, TableAxes},
+    clouds::held_geometry,
+    fit::{TrainingImage, dim_factor, raised_share},
+    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, images_at_node},
+    multiple::MultipleTable,
+    precompute::PrecomputeOptions,
+};
+use rayon::prelude::*;
+use skyglow_physics::{Atmosphere, BAND_COUNT, Lobe, single_source::SourceGeometry};
+
+/// Highest observer and source of the everyday half of the training set, metres.
+pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
+
+/// Node geometries of the training set, every other one from anywhere on the axes and from everyday places. Sources
+/// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
+/// are places at clouds and above.
+pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
+    let (axes, cloud) = (&options.axes, options.cloud_base());
+    let mut nodes = Vec::with_capacity(options.training_geometries);
+    for i in 1..100 * options.training_geometries {
+        // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
+        let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
+        let node =
+            if nodes.len() % 2 == 0 { node_anywhere(axes, spread) } else { everyday_node(axes, spread) };
+        let geometry = axes.geometry(node.0, node.1, node.2, None);
+        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
+        let steepest_m = (0.7 * distance_m + 50.0).min(3_500.0);
+        let is_below_clouds = held_geometry(geometry, cloud) == geometry;
+        if (-600.0..=6_500.0).contains(&geometry.source_altitude_m)
+            && offset_m <= steepest_m
+            && is_below_clouds
+        {
+            nodes.push(node);
+        }
+        if nodes.len() == options.training_geometries {
+            break;
+        }
+    }
+    nodes
+}
+
+/// A node from numbers 0..1, all observers, distances and offsets alike.
+fn node_anywhere(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let counts = [axes.observer_altitude_m.len(), axes.distance_m.len(), axes.offset_count];
+    let [observer, distance, offset] = std::array::from_fn(|k| (spread[k] * counts[k] as f64) as usize);
+    (observer, distance, offset)
+}
+
+/// A node where people and lights are, observer and source between the sea and 1 500 m, low ones more often: few
+/// nodes have both low, and in haze a far light seen from the coast is a sky of its own.
+fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let observers = axes.observer_altitude_m.partition_point(|&z| z <= EVERYDAY_ALTITUDE_M);
+    let observer = (spread[0].powf(1.5) * observers as f64) as usize;
+    let distance = (spread[1].sqrt() * axes.distance_m.len() as f64) as usize;
+    let source_m = EVERYDAY_ALTITUDE_M * spread[2] * spread[2];
+    let axis = OffsetAxis::at_distance(axes.distance_m[distance], axes.offset_count);
+    let offset = axis.position(source_m - axes.observer_altitude_m[observer]).round() as usize;
+    (observer, distance, offset)
+}
+
+/// Images at the training nodes, `[node][atmosphere]`; `advance` is called once a node.
+pub(crate) fn training_images(
+    options: &PrecomputeOptions,
+    atmospheres: &[Atmosphere],
+    multiple: &[MultipleTable],
+    nodes: &[(usize, usize, usize)],
+    advance: &(dyn Fn() + Sync),
+) -> Vec<Vec<SourceImages>> {
+    nodes
+        .par_iter()
+        .map(|&(observer, distance, offset)| {
+            let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
+            advance();
+            images
+        })
+        .collect()
+}
+
+/// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
+pub(crate) const OBLIQUE_IMPORTANCE: f64 = 0.3;
+
+/// The training set of one turbidity. Steeply raised sources weigh less: they are rare, and costly, since the
+/// bright spot around each is at another place.
+pub(crate) fn training_set(
+    options: &PrecomputeOptions,
+    nodes: &[(usize, usize, usize)],
+    images: &[Vec<SourceImages>],
+    turbidity: usize,
+) -> Vec<TrainingImage> {
+    let mut set = Vec::with_capacity(nodes.len() * IMAGE_COUNT);
+    for (&(observer, distance, offset), images) in nodes.iter().zip(images) {
+        let geometry = options.axes.geometry(observer, distance, offset, options.cloud_base());
+        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
+        let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
+        let raised_share = raised_share(offset_m, distance_m);
+        for (lobe, shapes) in
+            Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
+        {
+            let lobe = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
+            set.extend(shapes.chunks_exact(PIXEL_COUNT).map(|shape| TrainingImage {
+                shape: shape.to_vec(),
+                dim_factor,
+                importance: lobe * (1.0 - raised_share),
+            }));
+        }
+    }
+    set
+}
+
+/// Offset and distance of a node, metres.
+pub(crate) fn offset_and_distance_m(geometry: &SourceGeometry) -> (f64, f64) {
+    (geometry.source_altitude_m - geometry.observer_altitude_m, geometry.distance_m)
+}
