@@ -27,10 +27,12 @@ in_web() { (cd web && ../scripts/with_node.sh "$@"); }
 part "system packages" scripts/system_packages.sh test
 part "format" cargo fmt --all --check
 # One profile throughout: what is built once serves the lints' build scripts, the tests and the server.
-part "build" cargo build --release --workspace --all-targets
+# Examples are held to the lints, which compile them; nothing here runs them.
+part "build" cargo test --release --workspace --lib --bins --tests --no-run
 part "lints" cargo clippy --release --workspace --all-targets -- -D warnings
 part "packs that are missing" scripts/make_packs.sh missing
-part "tests" cargo test --release --workspace
+part "tests" cargo test --release --workspace --lib --bins --tests
+part "examples in the documentation" cargo test --release --workspace --doc
 part "viewer: packages" in_web npm ci --no-audit --no-fund
 part "viewer: API types fit the OpenAPI document" in_web node scripts/generate_api_types.mjs check
 part "viewer: types" in_web npm run typecheck

@@ -132,7 +132,7 @@ pub(crate) fn facts_of_packs(folder: &Path) -> SourceFacts {
         facts.any_cloud_albedo = None;
     }
     let highest_m = manifests.iter().filter_map(|manifest| manifest.axes.observer_altitude_m.last().copied());
-    facts.altitude_range_m.1 = highest_m.reduce(f64::min).unwrap_or(facts.altitude_range_m.1);
+    facts.altitude_range_m.1 = highest_m.reduce(f64::max).unwrap_or(facts.altitude_range_m.1);
     facts
 }
 

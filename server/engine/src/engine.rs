@@ -97,7 +97,7 @@ impl Engine {
             driver: opened.driver,
             resident_bytes: opened.resident_bytes,
             kinds: set.kinds().to_vec(),
-            altitude_range_m: [0.0, set.observer_altitude_m().last().copied().unwrap_or(0.0)],
+            altitude_range_m: [0.0, set.highest_observer_m()],
         };
         Ok(Self { set, info, stats, queue: Some(queue), capacity, thread: Some(thread) })
     }

@@ -80,13 +80,15 @@ impl Prepared {
     /// # Errors
     /// Scattering or clouds that are not resident, altitude, turbidity or basis out of range, or a malformed polar grid.
     pub fn new(request: &RenderRequest, set: &TableSet) -> Result<Self, EngineError> {
-        let observer_altitude_m = checked_altitude_m(request.observer_altitude_m, set)?;
-        let altitude_taps = lagrange_taps(set.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M);
-        let blocked_altitude_taps = set.blocked().map_or(Taps::single(0), |blocked| {
-            lagrange_taps(blocked.observer_altitude_m(), observer_altitude_m, SAME_ALTITUDE_M)
-        });
         let packs = set.kind(request.kind())?;
-        check_below_clouds(observer_altitude_m, packs.kind)?;
+        check_below_clouds(request.observer_altitude_m, packs.kind)?;
+        let altitudes_m = set.observer_altitude_m(packs);
+        let observer_altitude_m = checked_altitude_m(request.observer_altitude_m, altitudes_m)?;
+        let altitude_taps = lagrange_taps(altitudes_m, observer_altitude_m, SAME_ALTITUDE_M);
+        let blocked_altitude_taps =
+            set.blocked_observer_altitude_m(packs).map_or(Taps::single(0), |blocked_m| {
+                lagrange_taps(blocked_m, observer_altitude_m, SAME_ALTITUDE_M)
+            });
         let turbidity_taps = turbidity_taps(request.turbidity.value(), packs)?;
         let resident = packs.basis_count;
         let basis_count = request.basis.unwrap_or(resident);
@@ -250,8 +252,8 @@ fn node_below(position: f32) -> (usize, f32) {
     if (position - nearest as f32).abs() < 2e-6 { (nearest, 0.0) } else { (node, position - node as f32) }
 }
 
-fn checked_altitude_m(altitude_m: f64, set: &TableSet) -> Result<f64, EngineError> {
-    let maximum_m = set.observer_altitude_m().last().copied().unwrap_or(0.0);
+fn checked_altitude_m(altitude_m: f64, altitudes_m: &[f64]) -> Result<f64, EngineError> {
+    let maximum_m = altitudes_m.last().copied().unwrap_or(0.0);
     if !altitude_m.is_finite() || altitude_m > maximum_m {
         return Err(EngineError::AltitudeOutOfRange { altitude_m, minimum_m: 0.0, maximum_m });
     }

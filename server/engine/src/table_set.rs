@@ -12,7 +12,7 @@ use skyglow_tables::{
 };
 use std::sync::Arc;
 
-/// Packs by kind, then in ascending turbidity, all on the same axes.
+/// Packs by kind, then in ascending turbidity, all on the same axes but for the observer altitudes of each kind.
 #[derive(Clone, Debug)]
 pub struct TableSet {
     tables: Vec<Arc<ResidentTables>>,
@@ -24,7 +24,6 @@ pub struct TableSet {
 /// The common axes of the tables of sources behind skylines.
 #[derive(Clone, Debug)]
 pub struct BlockedAxes {
-    observer_altitude_m: Vec<f64>,
     offset_count: usize,
     /// `[angle − 1][ring]`.
     axes: Vec<Vec<RingAxis>>,
@@ -33,16 +32,7 @@ pub struct BlockedAxes {
 impl BlockedAxes {
     fn of(blocked: &ResidentBlocked) -> Self {
         let angle = |rings: &Vec<OffsetAxis>| rings.iter().map(RingAxis::of).collect();
-        Self {
-            observer_altitude_m: blocked.observer_altitude_m.clone(),
-            offset_count: blocked.offset_count,
-            axes: blocked.offset_axis.iter().map(angle).collect(),
-        }
-    }
-
-    /// Observer altitudes, metres, ascending.
-    pub fn observer_altitude_m(&self) -> &[f64] {
-        &self.observer_altitude_m
+        Self { offset_count: blocked.offset_count, axes: blocked.offset_axis.iter().map(angle).collect() }
     }
 
     /// Nodes of the offset axis of every angle and ring.
@@ -57,7 +47,7 @@ impl BlockedAxes {
 }
 
 impl TableSet {
-    /// Sorts the packs and checks that one set of interpolation weights serves them all.
+    /// Sorts the packs and checks that one set of interpolation weights serves all of a kind.
     ///
     /// # Errors
     /// [`EngineError::NoTables`] for none; [`EngineError::IncompatibleTables`] where axes differ, a turbidity
@@ -72,28 +62,25 @@ impl TableSet {
             let refuse =
                 |reason: String| EngineError::IncompatibleTables { turbidity: pack.turbidity, kind, reason };
             check_lengths(pack).map_err(refuse)?;
-            for (axis, ours, theirs) in [
-                ("observer altitudes", &pack.observer_altitude_m, &first.observer_altitude_m),
-                ("ring distances", &pack.ring_distance_m, &first.ring_distance_m),
-            ] {
-                if ours != theirs {
-                    return Err(refuse(format!("its {axis} differ from those of the first pack")));
-                }
+            if pack.ring_distance_m != first.ring_distance_m {
+                return Err(refuse("its ring distances differ from those of the first pack".into()));
             }
             if pack.offset_axis != first.offset_axis {
                 return Err(refuse("its offset axes differ from those of the first pack".into()));
             }
             if let (Some(ours), Some(theirs)) = (&pack.blocked, &first_blocked)
-                && (&ours.observer_altitude_m, &ours.offset_axis)
-                    != (&theirs.observer_altitude_m, &theirs.offset_axis)
+                && ours.offset_axis != theirs.offset_axis
             {
                 return Err(refuse("its axes behind skylines differ from those of the first pack".into()));
             }
-            if let Some(before) = position.checked_sub(1).map(|before| &tables[before])
-                && PackKind::of(before) == kind
-                && before.turbidity == pack.turbidity
-            {
-                return Err(refuse("this turbidity comes twice".into()));
+            let before = position.checked_sub(1).map(|before| &tables[before]);
+            if let Some(before) = before.filter(|before| PackKind::of(before) == kind) {
+                if before.turbidity == pack.turbidity {
+                    return Err(refuse("this turbidity comes twice".into()));
+                }
+                if altitudes_differ(before, pack) {
+                    return Err(refuse("its observer altitudes differ from those of its kind".into()));
+                }
             }
         }
         Ok(Self {
@@ -125,9 +112,21 @@ impl TableSet {
         })
     }
 
-    /// Observer altitudes of every pack, metres, ascending.
-    pub fn observer_altitude_m(&self) -> &[f64] {
-        &self.tables[0].observer_altitude_m
+    /// Observer altitudes of the packs of a kind, metres, ascending.
+    pub fn observer_altitude_m(&self, kind: &ResidentKind) -> &[f64] {
+        &self.tables[kind.first].observer_altitude_m
+    }
+
+    /// The same of their tables of sources behind skylines; None where not all of them have such.
+    pub fn blocked_observer_altitude_m(&self, kind: &ResidentKind) -> Option<&[f64]> {
+        let blocked = self.tables[kind.first].blocked.as_ref().filter(|_| kind.hides_lights)?;
+        Some(&blocked.observer_altitude_m)
+    }
+
+    /// Highest observer that packs of any kind know, metres.
+    pub fn highest_observer_m(&self) -> f64 {
+        let highest_m = self.tables.iter().filter_map(|pack| pack.observer_altitude_m.last().copied());
+        highest_m.fold(0.0, f64::max)
     }
 
     /// Axis of the offset (source altitude − observer altitude) on every ring of every pack.
@@ -171,6 +170,15 @@ impl TableSet {
     pub fn basis_count(&self) -> usize {
         self.tables.iter().map(|pack| pack.basis_count).max().unwrap_or(0)
     }
+}
+
+/// Whether one set of altitude weights would not serve both packs.
+fn altitudes_differ(a: &ResidentTables, b: &ResidentTables) -> bool {
+    let blocked_differ = match (&a.blocked, &b.blocked) {
+        (Some(a), Some(b)) => a.observer_altitude_m != b.observer_altitude_m,
+        _ => false,
+    };
+    blocked_differ || a.observer_altitude_m != b.observer_altitude_m
 }
 
 fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
@@ -293,6 +301,10 @@ mod tests {
             refusal(|pack| pack.turbidity = 2.0)
                 .contains("with single scattering does not fit: this turbidity comes twice")
         );
+        assert!(
+            refusal(|pack| pack.observer_altitude_m[1] += 1.0)
+                .contains("observer altitudes differ from those of its kind")
+        );
         assert!(refusal(|pack| pack.offset_axis[1].bend_m += 1.0).contains("offset axes differ"));
         assert!(refusal(|pack| pack.log_scale.truncate(5)).contains("log_scale has"));
         assert!(refusal(|pack| pack.basis_spectrum[3] = f32::NAN).contains("not finite"));
@@ -306,6 +318,7 @@ mod tests {
         assert!(blocked(|tables| tables.log_scale.truncate(5)).contains("another length"));
         assert!(blocked(|tables| tables.log_scale[7] = f32::INFINITY).contains("not finite"));
         assert!(blocked(|tables| tables.basis_count = 12).contains("12 basis functions"));
+        assert!(blocked(|tables| tables.observer_altitude_m[1] += 1.0).contains("altitudes differ"));
         assert!(blocked(|tables| drop(tables.offset_axis.pop())).contains("do not fit its rings"));
     }
 

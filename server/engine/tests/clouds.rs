@@ -8,10 +8,14 @@ use std::sync::Arc;
 
 const BASE_M: u32 = 1_000;
 
-/// Clear packs for turbidity 2 and 3, one under clouds for 2.5.
+/// Clear packs for turbidity 2 and 3, one under clouds for 2.5 whose observers end below them.
 fn set() -> TableSet {
     let mut tables = synthetic::table_set(&[2.0, 3.0], 8);
-    tables.extend(synthetic::under_clouds(synthetic::table_set(&[2.5], 8), BASE_M));
+    let mut closed = synthetic::under_clouds(synthetic::table_set(&[2.5], 8), BASE_M);
+    for altitude_m in &mut Arc::make_mut(&mut closed[0]).observer_altitude_m {
+        *altitude_m *= 900.0 / 6_000.0;
+    }
+    tables.extend(closed);
     TableSet::new(tables).unwrap()
 }
 
@@ -48,6 +52,21 @@ fn a_sky_is_rendered_from_the_packs_of_its_own_clouds() {
          scattering under clouds at 1000 m"
     );
     assert_eq!(set.kinds()[0].kind, PackKind { cloud_base_m: None, scattering: Scattering::Single });
+}
+
+#[test]
+fn each_kind_is_read_at_its_own_altitudes() {
+    let set = set();
+    // The made-up packs have nodes at 0, 500, 1 200, 2 500, 4 000 and 6 000 m, or at as many parts of 900 m.
+    let node = |cloud_base_m, observer_altitude_m| {
+        let asked = RenderRequest { observer_altitude_m, ..asked(&[10.0], cloud_base_m) };
+        let taps = Prepared::new(&asked, &set).unwrap().altitude_taps;
+        assert_eq!(taps.indices().len(), 1, "{taps:?}");
+        taps.indices()[0]
+    };
+    assert_eq!((node(None, 500.0), node(None, 6_000.0)), (1, 5));
+    assert_eq!((node(Some(BASE_M), 75.0), node(Some(BASE_M), 900.0)), (1, 5));
+    assert_eq!(set.highest_observer_m(), 6_000.0);
 }
 
 #[test]

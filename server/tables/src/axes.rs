@@ -8,7 +8,7 @@
 //! lowest part of every ray, below its horizontal plane, in the Earth's shadow. Low rays lose their light within
 //! some hundred metres above Δ₀, so nodes are closest there.
 
-use crate::clouds::held_geometry;
+use crate::clouds::{Clouds, altitudes_below, held_geometry};
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{
     CloudBase,
@@ -130,6 +130,11 @@ impl TableAxes {
             observer_altitude_m: vec![0.0, 300.0, 700.0, 1_200.0, 1_900.0, 2_900.0, 4_200.0, 6_000.0],
             offset_count: 23,
         }
+    }
+
+    /// The same below a layer of cloud.
+    pub fn below(self, clouds: Clouds) -> Self {
+        Self { observer_altitude_m: altitudes_below(&self.observer_altitude_m, clouds), ..self }
     }
 
     /// Few points, made in seconds: for tests of everything but accuracy.

@@ -1,8 +1,8 @@
 //! The layer of cloud that a pack was made under, and what its sample points become below it.
 //!
-//! Packs under clouds have the axes of all others, so that one set of interpolation weights serves them all. Nodes with
-//! observer or source higher than [`Clouds::ceiling_m`] repeat the highest one below it; no such place is ever asked for,
-//! but interpolation reaches for the next node up.
+//! The observers of such packs end at [`Clouds::ceiling_m`], and lie closer together the nearer they are to the base,
+//! where the lit cloud above changes its place in the sky fastest. Sources of nodes higher than that are held there: no
+//! light so high is ever asked for, but interpolation reaches for the next node up.
 
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{CloudBase, PhysicsError, single_source::SourceGeometry};
@@ -96,28 +96,47 @@ pub(crate) fn held_below_clouds_m(altitude_m: f64, cloud: Option<CloudBase>) -> 
     cloud.map_or(altitude_m, |base| altitude_m.min(ceiling_m(base.altitude_m())))
 }
 
-/// A node's geometry below a layer of cloud: the observer held below it, the source at the same offset from the
-/// observer where that lies below it too.
+/// A node's geometry below a layer of cloud: the source held below it.
 pub(crate) fn held_geometry(geometry: SourceGeometry, cloud: Option<CloudBase>) -> SourceGeometry {
-    let lowered_m = geometry.observer_altitude_m - held_below_clouds_m(geometry.observer_altitude_m, cloud);
-    SourceGeometry {
-        observer_altitude_m: geometry.observer_altitude_m - lowered_m,
-        source_altitude_m: held_below_clouds_m(geometry.source_altitude_m - lowered_m, cloud),
-        ..geometry
-    }
+    SourceGeometry { source_altitude_m: held_below_clouds_m(geometry.source_altitude_m, cloud), ..geometry }
 }
 
-/// Sample altitudes below a layer of cloud: those of an axis that lie well below it, the highest that there can be, and
-/// some between where few are left.
-pub(crate) fn altitudes_below(clear_m: &[f64], ceiling_m: f64) -> Vec<f64> {
-    let mut below_m: Vec<f64> = clear_m.iter().copied().filter(|&z| z < 0.75 * ceiling_m).collect();
-    if clear_m.last().is_some_and(|&highest_m| highest_m <= ceiling_m) {
-        return clear_m.to_vec();
+/// Widest step between sample altitudes that lie this far below a base, metres.
+fn widest_step_m(depth_m: f64) -> f64 {
+    0.45 * depth_m + 40.0
+}
+
+/// As many sample altitudes below a layer of cloud as `clear_m` has, from its first to its last or to the highest below
+/// the cloud: as close together as there, and closer towards the base. All of `clear_m` where the base is far above it.
+pub(crate) fn altitudes_below(clear_m: &[f64], clouds: Clouds) -> Vec<f64> {
+    let (Some(&lowest_m), Some(&last_m)) = (clear_m.first(), clear_m.last()) else { return Vec::new() };
+    let highest_m = last_m.min(clouds.ceiling_m());
+    let count = clear_m.len();
+    if count < 2 || highest_m <= lowest_m {
+        return vec![lowest_m];
     }
-    below_m.push(ceiling_m);
-    while below_m.len() < clear_m.len().min(4) {
-        below_m.insert(1, 0.5 * (below_m[0] + below_m[1]));
+    // Sample points a metre, summed up in steps of a metre: the points are even in it.
+    let clear_step_m = |altitude_m: f64| {
+        let above = clear_m.partition_point(|&z| z <= altitude_m).clamp(1, count - 1);
+        clear_m[above] - clear_m[above - 1]
+    };
+    let density = |altitude_m: f64| {
+        1.0 / clear_step_m(altitude_m).min(widest_step_m(clouds.base.altitude_m() - altitude_m))
+    };
+    let steps = (highest_m - lowest_m).ceil() as usize;
+    let step_m = (highest_m - lowest_m) / steps as f64;
+    let at_step = |step: usize| lowest_m + step_m * (step as f64 + 0.5);
+    let total: f64 = (0..steps).map(|step| density(at_step(step))).sum();
+    let mut below_m = vec![lowest_m];
+    let mut sum = 0.0;
+    for step in 0..steps {
+        sum += density(at_step(step));
+        let wanted = total * below_m.len() as f64 / (count - 1) as f64;
+        if below_m.len() < count - 1 && sum >= wanted - 1e-9 {
+            below_m.push((lowest_m + step_m * (step + 1) as f64).round());
+        }
     }
+    below_m.push(highest_m);
     below_m
 }
 
@@ -126,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nodes_above_a_layer_of_cloud_repeat_the_highest_below_it_at_the_same_offset() {
+    fn sources_of_nodes_above_a_layer_of_cloud_are_held_below_it() {
         let node = |observer_altitude_m, source_altitude_m| SourceGeometry {
             distance_m: 5_000.0,
             source_altitude_m,
@@ -135,19 +154,33 @@ mod tests {
         let cloud = Some(Clouds::new(1_000, 0.5).unwrap().base());
         assert_eq!(held_geometry(node(300.0, 500.0), cloud), node(300.0, 500.0));
         assert_eq!(held_geometry(node(300.0, 1_500.0), cloud), node(300.0, 900.0));
-        assert_eq!(held_geometry(node(1_900.0, 1_500.0), cloud), node(900.0, 500.0));
         assert_eq!(held_geometry(node(1_900.0, 1_500.0), None), node(1_900.0, 1_500.0));
     }
 
     #[test]
-    fn sample_altitudes_end_at_the_highest_that_there_can_be_and_are_four_at_least() {
-        let clear_m = [0.0, 600.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0];
-        assert_eq!(altitudes_below(&clear_m, 900.0), [0.0, 300.0, 600.0, 900.0]);
-        assert_eq!(altitudes_below(&clear_m, 1_900.0), [0.0, 600.0, 1_400.0, 1_900.0]);
-        assert_eq!(altitudes_below(&clear_m, 3_900.0), [0.0, 600.0, 1_400.0, 2_600.0, 3_900.0]);
-        assert_eq!(altitudes_below(&clear_m, 200.0), [0.0, 50.0, 100.0, 200.0]);
-        assert_eq!(altitudes_below(&clear_m, 11_900.0), clear_m);
-        assert_eq!(altitudes_below(&[0.0], 900.0), [0.0]);
+    fn sample_altitudes_end_at_the_highest_that_there_can_be_and_are_closest_at_the_base() {
+        let clear_m = [0.0, 300.0, 700.0, 1_200.0, 1_900.0, 2_900.0, 4_200.0, 6_000.0];
+        for base_m in [200, 500, 1_000, 2_500, 5_000, 8_000] {
+            let clouds = Clouds::new(base_m, 0.5).unwrap();
+            let below_m = altitudes_below(&clear_m, clouds);
+            assert_eq!(below_m.len(), clear_m.len(), "{below_m:?}");
+            assert_eq!(below_m[0], 0.0);
+            assert_eq!(below_m[7], clouds.ceiling_m().min(6_000.0));
+            let steps_m: Vec<f64> = below_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            assert!(steps_m.iter().all(|&step_m| step_m > 0.0), "{below_m:?}");
+            if base_m <= 5_000 {
+                // Each step is short beside the way up to the base, from its lower end.
+                for (&from_m, step_m) in below_m.iter().zip(&steps_m) {
+                    let depth_m = f64::from(base_m) - from_m;
+                    assert!(*step_m < 0.7 * depth_m, "{below_m:?}");
+                }
+                assert!(steps_m[6] < steps_m[5], "{below_m:?}");
+            }
+        }
+        let high = Clouds::new(12_000, 0.5).unwrap();
+        assert_eq!(altitudes_below(&clear_m, high), clear_m);
+        assert_eq!(altitudes_below(&[0.0, 6_000.0], Clouds::new(1_500, 0.5).unwrap()), [0.0, 1_400.0]);
+        assert_eq!(altitudes_below(&[0.0], Clouds::new(1_000, 0.5).unwrap()), [0.0]);
     }
 
     #[test]

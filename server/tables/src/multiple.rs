@@ -103,7 +103,7 @@ impl MultipleAxes {
 
     /// The same below a layer of cloud.
     pub fn below(self, clouds: Clouds) -> Self {
-        Self { ground_altitude_m: altitudes_below(&self.ground_altitude_m, clouds.ceiling_m()), ..self }
+        Self { ground_altitude_m: altitudes_below(&self.ground_altitude_m, clouds), ..self }
     }
 
     /// Few points, for tests of everything but accuracy.

@@ -9,7 +9,7 @@ use crate::{
     axes::TableAxes,
     blocked::{BlockedAxes, BlockedJob, make_blocked},
     checkpoint::Checkpoint,
-    clouds::{Clouds, held_below_clouds_m},
+    clouds::Clouds,
     error::TablesError,
     fit::{Basis, FitConstants, Projector, dim_factor, fit_basis, sample_weights},
     images::{IMAGE_COUNT, PIXEL_COUNT, image_index, images_of},
@@ -108,6 +108,7 @@ impl PrecomputeOptions {
     /// The same under a layer of cloud, with the sample points that there are below it.
     pub fn under(self, clouds: Clouds) -> Self {
         Self {
+            axes: self.axes.below(clouds),
             multiple: self.multiple.below(clouds),
             blocked: self.blocked.map(|axes| axes.below(clouds)),
             clouds: Some(clouds),
@@ -197,8 +198,7 @@ pub fn precompute_together(
     let multiple = make_multiple(options, &atmospheres, &checkpoints, progress)?;
     let bases = make_bases(options, &atmospheres, &multiple, &checkpoints, progress)?;
     let projectors: Vec<Projector> = bases.iter().map(Projector::new).collect();
-    // Observers above clouds repeat the highest below them, and are not computed again.
-    let observers = distinct_observers(options);
+    let observers = options.axes.observer_altitude_m.len();
     let distances = options.axes.distance_m.len();
     progress.begin("sky images", (observers * distances) as u64);
     // [part][turbidity]
@@ -402,24 +402,14 @@ fn make_part(
     Ok(parts)
 }
 
-/// Number of observer altitudes, from the lowest on, before they repeat the one below.
-fn distinct_observers(options: &PrecomputeOptions) -> usize {
-    let cloud = options.cloud_base();
-    let mut held_m: Vec<f64> =
-        options.axes.observer_altitude_m.iter().map(|&z| held_below_clouds_m(z, cloud)).collect();
-    held_m.dedup();
-    held_m.len()
-}
-
 /// Parts `[observer][distance]` of `[turbidity][offset][image][1 + basis]` → sections of one turbidity's pack,
-/// `[observer][image][distance][offset]` and the same with `[basis]`; observers that have no parts repeat the last.
+/// `[observer][image][distance][offset]` and the same with `[basis]`.
 fn arrange(options: &PrecomputeOptions, parts: &[Vec<Vec<f32>>], turbidity: usize) -> (Vec<f32>, Vec<f16>) {
     let (distances, offsets) = (options.axes.distance_m.len(), options.axes.offset_count);
     let record = 1 + options.basis_count;
     let mut log_scale = Vec::new();
     let mut shape = Vec::new();
     for observer in 0..options.axes.observer_altitude_m.len() {
-        let observer = observer.min(parts.len() / distances - 1);
         for image in 0..IMAGE_COUNT {
             for distance in 0..distances {
                 for offset in 0..offsets {

@@ -16,7 +16,7 @@ pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
 
 /// Node geometries of the training set, every other one from anywhere on the axes and from everyday places. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
-/// are places at clouds and above.
+/// are sources at clouds and above.
 pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
     let (axes, cloud) = (&options.axes, options.cloud_base());
     let mut nodes = Vec::with_capacity(options.training_geometries);

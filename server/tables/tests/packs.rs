@@ -227,7 +227,7 @@ fn a_killed_run_goes_on_among_the_skylines_too() {
 }
 
 #[test]
-fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_repeats_itself_above_them() {
+fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_ends_below_them() {
     let turbidity = Turbidity::new(2.0).unwrap();
     let clouds = Clouds::new(1_500, 0.6).unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -242,6 +242,7 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_repeats_itself_ab
     assert!(command.contains(" --cloud-base 1500 --cloud-albedo 0.6 "), "{command}");
 
     let axes = &overcast.axes;
+    assert_eq!(axes.observer_altitude_m, [0.0, clouds.ceiling_m()]);
     let (observer, distance, offset) = (0, 3, 1);
     let air = Atmosphere::new(turbidity);
     let scale =
@@ -255,9 +256,16 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_repeats_itself_ab
     };
     assert!((kept(&pack, observer) - closed[image]).abs() < 1e-5);
     assert!((kept(&clear, observer) - open[image]).abs() < 1e-5);
-    // 6 000 m counts as the highest place below the clouds, and no part is made twice.
-    let geometry = axes.geometry(1, distance, offset, Some(clouds.base()));
-    assert_eq!(geometry.observer_altitude_m, clouds.ceiling_m());
-    let highest = images_of(&[air.under(Some(clouds.base()))], &[], &geometry)[0].log_scale;
-    assert!((kept(&pack, 1) - highest[image]).abs() < 1e-5);
+    // A source above the clouds counts as the highest below them.
+    let highest = axes.offset_count - 1;
+    assert!(axes.source_altitude_m(1, distance, highest) > f64::from(clouds.base_m()));
+    let geometry = axes.geometry(1, distance, highest, Some(clouds.base()));
+    assert_eq!(
+        (geometry.observer_altitude_m, geometry.source_altitude_m),
+        (clouds.ceiling_m(), clouds.ceiling_m())
+    );
+    let held = images_of(&[air.under(Some(clouds.base()))], &[], &geometry)[0].log_scale;
+    let tables = pack.resident(&axes.distance_m);
+    let kept_m = f64::from(tables.log_scale[tables.node_index(1, 0, 1, distance, highest)]);
+    assert!((kept_m - held[image]).abs() < 1e-5);
 }

@@ -77,12 +77,12 @@ impl BlockedAxes {
         }
     }
 
-    /// The same below a layer of cloud; observers above it are held below it.
+    /// The same below a layer of cloud.
     pub fn below(mut self, clouds: Clouds) -> Self {
         if let Some(later) = &mut self.later {
-            later.ground_altitude_m = altitudes_below(&later.ground_altitude_m, clouds.ceiling_m());
+            later.ground_altitude_m = altitudes_below(&later.ground_altitude_m, clouds);
         }
-        self
+        Self { observer_altitude_m: altitudes_below(&self.observer_altitude_m, clouds), ..self }
     }
 
     /// Few points, made in seconds: for tests of everything but accuracy.
