@@ -17,7 +17,7 @@ use toml::Table;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Device {
-    /// A hardware GPU if there is one, else lavapipe, else the CPU.
+    /// A hardware GPU if there is one, else the CPU, which is faster than lavapipe.
     #[default]
     Auto,
     /// A hardware GPU or an error.

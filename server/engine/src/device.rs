@@ -31,18 +31,22 @@ pub(crate) fn open(
     budget_bytes: u64,
     set: &TableSet,
 ) -> Result<(Box<dyn Executor>, Opened), EngineError> {
-    if choice == DeviceChoice::Cpu {
-        return Ok(open_cpu(set));
-    }
-    match Context::open(choice) {
+    let wanted = match choice {
+        DeviceChoice::Cpu => return Ok(open_cpu(set)),
+        // Plain Rust takes a third of lavapipe's time or less on the same cores.
+        DeviceChoice::Auto | DeviceChoice::Gpu => ExecutorKind::Gpu,
+        DeviceChoice::Lavapipe => ExecutorKind::Lavapipe,
+    };
+    match Context::open(wanted) {
         Ok(context) => {
             let (adapter, driver) = (context.adapter.clone(), context.driver.clone());
             let executor = GpuExecutor::new(context, set.clone(), budget_bytes)?;
             let (kind, resident_bytes) = (executor.kind(), executor.resident_bytes());
             Ok((Box::new(executor), Opened { kind, adapter, driver, resident_bytes }))
         }
+        Err(EngineError::NoAdapter { .. }) if choice == DeviceChoice::Auto => Ok(open_cpu(set)),
         Err(error) if choice == DeviceChoice::Auto => {
-            tracing::warn!(%error, "no Vulkan device; panoramas are rendered in plain Rust");
+            tracing::warn!(%error, "the GPU cannot be used; panoramas are rendered in plain Rust");
             Ok(open_cpu(set))
         }
         Err(error) => Err(error),

@@ -109,7 +109,7 @@ impl ExecutorKind {
 /// Which device to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// A hardware GPU if there is one, else lavapipe, else the CPU with a warning.
+    /// A hardware GPU if there is one, else the CPU: it is faster than lavapipe, which runs on the same cores.
     #[default]
     Auto,
     /// A hardware GPU or an error.

@@ -209,19 +209,21 @@ fn a_dropped_engine_ends_its_thread_and_answers_what_it_took() {
 }
 
 #[test]
-fn a_gpu_is_asked_for_in_vain_on_a_machine_without_one() {
+fn without_a_gpu_it_is_asked_for_in_vain_and_plain_rust_goes_before_lavapipe() {
     let tables = synthetic::table_set(&[2.0], 8);
-    match Engine::start(EngineConfig {
+    let best = match Engine::start(EngineConfig {
         device: DeviceChoice::Gpu,
         tables: tables.clone(),
         ..Default::default()
     }) {
         Err(EngineError::NoAdapter { wanted: "gpu", found }) => {
-            assert!(found.contains("llvmpipe"), "{found}")
+            assert!(found.contains("llvmpipe"), "{found}");
+            ExecutorKind::Cpu
         }
         Err(error) => panic!("{error}"),
-        Ok(engine) => assert_eq!(engine.info().executor, ExecutorKind::Gpu),
-    }
+        Ok(engine) => engine.info().executor,
+    };
+    assert!(best == ExecutorKind::Gpu || best == ExecutorKind::Cpu);
     let auto = Engine::start(EngineConfig { tables, ..Default::default() }).unwrap();
-    assert_ne!(auto.info().executor, ExecutorKind::Cpu);
+    assert_eq!(auto.info().executor, best);
 }

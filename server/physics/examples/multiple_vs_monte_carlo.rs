@@ -117,6 +117,26 @@ impl Statistics {
     }
 }
 
+/// Statistics by name, in the order of their first error.
+#[derive(Default)]
+struct Groups(Vec<(String, Statistics)>);
+
+impl Groups {
+    fn add(&mut self, name: String, error: f64, noise: f64) {
+        let index = self.0.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
+            self.0.push((name, Statistics::default()));
+            self.0.len() - 1
+        });
+        self.0[index].1.add(error, noise);
+    }
+
+    fn print(&self) {
+        for (name, statistics) in &self.0 {
+            statistics.print(name);
+        }
+    }
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options(
         std::env::args()
@@ -169,8 +189,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             Some(CloudBase::new(base_m.parse()?, options.number("cloud_albedo", CloudBase::DEFAULT_ALBEDO)?)?)
         }
     };
-    let mut all = Statistics::default();
-    let mut parts: Vec<(String, Statistics)> = Vec::new();
+    // By distance, all bands together; by band, all distances together, of which those beyond 50 km are told apart.
+    let (mut by_distance, mut by_band, mut by_lobe) =
+        (Groups::default(), Groups::default(), Groups::default());
     for turbidity in options.numbers("turbidity", "2,4")? {
         let atmosphere = Atmosphere::new(Turbidity::new(turbidity)?).under(cloud);
         let setting =
@@ -222,7 +243,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             let geometry =
                 SourceGeometry { distance_m: distance_km * 1e3, source_altitude_m, observer_altitude_m };
             for (band_index, band) in bands.iter().enumerate() {
-                let mut part = Statistics::default();
                 let tracer = Tracer::new(setting, *band, &geometry);
                 for (direction_index, &(azimuth_deg, elevation_deg)) in directions.iter().enumerate() {
                     let (azimuth, elevation) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
@@ -276,19 +296,20 @@ fn main() -> Result<(), Box<dyn Error>> {
                                 .collect();
                             println!("#   orders 1, 2, …: {}", orders.join(" "));
                         }
-                        part.add(error, noise);
-                        all.add(error, noise);
+                        let (name, reach) =
+                            (lobe.name(), if distance_km > 50.0 { "far" } else { "to 50 km" });
+                        by_distance.add(format!("T {turbidity}, {name}, {distance_km} km"), error, noise);
+                        by_band.add(format!("T {turbidity}, {name}, {band:?}, {reach}"), error, noise);
+                        by_lobe.add(format!("T {turbidity}, {name}, {reach}"), error, noise);
                     }
                 }
-                parts.push((format!("T {turbidity}, {distance_km} km, {band:?}"), part));
             }
         }
     }
-    println!();
-    for (name, part) in &parts {
-        part.print(name);
+    for groups in [&by_distance, &by_band, &by_lobe] {
+        println!();
+        groups.print();
     }
-    all.print("all");
     Ok(())
 }
 

@@ -27,12 +27,13 @@ use skyglow_tables::{Clouds, Scattering};
 /// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
 ///
 /// The first order is an integral for every pixel and direction. With multiple scattering all later orders are added
-/// from fields solved for this very observer, one for every 300 m of source altitude: half a minute or a few more.
+/// from fields solved for this very observer, one for every 300 m of source altitude, each ten seconds or more of
+/// processor time: minutes on two cores.
 ///
 /// Terrain hides lights by the model's definition: what leaves a light below the skyline between it and the observer,
 /// as the light sees it, does not count in any order, and counts as cut off all around the light. Every pixel's skyline
 /// comes from the terrain itself. Later orders then need fields behind skylines too, up to eight for each of some
-/// altitudes around the observer's, which takes minutes: how many there are in all is said before they are solved.
+/// altitudes around the observer's: how many there are in all is said before they are solved.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > truth.json"

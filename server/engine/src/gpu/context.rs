@@ -2,7 +2,7 @@
 
 use crate::{
     error::{DeviceFault, EngineError},
-    request::{DeviceChoice, ExecutorKind},
+    request::ExecutorKind,
 };
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -43,7 +43,7 @@ impl Context {
     ///
     /// # Errors
     /// [`EngineError::NoAdapter`] where there is none; [`EngineError::Device`] where it refuses.
-    pub(crate) fn open(choice: DeviceChoice) -> Result<Self, EngineError> {
+    pub(crate) fn open(wanted: ExecutorKind) -> Result<Self, EngineError> {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
         descriptor.backends = wgpu::Backends::VULKAN;
         let instance = wgpu::Instance::new(descriptor);
@@ -56,16 +56,12 @@ impl Context {
             wgpu::DeviceType::Other => 3,
             wgpu::DeviceType::Cpu => 4,
         };
-        let wanted = |adapter: &wgpu::Adapter| match choice {
-            DeviceChoice::Auto => true,
-            DeviceChoice::Gpu => kind_of(&adapter.get_info()) == ExecutorKind::Gpu,
-            DeviceChoice::Lavapipe => kind_of(&adapter.get_info()) == ExecutorKind::Lavapipe,
-            DeviceChoice::Cpu => false,
-        };
-        let adapter = adapters.into_iter().filter(wanted).min_by_key(rank).ok_or(EngineError::NoAdapter {
-            wanted: if choice == DeviceChoice::Gpu { "gpu" } else { "lavapipe" },
-            found: if found.is_empty() { "none".into() } else { found.join(", ") },
-        })?;
+        let is_wanted = |adapter: &wgpu::Adapter| kind_of(&adapter.get_info()) == wanted;
+        let adapter =
+            adapters.into_iter().filter(is_wanted).min_by_key(rank).ok_or(EngineError::NoAdapter {
+                wanted: wanted.name(),
+                found: if found.is_empty() { "none".into() } else { found.join(", ") },
+            })?;
         Self::open_adapter(&adapter)
     }
 

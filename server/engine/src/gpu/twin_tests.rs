@@ -2,7 +2,7 @@
 
 use super::{context::Context, pipelines::shader_module};
 use crate::{
-    request::DeviceChoice,
+    request::ExecutorKind,
     shaders::{self, LIBRARY, LibraryFile},
     synthetic::Noise,
     twin,
@@ -393,7 +393,7 @@ fn every_function_of_the_library_has_a_twin_that_is_compared() {
 
 #[test]
 fn wgsl_functions_agree_with_their_twins_on_lavapipe() {
-    let context = Context::open(DeviceChoice::Lavapipe).unwrap();
+    let context = Context::open(ExecutorKind::Lavapipe).unwrap();
     for (seed, case) in (1..).zip(cases()) {
         let mut noise = Noise::new(seed);
         let mut inputs = Vec::new();
@@ -432,7 +432,7 @@ fn wgsl_functions_agree_with_their_twins_on_lavapipe() {
 
 #[test]
 fn the_transform_in_workgroup_memory_agrees_with_its_twin() {
-    let context = Context::open(DeviceChoice::Lavapipe).unwrap();
+    let context = Context::open(ExecutorKind::Lavapipe).unwrap();
     let text = [shaders::FFT.text, shaders::WORKGROUP_FFT.text].concat()
         + "@group(0) @binding(0) var<storage, read> inputs: array<vec2<f32>>;
         @group(0) @binding(1) var<storage, read_write> outputs: array<vec2<f32>>;
