@@ -1,8 +1,11 @@
 //! The truth at random places of a scene, for several turbidities at once: slow, written to a file that the
 //! `accuracy` example compares panoramas with.
 //!
-//! `truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest|between]`: one JSON file a place; files that are there are kept.
-//! PLACES is how many random ones, or a list such as `48.2,14.6;42.6,7` of latitudes and longitudes. `few` takes three turbidities instead of seven, in about half the time; `rest` the others, and `between` the two that lie between packs.
+//! `truth DATA_DIR SCENE PLACES DIRECTIONS OUT_DIR [few|rest|between]`: one JSON file a place; files that are there are
+//! kept.
+//! PLACES is how many random ones, or a list such as `48.2,14.6;42.6,7` of latitudes and longitudes. `few` takes three
+//! turbidities instead of seven, in about half the time; `rest` the others, and `between` the two that lie between packs.
+//! Each of these choices needs a folder of its own.
 
 use skyglow_physics::{
     Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity,

@@ -226,7 +226,11 @@ mod tests {
                 clouds: (turbidity == 3.0).then(|| Clouds::new(1_000, 0.6).unwrap()),
                 scattering,
                 multiple: (scattering == multiple).then(|| skyglow_tables::MultipleAxes::coarse(0.2)),
-                axes: TableAxes::coarse(),
+                axes: if turbidity == 3.0 {
+                    TableAxes::coarse().below(Clouds::new(1_000, 0.6).unwrap())
+                } else {
+                    TableAxes::coarse()
+                },
                 basis_count,
                 training_geometries: 1,
                 fit_iterations: 1,
@@ -246,8 +250,11 @@ mod tests {
             ground_albedo,
             why_open: None,
         };
+        let facts = facts_of_packs(folder.path());
+        // Packs under clouds end below them, and keep nobody under a clear sky from standing higher.
+        assert_eq!(facts.altitude_range_m, (0.0, 6_000.0));
         assert_eq!(
-            facts_of_packs(folder.path()).kinds,
+            facts.kinds,
             [
                 kind(single, (1.5, 6.0), 64, None),
                 kind(multiple, (2.0, 4.0), 32, Some(0.2)),

@@ -37,20 +37,30 @@ pub(crate) fn open(
         DeviceChoice::Auto | DeviceChoice::Gpu => ExecutorKind::Gpu,
         DeviceChoice::Lavapipe => ExecutorKind::Lavapipe,
     };
-    match Context::open(wanted) {
-        Ok(context) => {
-            let (adapter, driver) = (context.adapter.clone(), context.driver.clone());
-            let executor = GpuExecutor::new(context, set.clone(), budget_bytes)?;
-            let (kind, resident_bytes) = (executor.kind(), executor.resident_bytes());
-            Ok((Box::new(executor), Opened { kind, adapter, driver, resident_bytes }))
-        }
-        Err(EngineError::NoAdapter { .. }) if choice == DeviceChoice::Auto => Ok(open_cpu(set)),
+    match open_adapter(wanted, budget_bytes, set) {
         Err(error) if choice == DeviceChoice::Auto => {
-            tracing::warn!(%error, "the GPU cannot be used; panoramas are rendered in plain Rust");
+            match error {
+                EngineError::NoAdapter { .. } => {
+                    tracing::info!(%error, "panoramas are rendered in plain Rust")
+                }
+                _ => tracing::warn!(%error, "the GPU cannot be used; panoramas are rendered in plain Rust"),
+            }
             Ok(open_cpu(set))
         }
-        Err(error) => Err(error),
+        opened => opened,
     }
+}
+
+fn open_adapter(
+    wanted: ExecutorKind,
+    budget_bytes: u64,
+    set: &TableSet,
+) -> Result<(Box<dyn Executor>, Opened), EngineError> {
+    let context = Context::open(wanted)?;
+    let (adapter, driver) = (context.adapter.clone(), context.driver.clone());
+    let executor = GpuExecutor::new(context, set.clone(), budget_bytes)?;
+    let (kind, resident_bytes) = (executor.kind(), executor.resident_bytes());
+    Ok((Box::new(executor), Opened { kind, adapter, driver, resident_bytes }))
 }
 
 fn open_cpu(set: &TableSet) -> (Box<dyn Executor>, Opened) {

@@ -8,6 +8,7 @@ use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, TableSet, prepare::Prepared, reference::render_f64, synthetic,
 };
 use skyglow_scene::{PolarCell, PolarGrid};
+use skyglow_tables::ResidentTables;
 use std::sync::Arc;
 
 fn engine(device: DeviceChoice, turbidities: &[f64]) -> Engine {
@@ -47,6 +48,50 @@ fn lavapipe_and_cpu_agree_with_f64_on_light_behind_skylines() {
         }
         let rendered = engines[1].render_blocking(other).unwrap();
         assert!(largest_error(rendered.panorama.samples(), &exact) > 1e-5);
+    }
+}
+
+/// The same pack with one observer altitude fewer and the others closer together, below clouds at 2 000 m.
+fn closed(pack: Arc<ResidentTables>) -> Arc<ResidentTables> {
+    let mut pack = synthetic::under_clouds(vec![pack], 2_000).remove(0);
+    let tables = Arc::make_mut(&mut pack);
+    let blocked = tables.blocked.as_mut().unwrap();
+    for (altitudes_m, log_scale, shape) in [
+        (&mut tables.observer_altitude_m, &mut tables.log_scale, &mut tables.shape),
+        (&mut blocked.observer_altitude_m, &mut blocked.log_scale, &mut blocked.shape),
+    ] {
+        let count = altitudes_m.len();
+        altitudes_m.truncate(count - 1);
+        log_scale.truncate(log_scale.len() / count * (count - 1));
+        shape.truncate(shape.len() / count * (count - 1));
+        let part = 1_800.0 / altitudes_m[count - 2];
+        altitudes_m.iter_mut().for_each(|altitude_m| *altitude_m *= part);
+    }
+    pack
+}
+
+#[test]
+fn skies_of_kinds_with_altitudes_of_their_own_agree_with_f64_side_by_side() {
+    let mut tables = synthetic::table_set_with_skylines(&[2.0, 3.0], 8);
+    tables.extend(synthetic::table_set_with_skylines(&[2.0, 3.0], 8).into_iter().map(closed));
+    let set = TableSet::new(tables.clone()).unwrap();
+    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+        let engine =
+            Engine::start(EngineConfig { device, tables: tables.clone(), ..EngineConfig::default() })
+                .unwrap();
+        let skies = [None, Some(2_000)].map(|cloud_base_m| {
+            let mut request = request(synthetic::polar_grid_with_skylines(7, 3000), 2.4);
+            request.cloud_base_m = cloud_base_m;
+            let prepared = Prepared::new(&request, &set).unwrap();
+            assert!(prepared.nodes.iter().any(|node| node.blocking > 0));
+            let exact = render_f64(&prepared, &set);
+            let rendered = engine.render_blocking(request).unwrap();
+            let error = largest_error(rendered.panorama.samples(), &exact);
+            assert!(error < 1e-5, "{device:?}, clouds {cloud_base_m:?}: {error}");
+            exact
+        });
+        // At one altitude they are read at other nodes.
+        assert_ne!(skies[0], skies[1]);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Multiple scattering by the solver beside a backward Monte Carlo tracer.
+//! Multiple scattering by the solver beside light traced backward or forward.
 //!
 //! cargo run --release -p skyglow-physics --example multiple_vs_monte_carlo -- [key=value …]
 //!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
@@ -9,9 +9,9 @@
 //!   and any field of `Resolution` by its name
 //!
 //! A line a direction: the first order, the total by both, the solver's relative error of the total and the
-//! standard error of the Monte Carlo total (first order by quadrature in both). Then the statistics, and the
-//! same with what the Monte Carlo's own noise explains taken off: mean |e| and 99th percentile of
-//! max(|e| − 2σ, 0). With truth=reference the finest field takes the tracer's place: how far the solver has
+//! standard error of the Monte Carlo total (first order by quadrature in both). Then the statistics by lobe
+//! and distance, by lobe and band, and by lobe, and the same with what the Monte Carlo's own noise explains taken off:
+//! mean |e| and 99th percentile of max(|e| − 2σ, 0). With truth=reference the finest field takes the tracer's place: how far the solver has
 //! converged, without noise.
 
 use skyglow_physics::{
@@ -189,7 +189,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             Some(CloudBase::new(base_m.parse()?, options.number("cloud_albedo", CloudBase::DEFAULT_ALBEDO)?)?)
         }
     };
-    // By distance, all bands together; by band, all distances together, of which those beyond 50 km are told apart.
+    // By distance, all bands together; by band and by lobe alone, all distances together, of which those beyond 50 km
+    // are told apart.
     let (mut by_distance, mut by_band, mut by_lobe) =
         (Groups::default(), Groups::default(), Groups::default());
     for turbidity in options.numbers("turbidity", "2,4")? {

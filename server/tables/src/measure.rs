@@ -77,7 +77,8 @@ const INVISIBLE_PER_M2_SR: f64 = 1e-22;
 /// Errors of one source, `[lobe]`: away from the zenith, and at it.
 type SourceErrors = [(Vec<f64>, Vec<f64>); LOBE_COUNT];
 
-/// Measures a pack of an atmosphere on `sources` single sources, each in 40 directions, all bands and lobes that carry light.
+/// Measures a pack of an atmosphere on `sources` single sources, each in 40 directions, all bands and lobes that carry
+/// light.
 ///
 /// The truth is the converged first order and, where scattering is multiple, the table of the orders after it.
 pub(crate) fn measure_error(

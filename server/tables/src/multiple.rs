@@ -265,11 +265,15 @@ impl MultipleTable {
     }
 }
 
+/// Farthest below the lowest ground that the line through the lowest two is followed, in parts of what lies between
+/// them: far below it the line is no sky.
+const FARTHEST_BELOW: f64 = 0.6;
+
 /// As [`lagrange_taps`]; a little below the lowest ground along the line through the lowest two.
 fn ground_taps(ground_altitude_m: &[f64], ground_m: f64) -> Vec<(usize, f64)> {
     match ground_altitude_m {
         &[lowest_m, next_m, ..] if ground_m < lowest_m && ground_m > lowest_m - RAISED_M[1] => {
-            let t = (ground_m - lowest_m) / (next_m - lowest_m);
+            let t = ((ground_m - lowest_m) / (next_m - lowest_m)).max(-FARTHEST_BELOW);
             vec![(0, 1.0 - t), (1, t)]
         }
         nodes => lagrange_taps(nodes, ground_m, TAPS),

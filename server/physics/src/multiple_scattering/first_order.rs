@@ -195,7 +195,8 @@ impl<'a> FirstOrder<'a> {
         light.done()
     }
 
-    /// Radiance per watt [m⁻² sr⁻¹] of what the air scatters once at a place from direction `view`; None where nothing is lit.
+    /// Radiance per watt [m⁻² sr⁻¹] of what the air scatters once at a place from direction `view`; None where nothing
+    /// is lit.
     fn along_ray(&self, place: &Place, view: DVec3) -> Option<[f64; LANES]> {
         let cos_zenith = view.dot(place.up);
         let path = SlantPath::new(place.altitude_m, cos_zenith);

@@ -88,15 +88,15 @@ pub(super) fn check_against_traced_light(
     }
 }
 
-/// Light traced backward and forward agrees in every lobe within four standard errors, which are at most `most_noise`
+/// Light traced backward and forward in a direction (relative azimuth, elevation) [rad] agrees in every lobe within four standard errors, which are at most `most_noise`
 /// of the radiance; both estimates are returned.
 pub(super) fn check_both_tracers(
     setting: SourceSetting,
     geometry: SourceGeometry,
+    (relative_azimuth_rad, elevation_rad): (f64, f64),
     backward_paths: u64,
     most_noise: f64,
 ) -> [Estimate; 2] {
-    let (relative_azimuth_rad, elevation_rad) = TRACED_DIRECTION;
     let detector = Detector { geometry, relative_azimuth_rad, elevation_rad };
     let tracer = Tracer::new(setting, Band::G, &geometry);
     let b = tracer.estimate(relative_azimuth_rad, elevation_rad, backward_paths, 3);
@@ -109,6 +109,3 @@ pub(super) fn check_both_tracers(
     }
     [b, f]
 }
-
-/// Where [`check_both_tracers`] looks: azimuth from the source's and elevation, radians.
-pub(super) const TRACED_DIRECTION: (f64, f64) = (1.0, 0.7);

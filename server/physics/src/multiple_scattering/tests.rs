@@ -108,14 +108,14 @@ fn a_brighter_ground_brightens_the_sky() {
 #[test]
 fn the_solver_agrees_with_light_traced_forward() {
     let detectors = detectors(&[2e3, 10e3], &[(0.0, 1.57), (0.0, 0.5), (1.6, 0.5), (3.1, 0.8)]);
-    check_against_traced_light(&FIELD, &detectors, 60_000, 0.05, f64::INFINITY);
+    check_against_traced_light(&FIELD, &detectors, 240_000, 0.05, 0.08);
 }
 
 #[test]
 fn both_tracers_agree_and_are_the_same_on_any_number_of_threads() {
     let setting = setting(2.0, 1_000.0, 300.0, 0.5);
     let geometry = SourceGeometry { distance_m: 4e3, source_altitude_m: 1_000.0, observer_altitude_m: 300.0 };
-    let run = || check_both_tracers(setting, geometry, 20_000, 0.2);
+    let run = || check_both_tracers(setting, geometry, (1.0, 0.7), 20_000, 0.2);
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(alone.install(run), run());
 }
@@ -164,11 +164,11 @@ fn the_power_of_a_source_behind_a_skyline_balances_and_is_what_the_skyline_leave
 
 #[test]
 fn the_solver_agrees_with_light_traced_forward_behind_a_skyline() {
-    let mut detectors = detectors(&[2e3], &[(0.0, 1.57), (1.6, 0.5)]);
-    detectors.extend(solver_checks::detectors(&[10e3], &[(0.0, 0.5), (3.1, 0.08)]));
-    let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&detectors, 60_000, 7);
+    let mut looks = detectors(&[2e3], &[(0.0, 1.57), (1.6, 0.5)]);
+    looks.extend(detectors(&[10e3], &[(0.0, 0.5), (3.1, 0.08)]));
+    let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&looks, 60_000, 7);
     let mut far_off = 0;
-    for (detector, traced) in detectors.iter().zip(&traced) {
+    for (detector, traced) in looks.iter().zip(&traced) {
         let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
         let more = CUT_FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1];
         let open = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1];
