@@ -3,6 +3,7 @@
 //! cargo run --release -p skyglow-physics --example multiple_vs_monte_carlo -- [key=value …]
 //!   turbidity=2,4  distance_km=1,2,5,10,20,50  band=R,G,B  lobe=lambert[,horizon,oblique]
 //!   directions=ten|wide|mitsuba  paths=65536  resolution=table|reference|coarse  source_m=0  observer_m=0
+//!   lamp_radius_m=0 (with truth=forward: a disc instead of a point; first order and solver are means over its points)
 //!   albedo=0.15  cloud_base_m=1000 (none: a clear sky)  cloud_albedo=0.5
 //!   seed=1  rows=yes|no  orders=yes|no  truth=monte_carlo|forward|reference
 //!   speed=yes|no (how long a row and a ray take)
@@ -15,7 +16,7 @@
 //! converged, without noise.
 
 use skyglow_physics::{
-    Atmosphere, Band, CloudBase, Lobe, Turbidity,
+    Atmosphere, Band, CloudBase, LOBE_COUNT, Lobe, Turbidity,
     multiple_scattering::{
         DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow,
         monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
@@ -51,6 +52,25 @@ const MITSUBA: [(f64, f64); 10] = [
     (90.0, 10.0),
     (180.0, 10.0),
 ];
+
+/// Rings and points a ring for means over a disc.
+const DISC_POINTS: (usize, usize) = (6, 12);
+
+/// Points of a disc of light that stand for equal shares of it, as the observer has them: distance [m], and how far their
+/// azimuth lies beside that of the disc's centre [rad]. The centre alone for radius 0.
+fn disc_points(radius_m: f64, distance_m: f64) -> Vec<(f64, f64)> {
+    if radius_m <= 0.0 {
+        return vec![(distance_m, 0.0)];
+    }
+    let (rings, around) = DISC_POINTS;
+    let point = |i: usize| {
+        let from_centre_m = radius_m * (((i / around) as f64 + 0.5) / rings as f64).sqrt();
+        let (sine, cosine) = (((i % around) as f64 + 0.5) / around as f64 * std::f64::consts::TAU).sin_cos();
+        let (along_m, across_m) = (distance_m - from_centre_m * cosine, from_centre_m * sine);
+        (along_m.hypot(across_m), across_m.atan2(along_m))
+    };
+    (0..rings * around).map(point).collect()
+}
 
 struct Options(HashMap<String, String>);
 
@@ -181,6 +201,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         (options.number("source_m", 0.0)?, options.number("observer_m", 0.0)?);
     let albedo = options.number("albedo", DEFAULT_GROUND_ALBEDO)?;
     let (paths, seed) = (options.number("paths", 65_536.0)? as u64, options.number("seed", 1.0)? as u64);
+    let lamp_radius_m = options.number("lamp_radius_m", 0.0)?;
     let use_rows = options.text("rows", "yes") == "yes";
     let tell_orders = options.text("orders", "no") == "yes";
     let cloud = match options.text("cloud_base_m", "none").as_str() {
@@ -231,7 +252,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let caught: Vec<Vec<Estimate>> = if truth == "forward" {
             bands
                 .iter()
-                .map(|band| ForwardTracer::new(setting, *band).estimate(&detectors, paths, seed))
+                .map(|band| {
+                    let tracer = ForwardTracer::new(setting, *band).with_lamp_radius_m(lamp_radius_m);
+                    tracer.estimate(&detectors, paths, seed)
+                })
                 .collect()
         } else {
             Vec::new()
@@ -247,13 +271,24 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let tracer = Tracer::new(setting, *band, &geometry);
                 for (direction_index, &(azimuth_deg, elevation_deg)) in directions.iter().enumerate() {
                     let (azimuth, elevation) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
-                    let first = radiance_per_watt_of(&atmosphere, &geometry, azimuth, elevation, 1e-6);
-                    let higher = if use_rows {
-                        ViewRow::new(&field, observer_altitude_m, elevation)?
-                            .radiance_per_watt(geometry.distance_m, azimuth)
-                    } else {
-                        field.radiance_per_watt(&geometry, azimuth, elevation)?
-                    };
+                    let row = ViewRow::new(&field, observer_altitude_m, elevation)?;
+                    let (mut first, mut higher) = ([[0.0; LOBE_COUNT]; 3], [[0.0; LOBE_COUNT]; 3]);
+                    let points = disc_points(lamp_radius_m, geometry.distance_m);
+                    for &(distance_m, beside_rad) in &points {
+                        let (geometry, azimuth) =
+                            (SourceGeometry { distance_m, ..geometry }, azimuth + beside_rad);
+                        let once = radiance_per_watt_of(&atmosphere, &geometry, azimuth, elevation, 1e-6);
+                        let more = if use_rows {
+                            row.radiance_per_watt(distance_m, azimuth)
+                        } else {
+                            field.radiance_per_watt(&geometry, azimuth, elevation)?
+                        };
+                        let share = 1.0 / points.len() as f64;
+                        for (b, f) in (0..3).flat_map(|b| (0..LOBE_COUNT).map(move |f| (b, f))) {
+                            first[b][f] += share * once[b][f];
+                            higher[b][f] += share * more[b][f];
+                        }
+                    }
                     let traced = match truth.as_str() {
                         "reference" => None,
                         "forward" => {

@@ -121,6 +121,33 @@ fn both_tracers_agree_and_are_the_same_on_any_number_of_threads() {
 }
 
 #[test]
+fn a_disc_of_light_is_the_mean_of_its_points() {
+    let setting = setting(2.0, 0.0, 0.0, DEFAULT_GROUND_ALBEDO);
+    let (distance_m, radius_m, direction) = (20e3, 12e3, (0.0, 1.4));
+    let detector = detectors(&[distance_m], &[direction]);
+    let traced = |radius_m: f64| {
+        let tracer = ForwardTracer::new(setting, Band::G).with_lamp_radius_m(radius_m);
+        tracer.estimate(&detector, 60_000, 5)[0].by_order_per_m2_sr[0][0]
+    };
+    let point = |from_centre_m: f64, turn_rad: f64| {
+        let (along_m, across_m) =
+            (distance_m - from_centre_m * turn_rad.cos(), from_centre_m * turn_rad.sin());
+        let geometry = at(along_m.hypot(across_m));
+        let azimuth = direction.0 + across_m.atan2(along_m);
+        radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, direction.1, 1e-6)[1][0]
+    };
+    let mean = (0..400)
+        .map(|i| {
+            point(radius_m * ((f64::from(i / 20) + 0.5) / 20.0).sqrt(), f64::from(i % 20) / 20.0 * 2.0 * PI)
+        })
+        .sum::<f64>()
+        / 400.0;
+    assert!((traced(radius_m) / mean - 1.0).abs() < 0.05, "{:e} {mean:e}", traced(radius_m));
+    // A point in the middle would be another sky.
+    assert!((traced(0.0) / mean - 1.0).abs() > 0.15, "{:e} {mean:e}", traced(0.0));
+}
+
+#[test]
 fn wrong_settings_and_observers_are_refused_by_name() {
     let atmosphere = Atmosphere::new(Turbidity::default());
     let ground = SourceSetting::new(atmosphere, 100.0, 200.0, 0.15).unwrap_err().to_string();

@@ -60,6 +60,7 @@ pub struct ForwardTracer {
     band: usize,
     molecules_per_m: f64,
     aerosol_per_m: f64,
+    lamp_radius_m: f64,
 }
 
 /// A flight of light: start, direction, weight per lobe, and how often it was scattered before.
@@ -80,7 +81,24 @@ impl ForwardTracer {
             band: band.index(),
             molecules_per_m: setting.atmosphere.molecule_extinction_per_m()[band.index()],
             aerosol_per_m: setting.atmosphere.aerosol_extinction_per_m()[band.index()],
+            lamp_radius_m: 0.0,
         }
+    }
+
+    /// The same for a level disc of that radius [m] around the source instead of a point, as bright everywhere: a town.
+    /// It stays symmetric about the source's vertical, so view rays are caught alike.
+    pub fn with_lamp_radius_m(self, lamp_radius_m: f64) -> Self {
+        Self { lamp_radius_m, ..self }
+    }
+
+    /// Where a path starts. A point lamp draws no numbers for it.
+    fn start(&self, random: &mut Random) -> DVec3 {
+        if self.lamp_radius_m <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let from_axis_m = self.lamp_radius_m * random.unit().sqrt();
+        let (sine, cosine) = (TAU * random.unit()).sin_cos();
+        DVec3::new(from_axis_m * cosine, from_axis_m * sine, 0.0)
     }
 
     /// Estimates the radiance at every detector from the same `paths` paths (rounded up to whole streams); the
@@ -141,7 +159,7 @@ impl ForwardTracer {
         let density = 0.5 / (FRAC_PI_2 * TAU * sine.max(1e-12)) + 0.5 * cosine / (0.5 * TAU);
         let (turn_y, turn_x) = (TAU * random.unit()).sin_cos();
         let mut flight = Flight {
-            start: DVec3::ZERO,
+            start: self.start(random),
             direction: DVec3::new(sine * turn_x, sine * turn_y, cosine),
             weight: if cosine > sin_blocking(self.setting.blocking_rad) {
                 lobe_intensities_per_sr(cosine).map(|f| f / density)
