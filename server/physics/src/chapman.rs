@@ -118,26 +118,59 @@ impl ChapmanTable {
         Self { scale_height_m, reference_epsilon, cells }
     }
 
+    /// The table at altitude z [m] above the sphere: what several directions there share.
+    #[inline]
+    pub fn at(&self, altitude_m: f64) -> ChapmanAt<'_> {
+        let x = (EARTH_RADIUS_M + altitude_m) / self.scale_height_m;
+        ChapmanAt {
+            table: self,
+            root: (0.5 * x).sqrt(),
+            epsilon_less_reference: 1.0 / x - self.reference_epsilon,
+        }
+    }
+
     /// Ch(X, μ) at altitude z [m] above the sphere for 0 ≤ μ ≤ 1: the column along the ray over the
     /// column H·e^{−z/H} straight up (of a plane-parallel atmosphere).
     #[inline]
     pub fn chapman(&self, altitude_m: f64, cos_zenith: f64) -> f64 {
-        let x = (EARTH_RADIUS_M + altitude_m) / self.scale_height_m;
-        let root = (0.5 * x).sqrt();
-        let one_plus_p = 1.0 + cos_zenith.max(0.0) * root;
-        let position = INTERVALS as f64 / one_plus_p;
-        let cell = (position as usize).min(INTERVALS - 1);
-        let t = position - cell as f64;
-        let [value, slope] = &self.cells[cell];
-        let cubic = |c: &[f64; 4]| c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-        root / one_plus_p * (cubic(value) + (1.0 / x - self.reference_epsilon) * cubic(slope))
+        self.at(altitude_m).chapman(cos_zenith)
     }
 
     /// Column [m] above a point along an upward ray, relative to the density at z = 0:
     /// H·e^{−z/H}·Ch. Times the extinction at z = 0 it is the optical depth to space.
     #[inline]
     pub fn column_m(&self, altitude_m: f64, cos_zenith: f64, relative_density: f64) -> f64 {
-        self.scale_height_m * relative_density * self.chapman(altitude_m, cos_zenith)
+        self.at(altitude_m).column_m(cos_zenith, relative_density)
+    }
+}
+
+/// A [`ChapmanTable`] at one altitude.
+#[derive(Clone, Copy, Debug)]
+pub struct ChapmanAt<'a> {
+    table: &'a ChapmanTable,
+    /// √(X/2).
+    root: f64,
+    /// ε less the table's own.
+    epsilon_less_reference: f64,
+}
+
+impl ChapmanAt<'_> {
+    /// As [`ChapmanTable::chapman`].
+    #[inline]
+    pub fn chapman(&self, cos_zenith: f64) -> f64 {
+        let one_plus_p = 1.0 + cos_zenith.max(0.0) * self.root;
+        let position = INTERVALS as f64 / one_plus_p;
+        let cell = (position as usize).min(INTERVALS - 1);
+        let t = position - cell as f64;
+        let [value, slope] = &self.table.cells[cell];
+        let cubic = |c: &[f64; 4]| c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+        self.root / one_plus_p * (cubic(value) + self.epsilon_less_reference * cubic(slope))
+    }
+
+    /// As [`ChapmanTable::column_m`].
+    #[inline]
+    pub fn column_m(&self, cos_zenith: f64, relative_density: f64) -> f64 {
+        self.table.scale_height_m * relative_density * self.chapman(cos_zenith)
     }
 }
 

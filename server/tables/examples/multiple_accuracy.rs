@@ -1,7 +1,8 @@
 //! What interpolation costs: the table of multiply scattered light against fields solved for the very source.
 //!
 //! `multiple_accuracy TURBIDITY SOURCES CACHE_DIR`: parts of the table are kept in CACHE_DIR, which must be one
-//! turbidity's. Errors are relative to the whole radiance, first order included.
+//! turbidity's. SOURCES is how many of an even spread, or a list of `distance_m:source_m:observer_m`. Errors are relative
+//! to the whole radiance, first order included.
 
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, LOBE_COUNT, Turbidity,
@@ -26,9 +27,27 @@ fn geometry(i: usize) -> SourceGeometry {
     SourceGeometry { distance_m, source_altitude_m: observer_altitude_m + offset_m, observer_altitude_m }
 }
 
+/// The sources asked for.
+fn sources(text: &str) -> Result<Vec<SourceGeometry>, Box<dyn Error>> {
+    if let Ok(count) = text.parse() {
+        return Ok((1..=count).map(geometry).collect());
+    }
+    text.split(',')
+        .map(|part| {
+            let numbers: Vec<f64> = part.split(':').map(str::parse).collect::<Result<_, _>>()?;
+            match numbers[..] {
+                [distance_m, source_altitude_m, observer_altitude_m] => {
+                    Ok(SourceGeometry { distance_m, source_altitude_m, observer_altitude_m })
+                }
+                _ => Err(format!("{part}: expected distance_m:source_m:observer_m").into()),
+            }
+        })
+        .collect()
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let [_, turbidity, sources, cache] = arguments.as_slice() else {
+    let [_, turbidity, asked, cache] = arguments.as_slice() else {
         return Err("usage: multiple_accuracy TURBIDITY SOURCES CACHE_DIR".into());
     };
     let atmosphere = Atmosphere::new(Turbidity::new(turbidity.parse()?)?);
@@ -54,8 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     )?;
     println!("# table after {:.1} s", started.elapsed().as_secs_f64());
     let mut all = Vec::new();
-    for i in 1..=sources.parse()? {
-        let geometry = geometry(i);
+    for geometry in sources(asked)? {
         let setting = SourceSetting::for_observer(
             atmosphere,
             geometry.source_altitude_m,
@@ -64,6 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         )?;
         let field = SourceField::solve(setting, &Resolution::table());
         let mut errors = Vec::new();
+        let mut signed = 0.0;
         for row in ROWS {
             for column in COLUMNS {
                 let (azimuth, elevation) = (azimuth_rad(column), elevation_rad(row));
@@ -73,21 +92,23 @@ fn main() -> Result<(), Box<dyn Error>> {
                 for band in 0..BAND_COUNT {
                     for lobe in 0..LOBE_COUNT {
                         let own = own[band][lobe];
-                        errors.push(
-                            (got[image_index(lobe, band)] - own).abs() / (own + first[band][lobe]).max(1e-30),
-                        );
+                        let error =
+                            (got[image_index(lobe, band)] - own) / (own + first[band][lobe]).max(1e-30);
+                        signed += error;
+                        errors.push(error.abs());
                     }
                 }
             }
         }
         let (mean, p99) = figures(&mut errors);
         println!(
-            "{:9.0} m, source at {:5.0} m, observer at {:5.0} m: mean {:6.2} %, 99 % {:6.2} %",
+            "{:9.0} m, source at {:5.0} m, observer at {:5.0} m: mean {:6.2} %, 99 % {:6.2} %, bias {:+6.2} %",
             geometry.distance_m,
             geometry.source_altitude_m,
             geometry.observer_altitude_m,
             100.0 * mean,
-            100.0 * p99
+            100.0 * p99,
+            100.0 * signed / errors.len() as f64
         );
         all.extend(errors);
     }

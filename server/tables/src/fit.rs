@@ -14,7 +14,16 @@ use crate::{
     images::{HALF_COLUMN_COUNT, PIXEL_COUNT},
     manifest::Scattering,
 };
-use faer::{Accum, Mat, Par, Side, linalg::matmul::matmul, linalg::solvers::Solve};
+use faer::{
+    Accum, Mat, Par, Side,
+    linalg::{
+        matmul::{
+            matmul,
+            triangular::{self, BlockStructure},
+        },
+        solvers::Solve,
+    },
+};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{ELEVATION_COUNT, geometry::EARTH_RADIUS_M};
@@ -197,7 +206,8 @@ fn weighted_rows(weights: &[f64], matrix: &Mat<f64>) -> Mat<f64> {
 fn solve_normal_equations(a: Mat<f64>, y: Mat<f64>, stage: &'static str) -> Result<Mat<f64>, TablesError> {
     let count = a.ncols();
     let mut normal = Mat::<f64>::zeros(count, count);
-    matmul(&mut normal, Accum::Replace, a.transpose(), &a, 1.0, Par::Seq);
+    let (lower, whole) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+    triangular::matmul(&mut normal, lower, Accum::Replace, a.transpose(), whole, &a, whole, 1.0, Par::Seq);
     let mut right = Mat::<f64>::zeros(count, y.ncols());
     matmul(&mut right, Accum::Replace, a.transpose(), &y, 1.0, Par::Seq);
     let per_length: Vec<f64> =

@@ -21,6 +21,9 @@ const BRIGHT_SIZE_M: f64 = 10_000.0;
 /// horizon that narrows like the base's height over the distance (5 % at 20 km from the source below a base at 1 km
 /// with as many as under a clear sky, 3 % with twice as many; the field is half as high and costs no more).
 const OVERCAST_ZENITHS: usize = 2;
+/// First step of paths from places farther from the source than four times this, metres: those of one layer share
+/// their steps.
+const FAR_FIRST_STEP_M: f64 = 600.0;
 
 /// The radiance of one order, `[point]`.
 #[derive(Clone, Debug)]
@@ -72,6 +75,10 @@ struct Gathered {
     up_flux: [f64; LANES],
 }
 
+fn stride(first_m: f64) -> Stride {
+    Stride { first_m, growth: 0.3 }
+}
+
 /// Radiance of one order from its source function and what the ground and the base of a cloud send back.
 pub(super) fn transport(
     setting: &SourceSetting,
@@ -93,15 +100,28 @@ pub(super) fn transport(
         // Zenith angles turn by less than a degree in 100 km; the source function does not notice.
         let table = source.table(grid, &vec![cos_zenith; grid.layer_count()], TABLE_AZIMUTHS);
         let polar = legendre(degree, cos_zenith);
+        let far_paths: Vec<SteppedPath> = (0..grid.layer_count())
+            .into_par_iter()
+            .map(|layer| {
+                let (_, altitude_m) = grid.place_m(layer * rings.len());
+                SteppedPath::new(setting, grid, altitude_m, cos_zenith, stride(FAR_FIRST_STEP_M))
+            })
+            .collect();
         gathered.par_iter_mut().enumerate().for_each(|(point, place)| {
             let (distance_m, altitude_m) = grid.place_m(point);
             let from_source_m = distance_m.hypot(altitude_m - setting.source_altitude_m);
-            let stride = Stride { first_m: (0.25 * (from_source_m + 40.0)).min(600.0), growth: 0.3 };
-            let path = SteppedPath::new(setting, grid, altitude_m, cos_zenith, stride);
+            let first_m = (0.25 * (from_source_m + 40.0)).min(FAR_FIRST_STEP_M);
+            let near_path;
+            let path = if first_m < FAR_FIRST_STEP_M {
+                near_path = SteppedPath::new(setting, grid, altitude_m, cos_zenith, stride(first_m));
+                &near_path
+            } else {
+                &far_paths[point / rings.len()]
+            };
             let mut modes = vec![[0.0f64; LANES]; degree + 1];
             for azimuth in &rings[point % rings.len()] {
                 let (cosine, sine) = (azimuth.cosine, azimuth.sine);
-                let radiance = along(&path, grid, source, &table, surfaces, distance_m, cosine, sine);
+                let radiance = along(path, grid, source, &table, surfaces, distance_m, cosine, sine);
                 for (mode, cosine) in modes.iter_mut().zip(&azimuth.cosines) {
                     for (sum, value) in mode.iter_mut().zip(radiance) {
                         *sum += cosine * azimuth.weight * f64::from(value);

@@ -4,7 +4,7 @@ use super::{RayPoint, SourceGeometry, overcast::shared_cloud};
 use crate::{
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},
     bands::BAND_COUNT,
-    chapman,
+    chapman::{self, ChapmanAt},
     cloud::CloudBase,
     cone::sin_blocking,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
@@ -14,7 +14,8 @@ use crate::{
 /// The integrand of b for several atmospheres at once: the geometry and the columns are shared.
 pub(super) struct Scattering<'a> {
     pub(super) atmospheres: &'a [Atmosphere],
-    source_altitude_m: f64,
+    /// The columns' tables of molecules and aerosol at the source.
+    source_tables: [ChapmanAt<'static>; 2],
     /// Sine of the elevation at the source at and below which it sends out nothing.
     pub(super) sin_blocking: f64,
     /// Densities of molecules and aerosol at the source, relative to z = 0.
@@ -42,7 +43,7 @@ impl<'a> Scattering<'a> {
         let tables = [chapman::molecules(), chapman::aerosol()];
         Self {
             atmospheres,
-            source_altitude_m: geometry.source_altitude_m,
+            source_tables: tables.map(|table| table.at(geometry.source_altitude_m)),
             sin_blocking: sin_blocking(blocking_rad),
             source_density: relative_densities(geometry.source_altitude_m),
             observer_column_m: std::array::from_fn(|species| {
@@ -81,11 +82,11 @@ impl<'a> Scattering<'a> {
     pub(super) fn columns_m(&self, p: &RayPoint, density: [f64; 2]) -> [f64; 2] {
         let column = |species: usize, table: &chapman::ChapmanTable| {
             let here = density[species];
-            let from_source =
-                table.column_m(self.source_altitude_m, p.cos_zenith_at_source, self.source_density[species])
-                    - table.column_m(p.altitude_m, p.cos_zenith_of_light, here);
-            let to_observer =
-                self.observer_column_m[species] - table.column_m(p.altitude_m, p.cos_zenith_of_view, here);
+            let table = table.at(p.altitude_m);
+            let from_source = self.source_tables[species]
+                .column_m(p.cos_zenith_at_source, self.source_density[species])
+                - table.column_m(p.cos_zenith_of_light, here);
+            let to_observer = self.observer_column_m[species] - table.column_m(p.cos_zenith_of_view, here);
             (from_source + to_observer).max(0.0)
         };
         [column(0, chapman::molecules()), column(1, chapman::aerosol())]

@@ -134,6 +134,7 @@ fn make_part(
     let mut parts = vec![Vec::new(); open.len()];
     for angle in 0..ANGLE_COUNT {
         let axis = OffsetAxis::behind_skyline(distance_m, blocking_deg(angle), job.axes.offset_count);
+        let mut last: Option<(SourceGeometry, Vec<SourceImages>)> = None;
         for node in 0..job.axes.offset_count {
             let offset_m = axis.offset_m(node as f64);
             let node = SourceGeometry {
@@ -147,13 +148,17 @@ fn make_part(
                     later.add_to(table, &geometry, angle, distance, images);
                 }
             };
-            let images =
-                images_with(job.atmospheres, &geometry, blocking_deg(angle).to_radians(), &add_later);
+            // Nodes outside the range of source altitudes show the last one inside, each beside its own open light.
+            let images = match last.take() {
+                Some((shown, images)) if shown == geometry => images,
+                _ => images_with(job.atmospheres, &geometry, blocking_deg(angle).to_radians(), &add_later),
+            };
             let held_offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
             let dim_factor = cut_dim_factor(job.scattering, held_offset_m, distance_m, blocking_deg(angle));
             for ((part, open), images) in parts.iter_mut().zip(open).zip(&images) {
                 push_differences(part, job, open, images, dim_factor, observer_m, distance, offset_m)?;
             }
+            last = Some((geometry, images));
         }
     }
     Ok(parts)
