@@ -15,10 +15,7 @@ const CLOUD_ROOM_M: f64 = 100.0;
 /// [`CloudBase::new`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "WrittenClouds", into = "WrittenClouds")]
-pub struct Clouds {
-    base_m: u32,
-    base: CloudBase,
-}
+pub struct Clouds(CloudBase);
 
 /// A layer of cloud as manifests have it, not yet checked.
 #[derive(Serialize, Deserialize)]
@@ -37,7 +34,7 @@ impl TryFrom<WrittenClouds> for Clouds {
 
 impl From<Clouds> for WrittenClouds {
     fn from(clouds: Clouds) -> Self {
-        Self { base_m: clouds.base_m, albedo: clouds.albedo() }
+        Self { base_m: clouds.base_m(), albedo: clouds.albedo() }
     }
 }
 
@@ -52,32 +49,32 @@ impl Clouds {
     /// # Errors
     /// As [`CloudBase::new`].
     pub fn new(base_m: u32, albedo: f64) -> Result<Self, PhysicsError> {
-        Ok(Self { base_m, base: CloudBase::new(f64::from(base_m), albedo)? })
+        Ok(Self(CloudBase::new(f64::from(base_m), albedo)?))
     }
 
     /// Altitude of the base above sea level, metres.
     pub fn base_m(self) -> u32 {
-        self.base_m
+        self.0.altitude_m() as u32
     }
 
     /// Lambertian albedo of the base from below, 0..=1.
     pub fn albedo(self) -> f64 {
-        self.base.albedo()
+        self.0.albedo()
     }
 
     /// As the physics has it.
     pub fn base(self) -> CloudBase {
-        self.base
+        self.0
     }
 
     /// Highest observer and source that tables under these clouds know, metres above sea level.
     pub fn ceiling_m(self) -> f64 {
-        ceiling_m(self.base.altitude_m())
+        ceiling_m(self.0.altitude_m())
     }
 
     /// The flags of the command that makes such a pack.
     pub(crate) fn flags(self) -> String {
-        let base = format!(" --cloud-base {}", self.base_m);
+        let base = format!(" --cloud-base {}", self.base_m());
         if self.albedo() == CloudBase::DEFAULT_ALBEDO {
             base
         } else {
@@ -87,7 +84,7 @@ impl Clouds {
 
     /// What file names say of it.
     pub(crate) fn file_name_part(clouds: Option<Self>) -> String {
-        clouds.map_or_else(String::new, |clouds| format!("-clouds-{}", clouds.base_m))
+        clouds.map_or_else(String::new, |clouds| format!("-clouds-{}", clouds.base_m()))
     }
 }
 
