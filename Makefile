@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve test packs viewer
+.PHONY: help serve test packs bench viewer
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -13,6 +13,11 @@ test: ## set up and run every check and test, browser tests included
 packs: ## rebuild every table pack in precomputed/
 	@cargo build --release --package skyglow
 	@scripts/make_packs.sh all
+
+bench: ## run time against error on this machine, in minutes: a table, and target/bench with its plots
+	@cargo build --release --package skyglow
+	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" target/release/skyglow bench --packs precomputed --out target/bench \
+		$(foreach file,$(wildcard tests/truth/*.json),--truth $(file))
 
 viewer: ## rebuild web/dist, the viewer's built form, from its sources
 	@scripts/system_packages.sh test

@@ -20,6 +20,8 @@ fn an_arrow_that_points_the_wrong_way_is_seen() {
         ("skyglow-physics", "skyglow-engine", "skyglow-physics must not use skyglow-engine"),
         ("skyglow-engine", "skyglow-http", "skyglow-engine must not use skyglow-http"),
         ("skyglow-display", "skyglow-engine", "skyglow-display must not use skyglow-engine"),
+        ("skyglow-bench", "skyglow-http", "skyglow-bench must not use skyglow-http"),
+        ("skyglow-engine", "skyglow-bench", "skyglow-engine must not use skyglow-bench"),
         ("skyglow-display", "wgpu", "wgpu belongs to skyglow-engine alone, not to skyglow-display"),
         ("skyglow", "axum", "axum belongs to skyglow-http alone, not to skyglow"),
         ("skyglow-tests", "gdal", "gdal belongs to skyglow-scene alone, not to skyglow-tests"),

@@ -88,7 +88,18 @@ mod tests {
         let names: Vec<&str> = command_line.get_subcommands().map(clap::Command::get_name).collect();
         assert_eq!(
             names,
-            ["serve", "ingest", "scenes", "precompute", "packs", "panorama", "sky", "reference", "config"]
+            [
+                "serve",
+                "ingest",
+                "scenes",
+                "precompute",
+                "packs",
+                "panorama",
+                "sky",
+                "reference",
+                "bench",
+                "config"
+            ]
         );
     }
 }

@@ -82,8 +82,9 @@ fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> V
     columns
 }
 
-/// Logarithm of the mixed scale and the mixed shape of one node.
-fn mixed_node(
+/// ln of the mixed scale [m⁻² sr⁻¹ per watt] and the mixed shape of one node in one band: its light is
+/// `exp(scale) · Σ_k shape_k · B_k`, with `basis_count` functions.
+pub fn mixed_node(
     request: &Prepared,
     tables: &ResidentTables,
     band: usize,
@@ -123,8 +124,8 @@ fn mixed_node(
     (largest + sum.ln(), shape)
 }
 
-/// The basis itself, `[function][row][column]`, from its spectrum.
-fn basis_images(tables: &ResidentTables, basis_count: usize) -> Vec<f64> {
+/// The basis itself, `[function][row][column]`, from its spectrum; column 0 looks at the source.
+pub fn basis_images(tables: &ResidentTables, basis_count: usize) -> Vec<f64> {
     let cosine: Vec<f64> = (0..AZIMUTH_COUNT)
         .map(|step| (std::f64::consts::TAU * step as f64 / AZIMUTH_COUNT as f64).cos())
         .collect();

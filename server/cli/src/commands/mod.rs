@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod bench;
 mod config;
 mod ingest;
 mod packs;
@@ -35,6 +36,7 @@ pub(crate) enum Command {
     Panorama(panorama::Panorama),
     Sky(sky::Sky),
     Reference(reference::Reference),
+    Bench(bench::Bench),
     Config(config::Config),
 }
 
@@ -50,6 +52,7 @@ impl Command {
             Command::Panorama(command) => command.run(),
             Command::Sky(command) => command.run(),
             Command::Reference(command) => command.run(),
+            Command::Bench(command) => command.run(),
             Command::Config(command) => command.run(),
         }
     }
@@ -57,7 +60,7 @@ impl Command {
     /// What is logged when nobody says: long work tells what it does, the rest only what is odd.
     pub(crate) fn default_log_level(&self) -> &'static str {
         match self {
-            Command::Serve(_) | Command::Precompute(_) | Command::Reference(_) => "info",
+            Command::Serve(_) | Command::Precompute(_) | Command::Reference(_) | Command::Bench(_) => "info",
             _ => "warn",
         }
     }

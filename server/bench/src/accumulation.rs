@@ -1,0 +1,220 @@
+//! The second rival: the sky as the sum of every lit cell's own image, interpolated between resident images.
+//!
+//! The obvious fast way without a basis. For each node (ring × source altitude) that a cell touches there is an image of
+//! 256 × 64 directions in three bands for this observer and these lobes, expanded from the basis; making them is not
+//! part of the time. A cell's image is a line between those of its two nodes, turned to the cell's column and added.
+//! The same nodes and weights as the engine's, so that both skies differ by rounding alone.
+
+use crate::wide::{dispatch_wide, multiply_add};
+use rayon::prelude::*;
+use skyglow_engine::{
+    prepare::{Prepared, PreparedCell},
+    reference::{basis_images, mixed_node},
+};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
+use skyglow_tables::ResidentTables;
+
+/// Rows that a task accumulates: its part of the sky stays in the nearest cache.
+const ROWS_PER_TASK: usize = 8;
+/// Samples of them.
+const TASK_LEN: usize = ROWS_PER_TASK * AZIMUTH_COUNT;
+/// Tasks of one band.
+const TASKS_PER_BAND: usize = ELEVATION_COUNT / ROWS_PER_TASK;
+
+/// A cell with its column, ready to be added.
+#[derive(Clone, Copy, Debug)]
+struct PlacedCell {
+    azimuth: usize,
+    cell: PreparedCell,
+}
+
+/// The cells of a request in one band: where each goes, and the weights of its two images.
+#[derive(Clone, Copy, Debug)]
+struct WeighedCell {
+    azimuth: usize,
+    nodes: [usize; 2],
+    weights: [f32; 2],
+}
+
+/// Images at the nodes of a request, from one pack.
+#[derive(Clone, Debug)]
+pub struct SourceImages {
+    cells: Vec<PlacedCell>,
+    node_count: usize,
+    /// `[band][node]`, ln of the scale, m⁻² sr⁻¹ per watt.
+    log_scale: Vec<f64>,
+    /// `[band][task][node][row in task][column]`.
+    images: Vec<f32>,
+    flux_per_dnb_flux: [f32; BAND_COUNT],
+}
+
+impl SourceImages {
+    /// Images of every node that some of the request's cells need: at most `most_cells` of them, evenly chosen.
+    pub fn of(request: &Prepared, tables: &ResidentTables, most_cells: usize) -> Self {
+        let stride = request.cells.len().div_ceil(most_cells.max(1)).max(1);
+        let placed = request.columns.iter().flat_map(|column| {
+            let cells = &request.cells[column.first_cell as usize..column.end_cell as usize];
+            cells.iter().map(|&cell| PlacedCell { azimuth: column.azimuth as usize, cell })
+        });
+        let mut cells: Vec<PlacedCell> = placed.step_by(stride).collect();
+        let mut nodes: Vec<u32> =
+            cells.iter().flat_map(|placed| [placed.cell.lower_node, placed.cell.upper_node]).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let place = |node: u32| nodes.partition_point(|&other| other < node) as u32;
+        for PlacedCell { cell, .. } in &mut cells {
+            (cell.lower_node, cell.upper_node) = (place(cell.lower_node), place(cell.upper_node));
+        }
+        let basis_count = request.basis_count.min(tables.basis_count);
+        let mixed: Vec<(f64, Vec<f32>)> = (0..BAND_COUNT * nodes.len())
+            .into_par_iter()
+            .map(|slot| {
+                let node = &request.nodes[nodes[slot % nodes.len()] as usize];
+                let (log_scale, shape) = mixed_node(request, tables, slot / nodes.len(), node, basis_count);
+                (log_scale, shape.into_iter().map(|value| value as f32).collect())
+            })
+            .collect();
+        let basis: Vec<f32> =
+            basis_images(tables, basis_count).into_iter().map(|value| value as f32).collect();
+        let mut images = vec![0.0; BAND_COUNT * nodes.len() * ELEVATION_COUNT * AZIMUTH_COUNT];
+        images.par_chunks_mut(nodes.len().max(1) * TASK_LEN).enumerate().for_each(|(slot, images)| {
+            let (band, task) = (slot / TASKS_PER_BAND, slot % TASKS_PER_BAND);
+            for (image, (_, shape)) in images.chunks_exact_mut(TASK_LEN).zip(&mixed[band * nodes.len()..]) {
+                let functions = basis.chunks_exact(ELEVATION_COUNT * AZIMUTH_COUNT);
+                for (function, &value) in functions.zip(shape) {
+                    add_scaled(&function[task * TASK_LEN..][..TASK_LEN], value, image);
+                }
+            }
+        });
+        Self {
+            cells,
+            node_count: nodes.len(),
+            log_scale: mixed.into_iter().map(|(log_scale, _)| log_scale).collect(),
+            images,
+            flux_per_dnb_flux: request.flux_per_dnb_flux,
+        }
+    }
+
+    /// Cells that are accumulated.
+    pub fn cell_count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Bytes of the images.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(self.images.as_slice()) as u64
+    }
+
+    /// The sky of the cells, radiance `[band][row][column]`, W m⁻² sr⁻¹.
+    pub fn accumulate(&self) -> Vec<f32> {
+        let mut radiance_w_m2_sr = vec![0.0; Panorama::LEN];
+        let weighed: Vec<Vec<WeighedCell>> = (0..BAND_COUNT).map(|band| self.weighed(band)).collect();
+        radiance_w_m2_sr.par_chunks_mut(TASK_LEN).enumerate().for_each(|(slot, rows)| {
+            let images = &self.images[slot * self.node_count * TASK_LEN..][..self.node_count * TASK_LEN];
+            accumulate_rows(&weighed[slot / TASKS_PER_BAND], images, rows);
+            for sample in rows {
+                *sample = sample.max(0.0);
+            }
+        });
+        radiance_w_m2_sr
+    }
+
+    /// Φ · exp(ln scale between the nodes) for each cell, shared between its two images.
+    fn weighed(&self, band: usize) -> Vec<WeighedCell> {
+        let log_scale = &self.log_scale[band * self.node_count..][..self.node_count];
+        let weigh = |&PlacedCell { azimuth, cell }: &PlacedCell| {
+            let nodes = [cell.lower_node as usize, cell.upper_node as usize];
+            let up = f64::from(cell.upper_weight);
+            let log = log_scale[nodes[0]] + up * (log_scale[nodes[1]] - log_scale[nodes[0]]);
+            let scale = f64::from(cell.flux_dnb_w) * f64::from(self.flux_per_dnb_flux[band]) * log.exp();
+            WeighedCell { azimuth, nodes, weights: [(scale * (1.0 - up)) as f32, (scale * up) as f32] }
+        };
+        self.cells.iter().map(weigh).collect()
+    }
+}
+
+dispatch_wide!(
+    /// Adds `value · from` to `target`.
+    add_scaled, add_scaled_wide, add_scaled_body, (from: &[f32], value: f32, target: &mut [f32]) -> ()
+);
+
+#[inline(always)]
+fn add_scaled_body<const FUSED: bool>(from: &[f32], value: f32, target: &mut [f32]) {
+    for (target, from) in target.iter_mut().zip(from) {
+        *target = multiply_add::<FUSED>(value, *from, *target);
+    }
+}
+
+dispatch_wide!(
+    /// Adds every cell's image to some rows of the sky.
+    accumulate_rows, accumulate_rows_wide, accumulate_rows_body,
+    (cells: &[WeighedCell], images: &[f32], rows: &mut [f32]) -> ()
+);
+
+#[inline(always)]
+fn accumulate_rows_body<const FUSED: bool>(cells: &[WeighedCell], images: &[f32], rows: &mut [f32]) {
+    for WeighedCell { azimuth, nodes, weights } in cells {
+        let [lower, upper] = nodes.map(|node| &images[node * TASK_LEN..][..TASK_LEN]);
+        let parts = lower.chunks_exact(AZIMUTH_COUNT).zip(upper.chunks_exact(AZIMUTH_COUNT));
+        for (target, (lower, upper)) in rows.chunks_exact_mut(AZIMUTH_COUNT).zip(parts) {
+            // The image's column 0 lies at the cell's own; behind the last column the first one follows.
+            let (first, second) = target.split_at_mut(*azimuth);
+            let turned = second.len();
+            add_between::<FUSED>(&lower[..turned], &upper[..turned], *weights, second);
+            add_between::<FUSED>(&lower[turned..], &upper[turned..], *weights, first);
+        }
+    }
+}
+
+#[inline(always)]
+fn add_between<const FUSED: bool>(lower: &[f32], upper: &[f32], weights: [f32; 2], target: &mut [f32]) {
+    for ((target, lower), upper) in target.iter_mut().zip(lower).zip(upper) {
+        let sum = multiply_add::<FUSED>(weights[0], *lower, *target);
+        *target = multiply_add::<FUSED>(weights[1], *upper, sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::LitScene;
+    use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest, TableSet, synthetic};
+    use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_tables::Scattering;
+    use std::sync::Arc;
+
+    /// Largest difference between the engine's sky and an accumulated one, of the brighter of the two, where either is a
+    /// thousandth of the brightest direction.
+    fn difference(request: &RenderRequest, accumulated: &Prepared, most_cells: usize) -> f64 {
+        let tables = synthetic::table_set(&[2.0], 24);
+        let config =
+            EngineConfig { device: DeviceChoice::Cpu, tables: tables.clone(), ..EngineConfig::default() };
+        let rendered = Engine::start(config).unwrap().render_blocking(request.clone()).unwrap();
+        let sky = SourceImages::of(accumulated, &tables[0], most_cells).accumulate();
+        let brightest = sky.iter().copied().fold(0.0, f32::max);
+        let of_sample = |(a, b): (&f32, &f32)| f64::from((a - b).abs() / a.max(*b).max(1e-3 * brightest));
+        rendered.panorama.samples().iter().zip(&sky).map(of_sample).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_accumulated_sky_is_the_engines_and_that_of_half_the_cells_is_not() {
+        let set = TableSet::new(synthetic::table_set(&[2.0], 24)).unwrap();
+        let scene = LitScene::of_cells(200);
+        let request = RenderRequest {
+            polar: Arc::clone(&scene.polar),
+            observer_altitude_m: scene.observer_altitude_m,
+            turbidity: Turbidity::new(2.0).unwrap(),
+            scattering: Scattering::Single,
+            cloud_base_m: None,
+            emission: EmissionMix::garstang(),
+            flux_per_dnb_flux: [1.0, 0.5, 0.2],
+            basis: None,
+        };
+        let prepared = Prepared::new(&request, &set).unwrap();
+        let same = difference(&request, &prepared, usize::MAX);
+        assert!(same < 1e-3, "{same}");
+        assert!(difference(&request, &prepared, 100) > 0.1);
+        let raised = RenderRequest { observer_altitude_m: 900.0, ..request.clone() };
+        assert!(difference(&request, &Prepared::new(&raised, &set).unwrap(), usize::MAX) > 0.02);
+    }
+}

@@ -1,0 +1,29 @@
+//! Run time against error: panoramas of growing scenes on every executor that there is, beside two rivals timed in the
+//! same run on the same threads, beside the least time that the machine would need, and beside the truth.
+//!
+//! The rivals are the direct sum over every source ([`sampled_sum`]) and the accumulation of interpolated source images
+//! ([`accumulation`]), as in Fig. 6 of Dobashi, Ishikawa and Iwasaki (2023). Whatever was timed in part and scaled says
+//! so in its row.
+
+pub mod accumulation;
+pub mod accuracy;
+pub mod aims;
+pub mod error;
+pub mod executors;
+pub mod floor;
+pub mod machine;
+pub mod options;
+pub mod plots;
+pub mod report;
+pub mod run;
+pub mod sampled_sum;
+pub mod scenes;
+pub mod text;
+pub mod truth;
+mod wide;
+
+pub use error::BenchError;
+pub use options::{BenchOptions, Extent};
+pub use report::Report;
+pub use run::run;
+pub use text::{Section, sections};

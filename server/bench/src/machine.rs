@@ -1,0 +1,130 @@
+//! The machine: what it is, and how fast it streams and multiplies, measured in the same run as all else.
+
+use crate::{
+    report::Machine,
+    wide::{dispatch_wide, multiply_add},
+};
+use rayon::prelude::*;
+use std::{hint::black_box, time::Instant};
+
+/// Numbers side by side in a vector.
+const LANES: usize = 8;
+/// Independent chains of multiply-adds: enough to fill two units of a latency of four or five.
+const CHAINS: usize = 12;
+/// Values that a thread sums at a time.
+const CHUNK: usize = 1 << 16;
+/// Tries; the fastest counts, for other work on the machine only ever slows.
+const TRIES: usize = 5;
+
+/// Describes the machine and measures it: a sum over `stream_bytes` of memory (more than its caches hold, or it is the
+/// cache that is measured), and `multiply_adds` fused multiply-adds a thread in registers.
+pub fn measure(stream_bytes: usize, multiply_adds: usize) -> Machine {
+    Machine {
+        processor: processor(),
+        logical_cores: std::thread::available_parallelism().map_or(1, usize::from),
+        threads: rayon::current_num_threads(),
+        stream_bytes,
+        bandwidth_gb_s: bandwidth_bytes_s(stream_bytes) / 1e9,
+        multiply_adds_g_s: multiply_adds_per_s(multiply_adds) / 1e9,
+    }
+}
+
+/// Name of the processor, as the kernel gives it.
+fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let line = text.lines().find(|line| line.starts_with("model name"));
+    line.and_then(|line| line.split_once(':'))
+        .map_or("unknown".to_owned(), |(_, name)| name.trim().to_owned())
+}
+
+/// Bytes a second of a sum over f32 on all threads.
+fn bandwidth_bytes_s(stream_bytes: usize) -> f64 {
+    let values = vec![1.0f32; (stream_bytes / size_of::<f32>()).max(CHUNK)];
+    let fastest_s = fastest_s(|| {
+        black_box(values.par_chunks(CHUNK).map(sum).sum::<f32>());
+    });
+    size_of_val(values.as_slice()) as f64 / fastest_s
+}
+
+/// Fused multiply-adds of f32 a second on all threads together.
+fn multiply_adds_per_s(per_thread: usize) -> f64 {
+    let rounds = (per_thread / (LANES * CHAINS)).max(1);
+    let fastest_s = fastest_s(|| {
+        black_box(rayon::broadcast(|context| multiply(rounds, black_box(context.index() as f32))));
+    });
+    (rounds * LANES * CHAINS * rayon::current_num_threads()) as f64 / fastest_s
+}
+
+fn fastest_s(mut work: impl FnMut()) -> f64 {
+    let mut fastest_s = f64::INFINITY;
+    for _ in 0..TRIES {
+        let start = Instant::now();
+        work();
+        fastest_s = fastest_s.min(start.elapsed().as_secs_f64());
+    }
+    fastest_s
+}
+
+dispatch_wide!(
+    /// The sum of a slice.
+    sum, sum_wide, sum_body, (values: &[f32]) -> f32
+);
+
+#[inline(always)]
+fn sum_body<const FUSED: bool>(values: &[f32]) -> f32 {
+    let mut sums = [[0.0f32; LANES]; CHAINS];
+    for block in values.as_chunks::<{ LANES * CHAINS }>().0 {
+        for (chain, sums) in sums.iter_mut().enumerate() {
+            for (lane, sum) in sums.iter_mut().enumerate() {
+                *sum += block[chain * LANES + lane];
+            }
+        }
+    }
+    sums.iter().flatten().sum()
+}
+
+dispatch_wide!(
+    /// Chains of multiply-adds that stay in registers.
+    multiply, multiply_wide, multiply_body, (rounds: usize, start: f32) -> f32
+);
+
+#[inline(always)]
+fn multiply_body<const FUSED: bool>(rounds: usize, start: f32) -> f32 {
+    let mut chains = [[start; LANES]; CHAINS];
+    let (factor, addend) = (black_box(0.999_f32), black_box(1e-3_f32));
+    for _ in 0..rounds {
+        for chain in &mut chains {
+            for value in chain.iter_mut() {
+                *value = multiply_add::<FUSED>(*value, factor, addend);
+            }
+        }
+    }
+    chains.iter().flatten().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loops_compute_what_they_claim() {
+        let values: Vec<f32> = (0..CHUNK).map(|i| (i % 7) as f32).collect();
+        let exact: f32 = (0..CHUNK / (LANES * CHAINS) * LANES * CHAINS).map(|i| (i % 7) as f32).sum();
+        assert_eq!(sum(&values), exact);
+        // x ← 0.999 x + 0.001 goes to 1 from anywhere.
+        assert!((multiply(20_000, 5.0) / (LANES * CHAINS) as f32 - 1.0).abs() < 1e-3);
+        assert!((multiply(10, 5.0) / (LANES * CHAINS) as f32 - 1.0).abs() > 1.0);
+    }
+
+    #[test]
+    fn more_work_takes_longer_and_rates_are_positive() {
+        let machine = measure(1 << 22, 1 << 20);
+        assert!(machine.bandwidth_gb_s > 0.01 && machine.multiply_adds_g_s > 0.01, "{machine:?}");
+        let time = |rounds| {
+            fastest_s(|| {
+                black_box(multiply(rounds, 0.5));
+            })
+        };
+        assert!(time(4_000_000) > 4.0 * time(100_000));
+    }
+}

@@ -1,0 +1,251 @@
+//! The report as plots, in the manner of the paper's Fig. 6: run time against lit cells and against basis size, error
+//! against basis size and against run time. Both axes are logarithmic.
+
+use crate::{
+    error::BenchError,
+    report::{ErrorRow, Report, RunTimeRow},
+};
+use plotters::{
+    backend::SVGBackend,
+    chart::{ChartBuilder, SeriesLabelPosition},
+    drawing::IntoDrawingArea,
+    element::{Circle, PathElement},
+    prelude::IntoLogRange,
+    series::LineSeries,
+    style::{BLACK, Color, RGBColor, WHITE},
+};
+use std::{ops::Range, path::Path};
+
+/// Width and height, pixels.
+const SIZE: (u32, u32) = (760, 500);
+/// Colours that readers who see no red or no green tell apart (Okabe and Ito 2008).
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(90, 90, 90),
+];
+
+/// One curve.
+#[derive(Clone, Debug, PartialEq)]
+struct Curve {
+    name: String,
+    /// Both above 0; ascending in the first.
+    points: Vec<(f64, f64)>,
+}
+
+/// A plot without its file.
+struct Plot {
+    file: &'static str,
+    title: String,
+    x: &'static str,
+    y: &'static str,
+    curves: Vec<Curve>,
+}
+
+impl Curve {
+    /// Points that a logarithmic plot can show, in order; None where there are none.
+    fn of(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+        let mut points: Vec<(f64, f64)> =
+            points.into_iter().filter(|point| point.0 > 0.0 && point.1 > 0.0).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (!points.is_empty()).then(|| Self { name: name.into(), points })
+    }
+}
+
+/// Draws every plot that the report has rows for into a folder.
+///
+/// # Errors
+/// [`BenchError::Plot`] naming the file.
+pub(crate) fn draw(report: &Report, folder: &Path) -> Result<(), BenchError> {
+    for plot in plots(report).into_iter().filter(|plot| !plot.curves.is_empty()) {
+        let path = folder.join(plot.file);
+        let mut text = String::new();
+        plot.draw(&mut text).map_err(|reason| BenchError::Plot { path: path.clone(), reason })?;
+        std::fs::write(&path, text).map_err(BenchError::file(&path))?;
+    }
+    Ok(())
+}
+
+fn plots(report: &Report) -> [Plot; 4] {
+    let machine = format!("{}, {} threads", report.machine.processor, report.machine.threads);
+    [
+        Plot {
+            file: "time-against-lights.svg",
+            title: format!("Run time of a panorama ({machine})"),
+            x: "lit cells; from 10 000 on pixels of a raster",
+            y: "milliseconds",
+            curves: against_lights(report),
+        },
+        Plot {
+            file: "time-against-basis.svg",
+            title: format!("Run time by basis size ({machine})"),
+            x: "functions of the basis",
+            y: "milliseconds",
+            curves: against_basis(report),
+        },
+        Plot {
+            file: "error-against-basis.svg",
+            title: "Mean relative error by basis size".to_owned(),
+            x: "functions of the basis",
+            y: "percent",
+            curves: errors(report, |row| Some(row.basis_count as f64)),
+        },
+        Plot {
+            file: "error-against-time.svg",
+            title: format!("Mean relative error by run time ({machine})"),
+            x: "milliseconds",
+            y: "percent",
+            curves: errors(report, |row| row.median_ms),
+        },
+    ]
+}
+
+fn against_lights(report: &Report) -> Vec<Curve> {
+    let largest = report.run_times.iter().map(|row| row.basis_count).max().unwrap_or(0);
+    let mut curves = Vec::new();
+    for executor in report.executors.iter().map(|executor| &executor.executor) {
+        let rows = |skipping: bool| {
+            let wanted = move |row: &&RunTimeRow| {
+                row.skipping == skipping && row.packs == 1 && row.basis_count == largest
+            };
+            let rows = report.run_times.iter().filter(move |row| row.executor == *executor).filter(wanted);
+            rows.map(|row| (row.lit_sources as f64, row.median_ms))
+        };
+        curves.extend(Curve::of(format!("{executor}, {largest} functions"), rows(true)));
+        curves.extend(Curve::of(format!("{executor}, nothing skipped"), rows(false)));
+    }
+    let rival = |name: &str, seconds: &dyn Fn(usize) -> f64| {
+        let scenes = report.scenes.iter().enumerate();
+        Curve::of(name, scenes.map(|(index, scene)| (scene.lit_sources as f64, 1e3 * seconds(index))))
+    };
+    curves.extend(rival("accumulation of images", &|index| report.scenes[index].accumulation.seconds));
+    curves.extend(rival("direct sum (scaled)", &|index| report.scenes[index].direct_sum.seconds));
+    curves
+}
+
+fn against_basis(report: &Report) -> Vec<Curve> {
+    let mut curves = Vec::new();
+    for executor in report.executors.iter().map(|executor| &executor.executor) {
+        for scene in ["cells", "raster"] {
+            let sources = report.scenes.iter().filter(|row| row.scene == scene).map(|row| row.lit_sources);
+            let Some(most) = sources.max() else { continue };
+            let wanted = |row: &&RunTimeRow| {
+                row.executor == *executor
+                    && (row.scene == scene && row.lit_sources == most)
+                    && (row.skipping && row.packs == 1)
+            };
+            let rows = report.run_times.iter().filter(wanted);
+            let name = format!("{executor}, {scene} {most}");
+            curves.extend(Curve::of(name, rows.map(|row| (row.basis_count as f64, row.median_ms))));
+        }
+    }
+    curves
+}
+
+/// One curve for each sky, by the first executor: all of them compute the same sky.
+fn errors(report: &Report, x: impl Fn(&ErrorRow) -> Option<f64>) -> Vec<Curve> {
+    let Some(executor) = report.executors.first() else { return Vec::new() };
+    let rows = || report.errors.iter().filter(|row| row.executor == executor.executor);
+    let mut skies: Vec<(&str, f64)> = rows().map(|row| (row.scene.as_str(), row.turbidity)).collect();
+    skies.dedup();
+    let curve = |(scene, turbidity): (&str, f64)| {
+        let of_sky = rows().filter(|row| (row.scene.as_str(), row.turbidity) == (scene, turbidity));
+        let points = of_sky.filter_map(|row| Some((x(row)?, 100.0 * row.mean)));
+        Curve::of(format!("{scene}, T = {turbidity}"), points)
+    };
+    skies.into_iter().filter_map(curve).collect()
+}
+
+/// A range around values, a fifth wider at both ends.
+fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) =
+        values.fold((f64::INFINITY, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
+    low / 1.2..high * 1.2
+}
+
+impl Plot {
+    /// Draws into an SVG text; the error says what the drawing library says.
+    fn draw(&self, text: &mut String) -> Result<(), String> {
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let (x, y) = (around(points().map(|point| point.0)), around(points().map(|point| point.1)));
+        let words = |error: &dyn std::fmt::Display| error.to_string();
+        let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
+        area.fill(&WHITE).map_err(|error| words(&error))?;
+        let mut chart = ChartBuilder::on(&area)
+            .caption(&self.title, ("sans-serif", 17))
+            .margin(12)
+            .x_label_area_size(42)
+            .y_label_area_size(64)
+            .build_cartesian_2d(x.log_scale(), y.log_scale())
+            .map_err(|error| words(&error))?;
+        chart
+            .configure_mesh()
+            .x_desc(self.x)
+            .y_desc(self.y)
+            .axis_desc_style(("sans-serif", 14))
+            .label_style(("sans-serif", 12))
+            .x_label_formatter(&tick)
+            .y_label_formatter(&tick)
+            .light_line_style(BLACK.mix(0.06))
+            .draw()
+            .map_err(|error| words(&error))?;
+        for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()) {
+            let line = LineSeries::new(curve.points.iter().copied(), colour.stroke_width(2));
+            chart
+                .draw_series(line)
+                .map_err(|error| words(&error))?
+                .label(curve.name.as_str())
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+            let marks = curve.points.iter().map(|&point| Circle::new(point, 3, colour.filled()));
+            chart.draw_series(marks).map_err(|error| words(&error))?;
+        }
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperLeft)
+            .background_style(WHITE.mix(0.85))
+            .border_style(BLACK.mix(0.3))
+            .label_font(("sans-serif", 12))
+            .draw()
+            .map_err(|error| words(&error))?;
+        area.present().map_err(|error| words(&error))
+    }
+}
+
+/// A value at an axis.
+fn tick(value: &f64) -> String {
+    if *value >= 1e4 { format!("{value:.0e}") } else { format!("{}", (value * 1e6).round() / 1e6) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_holds_what_a_logarithmic_plot_can_show_in_order() {
+        let curve = Curve::of("a", [(4.0, 2.0), (0.0, 1.0), (1.0, 3.0), (2.0, 0.0)]).unwrap();
+        assert_eq!(curve.points, [(1.0, 3.0), (4.0, 2.0)]);
+        assert_eq!(Curve::of("dark", [(1.0, 0.0)]), None);
+    }
+
+    #[test]
+    fn a_plot_is_an_svg_with_its_words_and_a_mark_for_every_point() {
+        let curve = |name: &str, points: &[(f64, f64)]| Curve::of(name, points.iter().copied()).unwrap();
+        let draw = |curves: Vec<Curve>| {
+            let plot = Plot { file: "a.svg", title: "the title".to_owned(), x: "lights", y: "ms", curves };
+            let mut text = String::new();
+            plot.draw(&mut text).unwrap();
+            text
+        };
+        let text = draw(vec![curve("fast", &[(1.0, 2.0), (8.0, 3.0)]), curve("slow", &[(1.0, 9.0)])]);
+        assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+        for word in ["the title", "lights", "ms", "fast", "slow"] {
+            assert!(text.contains(word), "{word}");
+        }
+        assert_eq!(text.matches("<circle").count(), 3);
+        assert_eq!(draw(vec![curve("fast", &[(1.0, 2.0)])]).matches("<circle").count(), 1);
+    }
+}

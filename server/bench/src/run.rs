@@ -1,0 +1,332 @@
+//! The whole run, step by step.
+
+use crate::{
+    accumulation::SourceImages,
+    accuracy, aims,
+    error::BenchError,
+    executors::{self, CHOICES, Timed},
+    floor, machine,
+    options::{BenchOptions, Extent, Setting},
+    report::{FloorRow, PackRecord, Report, RivalTime, RunTimeRow, SceneRow},
+    sampled_sum,
+    scenes::LitScene,
+    truth::{self, TruthSky},
+};
+use skyglow_engine::{Engine, PackKind, RenderRequest, prepare::Prepared};
+use skyglow_physics::Turbidity;
+use skyglow_scene::{
+    DEMO_ID, PolarGrid, Scene, SceneError, SceneId, SceneStore, create_demo, demo_is_wanted,
+};
+use skyglow_tables::Manifest;
+use std::{hint::black_box, path::Path, sync::Arc, time::Instant};
+
+/// Places of the demo whose first-order truth is computed: a town, the Alps, the sea. Degrees.
+const DEMO_PLACES_DEG: [[f64; 2]; 3] = [[46.17, 8.79], [47.41, 10.27], [42.63, 7.07]];
+/// Most directions there: each is an integral for every pixel of the demo.
+const DEMO_DIRECTIONS: usize = 64;
+
+/// A request of a run, and what its row says of it.
+struct Subject<'a> {
+    scene: &'a SceneRow,
+    skipping: bool,
+    turbidity: Turbidity,
+    request: RenderRequest,
+}
+
+/// Runs everything. What it is about is logged as it goes.
+///
+/// # Errors
+/// Packs that do not fit together or none of a clear sky, a device that fails, files of truth that are none.
+pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
+    let setting = Setting::of(options)?;
+    let extent = &options.extent;
+    tracing::info!("measuring the machine");
+    let machine = machine::measure(extent.stream_bytes, extent.multiply_adds);
+    let mut notes = notes(&setting, extent);
+    let lit: Vec<LitScene> = lit_scenes(extent);
+    let whole: Vec<Arc<PolarGrid>> =
+        lit.iter().map(|scene| Arc::new(scene.without_skipping(&setting.set))).collect();
+    let mut scenes = Vec::with_capacity(lit.len());
+    for scene in &lit {
+        tracing::info!("rivals of {} {}", scene.name, scene.lit_sources);
+        scenes.push(scene_row(&setting, scene, extent)?);
+    }
+    let skies = skies(options, &setting, &lit, &mut notes)?;
+    let subjects = subjects(&setting, &lit, &whole, &scenes);
+    let mut report = Report {
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        quick: extent.quick,
+        packs: pack_records(&options.manifests, setting.kind),
+        machine,
+        executors: Vec::new(),
+        scenes: Vec::new(),
+        run_times: Vec::new(),
+        floors: Vec::new(),
+        errors: Vec::new(),
+        aims: Vec::new(),
+        notes,
+    };
+    for (choice, name) in CHOICES {
+        tracing::info!("panoramas on {name}");
+        match executors::start(choice, &setting) {
+            Ok(Some(engine)) => {
+                time_engine(&engine, &setting, &subjects, extent.rounds, &mut report)?;
+                report.errors.extend(accuracy::of_engine(&engine, &setting, &skies, extent.rounds)?);
+            }
+            Ok(None) => report.notes.push(format!("{name}: there is no such device here")),
+            Err(error) => report.notes.push(format!("{name}: {error}")),
+        }
+    }
+    tracing::info!("sums in f64");
+    report.errors.extend(accuracy::of_f64(&setting, &skies)?);
+    report.aims = aims::of(&report.run_times);
+    drop(subjects);
+    report.scenes = scenes;
+    Ok(report)
+}
+
+fn notes(setting: &Setting, extent: &Extent) -> Vec<String> {
+    let mut notes = vec![
+        "scene cells: N cells of the polar grid, a source in the middle of each; scene raster: N pixels of 463 m, evenly \
+         over the disc of 300 km, which the polar grid's 256 × 192 cells gather. Both over made-up hills"
+            .to_owned(),
+        "skipping off: every dark cell is given 1e-6 W, and some cells besides at altitudes that touch every node, so \
+         that all cells, columns and nodes are worked on whatever the scene"
+            .to_owned(),
+        "the direct sum is of the first order alone, also beside packs of all orders".to_owned(),
+        "rivals whose share is below 1 were timed on that share and scaled".to_owned(),
+        "the number of rings and of directions is fixed, and packs hold coefficients in half precision alone: there is no \
+         other resolution or precision to compare"
+            .to_owned(),
+    ];
+    if extent.truth_directions == 0 {
+        notes.push("errors were left out: they take a truth, which takes minutes".to_owned());
+    }
+    if setting.between.is_none() {
+        notes.push("no turbidity between packs: there is one pack".to_owned());
+    }
+    notes
+}
+
+fn pack_records(manifests: &[Manifest], kind: PackKind) -> Vec<PackRecord> {
+    let of_kind = manifests.iter().filter(|manifest| PackKind::of_manifest(manifest) == kind);
+    of_kind
+        .map(|manifest| PackRecord {
+            turbidity: manifest.turbidity,
+            scattering: manifest.scattering.name().to_owned(),
+            basis_count: manifest.basis_count,
+            checksum: manifest.checksum.clone(),
+        })
+        .collect()
+}
+
+fn lit_scenes(extent: &Extent) -> Vec<LitScene> {
+    let cells = extent.cell_counts.iter().map(|&count| LitScene::of_cells(count));
+    cells.chain(extent.pixel_counts.iter().map(|&count| LitScene::of_pixels(count))).collect()
+}
+
+/// The rivals' times of a scene.
+fn scene_row(setting: &Setting, scene: &LitScene, extent: &Extent) -> Result<SceneRow, BenchError> {
+    let direct_sum = sampled_sum::time(scene, setting, extent.direct_sum_integrals);
+    let request = executors::request(
+        setting,
+        &scene.polar,
+        scene.observer_altitude_m,
+        setting.turbidity,
+        setting.basis_count(),
+    );
+    let prepared = Prepared::new(&request, &setting.set)?;
+    let pack = prepared.turbidity_taps.indices()[0];
+    let start = Instant::now();
+    let images = SourceImages::of(&prepared, &setting.set.tables()[pack], extent.accumulated_cells);
+    let image_setup_s = start.elapsed().as_secs_f64();
+    let mut times_s: Vec<f64> = (0..extent.rounds.clamp(1, 5))
+        .map(|_| {
+            let start = Instant::now();
+            black_box(images.accumulate());
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times_s.sort_by(f64::total_cmp);
+    let share_timed = images.cell_count() as f64 / prepared.cells.len().max(1) as f64;
+    Ok(SceneRow {
+        scene: scene.name.to_owned(),
+        lit_sources: scene.lit_sources,
+        polar_cells: scene.polar.cells.len(),
+        point_sources: scene.sources.len(),
+        binning_ms: scene.binning_ms,
+        direct_sum,
+        accumulation: RivalTime {
+            seconds: times_s[times_s.len() / 2] / share_timed,
+            share_timed,
+            sources_timed: images.cell_count(),
+            directions_timed: sampled_sum::DIRECTION_COUNT,
+        },
+        image_bytes: images.bytes(),
+        image_setup_s,
+    })
+}
+
+/// Every scene at every basis size; with the largest also unskipped, and between packs.
+fn subjects<'a>(
+    setting: &Setting,
+    lit: &[LitScene],
+    whole: &[Arc<PolarGrid>],
+    rows: &'a [SceneRow],
+) -> Vec<Subject<'a>> {
+    let mut subjects = Vec::new();
+    for ((lit, whole), scene) in lit.iter().zip(whole).zip(rows) {
+        let mut add = |polar: &Arc<PolarGrid>, skipping, turbidity, basis_count| {
+            let altitude_m = lit.observer_altitude_m;
+            let request = executors::request(setting, polar, altitude_m, turbidity, basis_count);
+            subjects.push(Subject { scene, skipping, turbidity, request });
+        };
+        for &basis_count in &setting.bases {
+            add(&lit.polar, true, setting.turbidity, basis_count);
+        }
+        add(whole, false, setting.turbidity, setting.basis_count());
+        if let Some(between) = setting.between {
+            add(&lit.polar, true, between, setting.basis_count());
+        }
+    }
+    subjects
+}
+
+fn time_engine(
+    engine: &Engine,
+    setting: &Setting,
+    subjects: &[Subject<'_>],
+    rounds: usize,
+    report: &mut Report,
+) -> Result<(), BenchError> {
+    let executor = engine.info().executor.name();
+    report.executors.push(executors::record(engine));
+    let requests: Vec<RenderRequest> = subjects.iter().map(|subject| subject.request.clone()).collect();
+    for (subject, timed) in subjects.iter().zip(executors::time(engine, &requests, rounds)?) {
+        // The machine that was measured is this one, not a GPU's.
+        if executor != "gpu" && subject.request.basis == Some(setting.basis_count()) && timed.work.packs == 1
+        {
+            let prepared = Prepared::new(&subject.request, &setting.set)?;
+            if subject.skipping {
+                report.floors.extend(floor_rows(executor, subject, &prepared, &timed, setting, report));
+            }
+        }
+        report.run_times.push(run_time_row(executor, subject, timed, rounds));
+    }
+    Ok(())
+}
+
+fn run_time_row(executor: &str, subject: &Subject<'_>, timed: Timed, rounds: usize) -> RunTimeRow {
+    let times = |rival: RivalTime| 1e3 * rival.seconds / timed.median_ms;
+    RunTimeRow {
+        executor: executor.to_owned(),
+        scene: subject.scene.scene.clone(),
+        lit_sources: subject.scene.lit_sources,
+        skipping: subject.skipping,
+        turbidity: subject.turbidity.value(),
+        packs: timed.work.packs,
+        basis_count: timed.rendered.basis_count,
+        cells: timed.work.lit_cells,
+        nodes: timed.work.mixed_nodes,
+        columns: timed.work.lit_columns,
+        rounds,
+        median_ms: timed.median_ms,
+        fastest_ms: timed.fastest_ms,
+        times_direct_sum: times(subject.scene.direct_sum),
+        times_accumulation: times(subject.scene.accumulation),
+        passes: timed.passes,
+    }
+}
+
+fn floor_rows(
+    executor: &str,
+    subject: &Subject<'_>,
+    prepared: &Prepared,
+    timed: &Timed,
+    setting: &Setting,
+    report: &Report,
+) -> Vec<FloorRow> {
+    let measured = |name: &str| timed.passes.iter().find(|pass| pass.pass == name).map(|pass| pass.ms);
+    let floors = floor::floors(prepared, &setting.set).into_iter();
+    floors
+        .filter_map(|floor| {
+            Some(FloorRow {
+                executor: executor.to_owned(),
+                scene: subject.scene.scene.clone(),
+                lit_sources: subject.scene.lit_sources,
+                basis_count: prepared.basis_count,
+                pass: floor.pass.name().to_owned(),
+                bytes: floor.bytes,
+                operations: floor.operations,
+                bytes_ms: floor.bytes_ms(&report.machine),
+                operations_ms: floor.operations_ms(&report.machine),
+                measured_ms: measured(floor.pass.name())?,
+            })
+        })
+        .collect()
+}
+
+/// Skies with a truth: the made-up scene of most cells, the raster of fewest pixels, and places of the demo.
+fn skies(
+    options: &BenchOptions,
+    setting: &Setting,
+    lit: &[LitScene],
+    notes: &mut Vec<String>,
+) -> Result<Vec<TruthSky>, BenchError> {
+    let directions = options.extent.truth_directions;
+    let mut skies = Vec::new();
+    if directions == 0 {
+        return Ok(skies);
+    }
+    let of = |name: &'static str| lit.iter().filter(move |scene| scene.name == name);
+    let most_cells = of("cells").max_by_key(|scene| scene.lit_sources);
+    let fewest_pixels = of("raster").min_by_key(|scene| scene.lit_sources);
+    for scene in most_cells.into_iter().chain(fewest_pixels) {
+        tracing::info!("truth of {} {}", scene.name, scene.lit_sources);
+        skies.push(truth::of_scene(setting, scene, directions)?);
+    }
+    if options.truth_files.is_empty() && !setting.is_first_order() {
+        notes.push(
+            "errors of the demo with all orders were left out: no files of truth were given".to_owned(),
+        );
+        return Ok(skies);
+    }
+    let temporary = tempfile::tempdir().map_err(BenchError::file(&std::env::temp_dir()))?;
+    let demo = demo(&options.data, temporary.path())?;
+    for path in &options.truth_files {
+        let stored = truth::of_file(setting, &demo, path)?;
+        if stored.is_empty() {
+            let path = path.display();
+            notes.push(format!("{path}: its orders of scattering or turbidities are not those of the packs"));
+        }
+        skies.extend(stored);
+    }
+    if setting.is_first_order() {
+        for place in DEMO_PLACES_DEG {
+            tracing::info!("truth of the demo at {place:?}");
+            skies.push(truth::of_place(setting, &demo, place, directions.min(DEMO_DIRECTIONS))?);
+        }
+    }
+    Ok(skies)
+}
+
+/// The demo of a store, or one made in another folder where that has none.
+fn demo(data: &Path, other: &Path) -> Result<Scene, SceneError> {
+    let id = SceneId::parse(DEMO_ID)?;
+    let store = SceneStore::new(data);
+    if !demo_is_wanted(&store) {
+        let stored = store.open(&id)?;
+        // Somebody else's scene of that name is not the demo.
+        if stored.metadata().illustrative {
+            return Ok(stored);
+        }
+    }
+    tracing::info!("making the demo for this run");
+    let store = SceneStore::new(other);
+    create_demo(&store, &mut |_| ())?;
+    store.open(&id)
+}
+
+#[cfg(test)]
+#[path = "run_tests.rs"]
+pub(crate) mod tests;
