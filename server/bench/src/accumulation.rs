@@ -1,25 +1,21 @@
 //! The second rival: the sky as the sum of every lit cell's own image, interpolated between resident images.
 //!
 //! The obvious fast way without a basis. For each node (ring × source altitude) that a cell touches there is an image of
-//! 256 × 64 directions in three bands for this observer and these lobes, expanded from the basis; making them is not
-//! part of the time. A cell's image is a line between those of its two nodes, turned to the cell's column and added.
-//! The same nodes and weights as the engine's, so that both skies differ by rounding alone.
+//! 256 × 64 directions in three bands for this observer and these lobes. A cell's image is a line between those of its two
+//! nodes, turned to the cell's column and added. The same nodes and weights as the engine's, so that both skies differ by
+//! rounding alone. Where these images come from is timed apart ([`crate::image_mixing`]).
 
-use crate::wide::{dispatch_wide, multiply_add};
+use crate::{
+    images::{ImageTable, TASK_LEN, TASKS_PER_BAND},
+    wide::{dispatch_wide, multiply_add},
+};
 use rayon::prelude::*;
 use skyglow_engine::{
     prepare::{Prepared, PreparedCell},
-    reference::{basis_images, mixed_node},
+    reference::mixed_node,
 };
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama};
 use skyglow_tables::ResidentTables;
-
-/// Rows that a task accumulates: its part of the sky stays in the nearest cache.
-const ROWS_PER_TASK: usize = 8;
-/// Samples of them.
-const TASK_LEN: usize = ROWS_PER_TASK * AZIMUTH_COUNT;
-/// Tasks of one band.
-const TASKS_PER_BAND: usize = ELEVATION_COUNT / ROWS_PER_TASK;
 
 /// A cell with its column, ready to be added.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +39,7 @@ pub struct SourceImages {
     node_count: usize,
     /// `[band][node]`, ln of the scale, m⁻² sr⁻¹ per watt.
     log_scale: Vec<f64>,
-    /// `[band][task][node][row in task][column]`.
-    images: Vec<f32>,
+    images: ImageTable,
     flux_per_dnb_flux: [f32; BAND_COUNT],
 }
 
@@ -66,31 +61,19 @@ impl SourceImages {
             (cell.lower_node, cell.upper_node) = (place(cell.lower_node), place(cell.upper_node));
         }
         let basis_count = request.basis_count.min(tables.basis_count);
-        let mixed: Vec<(f64, Vec<f32>)> = (0..BAND_COUNT * nodes.len())
+        let (log_scale, shape): (Vec<f64>, Vec<Vec<f32>>) = (0..BAND_COUNT * nodes.len())
             .into_par_iter()
             .map(|slot| {
                 let node = &request.nodes[nodes[slot % nodes.len()] as usize];
                 let (log_scale, shape) = mixed_node(request, tables, slot / nodes.len(), node, basis_count);
-                (log_scale, shape.into_iter().map(|value| value as f32).collect())
+                (log_scale, shape.into_iter().map(|value| value as f32).collect::<Vec<f32>>())
             })
-            .collect();
-        let basis: Vec<f32> =
-            basis_images(tables, basis_count).into_iter().map(|value| value as f32).collect();
-        let mut images = vec![0.0; BAND_COUNT * nodes.len() * ELEVATION_COUNT * AZIMUTH_COUNT];
-        images.par_chunks_mut(nodes.len().max(1) * TASK_LEN).enumerate().for_each(|(slot, images)| {
-            let (band, task) = (slot / TASKS_PER_BAND, slot % TASKS_PER_BAND);
-            for (image, (_, shape)) in images.chunks_exact_mut(TASK_LEN).zip(&mixed[band * nodes.len()..]) {
-                let functions = basis.chunks_exact(ELEVATION_COUNT * AZIMUTH_COUNT);
-                for (function, &value) in functions.zip(shape) {
-                    add_scaled(&function[task * TASK_LEN..][..TASK_LEN], value, image);
-                }
-            }
-        });
+            .unzip();
         Self {
             cells,
             node_count: nodes.len(),
-            log_scale: mixed.into_iter().map(|(log_scale, _)| log_scale).collect(),
-            images,
+            log_scale,
+            images: ImageTable::expand(tables, &shape),
             flux_per_dnb_flux: request.flux_per_dnb_flux,
         }
     }
@@ -102,16 +85,15 @@ impl SourceImages {
 
     /// Bytes of the images.
     pub fn bytes(&self) -> u64 {
-        size_of_val(self.images.as_slice()) as u64
+        self.images.bytes()
     }
 
     /// The sky of the cells, radiance `[band][row][column]`, W m⁻² sr⁻¹.
     pub fn accumulate(&self) -> Vec<f32> {
         let mut radiance_w_m2_sr = vec![0.0; Panorama::LEN];
         let weighed: Vec<Vec<WeighedCell>> = (0..BAND_COUNT).map(|band| self.weighed(band)).collect();
-        radiance_w_m2_sr.par_chunks_mut(TASK_LEN).enumerate().for_each(|(slot, rows)| {
-            let images = &self.images[slot * self.node_count * TASK_LEN..][..self.node_count * TASK_LEN];
-            accumulate_rows(&weighed[slot / TASKS_PER_BAND], images, rows);
+        radiance_w_m2_sr.par_chunks_mut(TASK_LEN).enumerate().for_each(|(task, rows)| {
+            accumulate_rows(&weighed[task / TASKS_PER_BAND], self.images.of_task(task), rows);
             for sample in rows {
                 *sample = sample.max(0.0);
             }
@@ -130,18 +112,6 @@ impl SourceImages {
             WeighedCell { azimuth, nodes, weights: [(scale * (1.0 - up)) as f32, (scale * up) as f32] }
         };
         self.cells.iter().map(weigh).collect()
-    }
-}
-
-dispatch_wide!(
-    /// Adds `value · from` to `target`.
-    add_scaled, add_scaled_wide, add_scaled_body, (from: &[f32], value: f32, target: &mut [f32]) -> ()
-);
-
-#[inline(always)]
-fn add_scaled_body<const FUSED: bool>(from: &[f32], value: f32, target: &mut [f32]) {
-    for (target, from) in target.iter_mut().zip(from) {
-        *target = multiply_add::<FUSED>(value, *from, *target);
     }
 }
 

@@ -41,7 +41,7 @@ pub(crate) fn of_engine(
         let sample = |position: usize| f64::from(timed.rendered.panorama.samples()[position]);
         let packs = timed.work.packs;
         let row = compare(sky, setting, name, timed.rendered.basis_count, packs, &sample)?;
-        Some(ErrorRow { median_ms: Some(timed.median_ms), ..row })
+        Some(ErrorRow { median_ms: Some(timed.median_ms), fastest_ms: Some(timed.fastest_ms), ..row })
     };
     Ok(asked.iter().zip(executors::time(engine, &requests, rounds)?).filter_map(row).collect())
 }
@@ -101,6 +101,7 @@ fn compare(
         zenith_error: zenith / true_zenith - 1.0,
         horizontal_error: horizontal / true_horizontal - 1.0,
         median_ms: None,
+        fastest_ms: None,
     })
 }
 

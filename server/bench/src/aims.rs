@@ -11,7 +11,7 @@ const FLATNESS: f64 = 1.1;
 /// With skipping over without, at most.
 const SKIPPED_OVER_WHOLE: f64 = 1.0;
 
-/// The aims on every executor, with the largest basis at a pack's turbidity, by medians.
+/// The aims on every executor, with the largest basis at a pack's turbidity, by fastest rounds.
 pub(crate) fn of(run_times: &[RunTimeRow]) -> Vec<AimRow> {
     let mut executors: Vec<&str> = run_times.iter().map(|row| row.executor.as_str()).collect();
     executors.dedup();
@@ -37,6 +37,7 @@ fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<AimRow> {
         for (rival, wanted, measured) in [
             ("direct sum", TIMES_DIRECT_SUM, row.times_direct_sum),
             ("accumulation of images", TIMES_ACCUMULATION, row.times_accumulation),
+            ("same with images ready for this observer", TIMES_ACCUMULATION, row.times_ready_accumulation),
         ] {
             aims.push(aim(
                 format!("times faster than the {rival} {at}"),
@@ -46,7 +47,7 @@ fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<AimRow> {
             ));
         }
     }
-    let whole = || rows().filter(|row| !row.skipping).map(|row| row.median_ms);
+    let whole = || rows().filter(|row| !row.skipping).map(|row| row.fastest_ms);
     let (slowest, fastest) = (whole().fold(0.0, f64::max), whole().fold(f64::INFINITY, f64::min));
     if slowest > 0.0 {
         let flatness = slowest / fastest;
@@ -57,7 +58,7 @@ fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<AimRow> {
         let same = |row: &&RunTimeRow| {
             !row.skipping && (&row.scene, row.lit_sources) == (&skipped.scene, skipped.lit_sources)
         };
-        rows().find(same).map(|whole| skipped.median_ms / whole.median_ms)
+        rows().find(same).map(|whole| skipped.fastest_ms / whole.fastest_ms)
     };
     let worst = rows().filter(|row| row.skipping).filter_map(|row| of_whole(&row)).fold(0.0, f64::max);
     if worst > 0.0 {
@@ -88,7 +89,8 @@ mod tests {
             fastest_ms: median_ms,
             passes: Vec::new(),
             times_direct_sum: 150_000.0 / median_ms,
-            times_accumulation: 60.0 / median_ms,
+            times_accumulation: 80.0 / median_ms,
+            times_ready_accumulation: 60.0 / median_ms,
         }
     }
 
@@ -96,9 +98,9 @@ mod tests {
     fn aims_are_met_or_missed_as_the_rows_say() {
         let good = [row(1, true, 0.5), row(2_048, true, 1.0), row(1, false, 2.0), row(2_048, false, 2.1)];
         let met = |rows: &[RunTimeRow]| of(rows).iter().map(|aim| aim.is_met).collect::<Vec<_>>();
-        assert_eq!(met(&good), [true; 4]);
+        assert_eq!(met(&good), [true; 5]);
         let slow = [row(1, true, 0.5), row(2_048, true, 2.0), row(1, false, 1.0), row(2_048, false, 1.2)];
-        assert_eq!(met(&slow), [false; 4]);
+        assert_eq!(met(&slow), [false; 5]);
         assert!(of(&[]).is_empty());
     }
 }

@@ -2,7 +2,7 @@
 //! same run on the same threads, beside the least time that the machine would need, and beside the truth.
 //!
 //! The rivals are the direct sum over every source ([`sampled_sum`]) and the accumulation of interpolated source images
-//! ([`accumulation`]), as in Fig. 6 of Dobashi, Ishikawa and Iwasaki (2023). Whatever was timed in part and scaled says
+//! ([`accumulation`], [`image_mixing`]), as in Fig. 6 of Dobashi, Ishikawa and Iwasaki (2023). Whatever was timed in part and scaled says
 //! so in its row.
 
 pub mod accumulation;
@@ -11,6 +11,8 @@ pub mod aims;
 pub mod error;
 pub mod executors;
 pub mod floor;
+pub mod image_mixing;
+mod images;
 pub mod machine;
 pub mod options;
 pub mod plots;

@@ -3,7 +3,8 @@
 use crate::error::BenchError;
 use skyglow_engine::{PackKind, TableSet};
 use skyglow_physics::{
-    BAND_COUNT, EmissionMix, LampPreset, Turbidity, multiple_scattering::DEFAULT_GROUND_ALBEDO,
+    BAND_COUNT, EmissionMix, LOBE_COUNT, LampPreset, Panorama, Turbidity,
+    multiple_scattering::DEFAULT_GROUND_ALBEDO,
 };
 use skyglow_tables::{Manifest, ResidentTables, Scattering};
 use std::{path::PathBuf, sync::Arc};
@@ -40,6 +41,8 @@ pub struct Extent {
     pub direct_sum_integrals: usize,
     /// Most cells of an accumulation that is timed.
     pub accumulated_cells: usize,
+    /// Most nodes whose images are mixed.
+    pub mixed_nodes: usize,
     /// Bytes of the streaming sum.
     pub stream_bytes: usize,
     /// Multiply-adds a thread.
@@ -57,8 +60,9 @@ impl Extent {
             pixel_counts: vec![10_000, 100_000, 1_000_000],
             bases: vec![8, 16, 32, 64],
             rounds: 25,
-            direct_sum_integrals: 1 << 18,
+            direct_sum_integrals: 1 << 16,
             accumulated_cells: 2_048,
+            mixed_nodes: 192,
             stream_bytes: 1 << 30,
             multiply_adds: 1 << 32,
             truth_directions: 200,
@@ -73,8 +77,9 @@ impl Extent {
             pixel_counts: vec![100_000],
             bases: vec![8, 16, 32, 64],
             rounds: 7,
-            direct_sum_integrals: 1 << 15,
+            direct_sum_integrals: 1 << 14,
             accumulated_cells: 512,
+            mixed_nodes: 64,
             stream_bytes: 1 << 29,
             multiply_adds: 1 << 30,
             truth_directions: 0,
@@ -142,6 +147,13 @@ impl Setting {
     /// The largest basis.
     pub(crate) fn basis_count(&self) -> usize {
         self.bases.last().copied().unwrap_or(1)
+    }
+
+    /// Bytes of a table of f32 images at every node of a pack: observer altitude, lobe, ring and source altitude.
+    pub(crate) fn stored_image_bytes(&self) -> f64 {
+        let altitudes = self.set.kind(self.kind).map_or(0, |packs| self.set.observer_altitude_m(packs).len());
+        let nodes = altitudes * LOBE_COUNT * self.set.ring_count() * self.set.offset_count();
+        (nodes * Panorama::LEN * size_of::<f32>()) as f64
     }
 
     /// Whether the packs hold the first order alone.

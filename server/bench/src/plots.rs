@@ -7,9 +7,9 @@ use crate::{
 };
 use plotters::{
     backend::SVGBackend,
-    chart::{ChartBuilder, SeriesLabelPosition},
+    chart::ChartBuilder,
     drawing::IntoDrawingArea,
-    element::{Circle, PathElement},
+    element::{Circle, PathElement, Text},
     prelude::IntoLogRange,
     series::LineSeries,
     style::{BLACK, Color, RGBColor, WHITE},
@@ -17,7 +17,11 @@ use plotters::{
 use std::{ops::Range, path::Path};
 
 /// Width and height, pixels.
-const SIZE: (u32, u32) = (760, 500);
+const SIZE: (u32, u32) = (900, 480);
+/// Width of it that the legend takes.
+const LEGEND_WIDTH: i32 = 220;
+/// Height of a line of the legend.
+const LEGEND_LINE: i32 = 20;
 /// Colours that readers who see no red or no green tell apart (Okabe and Ito 2008).
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -75,14 +79,14 @@ fn plots(report: &Report) -> [Plot; 4] {
     [
         Plot {
             file: "time-against-lights.svg",
-            title: format!("Run time of a panorama ({machine})"),
+            title: format!("Run time of a panorama, fastest rounds ({machine})"),
             x: "lit cells; from 10 000 on pixels of a raster",
             y: "milliseconds",
             curves: against_lights(report),
         },
         Plot {
             file: "time-against-basis.svg",
-            title: format!("Run time by basis size ({machine})"),
+            title: format!("Run time by basis size, fastest rounds ({machine})"),
             x: "functions of the basis",
             y: "milliseconds",
             curves: against_basis(report),
@@ -96,10 +100,10 @@ fn plots(report: &Report) -> [Plot; 4] {
         },
         Plot {
             file: "error-against-time.svg",
-            title: format!("Mean relative error by run time ({machine})"),
+            title: format!("Mean relative error by run time, fastest rounds ({machine})"),
             x: "milliseconds",
             y: "percent",
-            curves: errors(report, |row| row.median_ms),
+            curves: errors(report, |row| row.fastest_ms),
         },
     ]
 }
@@ -113,7 +117,7 @@ fn against_lights(report: &Report) -> Vec<Curve> {
                 row.skipping == skipping && row.packs == 1 && row.basis_count == largest
             };
             let rows = report.run_times.iter().filter(move |row| row.executor == *executor).filter(wanted);
-            rows.map(|row| (row.lit_sources as f64, row.median_ms))
+            rows.map(|row| (row.lit_sources as f64, row.fastest_ms))
         };
         curves.extend(Curve::of(format!("{executor}, {largest} functions"), rows(true)));
         curves.extend(Curve::of(format!("{executor}, nothing skipped"), rows(false)));
@@ -122,7 +126,10 @@ fn against_lights(report: &Report) -> Vec<Curve> {
         let scenes = report.scenes.iter().enumerate();
         Curve::of(name, scenes.map(|(index, scene)| (scene.lit_sources as f64, 1e3 * seconds(index))))
     };
-    curves.extend(rival("accumulation of images", &|index| report.scenes[index].accumulation.seconds));
+    let whole =
+        |index: usize| report.scenes[index].image_mixing.seconds + report.scenes[index].accumulation.seconds;
+    curves.extend(rival("accumulation of images", &whole));
+    curves.extend(rival("images ready for this place", &|index| report.scenes[index].accumulation.seconds));
     curves.extend(rival("direct sum (scaled)", &|index| report.scenes[index].direct_sum.seconds));
     curves
 }
@@ -140,7 +147,7 @@ fn against_basis(report: &Report) -> Vec<Curve> {
             };
             let rows = report.run_times.iter().filter(wanted);
             let name = format!("{executor}, {scene} {most}");
-            curves.extend(Curve::of(name, rows.map(|row| (row.basis_count as f64, row.median_ms))));
+            curves.extend(Curve::of(name, rows.map(|row| (row.basis_count as f64, row.fastest_ms))));
         }
     }
     curves
@@ -160,6 +167,12 @@ fn errors(report: &Report, x: impl Fn(&ErrorRow) -> Option<f64>) -> Vec<Curve> {
     skies.into_iter().filter_map(curve).collect()
 }
 
+/// Whole decades around values.
+fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let Range { start, end } = around(values);
+    10f64.powf(start.log10().floor())..10f64.powf(end.log10().ceil())
+}
+
 /// A range around values, a fifth wider at both ends.
 fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) =
@@ -171,11 +184,12 @@ impl Plot {
     /// Draws into an SVG text; the error says what the drawing library says.
     fn draw(&self, text: &mut String) -> Result<(), String> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let (x, y) = (around(points().map(|point| point.0)), around(points().map(|point| point.1)));
+        let (x, y) = (around(points().map(|point| point.0)), decades(points().map(|point| point.1)));
         let words = |error: &dyn std::fmt::Display| error.to_string();
         let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
         area.fill(&WHITE).map_err(|error| words(&error))?;
-        let mut chart = ChartBuilder::on(&area)
+        let (graph, legend) = area.split_horizontally(SIZE.0 as i32 - LEGEND_WIDTH);
+        let mut chart = ChartBuilder::on(&graph)
             .caption(&self.title, ("sans-serif", 17))
             .margin(12)
             .x_label_area_size(42)
@@ -193,24 +207,17 @@ impl Plot {
             .light_line_style(BLACK.mix(0.06))
             .draw()
             .map_err(|error| words(&error))?;
-        for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()) {
+        for (index, (curve, colour)) in self.curves.iter().zip(COLOURS.iter().cycle()).enumerate() {
             let line = LineSeries::new(curve.points.iter().copied(), colour.stroke_width(2));
-            chart
-                .draw_series(line)
-                .map_err(|error| words(&error))?
-                .label(curve.name.as_str())
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+            chart.draw_series(line).map_err(|error| words(&error))?;
             let marks = curve.points.iter().map(|&point| Circle::new(point, 3, colour.filled()));
             chart.draw_series(marks).map_err(|error| words(&error))?;
+            let y = 50 + LEGEND_LINE * index as i32;
+            let sample = PathElement::new([(0, y + 6), (18, y + 6)], colour.stroke_width(2));
+            legend.draw(&sample).map_err(|error| words(&error))?;
+            let name = Text::new(curve.name.as_str(), (24, y), ("sans-serif", 12));
+            legend.draw(&name).map_err(|error| words(&error))?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .label_font(("sans-serif", 12))
-            .draw()
-            .map_err(|error| words(&error))?;
         area.present().map_err(|error| words(&error))
     }
 }

@@ -90,18 +90,19 @@ pub struct SceneRow {
     pub binning_ms: Option<f64>,
     /// The direct sum.
     pub direct_sum: RivalTime,
-    /// The accumulation of images.
+    /// The accumulation of images that are there for this very observer and these lobes.
     pub accumulation: RivalTime,
-    /// Bytes of its resident images, for the cells that were accumulated.
+    /// Bytes of these images, for the cells that were accumulated.
     pub image_bytes: u64,
-    /// Seconds that making these images took; not part of its time.
-    pub image_setup_s: f64,
+    /// Mixing them from images on the pack's own axes, as a table that serves every observer has them; sources here are
+    /// nodes.
+    pub image_mixing: RivalTime,
 }
 
 /// The time of a rival for a whole panorama.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RivalTime {
-    /// Seconds for all sources and directions; scaled where a share was timed.
+    /// Seconds for all sources and directions, of the fastest try; scaled where a share was timed.
     pub seconds: f64,
     /// Share of the work that was timed, 0..=1; 1 is all of it.
     pub share_timed: f64,
@@ -143,10 +144,12 @@ pub struct RunTimeRow {
     pub fastest_ms: f64,
     /// Each pass in the round of the median, milliseconds.
     pub passes: Vec<PassRow>,
-    /// The direct sum's time over the median.
+    /// The direct sum's time over the fastest round.
     pub times_direct_sum: f64,
-    /// The accumulation's time over the median.
+    /// The time of mixing and accumulating images over the fastest round.
     pub times_accumulation: f64,
+    /// The time of accumulating images that are there for this very observer over the fastest round.
+    pub times_ready_accumulation: f64,
 }
 
 /// Time of a pass.
@@ -220,6 +223,8 @@ pub struct ErrorRow {
     pub horizontal_error: f64,
     /// Median run time of that panorama, milliseconds; None for `f64`.
     pub median_ms: Option<f64>,
+    /// Its fastest, milliseconds; None for `f64`.
+    pub fastest_ms: Option<f64>,
 }
 
 /// An aim.

@@ -53,19 +53,21 @@ pub fn sections(report: &Report) -> Vec<Section> {
     all.into_iter().filter(|section| section.rows.len() > 1).collect()
 }
 
-const RIVALS: [&str; 8] = [
+const RIVALS: [&str; 10] = [
     "scene",
     "lit",
     "polar cells",
     "binning ms",
     "direct sum s",
     "(share timed)",
+    "mixing images s",
+    "(share timed)",
     "accumulation s",
     "(share timed, MB of images)",
 ];
-const RUN_TIMES: [&str; 11] = [
+const RUN_TIMES: [&str; 12] = [
     "executor", "scene", "lit", "basis", "T", "packs", "skipping", "median", "fastest", "x direct",
-    "x accum.",
+    "x accum.", "x ready",
 ];
 const FLOORS: [&str; 8] =
     ["executor", "scene", "lit", "pass", "kB", "bytes ms", "operations ms", "measured ms"];
@@ -115,6 +117,8 @@ fn rival(scene: &SceneRow) -> Vec<String> {
         scene.binning_ms.map_or_else(|| "-".to_owned(), figures),
         figures(scene.direct_sum.seconds),
         share(scene.direct_sum),
+        figures(scene.image_mixing.seconds),
+        share(scene.image_mixing),
         figures(scene.accumulation.seconds),
         format!("{}, {megabytes:.0}", figures(scene.accumulation.share_timed)),
     ]
@@ -133,6 +137,7 @@ fn run_time(row: &RunTimeRow) -> Vec<String> {
         figures(row.fastest_ms),
         figures(row.times_direct_sum),
         figures(row.times_accumulation),
+        figures(row.times_ready_accumulation),
     ]
 }
 
