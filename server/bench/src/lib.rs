@@ -2,8 +2,8 @@
 //! same run on the same threads, beside the least time that the machine would need, and beside the truth.
 //!
 //! The rivals are the direct sum over every source ([`sampled_sum`]) and the accumulation of interpolated source images
-//! ([`accumulation`], [`image_mixing`]), as in Fig. 6 of Dobashi, Ishikawa and Iwasaki (2023). Whatever was timed in part and scaled says
-//! so in its row.
+//! ([`accumulation`], [`image_mixing`]), as in Fig. 6 of Dobashi, Ishikawa and Iwasaki (2023). Whatever was timed in part
+//! and scaled says so in its row.
 
 pub mod accumulation;
 pub mod accuracy;
@@ -17,9 +17,11 @@ pub mod machine;
 pub mod options;
 pub mod plots;
 pub mod report;
+mod rivals;
 pub mod run;
 pub mod sampled_sum;
 pub mod scenes;
+mod skies;
 pub mod text;
 pub mod truth;
 mod wide;

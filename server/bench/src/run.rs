@@ -1,34 +1,21 @@
 //! The whole run, step by step.
 
 use crate::{
-    accumulation::SourceImages,
     accuracy, aims,
     error::BenchError,
     executors::{self, CHOICES, Timed},
-    floor,
-    image_mixing::StoredImages,
-    machine,
+    floor, machine,
     options::{BenchOptions, Extent, Setting},
     report::{FloorRow, PackRecord, Report, RivalTime, RunTimeRow, SceneRow},
-    sampled_sum,
+    rivals,
     scenes::LitScene,
-    truth::{self, TruthSky},
+    skies,
 };
 use skyglow_engine::{Engine, PackKind, RenderRequest, prepare::Prepared};
 use skyglow_physics::Turbidity;
-use skyglow_scene::{
-    DEMO_ID, PolarGrid, Scene, SceneError, SceneId, SceneStore, create_demo, demo_is_wanted,
-};
+use skyglow_scene::PolarGrid;
 use skyglow_tables::Manifest;
-use std::{hint::black_box, path::Path, sync::Arc};
-
-/// Places of the demo whose first-order truth is computed: a town, the Alps, the sea. Degrees.
-const DEMO_PLACES_DEG: [[f64; 2]; 3] = [[46.17, 8.79], [47.41, 10.27], [42.63, 7.07]];
-/// Most directions there: each is an integral for every pixel of the demo.
-const DEMO_DIRECTIONS: usize = 64;
-
-/// Most tries of a rival; the fastest counts.
-const MOST_TRIES: usize = 5;
+use std::sync::Arc;
 
 /// A request of a run, and what its row says of it.
 struct Subject<'a> {
@@ -54,9 +41,9 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
     let mut scenes = Vec::with_capacity(lit.len());
     for scene in &lit {
         tracing::info!("rivals of {} {}", scene.name, scene.lit_sources);
-        scenes.push(scene_row(&setting, scene, extent)?);
+        scenes.push(rivals::of_scene(&setting, scene, extent)?);
     }
-    let skies = skies(options, &setting, &lit, &mut notes)?;
+    let skies = skies::of_run(options, &setting, &lit, &mut notes)?;
     let subjects = subjects(&setting, &lit, &whole, &scenes);
     let mut report = Report {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -136,51 +123,6 @@ fn pack_records(manifests: &[Manifest], kind: PackKind) -> Vec<PackRecord> {
 fn lit_scenes(extent: &Extent) -> Vec<LitScene> {
     let cells = extent.cell_counts.iter().map(|&count| LitScene::of_cells(count));
     cells.chain(extent.pixel_counts.iter().map(|&count| LitScene::of_pixels(count))).collect()
-}
-
-/// The rivals' times of a scene.
-fn scene_row(setting: &Setting, scene: &LitScene, extent: &Extent) -> Result<SceneRow, BenchError> {
-    let request = executors::request(
-        setting,
-        &scene.polar,
-        scene.observer_altitude_m,
-        setting.turbidity,
-        setting.basis_count(),
-    );
-    let prepared = Prepared::new(&request, &setting.set)?;
-    let tables = &setting.set.tables()[prepared.turbidity_taps.indices()[0]];
-    let tries = extent.rounds.clamp(1, MOST_TRIES);
-    let images = SourceImages::of(&prepared, tables, extent.accumulated_cells);
-    let accumulated_s = machine::fastest_s(tries, || {
-        black_box(images.accumulate());
-    });
-    let (cells_timed, image_bytes) = (images.cell_count(), images.bytes());
-    drop(images);
-    let stored = StoredImages::of(&prepared, tables, extent.mixed_nodes);
-    let mut room = stored.room();
-    let mixed_s = machine::fastest_s(tries, || stored.mix(black_box(&mut room)));
-    Ok(SceneRow {
-        scene: scene.name.to_owned(),
-        lit_sources: scene.lit_sources,
-        polar_cells: scene.polar.cells.len(),
-        point_sources: scene.sources.len(),
-        binning_ms: scene.binning_ms,
-        direct_sum: sampled_sum::time(scene, setting, extent.direct_sum_integrals),
-        accumulation: scaled(accumulated_s, cells_timed, prepared.cells.len()),
-        image_bytes,
-        image_mixing: scaled(mixed_s, stored.node_count(), prepared.nodes.len()),
-    })
-}
-
-/// The time of all cells or nodes, in all directions, from that of some.
-fn scaled(timed_s: f64, timed: usize, all: usize) -> RivalTime {
-    let share_timed = timed as f64 / all.max(1) as f64;
-    RivalTime {
-        seconds: timed_s / share_timed,
-        share_timed,
-        sources_timed: timed,
-        directions_timed: sampled_sum::DIRECTION_COUNT,
-    }
 }
 
 /// Every scene at every basis size; with the largest also unskipped, and between packs.
@@ -283,67 +225,6 @@ fn floor_rows(
             })
         })
         .collect()
-}
-
-/// Skies with a truth: the made-up scene of most cells, the raster of fewest pixels, and places of the demo.
-fn skies(
-    options: &BenchOptions,
-    setting: &Setting,
-    lit: &[LitScene],
-    notes: &mut Vec<String>,
-) -> Result<Vec<TruthSky>, BenchError> {
-    let directions = options.extent.truth_directions;
-    let mut skies = Vec::new();
-    if directions == 0 {
-        return Ok(skies);
-    }
-    let of = |name: &'static str| lit.iter().filter(move |scene| scene.name == name);
-    let most_cells = of("cells").max_by_key(|scene| scene.lit_sources);
-    let fewest_pixels = of("raster").min_by_key(|scene| scene.lit_sources);
-    for scene in most_cells.into_iter().chain(fewest_pixels) {
-        tracing::info!("truth of {} {}", scene.name, scene.lit_sources);
-        skies.push(truth::of_scene(setting, scene, directions)?);
-    }
-    if options.truth_files.is_empty() && !setting.is_first_order() {
-        notes.push(
-            "errors of the demo with all orders were left out: no files of truth were given".to_owned(),
-        );
-        return Ok(skies);
-    }
-    let temporary = tempfile::tempdir().map_err(BenchError::file(&std::env::temp_dir()))?;
-    let demo = demo(&options.data, temporary.path())?;
-    for path in &options.truth_files {
-        let stored = truth::of_file(setting, &demo, path)?;
-        if stored.is_empty() {
-            let path = path.display();
-            notes.push(format!("{path}: its orders of scattering or turbidities are not those of the packs"));
-        }
-        skies.extend(stored);
-    }
-    if setting.is_first_order() {
-        for place in DEMO_PLACES_DEG {
-            tracing::info!("truth of the demo at {place:?}");
-            skies.push(truth::of_place(setting, &demo, place, directions.min(DEMO_DIRECTIONS))?);
-        }
-    }
-    Ok(skies)
-}
-
-/// The demo of a store, or one made in another folder where that has none.
-fn demo(data: &Path, other: &Path) -> Result<Scene, SceneError> {
-    let id = SceneId::parse(DEMO_ID)?;
-    let store = SceneStore::new(data);
-    if !demo_is_wanted(&store) {
-        let stored = store.open(&id)?;
-        // Somebody else's scene of that name is not the demo.
-        if stored.metadata().illustrative {
-            return Ok(stored);
-        }
-    }
-    tracing::info!("making the demo for this run");
-    let store = SceneStore::new(other);
-    create_demo(&store, &mut |_| ())?;
-    store.open(&id)
 }
 
 #[cfg(test)]

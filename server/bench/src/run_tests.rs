@@ -1,7 +1,7 @@
 //! A small run over made-up packs, and what its report must hold.
 
 use super::*;
-use crate::text::sections;
+use crate::{text::sections, truth};
 use skyglow_engine::synthetic;
 use skyglow_tables::{
     MultipleAxes, Scattering, TableAxes,
@@ -101,7 +101,7 @@ fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_b
 #[test]
 fn rivals_that_were_timed_in_part_say_how_large_a_part() {
     let setting = setting(8);
-    let row = scene_row(&setting, &LitScene::of_cells(64), &tiny()).unwrap();
+    let row = rivals::of_scene(&setting, &LitScene::of_cells(64), &tiny()).unwrap();
     assert_eq!(row.accumulation.sources_timed, 16);
     assert!((row.accumulation.share_timed - 0.25).abs() < 1e-9);
     assert_eq!(row.image_mixing.sources_timed, 8);
@@ -109,7 +109,7 @@ fn rivals_that_were_timed_in_part_say_how_large_a_part() {
     let sum = row.direct_sum;
     let share = sum.sources_timed as f64 / 64.0 * sum.directions_timed as f64 / 16_384.0;
     assert!(sum.share_timed < 0.01 && (sum.share_timed / share - 1.0).abs() < 1e-12);
-    let all = scene_row(&setting, &LitScene::of_cells(10), &tiny()).unwrap();
+    let all = rivals::of_scene(&setting, &LitScene::of_cells(10), &tiny()).unwrap();
     assert_eq!(all.accumulation.share_timed, 1.0);
 }
 

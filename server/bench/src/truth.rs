@@ -3,7 +3,7 @@
 use crate::{error::BenchError, options::Setting, scenes::LitScene};
 use serde::Deserialize;
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, GeoPoint, PointSource, Turbidity,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, GeoPoint, PointSource, Turbidity,
     direct_sum::{GridSample, direct_sum, grid_direction, stratified_samples},
     multiple_scattering::{MultipleSum, Resolution, SumDensity},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
@@ -11,6 +11,9 @@ use skyglow_physics::{
 use skyglow_scene::{DEMO_ID, PolarGrid, Scene};
 use skyglow_tables::Scattering;
 use std::{path::Path, sync::Arc};
+
+/// Largest relative difference of the flux around a place from that of its truth: the raster is the same.
+const SAME_FLUX: f64 = 1e-3;
 
 /// A sky and its truth in some directions.
 #[derive(Clone, Debug)]
@@ -124,11 +127,11 @@ pub(crate) fn of_place(
     })
 }
 
-/// The skies of a file, one a turbidity within the packs'; none where the file has other orders of scattering.
+/// Reads a file of truth.
 ///
 /// # Errors
-/// A file that is no truth, of another scene, or of another demo than `scene`.
-pub(crate) fn of_file(setting: &Setting, scene: &Scene, path: &Path) -> Result<Vec<TruthSky>, BenchError> {
+/// A file that is none, or of another scene than the demo.
+fn read(path: &Path) -> Result<StoredTruth, BenchError> {
     let refuse = |reason: String| BenchError::Truth { path: path.to_owned(), reason };
     let bytes = std::fs::read(path).map_err(BenchError::file(path))?;
     let stored: StoredTruth = serde_json::from_slice(&bytes).map_err(|error| refuse(error.to_string()))?;
@@ -141,31 +144,85 @@ pub(crate) fn of_file(setting: &Setting, scene: &Scene, path: &Path) -> Result<V
     {
         return Err(refuse("its radiances do not fit its samples".to_owned()));
     }
+    let is_outside = |&(row, column): &GridSample| row >= ELEVATION_COUNT || column >= AZIMUTH_COUNT;
+    if stored.samples.iter().any(is_outside) {
+        return Err(refuse("it has samples outside the panorama".to_owned()));
+    }
+    Ok(stored)
+}
+
+/// The skies of a file, one a turbidity within the packs'; none where the file has other orders of scattering.
+///
+/// # Errors
+/// A file that is no truth, of another scene, or of another demo than `scene`.
+pub(crate) fn of_file(setting: &Setting, scene: &Scene, path: &Path) -> Result<Vec<TruthSky>, BenchError> {
+    let stored = read(path)?;
     if stored.scattering.unwrap_or(Scattering::Single) != setting.kind.scattering {
         return Ok(Vec::new());
     }
     let place = GeoPoint::from_deg(stored.latitude_deg, stored.longitude_deg)?;
     let polar = Arc::new(scene.polar_grid(place, false));
-    if (polar.flux_dnb_w / stored.flux_dnb_w - 1.0).abs() > 1e-3 {
-        return Err(refuse(format!(
-            "the demo has {} DNB watts there, the truth {}",
-            polar.flux_dnb_w, stored.flux_dnb_w
-        )));
+    if (polar.flux_dnb_w / stored.flux_dnb_w - 1.0).abs() > SAME_FLUX {
+        let reason =
+            format!("the demo has {} DNB watts there, the truth {}", polar.flux_dnb_w, stored.flux_dnb_w);
+        return Err(BenchError::Truth { path: path.to_owned(), reason });
     }
-    let range = setting.turbidities.first().zip(setting.turbidities.last());
-    let resident = |turbidity: f64| range.is_some_and(|(low, high)| (*low..=*high).contains(&turbidity));
-    let mut skies = Vec::new();
-    for (index, &turbidity) in stored.turbidities.iter().enumerate().filter(|(_, t)| resident(**t)) {
-        let bands = |values: &Vec<f64>| std::array::from_fn(|band| values[index * BAND_COUNT + band]);
-        skies.push(TruthSky {
-            name: format!("{DEMO_ID} {:.2} {:.2}", stored.latitude_deg, stored.longitude_deg),
-            polar: Arc::clone(&polar),
-            observer_altitude_m: stored.observer_altitude_m,
-            turbidity: Turbidity::new(turbidity)?,
-            flux_dnb_w: stored.flux_dnb_w,
-            samples: stored.samples.clone(),
-            radiance_w_m2_sr: stored.radiance.iter().map(bands).collect(),
-        });
+    Ok(stored.skies(&setting.turbidities, &polar))
+}
+
+impl StoredTruth {
+    /// One sky for each turbidity within those of the packs, ascending.
+    fn skies(&self, resident: &[f64], polar: &Arc<PolarGrid>) -> Vec<TruthSky> {
+        let range = resident.first().zip(resident.last());
+        let is_served = |turbidity: f64| range.is_some_and(|(low, high)| (*low..=*high).contains(&turbidity));
+        let sky = |(index, &turbidity): (usize, &f64)| {
+            let bands = |values: &Vec<f64>| std::array::from_fn(|band| values[index * BAND_COUNT + band]);
+            Some(TruthSky {
+                name: format!("{DEMO_ID} {:.2} {:.2}", self.latitude_deg, self.longitude_deg),
+                polar: Arc::clone(polar),
+                observer_altitude_m: self.observer_altitude_m,
+                turbidity: Turbidity::new(turbidity).ok().filter(|_| is_served(turbidity))?,
+                flux_dnb_w: self.flux_dnb_w,
+                samples: self.samples.clone(),
+                radiance_w_m2_sr: self.radiance.iter().map(bands).collect(),
+            })
+        };
+        self.turbidities.iter().enumerate().filter_map(sky).collect()
     }
-    Ok(skies)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_engine::synthetic;
+
+    #[test]
+    fn a_stored_truth_gives_a_sky_for_each_turbidity_that_packs_serve_and_a_broken_one_is_refused() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/truth/demo-03.json"));
+        let stored = read(path).unwrap();
+        assert_eq!(stored.scattering, Some(Scattering::Multiple));
+        let polar = Arc::new(synthetic::dark_grid());
+        let turbidities = |resident: &[f64]| -> Vec<f64> {
+            stored.skies(resident, &polar).iter().map(|sky| sky.turbidity.value()).collect()
+        };
+        assert_eq!(turbidities(&[1.5, 2.5, 6.0]), stored.turbidities);
+        assert_eq!(turbidities(&[3.0, 5.0]), [4.0]);
+        let sky = &stored.skies(&[3.0, 5.0], &polar)[0];
+        assert_eq!(sky.radiance_w_m2_sr.len(), sky.samples.len());
+        assert_eq!(sky.radiance_w_m2_sr[7][2], stored.radiance[7][5]);
+
+        let whole: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let refusal = |change: fn(&mut serde_json::Value)| {
+            let mut broken = whole.clone();
+            change(&mut broken);
+            let path = folder.path().join("broken.json");
+            std::fs::write(&path, broken.to_string()).unwrap();
+            read(&path).unwrap_err().to_string()
+        };
+        assert!(refusal(|truth| truth["scene"] = "kenya".into()).contains("not of the demo"));
+        assert!(refusal(|truth| truth["turbidities"] = [2.0].as_slice().into()).contains("do not fit"));
+        assert!(refusal(|truth| truth["samples"][0][0] = 64.into()).contains("outside the panorama"));
+        assert!(refusal(|truth| truth["samples"] = "all".into()).contains("broken.json"));
+    }
 }
