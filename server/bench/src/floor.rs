@@ -139,6 +139,7 @@ mod tests {
             processor: String::new(),
             logical_cores: 1,
             threads: 1,
+            load_average: None,
             stream_bytes: 1,
             bandwidth_gb_s: 10.0,
             multiply_adds_g_s: 50.0,

@@ -1,11 +1,15 @@
 //! The machine: what it is, and how fast it streams and multiplies, measured in the same run as all else.
 
 use crate::{
+    options::Extent,
     report::Machine,
     wide::{dispatch_wide, multiply_add},
 };
 use rayon::prelude::*;
-use std::{hint::black_box, time::Instant};
+use std::{
+    hint::black_box,
+    time::{Duration, Instant},
+};
 
 /// Numbers side by side in a vector.
 const LANES: usize = 8;
@@ -13,19 +17,21 @@ const LANES: usize = 8;
 const CHAINS: usize = 12;
 /// Values that a thread sums at a time.
 const CHUNK: usize = 1 << 16;
-/// Tries; the fastest counts, for other work on the machine only ever slows.
-const TRIES: usize = 5;
+/// Tries at least.
+const LEAST_TRIES: usize = 3;
 
-/// Describes the machine and measures it: a sum over `stream_bytes` of memory (more than its caches hold, or it is the
-/// cache that is measured), and `multiply_adds` fused multiply-adds a thread in registers.
-pub fn measure(stream_bytes: usize, multiply_adds: usize) -> Machine {
+/// Describes the machine and measures it: a sum over memory (more than its caches hold, or it is the cache that is
+/// measured), and fused multiply-adds in registers, as much of both as the extent says.
+pub fn measure(extent: &Extent) -> Machine {
+    let stream_bytes = extent.stream_bytes;
     Machine {
         processor: processor(),
         logical_cores: std::thread::available_parallelism().map_or(1, usize::from),
         threads: rayon::current_num_threads(),
+        load_average: load_average(),
         stream_bytes,
-        bandwidth_gb_s: bandwidth_bytes_s(stream_bytes) / 1e9,
-        multiply_adds_g_s: multiply_adds_per_s(multiply_adds) / 1e9,
+        bandwidth_gb_s: bandwidth_bytes_s(stream_bytes, extent.time_for_tries) / 1e9,
+        multiply_adds_g_s: multiply_adds_per_s(extent.multiply_adds, extent.time_for_tries) / 1e9,
     }
 }
 
@@ -38,32 +44,40 @@ fn processor() -> String {
 }
 
 /// Bytes a second of a sum over f32 on all threads.
-fn bandwidth_bytes_s(stream_bytes: usize) -> f64 {
+fn bandwidth_bytes_s(stream_bytes: usize, time_for_tries: Duration) -> f64 {
     let values = vec![1.0f32; (stream_bytes / size_of::<f32>()).max(CHUNK)];
-    let fastest_s = fastest_s(TRIES, || {
+    let fastest_s = fastest_s(time_for_tries, || {
         black_box(values.par_chunks(CHUNK).map(sum).sum::<f32>());
     });
     size_of_val(values.as_slice()) as f64 / fastest_s
 }
 
 /// Fused multiply-adds of f32 a second on all threads together.
-fn multiply_adds_per_s(per_thread: usize) -> f64 {
+fn multiply_adds_per_s(per_thread: usize, time_for_tries: Duration) -> f64 {
     let rounds = (per_thread / (LANES * CHAINS)).max(1);
-    let fastest_s = fastest_s(TRIES, || {
+    let fastest_s = fastest_s(time_for_tries, || {
         black_box(rayon::broadcast(|context| multiply(rounds, black_box(context.index() as f32))));
     });
     (rounds * LANES * CHAINS * rayon::current_num_threads()) as f64 / fastest_s
 }
 
-/// Seconds of the fastest of some tries.
-pub(crate) fn fastest_s(tries: usize, mut work: impl FnMut()) -> f64 {
-    let mut fastest_s = f64::INFINITY;
-    for _ in 0..tries.max(1) {
+/// Seconds of the fastest of as many tries as fit into a time, three at least: other work on the machine only ever slows.
+pub(crate) fn fastest_s(time_for_tries: Duration, mut work: impl FnMut()) -> f64 {
+    let (mut fastest_s, mut tries) = (f64::INFINITY, 0);
+    let begin = Instant::now();
+    while tries < LEAST_TRIES || begin.elapsed() < time_for_tries {
         let start = Instant::now();
         work();
         fastest_s = fastest_s.min(start.elapsed().as_secs_f64());
+        tries += 1;
     }
     fastest_s
+}
+
+/// Mean number of tasks that ran or waited in the last minute, as the kernel gives it.
+fn load_average() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    text.split_whitespace().next()?.parse().ok()
 }
 
 dispatch_wide!(
@@ -119,10 +133,10 @@ mod tests {
 
     #[test]
     fn more_work_takes_longer_and_rates_are_positive() {
-        let machine = measure(1 << 22, 1 << 20);
+        let machine = measure(&crate::run::tests::tiny());
         assert!(machine.bandwidth_gb_s > 0.01 && machine.multiply_adds_g_s > 0.01, "{machine:?}");
         let time = |rounds| {
-            fastest_s(TRIES, || {
+            fastest_s(Duration::from_millis(50), || {
                 black_box(multiply(rounds, 0.5));
             })
         };

@@ -7,7 +7,7 @@ use skyglow_physics::{
     multiple_scattering::DEFAULT_GROUND_ALBEDO,
 };
 use skyglow_tables::{Manifest, ResidentTables, Scattering};
-use std::{path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc, time::Duration};
 
 /// What to run.
 #[derive(Clone, Debug)]
@@ -43,6 +43,8 @@ pub struct Extent {
     pub accumulated_cells: usize,
     /// Most nodes whose images are mixed.
     pub mixed_nodes: usize,
+    /// How long rivals and measures of the machine are tried again; the fastest try counts.
+    pub time_for_tries: Duration,
     /// Bytes of the streaming sum.
     pub stream_bytes: usize,
     /// Multiply-adds a thread.
@@ -59,12 +61,13 @@ impl Extent {
             cell_counts: (0..12).map(|exponent| 1 << exponent).collect(),
             pixel_counts: vec![10_000, 100_000, 1_000_000],
             bases: vec![8, 16, 32, 64],
-            rounds: 25,
-            direct_sum_integrals: 1 << 16,
+            rounds: 15,
+            direct_sum_integrals: 1 << 14,
             accumulated_cells: 2_048,
             mixed_nodes: 192,
-            stream_bytes: 1 << 30,
-            multiply_adds: 1 << 32,
+            time_for_tries: Duration::from_secs(1),
+            stream_bytes: 1 << 29,
+            multiply_adds: 1 << 30,
             truth_directions: 200,
         }
     }
@@ -80,6 +83,7 @@ impl Extent {
             direct_sum_integrals: 1 << 14,
             accumulated_cells: 512,
             mixed_nodes: 64,
+            time_for_tries: Duration::from_millis(500),
             stream_bytes: 1 << 29,
             multiply_adds: 1 << 30,
             truth_directions: 0,

@@ -23,14 +23,15 @@ const LEGEND_WIDTH: i32 = 220;
 /// Height of a line of the legend.
 const LEGEND_LINE: i32 = 20;
 /// Colours that readers who see no red or no green tell apart (Okabe and Ito 2008).
-const COLOURS: [RGBColor; 7] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(86, 180, 233),
     RGBColor(230, 159, 0),
-    RGBColor(90, 90, 90),
+    RGBColor(110, 110, 110),
+    RGBColor(0, 0, 0),
 ];
 
 /// One curve.

@@ -40,6 +40,8 @@ pub struct Machine {
     pub logical_cores: usize,
     /// Threads of the CPU executor and of both rivals.
     pub threads: usize,
+    /// Tasks that ran or waited in the minute before the run, where the kernel says; above 0 others' work slowed this.
+    pub load_average: Option<f64>,
     /// Bytes that the streaming sum read.
     pub stream_bytes: usize,
     /// 10⁹ bytes a second of a streaming sum over f32 on all threads.
@@ -172,7 +174,7 @@ pub struct FloorRow {
     pub lit_sources: usize,
     /// The same.
     pub basis_count: usize,
-    /// The pass.
+    /// The pass; the last of a request is the whole panorama.
     pub pass: String,
     /// Bytes of its input and output, each counted once.
     pub bytes: f64,

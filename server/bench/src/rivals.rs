@@ -14,9 +14,6 @@ use crate::{
 use skyglow_engine::prepare::Prepared;
 use std::hint::black_box;
 
-/// Most tries of a rival; the fastest counts.
-const MOST_TRIES: usize = 5;
-
 /// The rivals' times of a scene.
 ///
 /// # Errors
@@ -31,23 +28,22 @@ pub(crate) fn of_scene(setting: &Setting, scene: &LitScene, extent: &Extent) -> 
     );
     let prepared = Prepared::new(&request, &setting.set)?;
     let tables = &setting.set.tables()[prepared.turbidity_taps.indices()[0]];
-    let tries = extent.rounds.clamp(1, MOST_TRIES);
     let images = SourceImages::of(&prepared, tables, extent.accumulated_cells);
-    let accumulated_s = machine::fastest_s(tries, || {
+    let accumulated_s = machine::fastest_s(extent.time_for_tries, || {
         black_box(images.accumulate());
     });
     let (cells_timed, image_bytes) = (images.cell_count(), images.bytes());
     drop(images);
     let stored = StoredImages::of(&prepared, tables, extent.mixed_nodes);
     let mut room = stored.room();
-    let mixed_s = machine::fastest_s(tries, || stored.mix(black_box(&mut room)));
+    let mixed_s = machine::fastest_s(extent.time_for_tries, || stored.mix(black_box(&mut room)));
     Ok(SceneRow {
         scene: scene.name.to_owned(),
         lit_sources: scene.lit_sources,
         polar_cells: scene.polar.cells.len(),
         point_sources: scene.sources.len(),
         binning_ms: scene.binning_ms,
-        direct_sum: sampled_sum::time(scene, setting, extent.direct_sum_integrals),
+        direct_sum: sampled_sum::time(scene, setting, extent),
         accumulation: scaled(accumulated_s, cells_timed, prepared.cells.len()),
         image_bytes,
         image_mixing: scaled(mixed_s, stored.node_count(), prepared.nodes.len()),

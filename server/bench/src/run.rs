@@ -4,7 +4,8 @@ use crate::{
     accuracy, aims,
     error::BenchError,
     executors::{self, CHOICES, Timed},
-    floor, machine,
+    floor::{self, PassFloor},
+    machine,
     options::{BenchOptions, Extent, Setting},
     report::{FloorRow, PackRecord, Report, RivalTime, RunTimeRow, SceneRow},
     rivals,
@@ -16,6 +17,9 @@ use skyglow_physics::Turbidity;
 use skyglow_scene::PolarGrid;
 use skyglow_tables::Manifest;
 use std::sync::Arc;
+
+/// Name of all passes together, with what is listed, queued and handed over between them.
+const WHOLE: &str = "whole panorama";
 
 /// A request of a run, and what its row says of it.
 struct Subject<'a> {
@@ -33,7 +37,7 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
     let setting = Setting::of(options)?;
     let extent = &options.extent;
     tracing::info!("measuring the machine");
-    let machine = machine::measure(extent.stream_bytes, extent.multiply_adds);
+    let machine = machine::measure(extent);
     let mut notes = notes(&setting, extent);
     let lit: Vec<LitScene> = lit_scenes(extent);
     let whole: Vec<Arc<PolarGrid>> =
@@ -208,23 +212,29 @@ fn floor_rows(
     report: &Report,
 ) -> Vec<FloorRow> {
     let measured = |name: &str| timed.passes.iter().find(|pass| pass.pass == name).map(|pass| pass.ms);
-    let floors = floor::floors(prepared, &setting.set).into_iter();
-    floors
-        .filter_map(|floor| {
-            Some(FloorRow {
-                executor: executor.to_owned(),
-                scene: subject.scene.scene.clone(),
-                lit_sources: subject.scene.lit_sources,
-                basis_count: prepared.basis_count,
-                pass: floor.pass.name().to_owned(),
-                bytes: floor.bytes,
-                operations: floor.operations,
-                bytes_ms: floor.bytes_ms(&report.machine),
-                operations_ms: floor.operations_ms(&report.machine),
-                measured_ms: measured(floor.pass.name())?,
-            })
-        })
-        .collect()
+    let row = |floor: PassFloor, pass: &str, measured_ms: f64| FloorRow {
+        executor: executor.to_owned(),
+        scene: subject.scene.scene.clone(),
+        lit_sources: subject.scene.lit_sources,
+        basis_count: prepared.basis_count,
+        pass: pass.to_owned(),
+        bytes: floor.bytes,
+        operations: floor.operations,
+        bytes_ms: floor.bytes_ms(&report.machine),
+        operations_ms: floor.operations_ms(&report.machine),
+        measured_ms,
+    };
+    let floors = floor::floors(prepared, &setting.set);
+    let whole = floors.iter().copied().reduce(|sum, floor| PassFloor {
+        bytes: sum.bytes + floor.bytes,
+        operations: sum.operations + floor.operations,
+        ..sum
+    });
+    let passes = floors.iter().filter_map(|floor| {
+        let name = floor.pass.name();
+        Some(row(*floor, name, measured(name)?))
+    });
+    passes.chain(whole.map(|whole| row(whole, WHOLE, timed.median_ms))).collect()
 }
 
 #[cfg(test)]

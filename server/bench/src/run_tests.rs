@@ -48,6 +48,7 @@ pub(crate) fn tiny() -> Extent {
         direct_sum_integrals: 200,
         accumulated_cells: 16,
         mixed_nodes: 8,
+        time_for_tries: std::time::Duration::from_millis(5),
         stream_bytes: 1 << 20,
         multiply_adds: 1 << 20,
         ..Extent::quick()
@@ -77,7 +78,7 @@ fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_b
             assert!((rows[0].times_direct_sum / ratio - 1.0).abs() < 1e-9);
         }
         let floors = report.floors.iter().filter(|floor| floor.executor == executor.executor).count();
-        assert_eq!(floors, if executor.executor == "gpu" { 0 } else { 3 * 7 });
+        assert_eq!(floors, if executor.executor == "gpu" { 0 } else { 3 * 8 });
     }
     assert_eq!(report.aims.len(), 5 * report.executors.len());
     assert_eq!(report.packs.len(), 2);

@@ -1,6 +1,11 @@
 //! The first rival: the direct sum over every source, first order alone, timed on a share of it.
 
-use crate::{machine::fastest_s, options::Setting, report::RivalTime, scenes::LitScene};
+use crate::{
+    machine::fastest_s,
+    options::{Extent, Setting},
+    report::RivalTime,
+    scenes::LitScene,
+};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, PointSource,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
@@ -12,13 +17,12 @@ pub(crate) const DIRECTION_COUNT: usize = AZIMUTH_COUNT * ELEVATION_COUNT;
 /// Directions timed for each thread, so that none waits long for the last.
 const DIRECTIONS_PER_THREAD: usize = 8;
 
-/// Tries; the fastest counts.
-const TRIES: usize = 3;
-
-/// Times at most about `integrals` integrals (a source in a direction) and scales to all sources and 16 384 directions.
+/// Times at most about as many integrals (a source in a direction) as the extent allows, and scales to all sources and
+/// 16 384 directions.
 ///
 /// Later orders are left out also where the packs have them: the sum over those would take longer still.
-pub(crate) fn time(scene: &LitScene, setting: &Setting, integrals: usize) -> RivalTime {
+pub(crate) fn time(scene: &LitScene, setting: &Setting, extent: &Extent) -> RivalTime {
+    let integrals = extent.direct_sum_integrals;
     let wanted = DIRECTIONS_PER_THREAD * rayon::current_num_threads();
     let samples = stratified_samples(wanted.min(integrals).max(1));
     let directions: Vec<_> = samples.into_iter().map(grid_direction).collect();
@@ -26,7 +30,7 @@ pub(crate) fn time(scene: &LitScene, setting: &Setting, integrals: usize) -> Riv
     // Every n-th source, so that near and far ones are there as in the whole.
     let stride = scene.sources.len().div_ceil(most).max(1);
     let sources: Vec<PointSource> = scene.sources.iter().step_by(stride).copied().collect();
-    let timed_s = fastest_s(TRIES, || {
+    let timed_s = fastest_s(extent.time_for_tries, || {
         black_box(direct_sum::<3>(
             &[Atmosphere::new(setting.turbidity)],
             &sources,

@@ -15,13 +15,14 @@ pub struct Section {
 pub fn sections(report: &Report) -> Vec<Section> {
     let machine = &report.machine;
     let title = format!(
-        "skyglow {}, {} ({} cores, {} threads): {:.1} GB/s, {:.1} · 10⁹ multiply-adds a second",
+        "skyglow {}, {}, {} cores, {} threads: {:.1} GB/s, {:.1} · 10⁹ multiply-adds a second{}",
         report.program_version,
         machine.processor,
         machine.logical_cores,
         machine.threads,
         machine.bandwidth_gb_s,
-        machine.multiply_adds_g_s
+        machine.multiply_adds_g_s,
+        machine.load_average.map_or_else(String::new, |load| format!("; load average at the start {load}"))
     );
     let executors = report.executors.iter().map(|executor| {
         let megabytes = format!("{:.0}", executor.resident_bytes as f64 / 1e6);
