@@ -11,6 +11,12 @@ pub enum BenchError {
     /// Nothing to render from.
     #[error("there are no table packs of a clear sky: `skyglow precompute` makes them")]
     NoClearPacks,
+    /// No executor could be timed.
+    #[error("nothing renders here: {reason}")]
+    NothingRenders {
+        /// What each of them said.
+        reason: String,
+    },
     /// The engine refuses or fails.
     #[error(transparent)]
     Engine(#[from] EngineError),

@@ -18,6 +18,7 @@ pub mod options;
 pub mod plots;
 pub mod report;
 mod rivals;
+mod rows;
 pub mod run;
 pub mod sampled_sum;
 pub mod scenes;

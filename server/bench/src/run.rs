@@ -3,31 +3,20 @@
 use crate::{
     accuracy, aims,
     error::BenchError,
-    executors::{self, CHOICES, Timed},
-    floor::{self, PassFloor},
+    executors::{self, CHOICES},
     machine,
     options::{BenchOptions, Extent, Setting},
-    report::{FloorRow, PackRecord, Report, RivalTime, RunTimeRow, SceneRow},
+    report::{PackRecord, Report, SceneRow},
     rivals,
+    rows::{self, Subject},
     scenes::LitScene,
     skies,
+    truth::TruthSky,
 };
-use skyglow_engine::{Engine, PackKind, RenderRequest, prepare::Prepared};
-use skyglow_physics::Turbidity;
+use skyglow_engine::{DeviceChoice, Engine, PackKind, RenderRequest, prepare::Prepared};
 use skyglow_scene::PolarGrid;
 use skyglow_tables::Manifest;
 use std::sync::Arc;
-
-/// Name of all passes together, with what is listed, queued and handed over between them.
-const WHOLE: &str = "whole panorama";
-
-/// A request of a run, and what its row says of it.
-struct Subject<'a> {
-    scene: &'a SceneRow,
-    skipping: bool,
-    turbidity: Turbidity,
-    request: RenderRequest,
-}
 
 /// Runs everything. What it is about is logged as it goes.
 ///
@@ -62,17 +51,20 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
         aims: Vec::new(),
         notes,
     };
+    let mut missing = Vec::new();
     for (choice, name) in CHOICES {
         tracing::info!("panoramas on {name}");
-        match executors::start(choice, &setting) {
-            Ok(Some(engine)) => {
-                time_engine(&engine, &setting, &subjects, extent.rounds, &mut report)?;
-                report.errors.extend(accuracy::of_engine(&engine, &setting, &skies, extent.rounds)?);
-            }
-            Ok(None) => report.notes.push(format!("{name}: there is no such device here")),
-            Err(error) => report.notes.push(format!("{name}: {error}")),
+        // One that fails leaves the rows of the others.
+        match on_executor(choice, &setting, &subjects, &skies, extent.rounds, &mut report) {
+            Ok(true) => {}
+            Ok(false) => missing.push(format!("{name}: there is no such device here")),
+            Err(error) => missing.push(format!("{name}: {error}")),
         }
     }
+    if report.executors.is_empty() {
+        return Err(BenchError::NothingRenders { reason: missing.join("; ") });
+    }
+    report.notes.append(&mut missing);
     tracing::info!("sums in f64");
     report.errors.extend(accuracy::of_f64(&setting, &skies)?);
     report.aims = aims::of(&report.run_times);
@@ -154,6 +146,21 @@ fn subjects<'a>(
     subjects
 }
 
+/// Times and errors on one executor; false where there is no such device.
+fn on_executor(
+    choice: DeviceChoice,
+    setting: &Setting,
+    subjects: &[Subject<'_>],
+    skies: &[TruthSky],
+    rounds: usize,
+    report: &mut Report,
+) -> Result<bool, BenchError> {
+    let Some(engine) = executors::start(choice, setting)? else { return Ok(false) };
+    time_engine(&engine, setting, subjects, rounds, report)?;
+    report.errors.extend(accuracy::of_engine(&engine, setting, skies, rounds)?);
+    Ok(true)
+}
+
 fn time_engine(
     engine: &Engine,
     setting: &Setting,
@@ -170,71 +177,19 @@ fn time_engine(
         {
             let prepared = Prepared::new(&subject.request, &setting.set)?;
             if subject.skipping {
-                report.floors.extend(floor_rows(executor, subject, &prepared, &timed, setting, report));
+                report.floors.extend(rows::floors(
+                    executor,
+                    subject,
+                    &prepared,
+                    &timed,
+                    setting,
+                    &report.machine,
+                ));
             }
         }
-        report.run_times.push(run_time_row(executor, subject, timed, rounds));
+        report.run_times.push(rows::run_time(executor, subject, timed, rounds));
     }
     Ok(())
-}
-
-fn run_time_row(executor: &str, subject: &Subject<'_>, timed: Timed, rounds: usize) -> RunTimeRow {
-    let times =
-        |rivals: &[RivalTime]| 1e3 * rivals.iter().map(|rival| rival.seconds).sum::<f64>() / timed.fastest_ms;
-    let scene = subject.scene;
-    RunTimeRow {
-        executor: executor.to_owned(),
-        scene: subject.scene.scene.clone(),
-        lit_sources: subject.scene.lit_sources,
-        skipping: subject.skipping,
-        turbidity: subject.turbidity.value(),
-        packs: timed.work.packs,
-        basis_count: timed.rendered.basis_count,
-        cells: timed.work.lit_cells,
-        nodes: timed.work.mixed_nodes,
-        columns: timed.work.lit_columns,
-        rounds,
-        median_ms: timed.median_ms,
-        fastest_ms: timed.fastest_ms,
-        times_direct_sum: times(&[scene.direct_sum]),
-        times_accumulation: times(&[scene.image_mixing, scene.accumulation]),
-        times_ready_accumulation: times(&[scene.accumulation]),
-        passes: timed.passes,
-    }
-}
-
-fn floor_rows(
-    executor: &str,
-    subject: &Subject<'_>,
-    prepared: &Prepared,
-    timed: &Timed,
-    setting: &Setting,
-    report: &Report,
-) -> Vec<FloorRow> {
-    let measured = |name: &str| timed.passes.iter().find(|pass| pass.pass == name).map(|pass| pass.ms);
-    let row = |floor: PassFloor, pass: &str, measured_ms: f64| FloorRow {
-        executor: executor.to_owned(),
-        scene: subject.scene.scene.clone(),
-        lit_sources: subject.scene.lit_sources,
-        basis_count: prepared.basis_count,
-        pass: pass.to_owned(),
-        bytes: floor.bytes,
-        operations: floor.operations,
-        bytes_ms: floor.bytes_ms(&report.machine),
-        operations_ms: floor.operations_ms(&report.machine),
-        measured_ms,
-    };
-    let floors = floor::floors(prepared, &setting.set);
-    let whole = floors.iter().copied().reduce(|sum, floor| PassFloor {
-        bytes: sum.bytes + floor.bytes,
-        operations: sum.operations + floor.operations,
-        ..sum
-    });
-    let passes = floors.iter().filter_map(|floor| {
-        let name = floor.pass.name();
-        Some(row(*floor, name, measured(name)?))
-    });
-    passes.chain(whole.map(|whole| row(whole, WHOLE, timed.median_ms))).collect()
 }
 
 #[cfg(test)]
