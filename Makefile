@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve test packs bench viewer
+.PHONY: help serve test packs bench stress viewer
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -9,6 +9,9 @@ serve: ## install, build, and serve the demo at http://127.0.0.1:8080
 
 test: ## set up and run every check and test, browser tests included
 	@scripts/test.sh
+
+stress: ## hunt for NaN, negative radiance, jumps and lost digits (minutes; OUT=FILE.json keeps the figures)
+	@scripts/stress.sh $(if $(OUT),--out "$(OUT)")
 
 packs: ## rebuild every table pack in precomputed/
 	@cargo build --release --package skyglow

@@ -1,6 +1,7 @@
 //! What can go wrong between a request and its panorama.
 
 use crate::packs::PackKind;
+use skyglow_physics::BAND_COUNT;
 use skyglow_scene::SceneError;
 use skyglow_tables::TablesError;
 use thiserror::Error;
@@ -68,6 +69,16 @@ pub enum EngineError {
     BadPolarGrid {
         /// What is wrong.
         reason: String,
+    },
+    /// A lamp that no spectrum gives: its samples would be NaN, and come out black.
+    #[error(
+        "the lamp sends {flux_per_dnb_flux:?} per flux seen in R, G, B; each must be a number from 0 to {maximum}"
+    )]
+    BadLamp {
+        /// Flux in each band per flux weighted by the DNB response.
+        flux_per_dnb_flux: [f64; BAND_COUNT],
+        /// Largest allowed.
+        maximum: f64,
     },
     /// No tables were given.
     #[error("no table packs are resident")]

@@ -13,6 +13,11 @@ use skyglow_tables::clouds::ceiling_m;
 
 /// Two turbidities nearer than this are the same.
 pub const SAME_TURBIDITY: f64 = 1e-9;
+/// Largest s_b: far above any lamp's, and far below where f32 ends.
+const LARGEST_FLUX_PER_DNB_FLUX: f64 = 1e6;
+/// Largest flux of a cell, DNB watts: far above any light on Earth, and far below where f32 ends, so that no sum on the
+/// way to a sky overflows (what is no number there would come out black).
+const LARGEST_FLUX_DNB_W: f32 = 1e24;
 /// Two altitudes nearer than this are the same, metres.
 const SAME_ALTITUDE_M: f64 = 1e-9;
 
@@ -78,7 +83,8 @@ impl Prepared {
     /// Checks a request against the resident tables and lists its work.
     ///
     /// # Errors
-    /// Scattering or clouds that are not resident, altitude, turbidity or basis out of range, or a malformed polar grid.
+    /// Scattering or clouds that are not resident, altitude, turbidity, basis or lamp out of range, or a malformed polar
+    /// grid.
     pub fn new(request: &RenderRequest, set: &TableSet) -> Result<Self, EngineError> {
         let packs = set.kind(request.kind())?;
         check_below_clouds(request.observer_altitude_m, packs.kind)?;
@@ -96,6 +102,7 @@ impl Prepared {
             return Err(EngineError::BasisOutOfRange { basis: basis_count, maximum: resident });
         }
         check_grid(&request.polar, set.ring_count())?;
+        check_lamp(request.flux_per_dnb_flux)?;
         let flux_per_dnb_flux = request.flux_per_dnb_flux.map(|flux| flux as f32);
         let mut prepared = Self {
             nodes: Vec::new(),
@@ -280,6 +287,15 @@ fn turbidity_taps(turbidity: f64, packs: &ResidentKind) -> Result<Taps, EngineEr
     Ok(lagrange_taps(&log_nodes, turbidity.ln(), SAME_TURBIDITY).shifted(packs.first))
 }
 
+fn check_lamp(flux_per_dnb_flux: [f64; BAND_COUNT]) -> Result<(), EngineError> {
+    let maximum = LARGEST_FLUX_PER_DNB_FLUX;
+    if flux_per_dnb_flux.iter().all(|flux| (0.0..=maximum).contains(flux)) {
+        Ok(())
+    } else {
+        Err(EngineError::BadLamp { flux_per_dnb_flux, maximum })
+    }
+}
+
 fn check_grid(polar: &PolarGrid, ring_count: usize) -> Result<(), EngineError> {
     let refuse = |reason: String| Err(EngineError::BadPolarGrid { reason });
     let starts = &polar.azimuth_start;
@@ -303,7 +319,7 @@ fn check_grid(polar: &PolarGrid, ring_count: usize) -> Result<(), EngineError> {
                 cell.blocking
             ));
         }
-        if !cell.flux_dnb_w.is_finite() || cell.flux_dnb_w < 0.0 || !cell.altitude_m.is_finite() {
+        if !(0.0..=LARGEST_FLUX_DNB_W).contains(&cell.flux_dnb_w) || !cell.altitude_m.is_finite() {
             return refuse(format!("a cell has flux {} W at {} m", cell.flux_dnb_w, cell.altitude_m));
         }
     }
@@ -391,8 +407,24 @@ mod tests {
     }
 
     #[test]
+    fn lamps_that_no_spectrum_gives_are_refused_and_not_rendered_black() {
+        for bad in [f64::NAN, f64::INFINITY, -1e-9, 1e300] {
+            let mut request = request(synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]));
+            request.flux_per_dnb_flux[1] = bad;
+            let error = Prepared::new(&request, &set()).unwrap_err();
+            assert!(matches!(error, EngineError::BadLamp { .. }), "{bad}: {error}");
+        }
+        let mut bright = request(synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]));
+        bright.flux_per_dnb_flux = [0.0, 2.5, 1e6];
+        assert!(Prepared::new(&bright, &set()).is_ok());
+    }
+
+    #[test]
     fn malformed_grids_are_refused() {
-        let cases: [fn(&mut PolarGrid); 5] = [
+        let cases: [fn(&mut PolarGrid); 8] = [
+            |grid| grid.cells[0].flux_dnb_w = -1.0,
+            |grid| grid.cells[0].flux_dnb_w = 1e25,
+            |grid| grid.cells[0].altitude_m = f32::INFINITY,
             |grid| grid.cells[0].ring = 192,
             |grid| grid.cells[0].blocking = 8,
             |grid| grid.cells[0].flux_dnb_w = f32::NAN,

@@ -60,11 +60,11 @@ struct BlockedCell([[f32; 2]; BLOCKING_COUNT]);
 
 impl PolarGrid {
     /// The grid of point sources around a place, each with its place on the axis of blocking angles (the node and the
-    /// weight that [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added). For measuring: a
-    /// scene makes its own.
+    /// weight that [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added); nearer than 250 m
+    /// counts as there, beyond 300 km is left out. For measuring: a scene makes its own.
     pub fn of_sources(observer: GeoPoint, sources: impl IntoIterator<Item = (PointSource, f64)>) -> Self {
         let mut accumulator = PolarAccumulator::new();
-        for (source, blocking) in sources {
+        for (source, blocking) in sources.into_iter().filter(|(s, _)| s.distance_m <= FARTHEST_SOURCE_M) {
             let at = log_distance(source.distance_m);
             accumulator.add(source.azimuth_rad, at, source.altitude_m, blocking, source.flux_dnb_w);
         }
@@ -209,6 +209,22 @@ mod tests {
         assert!((ring_distance_m(RING_COUNT - 1) - 300_000.0).abs() < 1e-6);
         let step = ring_distance_m(100) / ring_distance_m(99);
         assert!((step - 1.0378).abs() < 1e-4, "{step}");
+    }
+
+    #[test]
+    fn a_source_beyond_300_km_is_left_out_and_a_nearer_one_than_250_m_counts_as_there() {
+        let here = GeoPoint::from_rad_unchecked(0.2, 0.3);
+        let grid = |distance_m| {
+            let source = PointSource { azimuth_rad: 1.0, distance_m, altitude_m: 40.0, flux_dnb_w: 5.0 };
+            PolarGrid::of_sources(here, [(source, 0.0)])
+        };
+        for beyond_m in [300_000.001, 400_000.0, f64::INFINITY, f64::NAN] {
+            let dark = grid(beyond_m);
+            assert!(dark.cells.is_empty() && dark.flux_dnb_w == 0.0, "{beyond_m}");
+        }
+        assert_eq!(grid(300_000.0).flux_dnb_w, 5.0);
+        assert_eq!(grid(0.0), grid(250.0));
+        assert_ne!(grid(260.0), grid(250.0));
     }
 
     proptest! {
