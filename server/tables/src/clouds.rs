@@ -118,7 +118,7 @@ pub(crate) fn altitudes_below(clear_m: &[f64], clouds: Clouds) -> Vec<f64> {
         clear_m[above] - clear_m[above - 1]
     };
     let density = |altitude_m: f64| {
-        1.0 / clear_step_m(altitude_m).min(widest_step_m(clouds.base.altitude_m() - altitude_m))
+        1.0 / clear_step_m(altitude_m).min(widest_step_m(clouds.base().altitude_m() - altitude_m))
     };
     let steps = (highest_m - lowest_m).ceil() as usize;
     let step_m = (highest_m - lowest_m) / steps as f64;

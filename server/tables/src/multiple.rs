@@ -22,6 +22,7 @@ use skyglow_physics::{
     panorama::{azimuth_rad, elevation_rad},
     single_source::SourceGeometry,
 };
+use std::ops::Range;
 
 /// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
 const DARKNESS_PER_M2_SR: f64 = 1e-36;
@@ -117,6 +118,18 @@ impl MultipleAxes {
         }
     }
 
+    /// Offsets that share a field, which follow one another.
+    fn offsets_by_field(&self) -> Vec<Range<usize>> {
+        let mut start = 0;
+        self.offset_m
+            .chunk_by(|&a, &b| solved_offset_m(a) == solved_offset_m(b))
+            .map(|offsets| {
+                start += offsets.len();
+                start - offsets.len()..start
+            })
+            .collect()
+    }
+
     /// Numbers of the table of one (ground, offset) at `distances` distances.
     pub(crate) fn part_len(&self, distances: usize) -> usize {
         distances * ELEVATION_COUNT * self.column.len() * IMAGE_COUNT
@@ -150,41 +163,41 @@ impl MultipleTable {
         made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
         let held_m = |altitude_m| held_below_clouds_m(altitude_m, atmosphere.cloud());
-        // [ground][offset]: side by side, for a field alone does not keep every thread busy.
-        let parts: Vec<Vec<Vec<f32>>> = axes
-            .ground_altitude_m
-            .par_iter()
-            .enumerate()
-            .map(|(ground, &ground_m)| {
-                // Offsets ascend, so those of one field follow one another.
-                let mut solved: Option<(f64, SourceField)> = None;
-                let part = |(offset, &offset_m): (usize, &f64)| {
+        // A field and all offsets that it serves are one piece of work. Several side by side: alone, a field does not keep
+        // every thread busy.
+        let solve = |(ground, offsets): (usize, Range<usize>)| -> Result<Vec<Vec<f32>>, TablesError> {
+            let ground_m = axes.ground_altitude_m[ground];
+            let mut field: Option<SourceField> = None;
+            offsets
+                .map(|offset| {
                     if let Some(part) = kept(ground, offset) {
                         return Ok(part);
                     }
-                    let above_m = solved_offset_m(offset_m);
-                    let field = match solved.take() {
-                        Some((solved_m, field)) if solved_m == above_m => field,
-                        _ => SourceField::solve(
+                    let offset_m = axes.offset_m[offset];
+                    let field = match &mut field {
+                        Some(field) => field,
+                        none => none.insert(SourceField::solve(
                             SourceSetting::new(
                                 atmosphere,
-                                held_m(ground_m + above_m),
+                                held_m(ground_m + solved_offset_m(offset_m)),
                                 ground_m,
                                 axes.ground_albedo,
                             )?,
                             &axes.field_resolution.resolution(),
-                        ),
+                        )),
                     };
                     let observer_m =
                         ground_m + if offset_m > 0.0 { raised_by_m(offset_m) } else { -offset_m };
-                    let part = view(&field, &axes.column, distance_m, held_m(observer_m))?;
-                    solved = Some((above_m, field));
+                    let part = view(field, &axes.column, distance_m, held_m(observer_m))?;
                     made(ground, offset, &part)?;
                     Ok(part)
-                };
-                axes.offset_m.iter().enumerate().map(part).collect::<Result<Vec<_>, TablesError>>()
-            })
-            .collect::<Result<_, _>>()?;
+                })
+                .collect()
+        };
+        let fields: Vec<(usize, Range<usize>)> = (0..axes.ground_altitude_m.len())
+            .flat_map(|ground| axes.offsets_by_field().into_iter().map(move |offsets| (ground, offsets)))
+            .collect();
+        let parts: Vec<Vec<Vec<f32>>> = fields.into_par_iter().map(solve).collect::<Result<_, _>>()?;
         let parts = parts.into_iter().flatten().collect();
         Ok(Self {
             axes: axes.clone(),

@@ -65,39 +65,45 @@ impl LaterParts {
         made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
         let resolution = axes.field_resolution.resolution();
-        let of_ground = |(ground, &ground_m): (usize, &f64)| -> Result<Vec<Vec<f32>>, TablesError> {
-            let setting = SourceSetting::new(atmosphere, ground_m, ground_m, multiple.ground_albedo)?;
-            let mut open: Option<Vec<f32>> = None;
-            (0..ANGLE_COUNT)
-                .map(|angle| {
-                    if let Some(part) = kept(ground, angle) {
-                        return Ok(part);
-                    }
-                    let open = match &mut open {
-                        Some(open) => open,
-                        none => none.insert(axes.views(
-                            &SourceField::solve(setting, &resolution),
-                            ground_m,
-                            distance_m,
-                        )?),
-                    };
-                    let cut = setting.behind(blocking_deg(angle).to_radians())?;
-                    let mut part = axes.views(&SourceField::solve(cut, &resolution), ground_m, distance_m)?;
-                    for (cut, open) in part.iter_mut().zip(open.iter()) {
-                        // A skyline takes light and adds none; where both are dark nothing is known and nothing matters.
-                        *cut = (*cut - open).clamp(LOWEST_LOG_PART, 0.0);
-                    }
-                    made(ground, angle, &part)?;
-                    Ok(part)
-                })
-                .collect()
+        let setting = |ground: usize| {
+            let ground_m = axes.ground_altitude_m[ground];
+            SourceSetting::new(atmosphere, ground_m, ground_m, multiple.ground_albedo)
         };
-        let parts: Vec<Vec<Vec<f32>>> =
-            axes.ground_altitude_m.par_iter().enumerate().map(of_ground).collect::<Result<_, _>>()?;
+        let look = |setting: SourceSetting, ground: usize| {
+            axes.views(&SourceField::solve(setting, &resolution), axes.ground_altitude_m[ground], distance_m)
+        };
+        let grounds = axes.ground_altitude_m.len();
+        let stored: Vec<Option<Vec<f32>>> =
+            (0..grounds * ANGLE_COUNT).map(|part| kept(part / ANGLE_COUNT, part % ANGLE_COUNT)).collect();
+        // Open skies first: each is what the cut ones of its ground are parts of.
+        let open: Vec<Vec<f32>> = (0..grounds)
+            .into_par_iter()
+            .map(|ground| match stored[ground * ANGLE_COUNT..][..ANGLE_COUNT].iter().any(Option::is_none) {
+                true => look(setting(ground)?, ground),
+                false => Ok(Vec::new()),
+            })
+            .collect::<Result<_, TablesError>>()?;
+        let parts: Vec<Vec<f32>> = stored
+            .into_par_iter()
+            .enumerate()
+            .map(|(part, stored)| {
+                if let Some(stored) = stored {
+                    return Ok(stored);
+                }
+                let (ground, angle) = (part / ANGLE_COUNT, part % ANGLE_COUNT);
+                let mut part = look(setting(ground)?.behind(blocking_deg(angle).to_radians())?, ground)?;
+                for (cut, open) in part.iter_mut().zip(&open[ground]) {
+                    // A skyline takes light and adds none; where both are dark nothing is known and nothing matters.
+                    *cut = (*cut - open).clamp(LOWEST_LOG_PART, 0.0);
+                }
+                made(ground, angle, &part)?;
+                Ok(part)
+            })
+            .collect::<Result<_, TablesError>>()?;
         Ok(Self {
             axes: axes.clone(),
             distances: distance_m.len(),
-            parts: parts.into_iter().flatten().collect(),
+            parts,
             column_taps: column_taps(&axes.column),
         })
     }
