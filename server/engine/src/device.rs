@@ -1,7 +1,7 @@
 //! Choice of the executor.
 
 use crate::{
-    cpu::CpuExecutor,
+    cpu::{CpuExecutor, instruction_set},
     error::EngineError,
     executor::Executor,
     gpu::{GpuExecutor, context::Context},
@@ -67,7 +67,7 @@ fn open_cpu(set: &TableSet) -> (Box<dyn Executor>, Opened) {
     let executor = CpuExecutor::new(set.clone());
     let opened = Opened {
         kind: ExecutorKind::Cpu,
-        adapter: "processor".into(),
+        adapter: format!("processor, {}", instruction_set()),
         driver: format!("{} threads", rayon::current_num_threads()),
         resident_bytes: executor.resident_bytes(),
     };

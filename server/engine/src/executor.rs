@@ -43,6 +43,21 @@ impl PassClock {
         *self.microseconds[pass.index()].get_or_insert(0.0) += microseconds;
     }
 
+    /// Adds the times of work that ran beside this.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for (pass, microseconds) in Pass::ALL.into_iter().zip(other.microseconds) {
+            microseconds.into_iter().for_each(|microseconds| self.add(pass, microseconds));
+        }
+    }
+
+    /// Makes the sum of all times `microseconds`, each its share of it, where it is more: for passes that ran side by
+    /// side.
+    pub(crate) fn scale_to(&mut self, microseconds: f64) {
+        let sum: f64 = self.microseconds.iter().flatten().sum();
+        let factor = (microseconds / sum).min(1.0);
+        self.microseconds.iter_mut().flatten().for_each(|time| *time *= factor);
+    }
+
     /// The passes that ran, in order.
     pub(crate) fn into_passes(self) -> Vec<PassTime> {
         Pass::ALL

@@ -4,6 +4,7 @@ use crate::{
     error::EngineError,
     packs::{PackKind, ResidentKind},
     request::{RenderRequest, WorkCount},
+    ring_axis::{self, OFFSETS_AT_ONCE, Offsets, RingAxis},
     table_set::TableSet,
     taps::{Taps, lagrange_taps},
 };
@@ -153,40 +154,47 @@ impl Prepared {
         highest_source_m: f64,
         axes: &NodeAxes<'_>,
     ) {
-        let is_seen =
-            |cell: &PolarCell| cell.flux_dnb_w > 0.0 && f64::from(cell.altitude_m) < highest_source_m;
-        let mut node_of = vec![u32::MAX; axes.slot_count(polar)];
-        let mut position = Vec::with_capacity(polar.cells.len());
-        for cell in &polar.cells {
-            let offset_m = (f64::from(cell.altitude_m) - observer_altitude_m) as f32;
-            let (slot, weight) = axes.slot_below(cell, offset_m);
-            position.push((slot, weight));
-            if is_seen(cell) {
-                node_of[slot] = 0;
-                node_of[slot + usize::from(weight > 0.0)] = 0;
-            }
-        }
-        for (slot, node) in node_of.iter_mut().enumerate().filter(|(_, node)| **node == 0) {
-            *node = self.nodes.len() as u32;
-            self.nodes.push(axes.node(slot));
-        }
-        for azimuth in 0..AZIMUTH_COUNT {
-            let column = polar.azimuth_start[azimuth] as usize..polar.azimuth_start[azimuth + 1] as usize;
+        // Until all nodes in use are known, cells carry the slots of theirs.
+        let mut is_used = vec![false; axes.slot_count(polar)];
+        let (mut offsets, mut positions) = (Offsets::default(), [0.0; OFFSETS_AT_ONCE]);
+        self.cells.reserve_exact(polar.cells.len());
+        for (azimuth, column) in (0u32..).zip(polar.azimuth_start.windows(2)) {
             let first_cell = self.cells.len() as u32;
-            for (cell, &(slot, weight)) in polar.cells[column.clone()].iter().zip(&position[column]) {
-                if is_seen(cell) {
+            for cells in polar.cells[column[0] as usize..column[1] as usize].chunks(OFFSETS_AT_ONCE) {
+                for (lane, cell) in cells.iter().enumerate() {
+                    let offset_m = (f64::from(cell.altitude_m) - observer_altitude_m) as f32;
+                    offsets.set(lane, axes.axis(cell), offset_m);
+                }
+                ring_axis::positions(&offsets, &mut positions);
+                for (cell, position) in cells.iter().zip(positions) {
+                    if cell.flux_dnb_w <= 0.0 || f64::from(cell.altitude_m) >= highest_source_m {
+                        continue;
+                    }
+                    let (node, upper_weight) = node_below(position);
+                    let lower = axes.first_slot_on_ring(cell) + node;
+                    let upper = lower + usize::from(upper_weight > 0.0);
+                    (is_used[lower], is_used[upper]) = (true, true);
                     self.cells.push(PreparedCell {
                         flux_dnb_w: cell.flux_dnb_w,
-                        lower_node: node_of[slot],
-                        upper_node: node_of[slot + usize::from(weight > 0.0)],
-                        upper_weight: weight,
+                        lower_node: lower as u32,
+                        upper_node: upper as u32,
+                        upper_weight,
                     });
                 }
             }
             let end_cell = self.cells.len() as u32;
             if end_cell > first_cell {
-                self.columns.push(LitColumn { azimuth: azimuth as u32, first_cell, end_cell });
+                self.columns.push(LitColumn { azimuth, first_cell, end_cell });
             }
+        }
+        let mut node_of = vec![u32::MAX; is_used.len()];
+        for slot in (0..is_used.len()).filter(|&slot| is_used[slot]) {
+            node_of[slot] = self.nodes.len() as u32;
+            self.nodes.push(axes.node(slot));
+        }
+        for cell in &mut self.cells {
+            cell.lower_node = node_of[cell.lower_node as usize];
+            cell.upper_node = node_of[cell.upper_node as usize];
         }
     }
 }
@@ -222,15 +230,18 @@ impl NodeAxes<'_> {
         if blocking == 0 { 0 } else { open + (blocking - 1) * blocked }
     }
 
-    /// Slot of the node at or below a cell's offset, and the weight of the next one.
-    fn slot_below(&self, cell: &PolarCell, offset_m: f32) -> (usize, f32) {
-        let (blocking, ring) = (self.blocking(cell), cell.ring as usize);
-        let position = match (blocking, self.set.blocked()) {
-            (0, _) | (_, None) => self.set.position(ring, offset_m),
-            (_, Some(blocked)) => blocked.position(blocking, ring, offset_m),
-        };
-        let (node, weight) = node_below(position);
-        (self.first_slot(blocking) + ring * self.offset_count(blocking) + node, weight)
+    /// The axis that a cell's offset is on.
+    fn axis(&self, cell: &PolarCell) -> &RingAxis {
+        match (self.blocking(cell), self.set.blocked()) {
+            (0, _) | (_, None) => self.set.axis(cell.ring as usize),
+            (blocking, Some(blocked)) => blocked.axis(blocking, cell.ring as usize),
+        }
+    }
+
+    /// Slot of the first node of that axis.
+    fn first_slot_on_ring(&self, cell: &PolarCell) -> usize {
+        let blocking = self.blocking(cell);
+        self.first_slot(blocking) + cell.ring as usize * self.offset_count(blocking)
     }
 
     /// The node of a slot.

@@ -40,9 +40,9 @@ impl BlockedAxes {
         self.offset_count
     }
 
-    /// Position of an offset at a blocking angle, 1..=7, on a ring; see [`TableSet::position`].
-    pub fn position(&self, blocking: usize, ring: usize, offset_m: f32) -> f32 {
-        self.axes[blocking - 1][ring].position(offset_m)
+    /// The axis at a blocking angle, 1..=7, on a ring.
+    pub(crate) fn axis(&self, blocking: usize, ring: usize) -> &RingAxis {
+        &self.axes[blocking - 1][ring]
     }
 }
 
@@ -137,6 +137,11 @@ impl TableSet {
     /// [`OffsetAxis::position`] in f32 for the offset of a cell on a ring: fast, and right to about 2e-6 nodes.
     pub fn position(&self, ring: usize, offset_m: f32) -> f32 {
         self.rings[ring].position(offset_m)
+    }
+
+    /// The axis that [`Self::position`] is on.
+    pub(crate) fn axis(&self, ring: usize) -> &RingAxis {
+        &self.rings[ring]
     }
 
     /// The axes of sources behind skylines, where any pack has them.

@@ -81,11 +81,11 @@ impl AppState {
         .await
     }
 
-    /// What decides a sky: the request, the scene's version, the packs and the executor.
+    /// What decides a sky: the request, the scene's version, the packs, the executor and what it runs on.
     pub fn sky_key(&self, query: &SkyQuery, scene_version: &str) -> String {
         let facts = self.source.facts();
         let request = format!("{query:?}");
-        ETag::of(&[&request, scene_version, &facts.pack_checksums, &facts.executor]).header()
+        ETag::of(&[&request, scene_version, &facts.pack_checksums, &facts.executor, &facts.adapter]).header()
     }
 
     /// The sky of a query, rendered once for all who ask at the same time, kept for a while.

@@ -1,38 +1,51 @@
 //! S = Σ_k F[H_k]·F[B_k] at every elevation and frequency.
 
 use super::{
-    accumulate::dispatch_avx2,
-    transforms::{PADDED, Spectra},
+    dispatch::{Aligned, dispatch_wide, multiply_add},
+    transforms::{FUNCTIONS_PER_GROUP, GroupSpectra},
+    work::for_each_part,
 };
-use rayon::prelude::*;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
-/// Frequencies summed side by side.
-pub(crate) const BLOCK: usize = 8;
-/// Blocks that hold all frequencies.
-pub(crate) const BLOCK_COUNT: usize = FREQUENCY_COUNT.div_ceil(BLOCK);
+/// Elevations summed side by side.
+pub(crate) const ROWS_PER_GROUP: usize = 16;
+const ROW_GROUPS: usize = ELEVATION_COUNT / ROWS_PER_GROUP;
+/// Frequencies that a task sums.
+const FREQUENCIES_PER_TASK: usize = 16;
 
-/// `[block][elevation][band]` of (real, imaginary) at the block's frequencies.
-pub(crate) type SpectrumSums = Vec<[[f32; BLOCK]; 2]>;
+/// Share of a row's largest value in its spectrum below which a value is 0: what is smaller than f32's normal numbers, and
+/// leads the processor to them, costs a hundred times as much, and counts for nothing in a sum of f32.
+const NEGLIGIBLE: f32 = 1e-20;
 
-/// F[B] so that one (block, elevation) reads straight on: `[block][elevation][function][frequency in block]`.
+/// The sums at one frequency: `[band][real, imaginary][elevation]`.
+pub(crate) type FrequencySums = Aligned<[[[f32; ELEVATION_COUNT]; 2]; BAND_COUNT]>;
+
+/// F[B] so that one frequency reads straight on: `[frequency][group of elevations][function][elevation in group]`.
 pub(crate) struct BlockedBasis {
     function_count: usize,
-    values: Vec<[f32; BLOCK]>,
+    values: Vec<Aligned<[f32; ROWS_PER_GROUP]>>,
 }
 
 impl BlockedBasis {
-    /// Lays out a pack's basis; frequencies beyond 128 are 0.
+    /// Lays out a pack's basis.
     pub(crate) fn of(tables: &ResidentTables) -> Self {
         let function_count = tables.basis_count;
-        let mut values = vec![[0.0; BLOCK]; BLOCK_COUNT * ELEVATION_COUNT * function_count];
+        let largest = |row: &[f32]| row.iter().fold(0f32, |largest, value| largest.max(value.abs()));
+        let smallest: Vec<f32> = tables
+            .basis_spectrum
+            .chunks_exact(FREQUENCY_COUNT)
+            .map(|row| NEGLIGIBLE * largest(row))
+            .collect();
+        let mut values = vec![Aligned([0.0; ROWS_PER_GROUP]); FREQUENCY_COUNT * ROW_GROUPS * function_count];
         for (position, value) in values.iter_mut().enumerate() {
             let function = position % function_count;
-            let row = position / function_count % ELEVATION_COUNT;
-            let first = position / function_count / ELEVATION_COUNT * BLOCK;
-            for (f, value) in (first..FREQUENCY_COUNT).zip(value) {
-                *value = tables.basis_spectrum[tables.spectrum_index(function, row, f)];
+            let first_row = position / function_count % ROW_GROUPS * ROWS_PER_GROUP;
+            let f = position / function_count / ROW_GROUPS;
+            for (row, value) in (first_row..).zip(&mut value.0) {
+                let exact = tables.basis_spectrum[tables.spectrum_index(function, row, f)];
+                let is_negligible = exact.abs() < smallest[function * ELEVATION_COUNT + row];
+                *value = if is_negligible { 0.0 } else { exact };
             }
         }
         Self { function_count, values }
@@ -40,54 +53,71 @@ impl BlockedBasis {
 
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
-        (self.values.len() * BLOCK * 4) as u64
+        (self.values.len() * ROWS_PER_GROUP * 4) as u64
     }
 }
 
-/// Sums over the functions in use.
-pub(crate) fn basis_sum(basis: &BlockedBasis, spectra: &Spectra) -> SpectrumSums {
-    let function_count = spectra.basis_count;
-    let stride = spectra.values.len() / BAND_COUNT;
-    let mut sums = vec![[[0.0; BLOCK]; 2]; BLOCK_COUNT * ELEVATION_COUNT * BAND_COUNT];
-    sums.par_chunks_mut(ELEVATION_COUNT * BAND_COUNT).enumerate().for_each(|(block, sums)| {
-        let mut spectrum = vec![[[0.0; BLOCK]; 2 * BAND_COUNT]; function_count];
-        for (function, channels) in spectrum.iter_mut().enumerate() {
-            for (channel, lanes) in channels.iter_mut().enumerate() {
-                let start = channel / 2 * stride + (function * 2 + channel % 2) * PADDED + block * BLOCK;
-                lanes.copy_from_slice(&spectra.values[start..start + BLOCK]);
-            }
-        }
-        let per_row = basis.function_count;
-        let rows = &basis.values[block * ELEVATION_COUNT * per_row..][..ELEVATION_COUNT * per_row];
-        sum_block(rows, per_row, &spectrum, sums);
+/// Sums over the first `basis_count` functions; `spectra` is `[group of functions][band]`.
+pub(crate) fn basis_sum(
+    basis: &BlockedBasis,
+    spectra: &[GroupSpectra],
+    basis_count: usize,
+    side_by_side: bool,
+    sums: &mut Vec<FrequencySums>,
+) {
+    sums.resize(FREQUENCY_COUNT, Aligned([[[0.0; ELEVATION_COUNT]; 2]; BAND_COUNT]));
+    for_each_part(side_by_side, sums, FREQUENCIES_PER_TASK, |task, sums| {
+        let first = task * FREQUENCIES_PER_TASK;
+        let per_frequency = ROW_GROUPS * basis.function_count;
+        let values = &basis.values[first * per_frequency..][..sums.len() * per_frequency];
+        sum_frequencies(values, basis.function_count, spectra, first, basis_count, sums);
     });
-    sums
 }
 
-dispatch_avx2!(
-    /// One block of frequencies: `basis` is `[elevation][function]`, `sums` `[elevation][band]`.
-    sum_block, sum_block_avx2, sum_block_body,
-    (basis: &[[f32; BLOCK]], per_row: usize, spectrum: &[[[f32; BLOCK]; 2 * BAND_COUNT]], sums: &mut [[[f32; BLOCK]; 2]])
+dispatch_wide!(
+    /// Sums at consecutive frequencies from `first` on, of which `basis` holds the functions.
+    sum_frequencies, sum_frequencies_wide, sum_frequencies_body,
+    (
+        basis: &[Aligned<[f32; ROWS_PER_GROUP]>],
+        function_count: usize,
+        spectra: &[GroupSpectra],
+        first: usize,
+        basis_count: usize,
+        sums: &mut [FrequencySums]
+    )
 );
 
 #[inline(always)]
-fn sum_block_body(
-    basis: &[[f32; BLOCK]],
-    per_row: usize,
-    spectrum: &[[[f32; BLOCK]; 2 * BAND_COUNT]],
-    sums: &mut [[[f32; BLOCK]; 2]],
+fn sum_frequencies_body<const FUSED: bool>(
+    basis: &[Aligned<[f32; ROWS_PER_GROUP]>],
+    function_count: usize,
+    spectra: &[GroupSpectra],
+    first: usize,
+    basis_count: usize,
+    sums: &mut [FrequencySums],
 ) {
-    for (row, sums) in basis.chunks_exact(per_row).zip(sums.chunks_exact_mut(BAND_COUNT)) {
-        let mut sum = [[0.0f32; BLOCK]; 2 * BAND_COUNT];
-        for (function, channels) in row.iter().zip(spectrum) {
-            for channel in 0..2 * BAND_COUNT {
-                for lane in 0..BLOCK {
-                    sum[channel][lane] += function[lane] * channels[channel][lane];
+    let frequencies = basis.chunks_exact(ROW_GROUPS * function_count).zip(sums);
+    for (f, (basis, sums)) in (first..).zip(frequencies) {
+        for (row_group, basis) in basis.chunks_exact(function_count).enumerate() {
+            let mut sum = [[0f32; ROWS_PER_GROUP]; 2 * BAND_COUNT];
+            let groups =
+                basis[..basis_count].chunks(FUNCTIONS_PER_GROUP).zip(spectra.chunks_exact(BAND_COUNT));
+            for (basis, bands) in groups {
+                let parts: [&[f32; FUNCTIONS_PER_GROUP]; 2 * BAND_COUNT] =
+                    std::array::from_fn(|part| &bands[part / 2].0[f][part % 2]);
+                for (k, &Aligned(rows)) in basis.iter().enumerate().take(FUNCTIONS_PER_GROUP) {
+                    for part in 0..2 * BAND_COUNT {
+                        let value = parts[part][k];
+                        for row in 0..ROWS_PER_GROUP {
+                            sum[part][row] = multiply_add::<FUSED>(value, rows[row], sum[part][row]);
+                        }
+                    }
                 }
             }
-        }
-        for (band, target) in sums.iter_mut().enumerate() {
-            *target = [sum[2 * band], sum[2 * band + 1]];
+            for (part, sum) in sum.iter().enumerate() {
+                let target = &mut sums.0[part / 2][part % 2];
+                target[row_group * ROWS_PER_GROUP..][..ROWS_PER_GROUP].copy_from_slice(sum);
+            }
         }
     }
 }

@@ -1,90 +1,143 @@
 //! H_k per azimuth column: the sum over its lit cells.
 
 use super::{
-    accumulate::dispatch_avx2,
-    mix::{BLOCK, MixedShape, Scales},
+    dispatch::{Aligned, dispatch_wide, multiply_add},
+    mix::{BLOCK, MixedNode, NodeScales},
+    work::for_each_part,
 };
 use crate::{
-    prepare::{Prepared, PreparedCell},
-    twin::cell_weights,
+    prepare::{LitColumn, Prepared, PreparedCell},
+    twin::natural_exp,
 };
-use rayon::prelude::*;
-use skyglow_physics::BAND_COUNT;
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT};
 
-/// `[band][cell]` weights of a cell's lower and upper node.
-pub(crate) type CellWeights = Vec<[f32; 2]>;
+/// Weights of a cell's lower and upper node in every band, and a 0 that makes each a vector.
+pub(crate) type CellWeights = [[f32; 4]; 2];
+/// H of one azimuth in one block of functions: `[band][function]`.
+pub(crate) type ColumnBlock = Aligned<[[f32; BLOCK]; BAND_COUNT]>;
 
-/// Weights of every cell in every band.
-pub(crate) fn weigh_cells(request: &Prepared, scales: &Scales) -> CellWeights {
-    let (cell_count, node_count) = (request.cells.len(), request.nodes.len());
-    let mut weights = vec![[0.0; 2]; BAND_COUNT * cell_count];
-    weights.par_chunks_mut(cell_count.max(1)).enumerate().for_each(|(band, weights)| {
-        let scales = &scales[band * node_count..][..node_count];
-        weigh_band(&request.cells, scales, request.flux_per_dnb_flux[band], weights);
+/// Cells weighed side by side: enough that the compiler makes a loop of vectors of the arithmetic.
+const LANES: usize = 64;
+/// Cells that a task weighs.
+const CELLS_PER_TASK: usize = 2048;
+/// Azimuths that a task sums.
+const AZIMUTHS_PER_TASK: usize = 16;
+
+/// Weights of every cell.
+pub(crate) fn weigh_cells(
+    request: &Prepared,
+    scales: &[NodeScales],
+    side_by_side: bool,
+    weights: &mut Vec<CellWeights>,
+) {
+    weights.resize(request.cells.len(), [[0.0; 4]; 2]);
+    for_each_part(side_by_side, weights, CELLS_PER_TASK, |task, weights| {
+        let cells = &request.cells[task * CELLS_PER_TASK..][..weights.len()];
+        weigh(cells, scales, request.flux_per_dnb_flux, weights);
     });
-    weights
 }
 
-dispatch_avx2!(
-    /// Weights of the cells in one band whose lamps have `flux_per_dnb_flux`.
-    weigh_band, weigh_band_avx2, weigh_band_body,
-    (cells: &[PreparedCell], scales: &[[f32; 4]], flux_per_dnb_flux: f32, weights: &mut [[f32; 2]])
+dispatch_wide!(
+    /// [`crate::twin::cell_weights`] of cells whose lamps have `flux_per_dnb_flux`.
+    weigh, weigh_wide, weigh_body,
+    (
+        cells: &[PreparedCell],
+        scales: &[NodeScales],
+        flux_per_dnb_flux: [f32; BAND_COUNT],
+        weights: &mut [CellWeights]
+    )
 );
 
 #[inline(always)]
-fn weigh_band_body(
+fn weigh_body<const FUSED: bool>(
     cells: &[PreparedCell],
-    scales: &[[f32; 4]],
-    flux_per_dnb_flux: f32,
-    weights: &mut [[f32; 2]],
+    scales: &[NodeScales],
+    flux_per_dnb_flux: [f32; BAND_COUNT],
+    weights: &mut [CellWeights],
 ) {
-    for (cell, weights) in cells.iter().zip(weights) {
-        *weights = cell_weights(
-            cell.flux_dnb_w * flux_per_dnb_flux,
-            scales[cell.lower_node as usize][3],
-            scales[cell.upper_node as usize][3],
-            cell.upper_weight,
-        );
+    let [red, green, blue] = flux_per_dnb_flux;
+    let flux_per_dnb_flux = [red, green, blue, 0.0];
+    for (cells, weights) in cells.chunks(LANES).zip(weights.chunks_mut(LANES)) {
+        let mut scale = [[0f32; 4]; LANES];
+        for (cell, scale) in cells.iter().zip(&mut scale) {
+            let [lower, upper] =
+                [cell.lower_node, cell.upper_node].map(|node| scales[node as usize].log_scale);
+            for band in 0..4 {
+                scale[band] = lower[band] + (upper[band] - lower[band]) * cell.upper_weight;
+            }
+        }
+        for scale in scale.as_flattened_mut() {
+            *scale = natural_exp(*scale);
+        }
+        for ((cell, scale), weights) in cells.iter().zip(&scale).zip(weights) {
+            let mut weighed = [[0f32; 4]; 2];
+            for band in 0..4 {
+                let scale = cell.flux_dnb_w * flux_per_dnb_flux[band] * scale[band];
+                weighed[0][band] = scale * (1.0 - cell.upper_weight);
+                weighed[1][band] = scale * cell.upper_weight;
+            }
+            *weights = weighed;
+        }
     }
 }
 
-/// H for the lit columns, `[column slot][band][padded function]`.
-pub(crate) fn sum_columns(request: &Prepared, mixed: &MixedShape, weights: &CellWeights) -> Vec<f32> {
-    let padded = mixed.padded_count;
-    let (cell_count, node_count) = (request.cells.len(), request.nodes.len());
-    let mut columns = vec![0.0; request.columns.len() * BAND_COUNT * padded];
-    columns.par_chunks_mut(BAND_COUNT * padded).zip(&request.columns).for_each(|(column, lit)| {
-        let range = lit.first_cell as usize..lit.end_cell as usize;
-        let cells = &request.cells[range.clone()];
-        for (band, sums) in column.chunks_exact_mut(padded).enumerate() {
-            let weights = &weights[band * cell_count..][range.clone()];
-            let shape = &mixed.shape[band * node_count * padded..][..node_count * padded];
-            sum_cells(cells, weights, shape, sums);
-        }
+/// H, `[block of functions][azimuth]`; azimuths without light are 0. `mixed` is `[block][node]`.
+pub(crate) fn sum_columns(
+    request: &Prepared,
+    mixed: &[MixedNode],
+    weights: &[CellWeights],
+    side_by_side: bool,
+    columns: &mut Vec<ColumnBlock>,
+) {
+    let node_count = request.nodes.len();
+    let dark = Aligned([[0.0; BLOCK]; BAND_COUNT]);
+    columns.clear();
+    columns.resize(mixed.len() / node_count.max(1) * AZIMUTH_COUNT, dark);
+    for_each_part(side_by_side, columns, AZIMUTHS_PER_TASK, |task, columns| {
+        let first = task * AZIMUTHS_PER_TASK;
+        let (block, first) = (first / AZIMUTH_COUNT, (first % AZIMUTH_COUNT) as u32);
+        let lit = request.columns.partition_point(|lit| lit.azimuth < first);
+        let end = request.columns.partition_point(|lit| lit.azimuth < first + AZIMUTHS_PER_TASK as u32);
+        let nodes = &mixed[block * node_count..][..node_count];
+        sum_cells(&request.columns[lit..end], &request.cells, weights, nodes, first, columns);
     });
-    columns
 }
 
-dispatch_avx2!(
-    /// Adds up one column's cells in one band; `shape` is `[node][function]`, `sums` one value a function.
-    sum_cells, sum_cells_avx2, sum_cells_body,
-    (cells: &[PreparedCell], weights: &[[f32; 2]], shape: &[f32], sums: &mut [f32])
+dispatch_wide!(
+    /// Adds up the cells of lit columns in one block of functions; `sums` are the azimuths from `first` on.
+    sum_cells, sum_cells_wide, sum_cells_body,
+    (
+        lit: &[LitColumn],
+        cells: &[PreparedCell],
+        weights: &[CellWeights],
+        nodes: &[MixedNode],
+        first: u32,
+        sums: &mut [ColumnBlock]
+    )
 );
 
 #[inline(always)]
-fn sum_cells_body(cells: &[PreparedCell], weights: &[[f32; 2]], shape: &[f32], sums: &mut [f32]) {
-    let padded = sums.len();
-    let (nodes, _) = shape.as_chunks::<BLOCK>();
-    let blocks_per_node = padded / BLOCK;
-    for (block, sums) in sums.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
-        let mut sum = [0.0; BLOCK];
-        for (cell, &[lower_weight, upper_weight]) in cells.iter().zip(weights) {
-            let lower = &nodes[cell.lower_node as usize * blocks_per_node + block];
-            let upper = &nodes[cell.upper_node as usize * blocks_per_node + block];
-            for lane in 0..BLOCK {
-                sum[lane] += lower_weight * lower[lane] + upper_weight * upper[lane];
+fn sum_cells_body<const FUSED: bool>(
+    lit: &[LitColumn],
+    cells: &[PreparedCell],
+    weights: &[CellWeights],
+    nodes: &[MixedNode],
+    first: u32,
+    sums: &mut [ColumnBlock],
+) {
+    for lit in lit {
+        let range = lit.first_cell as usize..lit.end_cell as usize;
+        let mut sum = [[0f32; BLOCK]; BAND_COUNT];
+        for (cell, weights) in cells[range.clone()].iter().zip(&weights[range]) {
+            let (lower, upper) = (&nodes[cell.lower_node as usize].0, &nodes[cell.upper_node as usize].0);
+            for band in 0..BAND_COUNT {
+                let (to_lower, to_upper) = (weights[0][band], weights[1][band]);
+                for k in 0..BLOCK {
+                    let with_lower = multiply_add::<FUSED>(to_lower, lower[band][k], sum[band][k]);
+                    sum[band][k] = multiply_add::<FUSED>(to_upper, upper[band][k], with_lower);
+                }
             }
         }
-        *sums = sum;
+        sums[(lit.azimuth - first) as usize] = Aligned(sum);
     }
 }

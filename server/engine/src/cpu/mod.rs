@@ -1,11 +1,13 @@
 //! The same pipeline in plain Rust f32: the executor for machines without Vulkan, and the passes' twins.
 
-pub(crate) mod accumulate;
 pub(crate) mod basis_sum;
 pub(crate) mod blend;
 pub(crate) mod coefficients;
+pub(crate) mod dispatch;
 pub(crate) mod mix;
+mod scratch;
 pub(crate) mod transforms;
+mod work;
 
 use crate::{
     error::DeviceFault,
@@ -16,47 +18,100 @@ use crate::{
     table_set::TableSet,
 };
 use basis_sum::BlockedBasis;
+use rayon::prelude::*;
+use scratch::{Scratch, ScratchPool};
 use skyglow_physics::Panorama;
+use std::time::Instant;
 use transforms::Transforms;
 
-/// Renders one request after the other, each on all cores.
+pub(crate) use dispatch::instruction_set;
+
+/// Renders the packs of all requests of a batch side by side, one on each core; where there are fewer of them than
+/// cores, the cores share the work within each.
 pub(crate) struct CpuExecutor {
     set: TableSet,
     basis: Vec<BlockedBasis>,
     transforms: Transforms,
+    scratch: ScratchPool,
+}
+
+/// One pack's share of one request.
+struct Item<'a> {
+    request: &'a Prepared,
+    pack: usize,
 }
 
 impl CpuExecutor {
     /// Lays the tables out for the passes.
     pub(crate) fn new(set: TableSet) -> Self {
         let basis = set.tables().iter().map(|tables| BlockedBasis::of(tables)).collect();
-        Self { set, basis, transforms: Transforms::new() }
+        Self { set, basis, transforms: Transforms::new(), scratch: ScratchPool::default() }
     }
 
-    fn render_one(&self, request: &Prepared, clock: &mut PassClock) -> Vec<f32> {
-        let mut rendered: Vec<Vec<f32>> = request
-            .turbidity_taps
-            .indices()
+    /// Renders a batch on the threads of the pool, of which the calling thread is one.
+    fn render_all(&self, batch: &[&Prepared]) -> BatchOutput {
+        let start = Instant::now();
+        let items: Vec<Item<'_>> = batch
             .iter()
-            .map(|&pack| self.render_pack(request, pack, clock))
+            .flat_map(|&request| {
+                request.turbidity_taps.indices().iter().map(move |&pack| Item { request, pack })
+            })
             .collect();
-        if rendered.len() == 1 {
-            return rendered.swap_remove(0);
+        let cores = rayon::current_num_threads();
+        // Cores that would be left without an item of their own help with those of others.
+        let share_within = cores > 1 && !items.len().is_multiple_of(cores) && items.len() < 4 * cores;
+        let rendered: Vec<(Vec<f32>, PassClock)> =
+            items.par_iter().with_max_len(1).map(|item| self.render_pack(item, share_within)).collect();
+        let mut clock = PassClock::default();
+        let mut rendered = rendered.into_iter().map(|(sky, times)| {
+            clock.merge(&times);
+            sky
+        });
+        let mut radiance_w_m2_sr = Vec::with_capacity(batch.len());
+        let mut skies: Vec<Vec<Vec<f32>>> = Vec::with_capacity(batch.len());
+        for request in batch {
+            skies.push(rendered.by_ref().take(request.turbidity_taps.indices().len()).collect());
         }
-        clock.time(Pass::Blend, || blend::blend(&rendered, &request.turbidity_taps))
+        drop(rendered);
+        // Passes that ran side by side took less than their sum.
+        clock.scale_to(start.elapsed().as_secs_f64() * 1e6);
+        for (request, mut packs) in batch.iter().zip(skies) {
+            let sky = match packs.len() {
+                1 => packs.swap_remove(0),
+                _ => clock.time(Pass::Blend, || {
+                    let sources: Vec<&[f32]> = packs.iter().map(Vec::as_slice).collect();
+                    blend::blend(&sources, &request.turbidity_taps, true)
+                }),
+            };
+            packs.into_iter().for_each(|sky| self.scratch.keep_panorama(sky));
+            radiance_w_m2_sr.push(sky);
+        }
+        debug_assert!(radiance_w_m2_sr.iter().all(|sky| sky.len() == Panorama::LEN));
+        BatchOutput { radiance_w_m2_sr, passes: clock.into_passes() }
     }
 
-    fn render_pack(&self, request: &Prepared, pack: usize, clock: &mut PassClock) -> Vec<f32> {
-        let tables = &self.set.tables()[pack];
-        let scales = clock.time(Pass::MixScale, || mix::mix_scale(tables, request));
-        let mixed = clock.time(Pass::MixShape, || mix::mix_shape(tables, request, &scales));
-        let weights = clock.time(Pass::CellWeights, || coefficients::weigh_cells(request, &scales));
-        let columns = clock.time(Pass::Coefficients, || coefficients::sum_columns(request, &mixed, &weights));
-        let spectra = clock.time(Pass::AzimuthFft, || {
-            self.transforms.forward(request, &columns, mixed.basis_count, mixed.padded_count)
+    fn render_pack(&self, item: &Item<'_>, side_by_side: bool) -> (Vec<f32>, PassClock) {
+        let (request, tables) = (item.request, &self.set.tables()[item.pack]);
+        let basis_count = request.basis_count.min(tables.basis_count);
+        let mut clock = PassClock::default();
+        let mut scratch = self.scratch.take();
+        let Scratch { scales, mixed, weights, columns, spectra, sums } = &mut scratch;
+        let mut sky = self.scratch.take_panorama();
+        clock.time(Pass::MixScale, || mix::mix_scale(tables, request, side_by_side, scales));
+        clock.time(Pass::MixShape, || mix::mix_shape(tables, request, scales, side_by_side, mixed));
+        clock.time(Pass::CellWeights, || coefficients::weigh_cells(request, scales, side_by_side, weights));
+        clock.time(Pass::Coefficients, || {
+            coefficients::sum_columns(request, mixed, weights, side_by_side, columns);
         });
-        let sums = clock.time(Pass::BasisSum, || basis_sum::basis_sum(&self.basis[pack], &spectra));
-        clock.time(Pass::InverseFft, || self.transforms.inverse(&sums))
+        clock.time(Pass::AzimuthFft, || {
+            self.transforms.forward(columns, basis_count, side_by_side, spectra);
+        });
+        clock.time(Pass::BasisSum, || {
+            basis_sum::basis_sum(&self.basis[item.pack], spectra, basis_count, side_by_side, sums);
+        });
+        clock.time(Pass::InverseFft, || self.transforms.inverse(sums, side_by_side, &mut sky));
+        self.scratch.keep(scratch);
+        (sky, clock)
     }
 }
 
@@ -81,12 +136,73 @@ impl Executor for CpuExecutor {
     }
 
     fn render(&mut self, batch: &[&Prepared]) -> Result<BatchOutput, DeviceFault> {
-        let mut clock = PassClock::default();
-        let radiance_w_m2_sr: Vec<Vec<f32>> =
-            batch.iter().map(|request| self.render_one(request, &mut clock)).collect();
-        debug_assert!(radiance_w_m2_sr.iter().all(|sky| sky.len() == Panorama::LEN));
-        Ok(BatchOutput { radiance_w_m2_sr, passes: clock.into_passes() })
+        // One step into the pool for the whole batch: every step from outside wakes its threads anew.
+        Ok(rayon::scope(|_| self.render_all(batch)))
     }
 
     fn lose(&mut self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{device::warm_up_requests, request::RenderRequest, synthetic};
+    use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_tables::Scattering;
+    use std::sync::Arc;
+
+    fn prepared(set: &TableSet, basis: usize) -> Prepared {
+        let request = RenderRequest {
+            polar: Arc::new(synthetic::polar_grid_with_skylines(7, 3000)),
+            observer_altitude_m: 1661.0,
+            turbidity: Turbidity::new(2.0).unwrap(),
+            scattering: Scattering::Single,
+            cloud_base_m: None,
+            emission: EmissionMix::garstang(),
+            flux_per_dnb_flux: [0.4, 0.6, 0.2],
+            basis: Some(basis),
+        };
+        Prepared::new(&request, set).unwrap()
+    }
+
+    fn render(executor: &CpuExecutor, request: &Prepared, baseline: bool) -> Vec<f32> {
+        dispatch::tests::BASELINE.set(baseline);
+        let (sky, _) = executor.render_pack(&Item { request, pack: 0 }, false);
+        dispatch::tests::BASELINE.set(false);
+        sky
+    }
+
+    #[test]
+    fn loops_without_the_fast_instructions_give_the_same_sky() {
+        let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0], 44)).unwrap();
+        let executor = CpuExecutor::new(set.clone());
+        // Not a multiple of the block, the group or the vector.
+        let request = prepared(&set, 43);
+        let difference = |a: &[f32], b: &[f32]| {
+            let mean = b.iter().sum::<f32>() / b.len() as f32;
+            a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(1e-3 * mean)).fold(0f32, f32::max)
+        };
+        let (wide, baseline) = (render(&executor, &request, false), render(&executor, &request, true));
+        assert!(difference(&wide, &baseline) < 1e-5, "{:e}", difference(&wide, &baseline));
+        let fewer = render(&executor, &prepared(&set, 42), true);
+        assert!(difference(&wide, &fewer) > 1e-5);
+    }
+
+    #[test]
+    fn buffers_left_over_from_another_request_leave_no_trace() {
+        let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0], 44)).unwrap();
+        let used = CpuExecutor::new(set.clone());
+        let (large, small) = (prepared(&set, 44), prepared(&set, 5));
+        let warm_up = warm_up_requests(&set);
+        for request in [&large, &warm_up[0], &small, &large] {
+            let fresh = CpuExecutor::new(set.clone());
+            assert_eq!(render(&used, request, false), render(&fresh, request, false));
+        }
+        assert_ne!(render(&used, &small, false), render(&used, &large, false));
+        let batch: Vec<&Prepared> = vec![&large, &small, &large];
+        let together = used.render_all(&batch).radiance_w_m2_sr;
+        for (sky, request) in together.iter().zip(batch) {
+            assert_eq!(*sky, render(&used, request, false));
+        }
+    }
 }

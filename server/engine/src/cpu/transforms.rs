@@ -1,100 +1,202 @@
-//! Transforms along azimuth.
+//! Transforms along azimuth: sixteen real rows at once, eight in the real and eight in the imaginary parts of one
+//! complex transform, each in a lane of its own, so that nothing is shuffled.
 
-use super::basis_sum::{BLOCK, BLOCK_COUNT, SpectrumSums};
-use crate::prepare::Prepared;
-use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex32};
+use super::{
+    basis_sum::{FrequencySums, ROWS_PER_GROUP},
+    coefficients::ColumnBlock,
+    dispatch::{Aligned, LANES, dispatch_wide},
+    mix::BLOCK,
+    work::for_each_part,
+};
+use crate::twin::fft::{
+    Complex, complex_multiply, pair_from_spectra, radix4_butterfly, split_pair_spectrum, stockham_target,
+    twiddle, twiddle_index,
+};
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
 use skyglow_tables::resident::FREQUENCY_COUNT;
-use std::sync::Arc;
 
-/// Functions a task transforms: one cache line of every column.
-const FUNCTIONS_PER_TASK: usize = 16;
+/// Functions that one transform takes.
+pub(crate) const FUNCTIONS_PER_GROUP: usize = 2 * LANES;
+/// Groups in a block of functions.
+const GROUPS_PER_BLOCK: usize = BLOCK / FUNCTIONS_PER_GROUP;
+/// Groups of rows that one inverse transform takes.
+const ROW_GROUPS: usize = ELEVATION_COUNT / ROWS_PER_GROUP;
 
-/// F[H], `[band][function][real, imaginary][padded frequency]`.
-pub(crate) struct Spectra {
-    /// Functions in use.
-    pub(crate) basis_count: usize,
-    /// The values; frequencies beyond 128 are 0.
-    pub(crate) values: Vec<f32>,
+/// Spectra of one group of functions in one band: `[frequency][real, imaginary][function in group]`.
+pub(crate) type GroupSpectra = Aligned<[[[f32; FUNCTIONS_PER_GROUP]; 2]; FREQUENCY_COUNT]>;
+
+/// Spectra of functions that are 0.
+pub(crate) const fn empty_spectra() -> GroupSpectra {
+    Aligned([[[0.0; FUNCTIONS_PER_GROUP]; 2]; FREQUENCY_COUNT])
 }
 
-/// Frequencies with their padding to whole blocks.
-pub(crate) const PADDED: usize = BLOCK * BLOCK_COUNT;
+/// Eight complex numbers: real parts, imaginary parts.
+type Eight = [[f32; LANES]; 2];
 
-/// Plans of the two transforms.
+/// Tables of the transform of 256 points.
 pub(crate) struct Transforms {
-    forward: Arc<dyn RealToComplex<f32>>,
-    inverse: Arc<dyn ComplexToReal<f32>>,
+    twiddles: [Complex; AZIMUTH_COUNT],
 }
 
 impl Transforms {
-    /// Plans for 256 azimuths.
+    /// The tables.
     pub(crate) fn new() -> Self {
-        let mut planner = RealFftPlanner::new();
-        Self {
-            forward: planner.plan_fft_forward(AZIMUTH_COUNT),
-            inverse: planner.plan_fft_inverse(AZIMUTH_COUNT),
-        }
+        Self { twiddles: std::array::from_fn(twiddle) }
     }
 
-    /// Spectra of the columns `[column slot][band][padded function]`; columns that are not lit are 0.
+    /// F[H] of the first `basis_count` functions, `[group][band]`, from columns `[block][azimuth]`.
     pub(crate) fn forward(
         &self,
-        request: &Prepared,
-        columns: &[f32],
+        columns: &[ColumnBlock],
         basis_count: usize,
-        padded_count: usize,
-    ) -> Spectra {
-        let mut values = vec![0.0; BAND_COUNT * padded_count * 2 * PADDED];
-        values.par_chunks_mut(FUNCTIONS_PER_TASK * 2 * PADDED).enumerate().for_each(|(task, spectra)| {
-            let band = task * FUNCTIONS_PER_TASK / padded_count;
-            let function = task * FUNCTIONS_PER_TASK % padded_count;
-            let mut rows = vec![[0f32; AZIMUTH_COUNT]; FUNCTIONS_PER_TASK];
-            for (slot, lit) in request.columns.iter().enumerate() {
-                let start = (slot * BAND_COUNT + band) * padded_count + function;
-                for (row, value) in rows.iter_mut().zip(&columns[start..start + FUNCTIONS_PER_TASK]) {
-                    row[lit.azimuth as usize] = *value;
-                }
-            }
-            let mut scratch = self.forward.make_scratch_vec();
-            let mut spectrum = [Complex32::default(); FREQUENCY_COUNT];
-            for (row, target) in rows.iter_mut().zip(spectra.chunks_exact_mut(2 * PADDED)) {
-                // The lengths are constants that fit.
-                let done = self.forward.process_with_scratch(row, &mut spectrum, &mut scratch);
-                debug_assert!(done.is_ok());
-                let (real, imaginary) = target.split_at_mut(PADDED);
-                for (f, value) in spectrum.iter().enumerate() {
-                    real[f] = value.re;
-                    imaginary[f] = value.im;
-                }
-            }
+        side_by_side: bool,
+        spectra: &mut Vec<GroupSpectra>,
+    ) {
+        spectra.resize(basis_count.div_ceil(FUNCTIONS_PER_GROUP) * BAND_COUNT, empty_spectra());
+        for_each_part(side_by_side, spectra, 1, |task, target| {
+            let (group, band) = (task / BAND_COUNT, task % BAND_COUNT);
+            let columns = &columns[group / GROUPS_PER_BLOCK * AZIMUTH_COUNT..][..AZIMUTH_COUNT];
+            transform_columns(&self.twiddles, columns, band, group % GROUPS_PER_BLOCK, &mut target[0]);
         });
-        Spectra { basis_count, values }
     }
 
     /// Radiance `[band][row][column]` from the summed spectra, clamped at 0.
-    pub(crate) fn inverse(&self, sums: &SpectrumSums) -> Vec<f32> {
-        let mut radiance_w_m2_sr = vec![0.0; Panorama::LEN];
-        radiance_w_m2_sr.par_chunks_mut(8 * AZIMUTH_COUNT).enumerate().for_each(|(task, rows)| {
-            let mut scratch = self.inverse.make_scratch_vec();
-            let mut spectrum = [Complex32::default(); FREQUENCY_COUNT];
-            for (offset, samples) in rows.chunks_exact_mut(AZIMUTH_COUNT).enumerate() {
-                let (band, row) =
-                    ((task * 8 + offset) / ELEVATION_COUNT, (task * 8 + offset) % ELEVATION_COUNT);
-                for (f, value) in spectrum.iter_mut().enumerate() {
-                    let sum = &sums[(f / BLOCK * ELEVATION_COUNT + row) * BAND_COUNT + band];
-                    *value = Complex32::new(sum[0][f % BLOCK], sum[1][f % BLOCK]);
-                }
-                spectrum[0].im = 0.0;
-                spectrum[FREQUENCY_COUNT - 1].im = 0.0;
-                let done = self.inverse.process_with_scratch(&mut spectrum, samples, &mut scratch);
-                debug_assert!(done.is_ok());
-                for sample in samples {
-                    *sample = (*sample * (1.0 / AZIMUTH_COUNT as f32)).max(0.0);
+    pub(crate) fn inverse(
+        &self,
+        sums: &[FrequencySums],
+        side_by_side: bool,
+        radiance_w_m2_sr: &mut Vec<f32>,
+    ) {
+        radiance_w_m2_sr.resize(Panorama::LEN, 0.0);
+        for_each_part(side_by_side, radiance_w_m2_sr, ROWS_PER_GROUP * AZIMUTH_COUNT, |task, rows| {
+            let (rows, _) = rows.as_chunks_mut::<AZIMUTH_COUNT>();
+            transform_rows(&self.twiddles, sums, task / ROW_GROUPS, task % ROW_GROUPS, rows);
+        });
+    }
+}
+
+dispatch_wide!(
+    /// Spectra of one group of functions in one band.
+    transform_columns, transform_columns_wide, transform_columns_body,
+    (
+        twiddles: &[Complex; AZIMUTH_COUNT],
+        columns: &[ColumnBlock],
+        band: usize,
+        group_in_block: usize,
+        target: &mut GroupSpectra
+    )
+);
+
+#[inline(always)]
+fn transform_columns_body<const FUSED: bool>(
+    twiddles: &[Complex; AZIMUTH_COUNT],
+    columns: &[ColumnBlock],
+    band: usize,
+    group_in_block: usize,
+    target: &mut GroupSpectra,
+) {
+    let Aligned(points) = &mut Aligned([[[0f32; LANES]; 2]; AZIMUTH_COUNT]);
+    for (point, column) in points.iter_mut().zip(columns) {
+        let functions = &column.0[band].as_chunks::<LANES>().0[2 * group_in_block..][..2];
+        *point = [functions[0], functions[1]];
+    }
+    transform(twiddles, points);
+    for (f, [real, imaginary]) in target.0.iter_mut().enumerate() {
+        let (z, mirrored) = (&points[f], &points[(AZIMUTH_COUNT - f) % AZIMUTH_COUNT]);
+        for lane in 0..LANES {
+            let [a_real, a_imaginary, b_real, b_imaginary] =
+                split_pair_spectrum([z[0][lane], z[1][lane]], [mirrored[0][lane], mirrored[1][lane]]);
+            real[lane] = a_real;
+            real[LANES + lane] = b_real;
+            imaginary[lane] = a_imaginary;
+            imaginary[LANES + lane] = b_imaginary;
+        }
+    }
+}
+
+dispatch_wide!(
+    /// Sixteen rows of radiance in one band.
+    transform_rows, transform_rows_wide, transform_rows_body,
+    (
+        twiddles: &[Complex; AZIMUTH_COUNT],
+        sums: &[FrequencySums],
+        band: usize,
+        row_group: usize,
+        rows: &mut [[f32; AZIMUTH_COUNT]]
+    )
+);
+
+#[inline(always)]
+fn transform_rows_body<const FUSED: bool>(
+    twiddles: &[Complex; AZIMUTH_COUNT],
+    sums: &[FrequencySums],
+    band: usize,
+    row_group: usize,
+    rows: &mut [[f32; AZIMUTH_COUNT]],
+) {
+    let Aligned(points) = &mut Aligned([[[0f32; LANES]; 2]; AZIMUTH_COUNT]);
+    for (f, sums) in sums.iter().enumerate() {
+        let part = |part: usize| &sums.0[band][part].as_chunks::<LANES>().0[2 * row_group..][..2];
+        let (real, imaginary) = (part(0), part(1));
+        let (mut direct, mut mirrored) = ([[0f32; LANES]; 2], [[0f32; LANES]; 2]);
+        for lane in 0..LANES {
+            let spectra = [real[0][lane], imaginary[0][lane], real[1][lane], imaginary[1][lane]];
+            [direct[0][lane], direct[1][lane]] = pair_from_spectra(spectra, false);
+            [mirrored[0][lane], mirrored[1][lane]] = pair_from_spectra(spectra, true);
+        }
+        // Frequencies 0 and 128 are their own mirror images, and real.
+        points[(AZIMUTH_COUNT - f) % AZIMUTH_COUNT] = mirrored;
+        points[f] = direct;
+    }
+    transform(twiddles, points);
+    let scale = 1.0 / AZIMUTH_COUNT as f32;
+    for (lane, row) in rows.iter_mut().enumerate() {
+        let (part, lane, scale) = if lane < LANES { (0, lane, scale) } else { (1, lane - LANES, -scale) };
+        for (sample, point) in row.iter_mut().zip(points.iter()) {
+            *sample = (point[part][lane] * scale).max(0.0);
+        }
+    }
+}
+
+/// [`crate::twin::fft::transform_256`] in every lane.
+#[inline(always)]
+fn transform(twiddles: &[Complex; AZIMUTH_COUNT], points: &mut [Eight; AZIMUTH_COUNT]) {
+    let Aligned(other) = &mut Aligned([[[0f32; LANES]; 2]; AZIMUTH_COUNT]);
+    stage::<1>(twiddles, points, other);
+    stage::<4>(twiddles, other, points);
+    stage::<16>(twiddles, points, other);
+    stage::<64>(twiddles, other, points);
+}
+
+/// One stage, whose sub-transforms have `SPAN` points.
+#[inline(always)]
+fn stage<const SPAN: usize>(
+    twiddles: &[Complex; AZIMUTH_COUNT],
+    from: &[Eight; AZIMUTH_COUNT],
+    to: &mut [Eight; AZIMUTH_COUNT],
+) {
+    const LEG: usize = AZIMUTH_COUNT / 4;
+    for within in 0..SPAN {
+        let turn: [Complex; 4] = std::array::from_fn(|leg| {
+            twiddles[twiddle_index(within as u32, SPAN as u32, leg as u32) as usize]
+        });
+        for butterfly in (within..LEG).step_by(SPAN) {
+            let legs: [&Eight; 4] = std::array::from_fn(|leg| &from[butterfly + LEG * leg]);
+            let mut out = [[[0f32; LANES]; 2]; 4];
+            for lane in 0..LANES {
+                let turned: [Complex; 4] = std::array::from_fn(|leg| {
+                    let value = [legs[leg][0][lane], legs[leg][1][lane]];
+                    // The first leg, and all of the first stage, are turned by nothing.
+                    if leg == 0 || SPAN == 1 { value } else { complex_multiply(value, turn[leg]) }
+                });
+                for (out, [real, imaginary]) in out.iter_mut().zip(radix4_butterfly(turned)) {
+                    out[0][lane] = real;
+                    out[1][lane] = imaginary;
                 }
             }
-        });
-        radiance_w_m2_sr
+            for (leg, out) in out.into_iter().enumerate() {
+                to[stockham_target(butterfly as u32, SPAN as u32, leg as u32) as usize] = out;
+            }
+        }
     }
 }

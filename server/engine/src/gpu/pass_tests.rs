@@ -3,9 +3,12 @@
 use super::{GpuExecutor, context::Context};
 use crate::{
     cpu::{
-        basis_sum::{self, BLOCK, BlockedBasis},
-        blend, coefficients, mix,
-        transforms::{PADDED, Spectra, Transforms},
+        basis_sum::{self, BlockedBasis, FrequencySums},
+        blend,
+        coefficients::{self, CellWeights, ColumnBlock},
+        dispatch::Aligned,
+        mix::{self, MixedNode, NodeScales},
+        transforms::{GroupSpectra, Transforms, empty_spectra},
     },
     executor::Executor,
     plan::RenderPlan,
@@ -114,96 +117,101 @@ impl Rig {
         values.chunks_exact(row_bytes / 4).map(|row| row.as_chunks::<4>().0[..width].to_vec()).collect()
     }
 
-    /// `[band][node]` of one request as the device has it.
-    fn scales(&self, request: usize) -> Vec<[f32; 4]> {
+    /// Scales of one request's nodes as the device has them.
+    fn scales(&self, request: usize) -> Vec<NodeScales> {
         let total = self.plan().node_count;
         let all = self.buffer(&self.executor.workspace.scales, 4 * BAND_COUNT * total);
         let (first, count) = (self.first(request).0, self.batch[request].nodes.len());
-        let band = |band: usize| &all.as_chunks::<4>().0[band * total + first..][..count];
-        (0..BAND_COUNT).flat_map(|b| band(b).to_vec()).collect()
-    }
-
-    /// `[band][node][padded function]` of one request.
-    fn mixed(&self, request: usize) -> Vec<f32> {
-        let (first, count) = (self.first(request).0, self.batch[request].nodes.len());
-        let rows = self.texture(&self.executor.workspace.mixed, BAND_COUNT * QUAD_COUNT, first + count);
-        let padded = BASIS_COUNT.next_multiple_of(mix::BLOCK);
-        let mut values = vec![0.0; BAND_COUNT * count * padded];
-        for (position, node) in values.chunks_exact_mut(padded).enumerate() {
-            let (band, row) = (position / count, &rows[first + position % count]);
-            for (k, value) in node[..4 * QUAD_COUNT].iter_mut().enumerate() {
-                *value = row[band * QUAD_COUNT + k / 4][k % 4];
+        let mut scales = vec![NodeScales::default(); count];
+        for band in 0..BAND_COUNT {
+            let nodes = &all.as_chunks::<4>().0[band * total + first..][..count];
+            for (scales, [a, b, c, log_scale]) in scales.iter_mut().zip(nodes) {
+                scales.shares[band] = [*a, *b, *c];
+                scales.log_scale[band] = *log_scale;
             }
         }
-        values
+        scales
     }
 
-    /// `[band][cell]` (lower weight, upper weight) of one request.
-    fn weights(&self, request: usize) -> Vec<[f32; 2]> {
+    /// Shape coefficients of one request's nodes.
+    fn mixed(&self, request: usize) -> Vec<MixedNode> {
+        let (first, count) = (self.first(request).0, self.batch[request].nodes.len());
+        let rows = self.texture(&self.executor.workspace.mixed, BAND_COUNT * QUAD_COUNT, first + count);
+        let mut mixed = vec![MixedNode::default(); count];
+        for (node, row) in mixed.iter_mut().zip(&rows[first..]) {
+            for (band, functions) in node.0.iter_mut().enumerate() {
+                for (k, value) in functions[..4 * QUAD_COUNT].iter_mut().enumerate() {
+                    *value = row[band * QUAD_COUNT + k / 4][k % 4];
+                }
+            }
+        }
+        mixed
+    }
+
+    /// Weights of one request's cells.
+    fn weights(&self, request: usize) -> Vec<CellWeights> {
         let total = self.plan().cell_count;
         let height = total.div_ceil(twin::indexing::CELLS_PER_ROW as usize);
         let texels = self.texture(&self.executor.workspace.weights, 3 * 1024, height);
         let (first, count) = (self.first(request).1, self.batch[request].cells.len());
-        let mut weights = Vec::new();
-        for band in 0..BAND_COUNT {
-            for cell in first..first + count {
-                let [x, y] = twin::cell_texel(cell as u32, band as u32);
-                let texel = texels[y as usize][x as usize];
-                weights.push([texel[2], texel[3]]);
-            }
-        }
-        weights
+        let weights = |cell: usize| {
+            let [to_lower, to_upper] = [2, 3].map(|part| {
+                [0, 1, 2].map(|band| {
+                    let [x, y] = twin::cell_texel(cell as u32, band);
+                    texels[y as usize][x as usize][part]
+                })
+            });
+            [to_lower, to_upper].map(|[red, green, blue]| [red, green, blue, 0.0])
+        };
+        (first..first + count).map(weights).collect()
     }
 
-    /// `[column slot][band][padded function]` of one request.
-    fn columns(&self, request: usize) -> Vec<f32> {
+    /// H of one request by azimuth.
+    fn columns(&self, request: usize) -> Vec<ColumnBlock> {
         let functions = 4 * QUAD_COUNT;
         let values = 2 * BAND_COUNT * functions * AZIMUTH_COUNT;
         let all = self.buffer(&self.executor.workspace.coefficients, values);
-        let padded = BASIS_COUNT.next_multiple_of(mix::BLOCK);
-        let mut columns = Vec::new();
+        let mut columns = vec![ColumnBlock::default(); AZIMUTH_COUNT];
         for lit in &self.batch[request].columns {
-            for band in 0..BAND_COUNT {
-                for k in 0..padded {
+            for (band, sums) in columns[lit.azimuth as usize].0.iter_mut().enumerate() {
+                for (k, sum) in sums[..functions].iter_mut().enumerate() {
                     let pair = (request * BAND_COUNT + band) * functions / 2 + k / 2;
-                    let position = (pair * AZIMUTH_COUNT + lit.azimuth as usize) * 2 + k % 2;
-                    columns.push(if k < functions { all[position] } else { 0.0 });
+                    *sum = all[(pair * AZIMUTH_COUNT + lit.azimuth as usize) * 2 + k % 2];
                 }
             }
         }
         columns
     }
 
-    fn spectra(&self, request: usize) -> Spectra {
+    /// F[H] of one request; functions beyond those in use are 0 here and whatever they are on the device.
+    fn spectra(&self, request: usize) -> Vec<GroupSpectra> {
         let pairs = 2 * QUAD_COUNT;
         let rows = self.texture(&self.executor.workspace.spectra, FREQUENCY_COUNT, 2 * BAND_COUNT * pairs);
-        let padded = BASIS_COUNT.next_multiple_of(mix::BLOCK);
-        let mut values = vec![0.0; BAND_COUNT * padded * 2 * PADDED];
-        for band in 0..BAND_COUNT {
-            for k in 0..2 * pairs {
+        let mut spectra = vec![empty_spectra(); BAND_COUNT];
+        for (band, spectra) in spectra.iter_mut().enumerate() {
+            for k in 0..BASIS_COUNT {
                 let row = &rows[(request * BAND_COUNT + band) * pairs + k / 2];
-                for (f, texel) in row.iter().enumerate() {
-                    let start = (band * padded + k) * 2 * PADDED + f;
-                    values[start] = texel[2 * (k % 2)];
-                    values[start + PADDED] = texel[2 * (k % 2) + 1];
+                for (target, texel) in spectra.0.iter_mut().zip(row) {
+                    for part in 0..2 {
+                        target[part][k] = texel[2 * (k % 2) + part];
+                    }
                 }
             }
         }
-        Spectra { basis_count: BASIS_COUNT, values }
+        spectra
     }
 
-    fn sums(&self, request: usize) -> basis_sum::SpectrumSums {
+    fn sums(&self, request: usize) -> Vec<FrequencySums> {
         let values = 2 * BAND_COUNT * ELEVATION_COUNT * FREQUENCY_COUNT * 2;
         let all = self.buffer(&self.executor.workspace.sums, values);
-        let mut sums = vec![[[0.0; BLOCK]; 2]; PADDED / BLOCK * ELEVATION_COUNT * BAND_COUNT];
-        for band in 0..BAND_COUNT {
-            for row in 0..ELEVATION_COUNT {
-                for f in 0..FREQUENCY_COUNT {
+        let mut sums = vec![Aligned([[[0.0; ELEVATION_COUNT]; 2]; BAND_COUNT]); FREQUENCY_COUNT];
+        for (f, sums) in sums.iter_mut().enumerate() {
+            for band in 0..BAND_COUNT {
+                for row in 0..ELEVATION_COUNT {
                     let pair = ((request * BAND_COUNT + band) * ELEVATION_COUNT + row) / 2;
                     let texel = &all.as_chunks::<4>().0[pair * FREQUENCY_COUNT + f];
                     for part in 0..2 {
-                        sums[(f / BLOCK * ELEVATION_COUNT + row) * BAND_COUNT + band][part][f % BLOCK] =
-                            texel[2 * (row % 2) + part];
+                        sums.0[band][part][row] = texel[2 * (row % 2) + part];
                     }
                 }
             }
@@ -228,32 +236,53 @@ fn each_pass_agrees_with_the_cpu_on_the_same_input() {
     let transforms = Transforms::new();
     for (request, prepared) in rig.batch.iter().enumerate() {
         let scales = rig.scales(request);
-        let expected = mix::mix_scale(tables, prepared);
-        assert_close("mix_scale", scales.as_flattened(), expected.as_flattened(), 3e-7);
+        let mut expected = Vec::new();
+        mix::mix_scale(tables, prepared, true, &mut expected);
+        let flat = |scales: &[NodeScales]| -> Vec<f32> {
+            let values = |s: &NodeScales| [s.log_scale.to_vec(), s.shares.as_flattened().to_vec()].concat();
+            scales.iter().flat_map(values).collect()
+        };
+        assert_close("mix_scale", &flat(&scales), &flat(&expected), 3e-7);
 
-        let mut mixed = mix::mix_shape(tables, prepared, &scales);
-        let got = rig.mixed(request);
-        assert_close("mix_shape", &got, &mixed.shape, 1e-6);
-        mixed.shape = got;
+        let mut expected = Vec::new();
+        mix::mix_shape(tables, prepared, &scales, true, &mut expected);
+        let mixed = rig.mixed(request);
+        let flat =
+            |mixed: &[MixedNode]| mixed.iter().flat_map(|n| n.0.as_flattened().to_vec()).collect::<Vec<_>>();
+        assert_close("mix_shape", &flat(&mixed), &flat(&expected), 1e-6);
 
         let weights = rig.weights(request);
-        let expected = coefficients::weigh_cells(prepared, &scales);
-        assert_close("cell_weights", weights.as_flattened(), expected.as_flattened(), 5e-6);
+        let mut expected = Vec::new();
+        coefficients::weigh_cells(prepared, &scales, true, &mut expected);
+        let flat = |weights: &[CellWeights]| weights.as_flattened().as_flattened().to_vec();
+        assert_close("cell_weights", &flat(&weights), &flat(&expected), 5e-6);
 
         let columns = rig.columns(request);
-        let expected = coefficients::sum_columns(prepared, &mixed, &weights);
-        assert_close("coefficients", &columns, &expected, 1e-6);
+        let mut expected = Vec::new();
+        coefficients::sum_columns(prepared, &mixed, &weights, true, &mut expected);
+        let flat = |columns: &[ColumnBlock]| {
+            columns.iter().flat_map(|c| c.0.as_flattened().to_vec()).collect::<Vec<_>>()
+        };
+        assert_close("coefficients", &flat(&columns), &flat(&expected), 1e-6);
 
         let spectra = rig.spectra(request);
-        let expected = transforms.forward(prepared, &columns, BASIS_COUNT, mixed.padded_count);
-        assert_close("azimuth_fft", &spectra.values, &expected.values, 1e-6);
+        let mut expected = Vec::new();
+        transforms.forward(&columns, BASIS_COUNT, true, &mut expected);
+        let flat = |spectra: &[GroupSpectra]| -> Vec<f32> {
+            spectra.iter().flat_map(|s| s.0.as_flattened().as_flattened().to_vec()).collect()
+        };
+        assert_close("azimuth_fft", &flat(&spectra), &flat(&expected), 1e-6);
 
         let sums = rig.sums(request);
-        let expected = basis_sum::basis_sum(&BlockedBasis::of(tables), &spectra);
-        let flat = |sums: &basis_sum::SpectrumSums| sums.as_flattened().as_flattened().to_vec();
+        let mut expected = Vec::new();
+        basis_sum::basis_sum(&BlockedBasis::of(tables), &spectra, BASIS_COUNT, true, &mut expected);
+        let flat = |sums: &[FrequencySums]| -> Vec<f32> {
+            sums.iter().flat_map(|s| s.0.as_flattened().as_flattened().to_vec()).collect()
+        };
         assert_close("basis_sum", &flat(&sums), &flat(&expected), 1e-6);
 
-        let expected = transforms.inverse(&sums);
+        let mut expected = Vec::new();
+        transforms.inverse(&sums, true, &mut expected);
         assert_close("inverse_fft", &rig.rendered[request], &expected, 1e-6);
     }
 }
@@ -264,7 +293,8 @@ fn the_blend_agrees_with_the_cpu_on_the_same_input() {
     let all = rig.buffer(&rig.executor.workspace.radiance, 3 * 2 * Panorama::LEN);
     for (request, prepared) in rig.batch.iter().enumerate() {
         let sky = |slot: usize| all[(slot * 2 + request) * Panorama::LEN..][..Panorama::LEN].to_vec();
-        let expected = blend::blend(&[sky(0), sky(1), sky(2)], &prepared.turbidity_taps);
+        let skies = [sky(0), sky(1), sky(2)];
+        let expected = blend::blend(&skies.each_ref().map(Vec::as_slice), &prepared.turbidity_taps, true);
         assert_close("blend", &rig.rendered[request], &expected, 1e-5);
     }
 }

@@ -13,7 +13,8 @@ const ROUNDER: f32 = 12_582_912.0;
 #[inline(always)]
 pub fn natural_exp(x: f32) -> f32 {
     let x = x.clamp(-87.0, 88.0);
-    let n = (x * std::f32::consts::LOG2_E + ROUNDER) - ROUNDER;
+    let rounded = x * std::f32::consts::LOG2_E + ROUNDER;
+    let n = rounded - ROUNDER;
     let r = x - n * LN_2_HIGH - n * LN_2_LOW;
     let mut sum = 1.0 / 720.0 + r * (1.0 / 5040.0);
     sum = 1.0 / 120.0 + r * sum;
@@ -22,7 +23,8 @@ pub fn natural_exp(x: f32) -> f32 {
     sum = 0.5 + r * sum;
     sum = 1.0 + r * sum;
     sum = 1.0 + r * sum;
-    sum * f32::from_bits(((n as i32 + 127) << 23) as u32)
+    // The low bits of the rounded number are n: no conversion, whose care for infinities keeps loops from vectors.
+    sum * f32::from_bits((rounded.to_bits() << 23).wrapping_add(127 << 23))
 }
 
 /// ln x for normal x > 0.
