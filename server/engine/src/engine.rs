@@ -7,6 +7,7 @@ use crate::{
     request::{DeviceChoice, ExecutorKind, RenderRequest, Rendered},
     stats::{EngineStats, StatsCell},
     table_set::TableSet,
+    truncation::BasisChooser,
     worker::{self, Command, Ticket},
 };
 use serde::Serialize;
@@ -73,6 +74,7 @@ pub struct EngineInfo {
 #[derive(Debug)]
 pub struct Engine {
     set: Arc<TableSet>,
+    basis: Arc<BasisChooser>,
     info: EngineInfo,
     stats: Arc<StatsCell>,
     queue: Option<SyncSender<Command>>,
@@ -99,7 +101,8 @@ impl Engine {
             kinds: set.kinds().to_vec(),
             altitude_range_m: [0.0, set.highest_observer_m()],
         };
-        Ok(Self { set, info, stats, queue: Some(queue), capacity, thread: Some(thread) })
+        let basis = Arc::new(BasisChooser::new(Arc::clone(&set)));
+        Ok(Self { set, basis, info, stats, queue: Some(queue), capacity, thread: Some(thread) })
     }
 
     /// What it runs on.
@@ -115,6 +118,11 @@ impl Engine {
     /// Counters since the start.
     pub fn stats(&self) -> EngineStats {
         self.stats.snapshot(self.capacity)
+    }
+
+    /// What chooses the number of basis functions for a wanted accuracy.
+    pub fn basis_chooser(&self) -> Arc<BasisChooser> {
+        Arc::clone(&self.basis)
     }
 
     /// The resident packs.

@@ -11,6 +11,7 @@ pub mod engine;
 pub mod error;
 mod executor;
 mod gpu;
+mod node_norms;
 mod node_table;
 pub mod observatory;
 pub mod packs;
@@ -25,6 +26,7 @@ pub mod stats;
 pub mod synthetic;
 pub mod table_set;
 pub mod taps;
+pub mod truncation;
 pub mod twin;
 mod worker;
 
@@ -35,6 +37,7 @@ pub use packs::{PackKind, ResidentKind, resident_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};
 pub use stats::EngineStats;
 pub use table_set::TableSet;
+pub use truncation::{BasisChooser, BasisWithin};
 
 /// Most requests in one batch.
 pub const MAX_BATCH: usize = 8;

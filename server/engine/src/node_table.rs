@@ -53,6 +53,11 @@ impl<'a> NodeTable<'a> {
         }
     }
 
+    /// Whether it is the table of sources behind skylines.
+    pub(crate) fn is_behind_skyline(&self) -> bool {
+        self.blocked.is_some()
+    }
+
     /// Position in [`Self::log_scale`]; times [`Self::basis_count`] the start in [`Self::shape`].
     pub(crate) fn index(&self, observer_altitude: usize, lobe: usize, band: usize) -> usize {
         match self.blocked {

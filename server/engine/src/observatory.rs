@@ -6,6 +6,7 @@ use crate::{
     packs::PackKind,
     request::{RenderRequest, Rendered},
     scene_shelf::SceneShelf,
+    truncation::BasisChooser,
 };
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, SkyCover, SkyQuantities, Turbidity,
@@ -57,8 +58,10 @@ pub struct SkyRequest {
     pub lamp: Lamp,
     /// Where lamps send their light.
     pub emission: EmissionMix,
-    /// Basis functions; None for all.
+    /// Basis functions; None for all, or for as many as the tolerance needs.
     pub basis: Option<usize>,
+    /// Relative difference that fewer functions may make where `basis` names no number; None for all functions.
+    pub tolerance: Option<f64>,
     /// Whether the scene's terrain hides the sky below the observer's horizon.
     pub terrain_hides: bool,
 }
@@ -107,6 +110,9 @@ pub struct SkyAnswer {
     pub horizon: Horizon,
     /// How long the horizon took; None where none was computed.
     pub horizon_time: Option<Duration>,
+    /// Where a tolerance was given, the bound of the difference to the sky of all functions
+    /// ([`BasisWithin::error_bound`](crate::BasisWithin::error_bound)).
+    pub basis_error_bound: Option<f64>,
     /// The reported quantities, of the sky above the horizon.
     pub quantities: SkyQuantities,
     /// Covered share of the 300 km disc, 0..=1.
@@ -208,11 +214,16 @@ impl Observatory {
     pub async fn sky(&self, request: SkyRequest) -> Result<SkyAnswer, EngineError> {
         let (shelf, wanted) = (Arc::clone(&self.shelf), request.clone());
         let hides_lights = self.hides_lights(request.kind());
-        let view = tokio::task::spawn_blocking(move || View::of(&shelf, &wanted, hides_lights))
-            .await
-            .map_err(|_| EngineError::Stopped)??;
-        let rendered = self.engine.render(view.render_request(&request)).await?;
-        Ok(view.answer(&request, rendered))
+        let basis = self.engine.basis_chooser();
+        let prepare = move || {
+            let view = View::of(&shelf, &wanted, hides_lights)?;
+            let to_render = view.render_request(&wanted, &basis)?;
+            Ok::<_, EngineError>((view, to_render))
+        };
+        let (view, (to_render, bound)) =
+            tokio::task::spawn_blocking(prepare).await.map_err(|_| EngineError::Stopped)??;
+        let rendered = self.engine.render(to_render).await?;
+        Ok(view.answer(&request, rendered, bound))
     }
 
     /// [`Self::sky`] for threads outside an asynchronous runtime. Panics inside one.
@@ -221,8 +232,9 @@ impl Observatory {
     /// As [`Self::sky`].
     pub fn sky_blocking(&self, request: &SkyRequest) -> Result<SkyAnswer, EngineError> {
         let view = View::of(&self.shelf, request, self.hides_lights(request.kind()))?;
-        let rendered = self.engine.render_blocking(view.render_request(request))?;
-        Ok(view.answer(request, rendered))
+        let (to_render, bound) = view.render_request(request, &self.engine.basis_chooser())?;
+        let rendered = self.engine.render_blocking(to_render)?;
+        Ok(view.answer(request, rendered, bound))
     }
 
     /// Whether the packs of a kind know sources behind skylines.
@@ -266,8 +278,13 @@ impl View {
         Ok(Self { scene, polar, observer, horizon })
     }
 
-    fn render_request(&self, request: &SkyRequest) -> RenderRequest {
-        RenderRequest {
+    /// What is to be rendered; with a tolerance, the fewest functions that it allows, and the bound of what they miss.
+    fn render_request(
+        &self,
+        request: &SkyRequest,
+        basis: &BasisChooser,
+    ) -> Result<(RenderRequest, Option<f64>), EngineError> {
+        let mut to_render = RenderRequest {
             polar: Arc::clone(&self.polar),
             observer_altitude_m: self.observer.altitude_m,
             turbidity: request.turbidity,
@@ -276,10 +293,21 @@ impl View {
             emission: request.emission,
             flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
             basis: request.basis,
-        }
+        };
+        let (None, Some(tolerance)) = (request.basis, request.tolerance) else {
+            return Ok((to_render, None));
+        };
+        let within = basis.basis_within(&to_render, tolerance)?;
+        to_render.basis = Some(within.basis_count);
+        Ok((to_render, Some(within.error_bound)))
     }
 
-    fn answer(self, request: &SkyRequest, mut rendered: Rendered) -> SkyAnswer {
+    fn answer(
+        self,
+        request: &SkyRequest,
+        mut rendered: Rendered,
+        basis_error_bound: Option<f64>,
+    ) -> SkyAnswer {
         let atmosphere = Atmosphere::new(request.turbidity);
         let (horizon, horizon_time) = self.horizon.unzip();
         let horizon = horizon.unwrap_or_default();
@@ -293,6 +321,7 @@ impl View {
                 &horizon,
             ),
             rendered,
+            basis_error_bound,
             horizon,
             horizon_time,
             coverage: self.polar.coverage,

@@ -62,6 +62,7 @@ fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeigh
         lamp: LampPreset::Mixed.lamp(),
         emission: EmissionMix::garstang(),
         basis: None,
+        tolerance: None,
         terrain_hides: true,
     }
 }

@@ -195,6 +195,7 @@ impl SkySource for ObservatorySource {
                 lamp: query.lamp,
                 emission: query.emission,
                 basis: query.basis,
+                tolerance: query.tolerance,
                 terrain_hides: query.terrain_hides,
             };
             let answer = self.observatory.sky(request).await?;
@@ -209,6 +210,7 @@ impl SkySource for ObservatorySource {
                 local_optical_depth: answer.local_optical_depth,
                 flux_dnb_w: answer.flux_dnb_w,
                 basis_count: answer.rendered.basis_count,
+                basis_error_bound: answer.basis_error_bound,
                 passes: horizon_time.into_iter().chain(passes).collect(),
                 horizon: answer.horizon,
                 panorama: answer.rendered.panorama,

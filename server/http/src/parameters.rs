@@ -135,8 +135,8 @@ parameters! {
     CLOUDS = "clouds", Kind::Text { allowed: "none, or a whole number from 200 to 12000 m" }, "none", false;
     /// Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count.
     TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
-    /// Wanted relative error (not supported yet).
-    TOLERANCE = "tolerance", Kind::Text { allowed: "not to be given yet" }, "", false;
+    /// Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`.
+    TOLERANCE = "tolerance", Kind::Number { minimum: 0.0001, maximum: 0.5, unit: "" }, "", false;
     /// Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻².
     SKY = "sky", Kind::Choice(&["artificial", "total"]), "artificial", false;
     /// Id of a scenario or plan (not supported yet).
@@ -206,8 +206,7 @@ parameter_sets! {
     ];
     /// Those of a sky that is summed over every light: it has no basis.
     ReferenceParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, CLOUDS, TERRAIN, TOLERANCE, SKY,
-        SCENARIO,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, CLOUDS, TERRAIN, SKY, SCENARIO,
     ];
     /// Those of a panorama's raw grid.
     GridParameters = [

@@ -70,8 +70,10 @@ pub struct SkyQuery {
     pub lamp: Lamp,
     /// Where lamps send their light.
     pub emission: EmissionMix,
-    /// Basis functions; None for all.
+    /// Basis functions; None for all, or for as many as the tolerance needs.
     pub basis: Option<usize>,
+    /// Relative difference that fewer functions may make; None where all are wanted, or a number of them is.
+    pub tolerance: Option<f64>,
     /// Whether terrain hides the sky.
     pub terrain_hides: bool,
 }
@@ -99,6 +101,8 @@ pub struct RenderedSky {
     pub flux_dnb_w: f64,
     /// Basis functions used.
     pub basis_count: usize,
+    /// Where a tolerance was given: bound of the relative difference to the sky of all functions.
+    pub basis_error_bound: Option<f64>,
     /// Name and time [µs] of each pass, for the batch it was in; before them `horizon`, where one was computed.
     pub passes: Vec<(&'static str, f64)>,
 }

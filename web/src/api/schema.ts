@@ -4,6 +4,8 @@
 export type Assumptions = {
   /** Basis functions used. */
   basis_count: number;
+  /** With `tolerance`: the relative difference to the sky of all basis functions is at most this, in the norm over the open sky and the worst band; 0 with all of them, null without `tolerance`. */
+  basis_error_bound?: number | null;
   /** Factor on the raster's radiances. */
   calibration: number;
   /** Lambertian albedo of that base from below; null where there are no clouds. */
@@ -398,8 +400,8 @@ export interface Gets {
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
-      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
-      tolerance?: string;
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
@@ -462,8 +464,8 @@ export interface Gets {
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
-      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
-      tolerance?: string;
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
@@ -512,8 +514,8 @@ export interface Gets {
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
-      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
-      tolerance?: string;
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
@@ -550,8 +552,8 @@ export interface Gets {
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
-      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
-      tolerance?: string;
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
@@ -614,8 +616,8 @@ export interface Gets {
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
-      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
-      tolerance?: string;
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
@@ -664,8 +666,8 @@ export interface Gets {
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
-      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
-      tolerance?: string;
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
@@ -751,8 +753,8 @@ export interface Gets {
       clouds?: string;
       /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
       terrain?: "on" | "off";
-      /** Wanted relative error (not supported yet). Allowed: not to be given yet. */
-      tolerance?: string;
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */

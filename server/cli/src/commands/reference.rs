@@ -140,6 +140,7 @@ impl Reference {
             local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
             flux_dnb_w: sources.iter().map(|blocked| blocked.source.flux_dnb_w).sum(),
             basis_count: 0,
+            basis_error_bound: None,
             passes: Vec::new(),
         };
         // Skylines come from the terrain itself, also where the scene was stored without them.
@@ -158,6 +159,7 @@ impl Reference {
         if let Some(fields) = answer.as_object_mut() {
             // A sum has no basis.
             fields.remove("basis_count");
+            fields.remove("basis_error_bound");
             if is_sample {
                 // What is interpolated is no truth, direction by direction.
                 fields.remove("radiance");

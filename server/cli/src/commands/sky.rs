@@ -56,6 +56,9 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
     let depth = assumptions.local_optical_depth;
     let emission = &assumptions.emission;
     let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let bound = assumptions
+        .basis_error_bound
+        .map_or_else(String::new, |bound| format!(", within {bound:.4} of the sky of all"));
     let mut rows = vec![
         row("zenith, artificial", or_dark(sky.zenith_brightness_mag_arcsec2)),
         row("", format!("{:.4e} cd m-2", sky.zenith_luminance_cd_m2)),
@@ -89,7 +92,10 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         row("terrain", terrain(assumptions).to_owned()),
         row("calibration", assumptions.calibration.to_string()),
         row("coverage", format!("{:.1} % of the 300 km around", 100.0 * assumptions.coverage)),
-        row("computed by", format!("{}, {} basis functions", assumptions.executor, assumptions.basis_count)),
+        row(
+            "computed by",
+            format!("{}, {} basis functions{bound}", assumptions.executor, assumptions.basis_count),
+        ),
     ];
     for warning in &assumptions.warnings {
         rows.push(row("warning", warning.clone()));

@@ -100,6 +100,9 @@ pub struct Assumptions {
     pub flux_within_300_km_dnb_w: f64,
     /// Basis functions used.
     pub basis_count: usize,
+    /// With `tolerance`: the relative difference to the sky of all basis functions is at most this, in the norm over the
+    /// open sky and the worst band; 0 with all of them, null without `tolerance`.
+    pub basis_error_bound: Option<f64>,
     /// What rendered: `gpu`, `lavapipe` or `cpu`.
     pub executor: String,
     /// What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the
@@ -135,6 +138,7 @@ impl Assumptions {
                 && kind.and_then(|kind| kind.why_open).is_none(),
             flux_within_300_km_dnb_w: sky.flux_dnb_w,
             basis_count: sky.basis_count,
+            basis_error_bound: sky.basis_error_bound,
             executor: facts.executor.clone(),
             warnings: sky_warnings(query, scene, sky.ground, facts),
         }

@@ -33,6 +33,7 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
     let lamp = read_lamp(reader);
     let emission = read_emission(reader);
     let basis = read_basis(reader, facts, kind);
+    let tolerance = read_tolerance(reader);
     let terrain_hides = reader.choice(&p::TERRAIN) != Some("off");
     read_what_is_not_there_yet(reader);
     reader.is_fine().then_some(())?;
@@ -46,6 +47,7 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
         lamp,
         emission,
         basis,
+        tolerance,
         terrain_hides,
     })
 }
@@ -129,6 +131,15 @@ fn read_basis(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>
     Some(basis)
 }
 
+fn read_tolerance(reader: &mut Reader) -> Option<f64> {
+    let tolerance = reader.number(&p::TOLERANCE);
+    if reader.text(&p::TOLERANCE).is_some() && reader.text(&p::BASIS).is_some() {
+        let message = Some("excludes `basis`, which is given too".to_owned());
+        reader.fail(&p::TOLERANCE, Mistake::Conflict, message, Some("one of the two".to_owned()));
+    }
+    tolerance
+}
+
 fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>) -> Option<Turbidity> {
     let given = reader.number_of_any_size(&p::TURBIDITY);
     if reader.text(&p::TURBIDITY).is_some() && given.is_none() {
@@ -174,9 +185,7 @@ fn read_emission(reader: &mut Reader) -> EmissionMix {
 
 /// Parameters whose only possible value, for now, is what the answer says anyway.
 fn read_what_is_not_there_yet(reader: &mut Reader) {
-    for parameter in [&p::TOLERANCE, &p::SCENARIO] {
-        if reader.text(parameter).is_some() {
-            reader.fail(parameter, Mistake::NotSupportedYet, None, None);
-        }
+    if reader.text(&p::SCENARIO).is_some() {
+        reader.fail(&p::SCENARIO, Mistake::NotSupportedYet, None, None);
     }
 }

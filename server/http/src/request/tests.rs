@@ -80,9 +80,9 @@ fn altitudes_below_the_sea_count_as_0() {
 
 #[test]
 fn what_is_not_built_yet_is_said_to_be_so() {
-    let (kind, errors) = refused("lat=-1&lon=36&tolerance=0.01&scenario=abc");
+    let (kind, errors) = refused("lat=-1&lon=36&scenario=abc");
     assert_eq!(kind, "/problems/not-supported-yet");
-    assert_eq!(errors.len(), 2);
+    assert_eq!(errors.len(), 1);
     assert_eq!(refused("lat=-1&lon=36&scattering=multiple").0, "/problems/not-resident");
     assert_eq!(refused("lat=-1&lon=36&basis=128").0, "/problems/not-resident");
     for fine in ["clouds=none", "scattering=single", "terrain=on", "terrain=off", "basis=64"] {
@@ -168,6 +168,23 @@ fn a_basis_of_any_wrong_size_is_refused_with_what_is_resident() {
         assert_eq!(problem.errors[0].allowed, "a whole number from 1 to 64", "{basis}");
     }
     assert_eq!(refused("lat=-1&lon=36&basis=6.5").1, [("basis".to_owned(), Mistake::Malformed)]);
+}
+
+#[test]
+fn a_tolerance_out_of_range_or_beside_a_basis_is_refused_by_name() {
+    let (sky, _) = read("lat=-1&lon=36&tolerance=0.05").unwrap();
+    assert_eq!((sky.tolerance, sky.basis), (Some(0.05), None));
+    assert_eq!(read("lat=-1&lon=36").unwrap().0.tolerance, None);
+    for (query, code, allowed) in [
+        ("tolerance=0", Mistake::NotAllowed, "0.0001 to 0.5"),
+        ("tolerance=0.51", Mistake::NotAllowed, "0.0001 to 0.5"),
+        ("tolerance=few", Mistake::Malformed, "0.0001 to 0.5"),
+        ("tolerance=0.05&basis=8", Mistake::Conflict, "one of the two"),
+    ] {
+        let errors = read(&format!("lat=-1&lon=36&{query}")).unwrap_err().problem().errors;
+        assert_eq!((errors.len(), errors[0].parameter.as_str()), (1, "tolerance"), "{query}");
+        assert_eq!((errors[0].code, errors[0].allowed.as_str()), (code, allowed), "{query}");
+    }
 }
 
 #[test]

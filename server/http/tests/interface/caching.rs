@@ -40,6 +40,7 @@ async fn what_changes_the_answer_changes_its_tag_and_what_does_not_does_not() {
         "&width=500",
         "&sky=total",
         "&basis=32",
+        "&tolerance=0.1",
         "&terrain=off",
     ] {
         assert_ne!(tag(other).await, plain, "{other}");
@@ -60,6 +61,31 @@ async fn identical_requests_answer_identical_bytes_and_are_rendered_once() {
     let json = server.answer(&format!("/api/v1/scenes/demo/panorama.json?{PLACE}")).await;
     assert_eq!(json.status(), 200);
     assert_eq!(server.renders(), 1);
+}
+
+#[tokio::test]
+async fn numbers_and_pictures_of_one_sky_asked_for_at_once_are_rendered_once() {
+    let server = Server::start().await;
+    *server.fake.mood.lock().unwrap() = crate::fake::Mood::Slow(std::time::Duration::from_millis(300));
+    let path = |name: &str, query: &str| format!("/api/v1/scenes/demo/{name}?{PLACE}{query}");
+    let (numbers, picture, fisheye, raster) = (
+        path("sky", ""),
+        path("panorama.png", ""),
+        path("panorama.png", "&projection=fisheye"),
+        path("panorama.tif", ""),
+    );
+    let answers = tokio::join!(
+        server.answer(&numbers),
+        server.answer(&picture),
+        server.answer(&fisheye),
+        server.answer(&raster)
+    );
+    assert!([answers.0, answers.1, answers.2, answers.3].iter().all(|answer| answer.status() == 200));
+    assert_eq!(server.renders(), 1);
+    // Another sky is another rendering.
+    let other = path("sky", "&turbidity=3");
+    tokio::join!(server.answer(&numbers), server.answer(&other));
+    assert_eq!(server.renders(), 2);
 }
 
 #[tokio::test]

@@ -174,7 +174,8 @@ impl Fake {
             calibration: 1.0,
             local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
             flux_dnb_w: 1e6,
-            basis_count: query.basis.unwrap_or(64),
+            basis_count: query.basis.unwrap_or(if query.tolerance.is_some() { 16 } else { 64 }),
+            basis_error_bound: query.tolerance.map(|tolerance| 0.5 * tolerance),
             passes: vec![("coefficients", 900.0), ("basis sum", 80.0)],
         })
     }

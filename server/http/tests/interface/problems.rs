@@ -101,7 +101,6 @@ async fn what_is_not_there_yet_is_422_and_says_so() {
         ("scattering=multiple", "/problems/not-resident"),
         ("basis=65", "/problems/not-resident"),
         ("clouds=1200", "/problems/not-resident"),
-        ("tolerance=0.01", "/problems/not-supported-yet"),
         ("scenario=7", "/problems/not-supported-yet"),
     ] {
         let (status, got, _) = problem(&server, &format!("{SKY}&{query}")).await;

@@ -22,8 +22,8 @@ impl Whole {
         let data = folder.path().to_owned();
         let observatory = tokio::task::spawn_blocking(move || {
             create_demo(&SceneStore::new(&data), &mut |_| {}).unwrap();
-            let mut tables = synthetic::table_set(&[1.5, 2.5, 4.0, 6.0], 8);
-            tables.extend(synthetic::table_set_of(Scattering::Multiple, &[1.5, 2.5, 4.0], 8));
+            let mut tables = synthetic::table_set(&[1.5, 2.5, 4.0, 6.0], 24);
+            tables.extend(synthetic::table_set_of(Scattering::Multiple, &[1.5, 2.5, 4.0], 24));
             let config = EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() };
             Observatory::new(Engine::start(config).unwrap(), Vec::new(), &data, 2)
         })
@@ -96,6 +96,9 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
     assert_eq!(png.status(), 200);
     assert_eq!(whole.source.stats().rendered, rendered + 1);
 
+    let (_, open) = whole.json(&format!("/api/v1/scenes/demo/panorama.json?{place}&terrain=off")).await;
+    a_tolerance_is_kept(&whole, &place, &open).await;
+
     let (status, problem) = whole.json("/api/v1/scenes/demo/sky?lat=80&lon=0").await;
     assert_eq!((status, &problem["bounds"]), (404, &scene["bounds"]));
     let (status, problem) = whole.json(&format!("/api/v1/scenes/demo/sky?{place}&turbidity=5")).await;
@@ -128,4 +131,26 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
         let tile = image::load_from_memory(&answer.bytes().await.unwrap()).unwrap().into_rgba8();
         assert!(tile.pixels().any(|pixel| pixel.0[3] > 0), "{layer} shows something");
     }
+}
+
+/// Fewer functions are used, and the sky is as near to that of all as the answer says; a tighter tolerance takes more.
+async fn a_tolerance_is_kept(whole: &Whole, place: &str, all: &Value) {
+    let samples = |panorama: &Value| -> Vec<f64> {
+        let bands = panorama["radiance"].as_array().unwrap().iter();
+        let rows = bands.flat_map(|band| band.as_array().unwrap()).flat_map(|row| row.as_array().unwrap());
+        rows.map(|value| value.as_f64().unwrap()).collect()
+    };
+    let whole_sky = samples(all);
+    assert_eq!((&all["basis_count"], &all["basis_error_bound"]), (&json!(24), &Value::Null));
+    let mut counts = Vec::new();
+    for tolerance in [0.5, 0.05, 0.0001] {
+        let path = format!("/api/v1/scenes/demo/panorama.json?{place}&terrain=off&tolerance={tolerance}");
+        let (status, sky) = whole.json(&path).await;
+        let bound = sky["basis_error_bound"].as_f64().unwrap();
+        assert!(status == 200 && bound <= tolerance, "{bound} {tolerance}");
+        let difference = samples(&sky).iter().zip(&whole_sky).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        counts.push((sky["basis_count"].as_u64().unwrap(), difference > 0.0));
+    }
+    assert_eq!((counts[0], counts[2]), ((8, true), (24, false)), "{counts:?}");
+    assert!(counts[1].0 >= counts[0].0, "{counts:?}");
 }
