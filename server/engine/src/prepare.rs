@@ -129,6 +129,11 @@ impl Prepared {
         self.cells.is_empty()
     }
 
+    /// Whether the lamps have light in each of the bands.
+    pub fn lit_bands(&self) -> impl Iterator<Item = bool> {
+        self.flux_per_dnb_flux.iter().map(|flux| *flux > 0.0)
+    }
+
     /// True where one submission can serve both requests.
     pub fn is_compatible(&self, other: &Self) -> bool {
         self.basis_count == other.basis_count
@@ -141,6 +146,7 @@ impl Prepared {
             mixed_nodes: self.nodes.len(),
             lit_cells: self.cells.len(),
             lit_columns: self.columns.len(),
+            lit_bands: if self.is_dark() { 0 } else { self.lit_bands().filter(|lit| *lit).count() },
             packs: if self.is_dark() { 0 } else { self.turbidity_taps.indices().len() },
         }
     }

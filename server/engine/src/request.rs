@@ -70,6 +70,8 @@ pub struct WorkCount {
     pub lit_cells: usize,
     /// Columns with light.
     pub lit_columns: usize,
+    /// Bands with light: the others are black, and the executor in plain Rust leaves them out.
+    pub lit_bands: usize,
     /// Packs rendered.
     pub packs: usize,
 }

@@ -8,6 +8,7 @@ use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, EngineError, ExecutorKind, RenderRequest, TableSet, WorkCount,
     prepare::Prepared, reference::render_f64, synthetic,
 };
+use skyglow_physics::Turbidity;
 use std::{
     sync::Arc,
     time::{Duration, Instant},
@@ -175,6 +176,57 @@ fn dark_parts_cost_nothing() {
     assert_eq!(after.lit_cells - before.lit_cells, 2);
     assert_eq!(after.lit_columns - before.lit_columns, 2);
     assert!(rendered.panorama.samples().iter().any(|value| *value > 0.0));
+}
+
+#[test]
+fn bands_without_light_are_left_out_and_the_others_stay_as_they_are_bit_for_bit() {
+    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+        let engine = engine(device, &[2.0], 40);
+        let all = request(synthetic::polar_grid(5, 2000), 2.0);
+        let red_dark = RenderRequest { flux_per_dnb_flux: [0.0, 0.642, 0.186], ..all.clone() };
+        let green_alone = RenderRequest { flux_per_dnb_flux: [0.0, 0.642, 0.0], ..all.clone() };
+        let render = |request: &RenderRequest| engine.render_blocking(request.clone()).unwrap();
+        let (all, red_dark, green_alone) = (render(&all), render(&red_dark), render(&green_alone));
+        assert_eq!([&all, &red_dark, &green_alone].map(|sky| sky.work.lit_bands), [3, 2, 1]);
+        let per_band = all.panorama.samples().len() / 3;
+        let band = |sky: &skyglow_engine::Rendered, band: usize| {
+            sky.panorama.samples()[band * per_band..][..per_band].to_vec()
+        };
+        let black = vec![0.0; per_band];
+        assert_eq!([0, 1, 2].map(|b| band(&red_dark, b)), [black.clone(), band(&all, 1), band(&all, 2)]);
+        assert_eq!([0, 1, 2].map(|b| band(&green_alone, b)), [black.clone(), band(&all, 1), black.clone()]);
+        assert!([0, 1, 2].iter().all(|&b| band(&all, b) != black));
+    }
+}
+
+#[test]
+fn parts_of_the_sky_that_need_no_work_are_not_in_its_count() {
+    let engine = engine(DeviceChoice::Cpu, &[2.0, 3.0, 4.0], 8);
+    let work = |request: &RenderRequest| engine.render_blocking(request.clone()).unwrap().work;
+    let grid = synthetic::polar_grid(5, 4000);
+    let all = request(grid.clone(), 2.3);
+    let full = work(&all);
+    assert_eq!((full.lit_columns, full.lit_bands, full.packs), (256, 3, 3));
+    let darkened = |keep: &dyn Fn(usize, u32) -> bool| {
+        let mut dark = grid.clone();
+        for azimuth in 0..256 {
+            let column = grid.azimuth_start[azimuth] as usize..grid.azimuth_start[azimuth + 1] as usize;
+            for cell in dark.cells[column].iter_mut().filter(|cell| !keep(azimuth, cell.ring)) {
+                cell.flux_dnb_w = 0.0;
+            }
+        }
+        RenderRequest { polar: Arc::new(dark), ..all.clone() }
+    };
+    let half_dark = work(&darkened(&|azimuth, _| azimuth < 128));
+    assert_eq!(half_dark.lit_columns, 128);
+    assert!(half_dark.lit_cells < full.lit_cells * 6 / 10, "{half_dark:?}");
+    let near = work(&darkened(&|_, ring| ring < 96));
+    assert!(
+        near.mixed_nodes < full.mixed_nodes * 7 / 10 && near.lit_cells < full.lit_cells * 6 / 10,
+        "{near:?}"
+    );
+    let resident = RenderRequest { turbidity: Turbidity::new(3.0).unwrap(), ..all.clone() };
+    assert_eq!(work(&resident).packs, 1);
 }
 
 #[test]

@@ -99,7 +99,14 @@ pub(crate) fn sum_columns(
         let lit = request.columns.partition_point(|lit| lit.azimuth < first);
         let end = request.columns.partition_point(|lit| lit.azimuth < first + AZIMUTHS_PER_TASK as u32);
         let nodes = &mixed[block * node_count..][..node_count];
-        sum_cells(&request.columns[lit..end], &request.cells, weights, nodes, first, columns);
+        let lit = &request.columns[lit..end];
+        if request.lit_bands().all(|is_lit| is_lit) {
+            sum_cells(lit, &request.cells, weights, nodes, first, columns);
+            return;
+        }
+        for (band, _) in request.lit_bands().enumerate().filter(|(_, is_lit)| *is_lit) {
+            sum_cells_in_band(lit, &request.cells, weights, nodes, first, band, columns);
+        }
     });
 }
 
@@ -139,5 +146,44 @@ fn sum_cells_body<const FUSED: bool>(
             }
         }
         sums[(lit.azimuth - first) as usize] = Aligned(sum);
+    }
+}
+
+dispatch_wide!(
+    /// The same in one band alone, bit for bit.
+    sum_cells_in_band, sum_cells_in_band_wide, sum_cells_in_band_body,
+    (
+        lit: &[LitColumn],
+        cells: &[PreparedCell],
+        weights: &[CellWeights],
+        nodes: &[MixedNode],
+        first: u32,
+        band: usize,
+        sums: &mut [ColumnBlock]
+    )
+);
+
+#[inline(always)]
+fn sum_cells_in_band_body<const FUSED: bool>(
+    lit: &[LitColumn],
+    cells: &[PreparedCell],
+    weights: &[CellWeights],
+    nodes: &[MixedNode],
+    first: u32,
+    band: usize,
+    sums: &mut [ColumnBlock],
+) {
+    for lit in lit {
+        let range = lit.first_cell as usize..lit.end_cell as usize;
+        let mut sum = [0f32; BLOCK];
+        for (cell, weights) in cells[range.clone()].iter().zip(&weights[range]) {
+            let lower = &nodes[cell.lower_node as usize].0[band];
+            let upper = &nodes[cell.upper_node as usize].0[band];
+            for k in 0..BLOCK {
+                let with_lower = multiply_add::<FUSED>(weights[0][band], lower[k], sum[k]);
+                sum[k] = multiply_add::<FUSED>(weights[1][band], upper[k], with_lower);
+            }
+        }
+        sums[(lit.azimuth - first) as usize].0[band] = sum;
     }
 }

@@ -118,7 +118,11 @@ fn mix_node(
     let table = NodeTable::of(tables, request, &request.nodes[node]);
     let weights = table.taps.weights_f32();
     let in_use = basis_count.min(table.basis_count).saturating_sub(first).min(BLOCK);
-    for (band, sum) in mixed.0.iter_mut().enumerate() {
+    for ((band, sum), is_lit) in mixed.0.iter_mut().enumerate().zip(request.lit_bands()) {
+        if !is_lit {
+            *sum = [0.0; BLOCK];
+            continue;
+        }
         let mut terms: [(f32, &[f16]); LOBE_COUNT * Taps::MAX] = [(0.0, &[]); LOBE_COUNT * Taps::MAX];
         let mut count = 0;
         for lobe in (0..LOBE_COUNT).filter(|&lobe| scales.shares[band][lobe] > 0.0) {

@@ -93,6 +93,7 @@ impl CpuExecutor {
     fn render_pack(&self, item: &Item<'_>, side_by_side: bool) -> (Vec<f32>, PassClock) {
         let (request, tables) = (item.request, &self.set.tables()[item.pack]);
         let basis_count = request.basis_count.min(tables.basis_count);
+        let lit_bands = request.flux_per_dnb_flux.map(|flux| flux > 0.0);
         let mut clock = PassClock::default();
         let mut scratch = self.scratch.take();
         let Scratch { scales, mixed, weights, columns, spectra, sums } = &mut scratch;
@@ -104,12 +105,12 @@ impl CpuExecutor {
             coefficients::sum_columns(request, mixed, weights, side_by_side, columns);
         });
         clock.time(Pass::AzimuthFft, || {
-            self.transforms.forward(columns, basis_count, side_by_side, spectra);
+            self.transforms.forward(lit_bands, columns, basis_count, side_by_side, spectra);
         });
         clock.time(Pass::BasisSum, || {
             basis_sum::basis_sum(&self.basis[item.pack], spectra, basis_count, side_by_side, sums);
         });
-        clock.time(Pass::InverseFft, || self.transforms.inverse(sums, side_by_side, &mut sky));
+        clock.time(Pass::InverseFft, || self.transforms.inverse(lit_bands, sums, side_by_side, &mut sky));
         self.scratch.keep(scratch);
         (sky, clock)
     }

@@ -44,9 +44,11 @@ impl Transforms {
         Self { twiddles: std::array::from_fn(twiddle) }
     }
 
-    /// F[H] of the first `basis_count` functions, `[group][band]`, from columns `[block][azimuth]`.
+    /// F[H] of the first `basis_count` functions, `[group][band]`, from columns `[block][azimuth]`; 0 in bands without
+    /// light.
     pub(crate) fn forward(
         &self,
+        lit_bands: [bool; BAND_COUNT],
         columns: &[ColumnBlock],
         basis_count: usize,
         side_by_side: bool,
@@ -55,6 +57,10 @@ impl Transforms {
         spectra.resize(basis_count.div_ceil(FUNCTIONS_PER_GROUP) * BAND_COUNT, empty_spectra());
         for_each_part(side_by_side, spectra, 1, |task, target| {
             let (group, band) = (task / BAND_COUNT, task % BAND_COUNT);
+            if !lit_bands[band] {
+                target[0] = empty_spectra();
+                return;
+            }
             let columns = &columns[group / GROUPS_PER_BLOCK * AZIMUTH_COUNT..][..AZIMUTH_COUNT];
             transform_columns(&self.twiddles, columns, band, group % GROUPS_PER_BLOCK, &mut target[0]);
         });
@@ -63,12 +69,17 @@ impl Transforms {
     /// Radiance `[band][row][column]` from the summed spectra, clamped at 0.
     pub(crate) fn inverse(
         &self,
+        lit_bands: [bool; BAND_COUNT],
         sums: &[FrequencySums],
         side_by_side: bool,
         radiance_w_m2_sr: &mut Vec<f32>,
     ) {
         radiance_w_m2_sr.resize(Panorama::LEN, 0.0);
         for_each_part(side_by_side, radiance_w_m2_sr, ROWS_PER_GROUP * AZIMUTH_COUNT, |task, rows| {
+            if !lit_bands[task / ROW_GROUPS] {
+                rows.fill(0.0);
+                return;
+            }
             let (rows, _) = rows.as_chunks_mut::<AZIMUTH_COUNT>();
             transform_rows(&self.twiddles, sums, task / ROW_GROUPS, task % ROW_GROUPS, rows);
         });
