@@ -6,13 +6,18 @@
 
 mod bounds;
 mod checks;
+mod demo;
 mod detectors;
 mod digits;
+mod geotiff;
 mod kernel;
 mod nodes;
 mod passes;
+mod places;
 mod plain;
+mod random;
 mod rig;
+mod sizes;
 mod symmetry;
 mod walks;
 
@@ -35,6 +40,10 @@ const TOPICS: &[Topic] = &[
     ("digits", digits::run),
     ("bounds", bounds::run),
     ("symmetry", symmetry::run),
+    ("places", places::run),
+    ("sizes", sizes::run),
+    ("random", random::run),
+    ("demo", demo::run),
     ("nodes", nodes::run),
     ("walks", walks::run),
 ];
