@@ -16,7 +16,7 @@
 //! converged, without noise.
 
 use skyglow_physics::{
-    Atmosphere, Band, CloudBase, LOBE_COUNT, Lobe, Turbidity,
+    Atmosphere, BAND_COUNT, Band, CloudBase, LOBE_COUNT, Lobe, Turbidity,
     multiple_scattering::{
         DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow,
         monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
@@ -272,7 +272,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 for (direction_index, &(azimuth_deg, elevation_deg)) in directions.iter().enumerate() {
                     let (azimuth, elevation) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
                     let row = ViewRow::new(&field, observer_altitude_m, elevation)?;
-                    let (mut first, mut higher) = ([[0.0; LOBE_COUNT]; 3], [[0.0; LOBE_COUNT]; 3]);
+                    let (mut first, mut higher) =
+                        ([[0.0; LOBE_COUNT]; BAND_COUNT], [[0.0; LOBE_COUNT]; BAND_COUNT]);
                     let points = disc_points(lamp_radius_m, geometry.distance_m);
                     for &(distance_m, beside_rad) in &points {
                         let (geometry, azimuth) =
@@ -284,7 +285,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                             field.radiance_per_watt(&geometry, azimuth, elevation)?
                         };
                         let share = 1.0 / points.len() as f64;
-                        for (b, f) in (0..3).flat_map(|b| (0..LOBE_COUNT).map(move |f| (b, f))) {
+                        for (b, f) in (0..BAND_COUNT).flat_map(|b| (0..LOBE_COUNT).map(move |f| (b, f))) {
                             first[b][f] += share * once[b][f];
                             higher[b][f] += share * more[b][f];
                         }

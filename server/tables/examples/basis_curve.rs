@@ -12,13 +12,12 @@ use rayon::prelude::*;
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
-    multiple_scattering::DEFAULT_GROUND_ALBEDO,
     panorama::{elevation_rad, solid_angle_sr},
     photometry::luminance_cd_m2,
     single_source::SourceGeometry,
 };
 use skyglow_tables::{
-    MultipleAxes, MultipleTable, PrecomputeOptions, Scattering,
+    MultipleTable, PrecomputeOptions, Scattering,
     fit::{Basis, Projector, dim_factor, sample_weights},
     images::{HALF_COLUMN_COUNT, PIXEL_COUNT, SourceImages, image_index, images_of},
     precompute::basis_alone,
@@ -27,7 +26,9 @@ use std::{error::Error, path::Path};
 
 #[path = "basis_curve/classes.rs"]
 mod classes;
+mod kept_fields;
 use classes::{Class, Light};
+use kept_fields::kept_table;
 
 /// Emission mixes that every class is lit with: `[lambert, horizon, oblique]`.
 const MIXES: [(&str, [f64; LOBE_COUNT]); 4] = [
@@ -198,18 +199,4 @@ fn sky<'a>(lights: &'a [Lit], mix: [f64; LOBE_COUNT], shape: impl Fn(usize) -> &
         }
     }
     sky
-}
-
-/// The table whose parts `multiple_accuracy` left; what is missing is solved (minutes).
-fn kept_table(
-    atmosphere: Atmosphere,
-    distance_m: &[f64],
-    cache: &Path,
-) -> Result<MultipleTable, Box<dyn Error>> {
-    let kept = |ground: usize, offset: usize| {
-        let bytes = std::fs::read(cache.join(format!("{ground:02}-{offset:02}"))).ok()?;
-        Some(bytemuck::pod_collect_to_vec::<u8, f32>(&bytes))
-    };
-    let axes = MultipleAxes::full(DEFAULT_GROUND_ALBEDO);
-    Ok(MultipleTable::solve(atmosphere, &axes, distance_m, kept, |_, _, _| Ok(()))?)
 }

@@ -5,17 +5,17 @@
 //! row, rows 1–7, 8–31, 32–62 and the zenith, relative to max(image, a thousandth of its zenith).
 
 use half::f16;
-use skyglow_physics::{
-    Atmosphere, ELEVATION_COUNT, Turbidity, multiple_scattering::DEFAULT_GROUND_ALBEDO,
-    single_source::SourceGeometry,
-};
+use skyglow_physics::{Atmosphere, ELEVATION_COUNT, Turbidity, single_source::SourceGeometry};
 use skyglow_tables::{
-    MultipleAxes, MultipleTable, PrecomputeOptions, Scattering,
+    PrecomputeOptions, Scattering,
     fit::{Projector, dim_factor, sample_weights},
     images::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index, images_of},
     precompute::basis_alone,
 };
 use std::{error::Error, path::Path};
+
+mod kept_fields;
+use kept_fields::kept_table;
 
 /// (distance, source altitude, observer altitude), metres.
 const SOURCES: [(f64, f64, f64); 18] = [
@@ -86,18 +86,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!();
     }
     Ok(())
-}
-
-/// The table whose parts `multiple_accuracy` left; what is missing is solved (minutes).
-fn kept_table(
-    atmosphere: Atmosphere,
-    distance_m: &[f64],
-    cache: &Path,
-) -> Result<MultipleTable, Box<dyn Error>> {
-    let kept = |ground: usize, offset: usize| {
-        let bytes = std::fs::read(cache.join(format!("{ground:02}-{offset:02}"))).ok()?;
-        Some(bytemuck::pod_collect_to_vec::<u8, f32>(&bytes))
-    };
-    let axes = MultipleAxes::full(DEFAULT_GROUND_ALBEDO);
-    Ok(MultipleTable::solve(atmosphere, &axes, distance_m, kept, |_, _, _| Ok(()))?)
 }
