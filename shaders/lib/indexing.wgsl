@@ -2,6 +2,10 @@
 
 const CELLS_PER_ROW: u32 = 1024u;
 
+fn list_texel(item: u32) -> vec2<u32> {
+  return vec2<u32>(item % CELLS_PER_ROW, item / CELLS_PER_ROW);
+}
+
 fn cell_texel(cell: u32, band: u32) -> vec2<u32> {
   return vec2<u32>((cell % CELLS_PER_ROW) * 3u + band, cell / CELLS_PER_ROW);
 }

@@ -5,13 +5,13 @@ const LOBE_COUNT: u32 = 3u;
 const AZIMUTH_COUNT: u32 = 256u;
 const ELEVATION_COUNT: u32 = 64u;
 const FREQUENCY_COUNT: u32 = 129u;
+const MAX_BATCH: u32 = 8u;
 
 // One pack's share of a batch.
 struct Frame {
   request_count: u32,
   node_count: u32,
   cell_count: u32,
-  column_count: u32,
   // Functions in use, and groups of four of them with full lanes.
   basis_count: u32,
   quad_count: u32,
@@ -50,15 +50,7 @@ struct Node {
   blocking: u32,
 }
 
-// A lit cell between two nodes.
-struct Cell {
-  flux_dnb_w: f32,
-  lower_node: u32,
-  upper_node: u32,
-  upper_weight: f32,
-}
-
-// An azimuth column with light, and its cells.
+// An azimuth column and its cells; none where it is dark.
 struct Column {
   request: u32,
   azimuth: u32,

@@ -1,48 +1,75 @@
-// S at four elevations and one frequency an invocation, in all bands.
+// S at eight elevations and one frequency an invocation, in all bands.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var spectra: texture_2d<f32>;
+@group(0) @binding(1) var spectra: texture_storage_2d<rgba32float, read>;
 // Row: (function, four elevations); column: frequency.
-@group(0) @binding(2) var basis: texture_2d<f32>;
-// [request][band][pair of elevations][frequency] of both spectra.
-@group(0) @binding(3) var<storage, read_write> sums: array<vec4<f32>>;
+@group(0) @binding(2) var basis: texture_storage_2d<rgba32float, read>;
+// Row: (request, band, pair of elevations); column: frequency; texel: both spectra.
+@group(0) @binding(3) var sums: texture_storage_2d<rgba32float, write>;
 
-fn store(request: u32, band: u32, rows: u32, f: u32, real: vec4<f32>, imaginary: vec4<f32>) {
-  let pair = (request * BAND_COUNT + band) * ELEVATION_COUNT / 2u + 2u * rows;
-  sums[pair * FREQUENCY_COUNT + f] = vec4<f32>(real.x, imaginary.x, real.y, imaginary.y);
-  sums[(pair + 1u) * FREQUENCY_COUNT + f] = vec4<f32>(real.z, imaginary.z, real.w, imaginary.w);
+// Sums at eight elevations.
+struct Sums {
+  real_low: vec4<f32>,
+  real_high: vec4<f32>,
+  imaginary_low: vec4<f32>,
+  imaginary_high: vec4<f32>,
 }
 
-@compute @workgroup_size(8, 4, 1)
+// Basis of two functions, a and b, at eight elevations.
+struct Rows {
+  a_low: vec4<f32>,
+  a_high: vec4<f32>,
+  b_low: vec4<f32>,
+  b_high: vec4<f32>,
+}
+
+fn add_pair(sums: Sums, rows: Rows, spectra: vec4<f32>) -> Sums {
+  return Sums(
+    sums.real_low + rows.a_low * spectra.x + rows.b_low * spectra.z,
+    sums.real_high + rows.a_high * spectra.x + rows.b_high * spectra.z,
+    sums.imaginary_low + rows.a_low * spectra.y + rows.b_low * spectra.w,
+    sums.imaginary_high + rows.a_high * spectra.y + rows.b_high * spectra.w,
+  );
+}
+
+fn store_pairs(first_pair: u32, f: u32, real: vec4<f32>, imaginary: vec4<f32>) {
+  textureStore(sums, vec2<u32>(f, first_pair), vec4<f32>(real.x, imaginary.x, real.y, imaginary.y));
+  textureStore(sums, vec2<u32>(f, first_pair + 1u), vec4<f32>(real.z, imaginary.z, real.w, imaginary.w));
+}
+
+fn store(request: u32, band: u32, octet: u32, f: u32, sum: Sums) {
+  let pair = (request * BAND_COUNT + band) * ELEVATION_COUNT / 2u + 4u * octet;
+  store_pairs(pair, f, sum.real_low, sum.imaginary_low);
+  store_pairs(pair + 2u, f, sum.real_high, sum.imaginary_high);
+}
+
+@compute @workgroup_size(8, 1, 1)
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let f = invocation.x;
-  let rows = invocation.y;
+  let octet = invocation.y;
   let request = invocation.z;
-  if f >= FREQUENCY_COUNT {
-    return;
-  }
   let pair_count = frame.quad_count * 2u;
   let first_row = request * BAND_COUNT * pair_count;
-  var real_r = vec4<f32>(0.0);
-  var real_g = vec4<f32>(0.0);
-  var real_b = vec4<f32>(0.0);
-  var imaginary_r = vec4<f32>(0.0);
-  var imaginary_g = vec4<f32>(0.0);
-  var imaginary_b = vec4<f32>(0.0);
+  let dark = vec4<f32>(0.0);
+  var red = Sums(dark, dark, dark, dark);
+  var green = red;
+  var blue = red;
+  // Lanes beyond the last frequency read 0 or what lies there, and store nothing.
   for (var pair = 0u; pair < pair_count; pair++) {
-    let low = textureLoad(basis, vec2<u32>(f, pair * 32u + rows), 0);
-    let high = textureLoad(basis, vec2<u32>(f, pair * 32u + 16u + rows), 0);
-    let r = textureLoad(spectra, vec2<u32>(f, first_row + pair), 0);
-    let g = textureLoad(spectra, vec2<u32>(f, first_row + pair_count + pair), 0);
-    let b = textureLoad(spectra, vec2<u32>(f, first_row + 2u * pair_count + pair), 0);
-    real_r += low * r.x + high * r.z;
-    imaginary_r += low * r.y + high * r.w;
-    real_g += low * g.x + high * g.z;
-    imaginary_g += low * g.y + high * g.w;
-    real_b += low * b.x + high * b.z;
-    imaginary_b += low * b.y + high * b.w;
+    let row = pair * 32u + 2u * octet;
+    let rows = Rows(
+      textureLoad(basis, vec2<u32>(f, row)),
+      textureLoad(basis, vec2<u32>(f, row + 1u)),
+      textureLoad(basis, vec2<u32>(f, row + 16u)),
+      textureLoad(basis, vec2<u32>(f, row + 17u)),
+    );
+    red = add_pair(red, rows, textureLoad(spectra, vec2<u32>(f, first_row + pair)));
+    green = add_pair(green, rows, textureLoad(spectra, vec2<u32>(f, first_row + pair_count + pair)));
+    blue = add_pair(blue, rows, textureLoad(spectra, vec2<u32>(f, first_row + 2u * pair_count + pair)));
   }
-  store(request, 0u, rows, f, real_r, imaginary_r);
-  store(request, 1u, rows, f, real_g, imaginary_g);
-  store(request, 2u, rows, f, real_b, imaginary_b);
+  if f < FREQUENCY_COUNT {
+    store(request, 0u, octet, f, red);
+    store(request, 1u, octet, f, green);
+    store(request, 2u, octet, f, blue);
+  }
 }

@@ -1,7 +1,7 @@
 // Interpolation between packs, sample by sample.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> requests: array<Request>;
+@group(0) @binding(1) var<uniform> requests: array<Request, MAX_BATCH>;
 @group(0) @binding(2) var<storage, read> radiance: array<f32>;
 // [request][band][elevation][azimuth]
 @group(0) @binding(3) var<storage, read_write> blended: array<f32>;

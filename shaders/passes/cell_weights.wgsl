@@ -1,29 +1,33 @@
 // Weights of the two nodes of every lit cell: one texel (lower node, upper node, their weights) a band.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> requests: array<Request>;
-@group(0) @binding(2) var<storage, read> nodes: array<Node>;
-@group(0) @binding(3) var<storage, read> cells: array<Cell>;
-@group(0) @binding(4) var<storage, read> scales: array<vec4<f32>>;
-@group(0) @binding(5) var weights: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(1) var<uniform> requests: array<Request, MAX_BATCH>;
+// Flux in DNB watts, lower node, weight of the upper node, request.
+@group(0) @binding(2) var cells: texture_storage_2d<rgba32float, read>;
+// Of every node, in R, G, B.
+@group(0) @binding(3) var log_scales: texture_storage_2d<rgba32float, read>;
+@group(0) @binding(4) var weights: texture_storage_2d<rgba32float, write>;
 
 @compute @workgroup_size(64, 1, 1)
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let cell_index = invocation.x;
-  let band = invocation.y;
-  if cell_index >= frame.cell_count {
-    return;
-  }
-  let cell = cells[cell_index];
-  let request = nodes[cell.lower_node].request;
-  let first = band * frame.node_count;
-  let pair = cell_weights(
-    cell.flux_dnb_w * requests[request].flux_per_dnb_flux[band],
-    scales[first + cell.lower_node].w,
-    scales[first + cell.upper_node].w,
-    cell.upper_weight,
-  );
+  // Beyond the last cell lies whatever another batch left; nothing of it is stored.
+  let cell = textureLoad(cells, list_texel(cell_index));
+  let lower_node = u32(cell.y);
+  let upper_weight = cell.z;
+  // Nodes in use are numbered through: the one above is the next.
+  let upper_node = lower_node + select(0u, 1u, upper_weight > 0.0);
+  let lower = textureLoad(log_scales, list_texel(lower_node));
+  let upper = textureLoad(log_scales, list_texel(upper_node));
+  let flux_w = cell.x * requests[u32(cell.w)].flux_per_dnb_flux;
   // Node numbers stay below 2^24, so that f32 holds them exactly.
-  let texel = vec4<f32>(f32(cell.lower_node), f32(cell.upper_node), pair.x, pair.y);
-  textureStore(weights, cell_texel(cell_index, band), texel);
+  let nodes = vec2<f32>(f32(lower_node), f32(upper_node));
+  let red = vec4<f32>(nodes, cell_weights(flux_w.x, lower.x, upper.x, upper_weight));
+  let green = vec4<f32>(nodes, cell_weights(flux_w.y, lower.y, upper.y, upper_weight));
+  let blue = vec4<f32>(nodes, cell_weights(flux_w.z, lower.z, upper.z, upper_weight));
+  if cell_index < frame.cell_count {
+    textureStore(weights, cell_texel(cell_index, 0u), red);
+    textureStore(weights, cell_texel(cell_index, 1u), green);
+    textureStore(weights, cell_texel(cell_index, 2u), blue);
+  }
 }

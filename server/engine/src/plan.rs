@@ -59,14 +59,18 @@ impl Pass {
     }
 }
 
-/// Basis functions that one invocation of the coefficient pass sums.
+/// Basis functions that one invocation mixes: tables hold functions by as many.
 pub const FUNCTIONS_PER_LANE: usize = 8;
-/// Lanes side by side in the passes over functions or frequencies: one vector of an eight-wide machine.
+/// Basis functions that one invocation of the coefficient pass sums, and one workgroup transforms.
+pub const FUNCTIONS_PER_TEXEL: usize = 4;
+/// Invocations in a workgroup of the passes over functions or frequencies: one vector of an eight-wide machine.
 pub const LANES: usize = 8;
-/// Columns, nodes or groups of elevations in one workgroup of those passes.
-pub const ROWS_PER_WORKGROUP: usize = 4;
 /// Elevations that one invocation of the basis sum works on.
-pub const ELEVATIONS_PER_LANE: usize = 4;
+pub const ELEVATIONS_PER_LANE: usize = 8;
+/// Elevations that one workgroup transforms.
+pub const ELEVATIONS_PER_TRANSFORM: usize = 4;
+/// Invocations in a workgroup of the transforms: the root of their points.
+pub const TRANSFORM_LANES: usize = 16;
 /// Invocations in a workgroup of the other passes.
 pub const WORKGROUP: usize = 64;
 
@@ -143,23 +147,23 @@ impl RenderPlan {
         let (bands, requests) = (BAND_COUNT as u32, self.request_count as u32);
         for (slot, pack) in self.packs.iter().enumerate() {
             let functions = pack.quad_count * 4;
-            let lanes = groups(functions, FUNCTIONS_PER_LANE * LANES);
-            let columns = groups(self.column_count, ROWS_PER_WORKGROUP);
+            let quads = functions / FUNCTIONS_PER_TEXEL;
+            // Dark columns are written too: nothing else clears what another batch left there.
+            let columns = (self.request_count * AZIMUTH_COUNT) as u32;
             for (pass, workgroups) in [
-                (Pass::MixScale, [groups(self.node_count, WORKGROUP), bands, 1]),
-                (Pass::MixShape, [lanes, groups(self.node_count, ROWS_PER_WORKGROUP), bands]),
-                (Pass::CellWeights, [groups(self.cell_count, WORKGROUP), bands, 1]),
-                (Pass::Coefficients, [lanes, columns, bands]),
-                (Pass::AzimuthFft, [functions as u32 / 2, bands, requests]),
+                (Pass::MixScale, [groups(self.node_count, WORKGROUP), 1, 1]),
+                (
+                    Pass::MixShape,
+                    [groups(BAND_COUNT * functions / FUNCTIONS_PER_LANE, LANES), self.node_count as u32, 1],
+                ),
+                (Pass::CellWeights, [groups(self.cell_count, WORKGROUP), 1, 1]),
+                (Pass::Coefficients, [groups(quads, LANES), columns, bands]),
+                (Pass::AzimuthFft, [quads as u32, bands, requests]),
                 (
                     Pass::BasisSum,
-                    [
-                        groups(FREQUENCY_COUNT, LANES),
-                        groups(ELEVATION_COUNT, ELEVATIONS_PER_LANE * ROWS_PER_WORKGROUP),
-                        requests,
-                    ],
+                    [groups(FREQUENCY_COUNT, LANES), groups(ELEVATION_COUNT, ELEVATIONS_PER_LANE), requests],
                 ),
-                (Pass::InverseFft, [ELEVATION_COUNT as u32 / 2, bands, requests]),
+                (Pass::InverseFft, [groups(ELEVATION_COUNT, ELEVATIONS_PER_TRANSFORM), bands, requests]),
             ] {
                 self.passes.push(PlannedPass { pass, pack_slot: Some(slot), workgroups });
             }
@@ -222,13 +226,13 @@ mod tests {
         let request = prepared(2.0, &[(0, 5, 1.0, 0.0), (9, 5, 1.0, 10.0), (9, 6, 1.0, 10.0)], &set);
         let expected = "\
 2 requests, 8 nodes, 6 cells, 4 columns
-mix_scale     1 x 3 x 1  T = 2, 10 functions
-mix_shape     1 x 2 x 3  T = 2, 10 functions
-cell_weights  1 x 3 x 1  T = 2, 10 functions
-coefficients  1 x 1 x 3  T = 2, 10 functions
-azimuth_fft   8 x 3 x 2  T = 2, 10 functions
-basis_sum     17 x 4 x 2  T = 2, 10 functions
-inverse_fft   32 x 3 x 2  T = 2, 10 functions
+mix_scale     1 x 1 x 1  T = 2, 10 functions
+mix_shape     1 x 8 x 1  T = 2, 10 functions
+cell_weights  1 x 1 x 1  T = 2, 10 functions
+coefficients  1 x 512 x 3  T = 2, 10 functions
+azimuth_fft   4 x 3 x 2  T = 2, 10 functions
+basis_sum     17 x 8 x 2  T = 2, 10 functions
+inverse_fft   16 x 3 x 2  T = 2, 10 functions
 ";
         assert_eq!(RenderPlan::of(&[&request, &request], &set).to_string(), expected);
     }

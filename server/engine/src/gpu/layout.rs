@@ -9,7 +9,6 @@ pub(crate) struct Frame {
     pub(crate) request_count: u32,
     pub(crate) node_count: u32,
     pub(crate) cell_count: u32,
-    pub(crate) column_count: u32,
     pub(crate) basis_count: u32,
     pub(crate) quad_count: u32,
     pub(crate) table_octet_count: u32,
@@ -47,17 +46,7 @@ pub(crate) struct Node {
     pub(crate) blocking: u32,
 }
 
-/// A lit cell between two nodes.
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Cell {
-    pub(crate) flux_dnb_w: f32,
-    pub(crate) lower_node: u32,
-    pub(crate) upper_node: u32,
-    pub(crate) upper_weight: f32,
-}
-
-/// An azimuth column with light, and its cells.
+/// An azimuth column and its cells; none where it is dark.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Column {

@@ -27,7 +27,7 @@ use bindings::{Binding, bindings};
 use context::Context;
 use pipelines::Pipeline;
 use resident::ResidentPack;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama};
+use skyglow_physics::Panorama;
 use std::{collections::HashMap, sync::mpsc::channel, time::Duration};
 use upload::BatchArrays;
 use workspace::{READ_BACK_PANORAMA_BYTES, TIMESTAMP_COUNT, Workspace, WorkspaceSize};
@@ -77,7 +77,7 @@ impl GpuExecutor {
         let queue = &self.context.queue;
         queue.write_buffer(&self.workspace.requests, 0, bytemuck::cast_slice(&arrays.requests));
         queue.write_buffer(&self.workspace.nodes, 0, bytemuck::cast_slice(&arrays.nodes));
-        queue.write_buffer(&self.workspace.cells, 0, bytemuck::cast_slice(&arrays.cells));
+        upload::write_list(queue, self.workspace.cells.texture(), arrays.cells);
         queue.write_buffer(&self.workspace.columns, 0, bytemuck::cast_slice(&arrays.columns));
         for slot in 0..=plan.packs.len() {
             let frame = upload::frame(plan, &self.set, slot);
@@ -105,7 +105,7 @@ impl GpuExecutor {
                     Binding::Frame => work.frames[slot].as_entire_binding(),
                     Binding::Requests => work.requests.as_entire_binding(),
                     Binding::Nodes => work.nodes.as_entire_binding(),
-                    Binding::Cells => work.cells.as_entire_binding(),
+                    Binding::Cells => view(&work.cells),
                     Binding::Columns => work.columns.as_entire_binding(),
                     Binding::Twiddles => work.twiddles.as_entire_binding(),
                     Binding::LogScale => pack.open.log_scale.as_entire_binding(),
@@ -113,12 +113,13 @@ impl GpuExecutor {
                     Binding::Shape => view(&pack.open.shape),
                     Binding::BlockedShape => view(&pack.blocked.shape),
                     Binding::Basis => view(&pack.basis),
-                    Binding::Scales(_) => work.scales.as_entire_binding(),
+                    Binding::Scales(_) => view(&work.scales),
+                    Binding::LogScales(_) => view(&work.log_scales),
                     Binding::Mixed(_) => view(&work.mixed),
                     Binding::Weights(_) => view(&work.weights),
-                    Binding::Coefficients(_) => work.coefficients.as_entire_binding(),
+                    Binding::Coefficients(_) => view(&work.coefficients),
                     Binding::Spectra(_) => view(&work.spectra),
-                    Binding::Sums(_) => work.sums.as_entire_binding(),
+                    Binding::Sums(_) => view(&work.sums),
                     Binding::Radiance(_) => work.radiance.as_entire_binding(),
                     Binding::Blended => work.blended.as_entire_binding(),
                 };
@@ -170,11 +171,6 @@ impl GpuExecutor {
         planned: &PlannedPass,
         timestamp: u32,
     ) {
-        if let (Pass::Coefficients, Some(slot)) = (planned.pass, planned.pack_slot) {
-            let functions = plan.packs[slot].quad_count * 4;
-            let bytes = plan.request_count * BAND_COUNT * functions * AZIMUTH_COUNT * 4;
-            encoder.clear_buffer(&self.workspace.coefficients, 0, Some(bytes as u64));
-        }
         let mut pass = encoder.begin_compute_pass(&self.pass_descriptor(planned.pass.name(), timestamp));
         let [x, y, z] = planned.workgroups;
         pass.set_pipeline(&self.pipelines[planned.pass.index()].pipeline);

@@ -120,17 +120,23 @@ impl Rig {
     /// Scales of one request's nodes as the device has them.
     fn scales(&self, request: usize) -> Vec<NodeScales> {
         let total = self.plan().node_count;
-        let all = self.buffer(&self.executor.workspace.scales, 4 * BAND_COUNT * total);
+        let list = |view: &wgpu::TextureView, items: usize| {
+            let width = twin::indexing::CELLS_PER_ROW as usize;
+            self.texture(view, width, items.div_ceil(width)).concat()
+        };
+        let work = &self.executor.workspace;
+        let (shares, logs) = (list(&work.scales, BAND_COUNT * total), list(&work.log_scales, total));
         let (first, count) = (self.first(request).0, self.batch[request].nodes.len());
-        let mut scales = vec![NodeScales::default(); count];
-        for band in 0..BAND_COUNT {
-            let nodes = &all.as_chunks::<4>().0[band * total + first..][..count];
-            for (scales, [a, b, c, log_scale]) in scales.iter_mut().zip(nodes) {
+        let scales = |node: usize| {
+            let bands = &shares[BAND_COUNT * node..][..BAND_COUNT];
+            let mut scales = NodeScales { log_scale: logs[node], ..NodeScales::default() };
+            for (band, [a, b, c, log_scale]) in bands.iter().enumerate() {
                 scales.shares[band] = [*a, *b, *c];
-                scales.log_scale[band] = *log_scale;
+                assert_eq!(*log_scale, logs[node][band]);
             }
-        }
-        scales
+            scales
+        };
+        (first..first + count).map(scales).collect()
     }
 
     /// Shape coefficients of one request's nodes.
@@ -169,14 +175,13 @@ impl Rig {
     /// H of one request by azimuth.
     fn columns(&self, request: usize) -> Vec<ColumnBlock> {
         let functions = 4 * QUAD_COUNT;
-        let values = 2 * BAND_COUNT * functions * AZIMUTH_COUNT;
-        let all = self.buffer(&self.executor.workspace.coefficients, values);
+        let view = &self.executor.workspace.coefficients;
+        let rows = self.texture(view, AZIMUTH_COUNT, 2 * BAND_COUNT * QUAD_COUNT);
         let mut columns = vec![ColumnBlock::default(); AZIMUTH_COUNT];
-        for lit in &self.batch[request].columns {
-            for (band, sums) in columns[lit.azimuth as usize].0.iter_mut().enumerate() {
+        for (azimuth, column) in columns.iter_mut().enumerate() {
+            for (band, sums) in column.0.iter_mut().enumerate() {
                 for (k, sum) in sums[..functions].iter_mut().enumerate() {
-                    let pair = (request * BAND_COUNT + band) * functions / 2 + k / 2;
-                    *sum = all[(pair * AZIMUTH_COUNT + lit.azimuth as usize) * 2 + k % 2];
+                    *sum = rows[(request * BAND_COUNT + band) * QUAD_COUNT + k / 4][azimuth][k % 4];
                 }
             }
         }
@@ -202,14 +207,14 @@ impl Rig {
     }
 
     fn sums(&self, request: usize) -> Vec<FrequencySums> {
-        let values = 2 * BAND_COUNT * ELEVATION_COUNT * FREQUENCY_COUNT * 2;
-        let all = self.buffer(&self.executor.workspace.sums, values);
+        let height = 2 * BAND_COUNT * ELEVATION_COUNT / 2;
+        let rows = self.texture(&self.executor.workspace.sums, FREQUENCY_COUNT, height);
         let mut sums = vec![Aligned([[[0.0; ELEVATION_COUNT]; 2]; BAND_COUNT]); FREQUENCY_COUNT];
         for (f, sums) in sums.iter_mut().enumerate() {
             for band in 0..BAND_COUNT {
                 for row in 0..ELEVATION_COUNT {
                     let pair = ((request * BAND_COUNT + band) * ELEVATION_COUNT + row) / 2;
-                    let texel = &all.as_chunks::<4>().0[pair * FREQUENCY_COUNT + f];
+                    let texel = rows[pair][f];
                     for part in 0..2 {
                         sums.0[band][part][row] = texel[2 * (row % 2) + part];
                     }

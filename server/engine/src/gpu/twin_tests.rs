@@ -21,21 +21,22 @@ enum Argument {
     Logarithmic(f64, f64),
     /// u32 below a bound.
     Whole(u32),
-    /// u32 out of a few.
-    OneOf(&'static [u32]),
     /// vec2, vec3 or vec4 of f32 in a range.
     Vector(usize, f64, f64),
     /// bool.
     Flag,
-    /// Four complex numbers.
+    /// Two complex numbers side by side, four times.
     Legs,
+    /// The same sixteen times.
+    Sixteen,
 }
 
 impl Argument {
     fn words(self) -> usize {
         match self {
             Argument::Vector(size, ..) => size,
-            Argument::Legs => 8,
+            Argument::Legs => 16,
+            Argument::Sixteen => 64,
             _ => 1,
         }
     }
@@ -49,10 +50,11 @@ impl Argument {
                 words.push((f64::from(log).exp() as f32).to_bits());
             }
             Argument::Whole(bound) => words.push((noise.unit() * f64::from(bound)) as u32),
-            Argument::OneOf(values) => words.push(values[(noise.unit() * values.len() as f64) as usize]),
             Argument::Vector(size, low, high) => words.extend((0..size).map(|_| real(low, high))),
             Argument::Flag => words.push(u32::from(noise.unit() < 0.5)),
-            Argument::Legs => words.extend((0..8).map(|_| real(-2.0, 2.0))),
+            Argument::Legs | Argument::Sixteen => {
+                words.extend((0..self.words()).map(|_| real(-2.0, 2.0)));
+            }
         }
     }
 
@@ -64,12 +66,22 @@ impl Argument {
         };
         match self {
             Argument::Real(..) | Argument::Logarithmic(..) => real(0),
-            Argument::Whole(_) | Argument::OneOf(_) => format!("inputs[first + {at}u]"),
+            Argument::Whole(_) => format!("inputs[first + {at}u]"),
             Argument::Vector(size, ..) => vector(0, size),
             Argument::Flag => format!("(inputs[first + {at}u] != 0u)"),
             Argument::Legs => {
-                let legs: Vec<String> = (0..4).map(|leg| vector(2 * leg, 2)).collect();
+                let legs: Vec<String> = (0..4).map(|leg| vector(4 * leg, 4)).collect();
                 format!("Legs({})", legs.join(", "))
+            }
+            Argument::Sixteen => {
+                // Point j + 4m is member m of row j.
+                let rows: Vec<String> = (0..4)
+                    .map(|j| {
+                        let legs: Vec<String> = (0..4).map(|m| vector(4 * (j + 4 * m), 4)).collect();
+                        format!("Legs({})", legs.join(", "))
+                    })
+                    .collect();
+                format!("Sixteen({})", rows.join(", "))
             }
         }
     }
@@ -83,6 +95,7 @@ enum Answer {
     RealVector(usize),
     WholeVector(usize),
     Legs,
+    Sixteen,
 }
 
 struct Case {
@@ -108,6 +121,13 @@ fn bits<const N: usize>(values: [f32; N]) -> Vec<u32> {
     values.map(f32::to_bits).to_vec()
 }
 
+/// A twin's answers for two transforms whose points lie side by side.
+fn both<const N: usize>(words: &[u32], twin: fn([[f32; 2]; N]) -> [[f32; 2]; N]) -> Vec<u32> {
+    let [first, second] = [0, 2].map(|at| twin(std::array::from_fn(|point| reals(&words[4 * point + at..]))));
+    let points = first.into_iter().zip(second).flat_map(|(first, second)| [first, second]);
+    points.flatten().map(f32::to_bits).collect()
+}
+
 fn cases() -> Vec<Case> {
     use Argument::*;
     let elementary: &'static [LibraryFile] = &[shaders::ELEMENTARY];
@@ -125,7 +145,6 @@ fn cases() -> Vec<Case> {
         scale,
     };
     let ulps = 4.0 * f64::from(f32::EPSILON);
-    let spans: &[u32] = &[1, 4, 16, 64];
     vec![
         case(
             "natural_exp",
@@ -176,41 +195,24 @@ fn cases() -> Vec<Case> {
         case(
             "complex_multiply",
             fft,
-            &[Vector(2, -2.0, 2.0), Vector(2, -2.0, 2.0)],
-            Answer::RealVector(2),
-            |w| bits(twin::complex_multiply(reals(w), reals(&w[2..]))),
-            ulps,
-            1.0,
-        ),
-        case(
-            "radix4_butterfly",
-            fft,
-            &[Legs],
-            Answer::Legs,
+            &[Vector(4, -2.0, 2.0), Vector(2, -2.0, 2.0)],
+            Answer::RealVector(4),
             |w| {
-                let legs = std::array::from_fn(|leg| reals(&w[2 * leg..]));
-                twin::radix4_butterfly(legs).into_iter().flatten().map(f32::to_bits).collect()
+                let [a, b] = [0, 2].map(|at| twin::complex_multiply(reals(&w[at..]), reals(&w[4..])));
+                bits([a[0], a[1], b[0], b[1]])
             },
             ulps,
             1.0,
         ),
+        case("radix4_butterfly", fft, &[Legs], Answer::Legs, |w| both(w, twin::radix4_butterfly), ulps, 1.0),
         case(
-            "twiddle_index",
+            "transform_16",
             fft,
-            &[Whole(64), OneOf(spans), Whole(4)],
-            Answer::Whole,
-            |w| vec![twin::twiddle_index(w[0], w[1], w[2])],
-            0.0,
-            0.0,
-        ),
-        case(
-            "stockham_target",
-            fft,
-            &[Whole(64), OneOf(spans), Whole(4)],
-            Answer::Whole,
-            |w| vec![twin::stockham_target(w[0], w[1], w[2])],
-            0.0,
-            0.0,
+            &[Sixteen],
+            Answer::Sixteen,
+            |w| both(w, twin::transform_16),
+            2.0 * ulps,
+            4.0,
         ),
         case(
             "split_pair_spectrum",
@@ -236,6 +238,15 @@ fn cases() -> Vec<Case> {
             &[Whole(400_000), Whole(3)],
             Answer::WholeVector(2),
             |w| twin::cell_texel(w[0], w[1]).to_vec(),
+            0.0,
+            0.0,
+        ),
+        case(
+            "list_texel",
+            indexing,
+            &[Whole(400_000)],
+            Answer::WholeVector(2),
+            |w| twin::list_texel(w[0]).to_vec(),
             0.0,
             0.0,
         ),
@@ -284,9 +295,11 @@ fn module_text(case: &Case) -> String {
         Answer::Whole => vec!["answer".into()],
         Answer::RealVector(size) => (0..size).map(|i| format!("bitcast<u32>(answer[{i}])")).collect(),
         Answer::WholeVector(size) => (0..size).map(|i| format!("answer[{i}]")).collect(),
-        Answer::Legs => ["a.x", "a.y", "b.x", "b.y", "c.x", "c.y", "d.x", "d.y"]
-            .map(|part| format!("bitcast<u32>(answer.{part})"))
-            .to_vec(),
+        Answer::Legs => parts_of(&["a", "b", "c", "d"]),
+        Answer::Sixteen => parts_of(&[
+            "a.a", "b.a", "c.a", "d.a", "a.b", "b.b", "c.b", "d.b", "a.c", "b.c", "c.c", "d.c", "a.d", "b.d",
+            "c.d", "d.d",
+        ]),
     };
     let _ = write!(
         text,
@@ -304,11 +317,18 @@ fn module_text(case: &Case) -> String {
     text + "}"
 }
 
+/// All components of members that are vec4.
+fn parts_of(members: &[&str]) -> Vec<String> {
+    let parts = members.iter().flat_map(|member| ["x", "y", "z", "w"].map(|part| format!("{member}.{part}")));
+    parts.map(|part| format!("bitcast<u32>(answer.{part})")).collect()
+}
+
 fn answer_words(answer: Answer) -> usize {
     match answer {
         Answer::Real | Answer::Whole => 1,
         Answer::RealVector(size) | Answer::WholeVector(size) => size,
-        Answer::Legs => 8,
+        Answer::Legs => 16,
+        Answer::Sixteen => 64,
     }
 }
 
@@ -386,8 +406,8 @@ fn every_function_of_the_library_has_a_twin_that_is_compared() {
         .filter_map(|line| Some(line.strip_prefix("fn ")?.split('(').next()?.to_owned()))
         .collect();
     let mut compared: BTreeSet<String> = cases().iter().map(|case| case.function.to_owned()).collect();
-    // Compared below: it works on workgroup memory.
-    compared.insert("transform_256".into());
+    // Compared below: they work on workgroup memory.
+    compared.extend(["transform_256", "share_points"].map(String::from));
     assert_eq!(written, compared);
 }
 
@@ -436,19 +456,28 @@ fn the_transform_in_workgroup_memory_agrees_with_its_twin() {
     let text = [shaders::FFT.text, shaders::WORKGROUP_FFT.text].concat()
         + "@group(0) @binding(0) var<storage, read> inputs: array<vec2<f32>>;
         @group(0) @binding(1) var<storage, read_write> outputs: array<vec2<f32>>;
-        @group(0) @binding(2) var<storage, read> twiddles: array<vec2<f32>>;
-        @compute @workgroup_size(64)
+        @group(0) @binding(2) var<storage, read> twiddles: array<vec4<f32>>;
+        fn point(first: u32, n: u32) -> vec4<f32> { return vec4<f32>(inputs[first + n], inputs[first + 256u + n]); }
+        fn legs(first: u32, n: u32) -> Legs {
+          return Legs(point(first, n), point(first, n + 64u), point(first, n + 128u), point(first, n + 192u));
+        }
+        @compute @workgroup_size(16)
         fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-          for (var n = local.x; n < 256u; n += 64u) { points[n] = inputs[group.x * 256u + n]; }
-          transform_256(local.x);
-          for (var n = local.x; n < 256u; n += 64u) { outputs[group.x * 256u + n] = points[n]; }
+          let first = group.x * 512u;
+          let lane = local.x;
+          let x = Sixteen(legs(first, lane), legs(first, lane + 16u), legs(first, lane + 32u), legs(first, lane + 48u));
+          share_points(lane, transform_256(lane, x));
+          for (var n = lane; n < 256u; n += 16u) {
+            outputs[first + n] = points[n].xy;
+            outputs[first + 256u + n] = points[n].zw;
+          }
         }";
     let mut noise = Noise::new(99);
     let rows: Vec<[[f32; 2]; 256]> =
         (0..32).map(|_| [[0.0; 2]; 256].map(|_| [0, 1].map(|_| noise.unit() as f32 - 0.5))).collect();
-    let table: Vec<[f32; 2]> = (0..256).map(twin::twiddle).collect();
+    let table: Vec<[f32; 2]> = (0..256).map(|at| twin::twiddle((at / 16) * (at % 16))).collect();
     let words = bytemuck::cast_slice(&rows);
-    let got = run(&context, text, words, words.len(), Some(bytemuck::cast_slice(&table)), 32);
+    let got = run(&context, text, words, words.len(), Some(bytemuck::cast_slice(&table)), 16);
     for (row, got) in rows.iter().zip(got.chunks_exact(512)) {
         let mut expected = *row;
         twin::transform_256(&mut expected);

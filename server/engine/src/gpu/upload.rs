@@ -1,14 +1,17 @@
 //! A batch as the arrays that the passes read.
 
-use super::layout::{Cell, Column, Frame, Node, Request};
-use crate::{plan::RenderPlan, prepare::Prepared, table_set::TableSet};
+use super::layout::{Column, Frame, Node, Request};
+use crate::{plan::RenderPlan, prepare::Prepared, table_set::TableSet, twin::indexing::CELLS_PER_ROW};
+use skyglow_physics::AZIMUTH_COUNT;
 
 /// The arrays of all requests, one behind the other; node numbers are global.
 #[derive(Default)]
 pub(crate) struct BatchArrays {
     pub(crate) requests: Vec<Request>,
     pub(crate) nodes: Vec<Node>,
-    pub(crate) cells: Vec<Cell>,
+    /// Flux in DNB watts, lower node, weight of the upper node, request; the upper node is the next.
+    pub(crate) cells: Vec<[f32; 4]>,
+    /// All columns of every request.
     pub(crate) columns: Vec<Column>,
 }
 
@@ -43,19 +46,44 @@ impl BatchArrays {
             offset: node.offset,
             blocking: node.blocking,
         }));
-        self.cells.extend(prepared.cells.iter().map(|cell| Cell {
-            flux_dnb_w: cell.flux_dnb_w,
-            lower_node: cell.lower_node + first_node,
-            upper_node: cell.upper_node + first_node,
-            upper_weight: cell.upper_weight,
+        debug_assert!(
+            prepared
+                .cells
+                .iter()
+                .all(|cell| cell.upper_node == cell.lower_node + u32::from(cell.upper_weight > 0.0))
+        );
+        // Numbers of nodes and requests stay below 2^24, so that f32 holds them exactly.
+        self.cells.extend(prepared.cells.iter().map(|cell| {
+            [cell.flux_dnb_w, (cell.lower_node + first_node) as f32, cell.upper_weight, request as f32]
         }));
-        self.columns.extend(prepared.columns.iter().map(|column| Column {
-            request,
-            azimuth: column.azimuth,
-            first_cell: column.first_cell + first_cell,
-            end_cell: column.end_cell + first_cell,
-        }));
+        let first_column = self.columns.len();
+        let dark = |azimuth| Column { request, azimuth, first_cell: 0, end_cell: 0 };
+        self.columns.extend((0..AZIMUTH_COUNT as u32).map(dark));
+        for lit in &prepared.columns {
+            let column = &mut self.columns[first_column + lit.azimuth as usize];
+            (column.first_cell, column.end_cell) = (lit.first_cell + first_cell, lit.end_cell + first_cell);
+        }
     }
+}
+
+/// Writes a list into the rows of a texture; behind its end the last row is 0.
+pub(crate) fn write_list(queue: &wgpu::Queue, texture: &wgpu::Texture, mut list: Vec<[f32; 4]>) {
+    let width = CELLS_PER_ROW as usize;
+    list.resize(list.len().next_multiple_of(width), [0.0; 4]);
+    queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&list),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(16 * CELLS_PER_ROW),
+            rows_per_image: None,
+        },
+        wgpu::Extent3d {
+            width: CELLS_PER_ROW,
+            height: (list.len() / width) as u32,
+            depth_or_array_layers: 1,
+        },
+    );
 }
 
 /// The frame of a pack slot; one past the last pack is the blend's.
@@ -66,7 +94,6 @@ pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
         request_count: plan.request_count as u32,
         node_count: plan.node_count as u32,
         cell_count: plan.cell_count as u32,
-        column_count: plan.column_count as u32,
         basis_count: pack.map_or(0, |pack| pack.basis_count) as u32,
         quad_count: pack.map_or(0, |pack| pack.quad_count) as u32,
         table_octet_count: pack.map_or(0, |pack| set.tables()[pack.index].basis_count.div_ceil(8)) as u32,

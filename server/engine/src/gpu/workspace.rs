@@ -2,7 +2,7 @@
 
 use super::{
     context::Context,
-    layout::{Cell, Column, Frame, Node, Request},
+    layout::{Column, Frame, Node, Request},
 };
 use crate::{
     MAX_BATCH,
@@ -27,15 +27,16 @@ pub(crate) struct Workspace {
     pub(crate) frames: Vec<wgpu::Buffer>,
     pub(crate) requests: wgpu::Buffer,
     pub(crate) nodes: wgpu::Buffer,
-    pub(crate) cells: wgpu::Buffer,
+    pub(crate) cells: wgpu::TextureView,
     pub(crate) columns: wgpu::Buffer,
     pub(crate) twiddles: wgpu::Buffer,
-    pub(crate) scales: wgpu::Buffer,
+    pub(crate) scales: wgpu::TextureView,
+    pub(crate) log_scales: wgpu::TextureView,
     pub(crate) mixed: wgpu::TextureView,
     pub(crate) weights: wgpu::TextureView,
-    pub(crate) coefficients: wgpu::Buffer,
+    pub(crate) coefficients: wgpu::TextureView,
     pub(crate) spectra: wgpu::TextureView,
-    pub(crate) sums: wgpu::Buffer,
+    pub(crate) sums: wgpu::TextureView,
     pub(crate) radiance: wgpu::Buffer,
     pub(crate) blended: wgpu::Buffer,
     /// Panoramas, then timestamps, on their way back.
@@ -74,20 +75,21 @@ impl WorkspaceSize {
         [BAND_COUNT * CELLS_PER_ROW as usize, self.cell_count.div_ceil(CELLS_PER_ROW as usize)]
     }
 
+    /// A list of so many texels.
+    fn list_extent(items: usize) -> [usize; 2] {
+        [CELLS_PER_ROW as usize, items.div_ceil(CELLS_PER_ROW as usize)]
+    }
+
+    fn coefficients_extent(self) -> [usize; 2] {
+        [AZIMUTH_COUNT, MAX_BATCH * BAND_COUNT * self.function_count / 4]
+    }
+
     fn spectra_extent(self) -> [usize; 2] {
         [FREQUENCY_COUNT, MAX_BATCH * BAND_COUNT * self.function_count / 2]
     }
 
-    fn scales_bytes(self) -> usize {
-        BAND_COUNT * self.node_count * 16
-    }
-
-    fn coefficients_bytes(self) -> usize {
-        MAX_BATCH * BAND_COUNT * self.function_count * AZIMUTH_COUNT * 4
-    }
-
-    fn sums_bytes() -> usize {
-        MAX_BATCH * BAND_COUNT * ELEVATION_COUNT * FREQUENCY_COUNT * 8
+    fn sums_extent() -> [usize; 2] {
+        [FREQUENCY_COUNT, MAX_BATCH * BAND_COUNT * ELEVATION_COUNT / 2]
     }
 
     fn radiance_bytes() -> usize {
@@ -96,15 +98,19 @@ impl WorkspaceSize {
 
     /// Bytes of everything large.
     pub(crate) fn bytes(self) -> u64 {
-        let textures = [self.mixed_extent(), self.weights_extent(), self.spectra_extent()];
+        let textures = [
+            Self::list_extent(self.cell_count),
+            Self::list_extent(BAND_COUNT * self.node_count),
+            Self::list_extent(self.node_count),
+            self.mixed_extent(),
+            self.weights_extent(),
+            self.coefficients_extent(),
+            self.spectra_extent(),
+            Self::sums_extent(),
+        ];
         let texels: usize = textures.iter().map(|[width, height]| width * height).sum();
-        let buffers = self.scales_bytes()
-            + self.coefficients_bytes()
-            + Self::sums_bytes()
-            + Self::radiance_bytes()
-            + self.node_count * size_of::<Node>()
-            + self.cell_count * size_of::<Cell>()
-            + 2 * MAX_BATCH * Panorama::LEN * 4;
+        let buffers =
+            Self::radiance_bytes() + self.node_count * size_of::<Node>() + 2 * MAX_BATCH * Panorama::LEN * 4;
         (16 * texels + buffers) as u64
     }
 }
@@ -137,32 +143,36 @@ impl Workspace {
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format: wgpu::TextureFormat::Rgba32Float,
-                usage: TextureUsages::TEXTURE_BINDING
-                    | TextureUsages::STORAGE_BINDING
-                    | TextureUsages::COPY_SRC,
+                usage: TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC | TextureUsages::COPY_DST,
                 view_formats: &[],
             });
             Ok::<_, EngineError>(texture.create_view(&wgpu::TextureViewDescriptor::default()))
         };
         let twiddles = buffer("twiddles", AZIMUTH_COUNT * 8, input)?;
-        let table: Vec<[f32; 2]> = (0..AZIMUTH_COUNT).map(twiddle).collect();
+        // `[n][m]`: e^{−2πi·n·m/256}.
+        let table: Vec<[f32; 2]> = (0..AZIMUTH_COUNT).map(|at| twiddle((at / 16) * (at % 16))).collect();
         context.queue.write_buffer(&twiddles, 0, bytemuck::cast_slice(&table));
         let frames = (0..=Taps::MAX)
             .map(|_| buffer("frame", size_of::<Frame>(), BufferUsages::UNIFORM | BufferUsages::COPY_DST))
             .collect::<Result<_, _>>()?;
         Ok(Self {
             frames,
-            requests: buffer("requests", MAX_BATCH * size_of::<Request>(), input)?,
+            requests: buffer(
+                "requests",
+                MAX_BATCH * size_of::<Request>(),
+                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            )?,
             nodes: buffer("nodes", size.node_count * size_of::<Node>(), input)?,
-            cells: buffer("cells", size.cell_count * size_of::<Cell>(), input)?,
+            cells: texture("cells", WorkspaceSize::list_extent(size.cell_count))?,
             columns: buffer("columns", MAX_BATCH * AZIMUTH_COUNT * size_of::<Column>(), input)?,
             twiddles,
-            scales: buffer("scales", size.scales_bytes(), inner)?,
+            scales: texture("scales", WorkspaceSize::list_extent(BAND_COUNT * size.node_count))?,
+            log_scales: texture("log_scales", WorkspaceSize::list_extent(size.node_count))?,
             mixed: texture("mixed", size.mixed_extent())?,
             weights: texture("weights", size.weights_extent())?,
-            coefficients: buffer("coefficients", size.coefficients_bytes(), inner)?,
+            coefficients: texture("coefficients", size.coefficients_extent())?,
             spectra: texture("spectra", size.spectra_extent())?,
-            sums: buffer("sums", WorkspaceSize::sums_bytes(), inner)?,
+            sums: texture("sums", WorkspaceSize::sums_extent())?,
             radiance: buffer("radiance", WorkspaceSize::radiance_bytes(), inner)?,
             blended: buffer("blended", MAX_BATCH * Panorama::LEN * 4, inner)?,
             read_back: buffer(

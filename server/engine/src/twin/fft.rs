@@ -47,6 +47,21 @@ pub fn stockham_target(lane: u32, span: u32, leg: u32) -> u32 {
     (lane / span) * span * 4 + lane % span + leg * span
 }
 
+/// X_f = Σ_n x_n e^{−2πi fn/16}: with n = j + 4m and f = q + 4p,
+/// X_f = Σ_j (−i)^{jp} · e^{−2πi jq/16} · Σ_m x_{j+4m} (−i)^{mq}.
+///
+/// A device makes one of 256 points of two: with n = l + 16m and f = q + 16p,
+/// X_f = Σ_l e^{−2πi lp/16} · e^{−2πi lq/256} · Σ_m x_{l+16m} e^{−2πi mq/16}.
+pub fn transform_16(x: [Complex; 16]) -> [Complex; 16] {
+    let rows: [[Complex; 4]; 4] =
+        std::array::from_fn(|j| radix4_butterfly(std::array::from_fn(|m| x[j + 4 * m])));
+    let turned = |q: usize| -> [Complex; 4] {
+        std::array::from_fn(|j| complex_multiply(rows[j][q], twiddle(16 * j * q)))
+    };
+    let columns: [[Complex; 4]; 4] = std::array::from_fn(|q| radix4_butterfly(turned(q)));
+    std::array::from_fn(|f| columns[f % 4][f / 4])
+}
+
 /// X_f = Σ_n x_n e^{−2πi fn/256}, in place; the order of the input and the output is natural.
 pub fn transform_256(data: &mut [Complex; N]) {
     for span in [1u32, 4, 16, 64] {

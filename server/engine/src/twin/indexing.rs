@@ -2,8 +2,14 @@
 
 use skyglow_tables::resident::ResidentBlocked;
 
-/// Cells in one row of the cell-weight texture.
+/// Cells in one row of the cell-weight texture, and items in one of a list.
 pub const CELLS_PER_ROW: u32 = 1024;
+
+/// Texel (x, y) of an item of a list that is wrapped into rows.
+#[inline(always)]
+pub fn list_texel(item: u32) -> [u32; 2] {
+    [item % CELLS_PER_ROW, item / CELLS_PER_ROW]
+}
 
 /// Texel (x, y) of a cell's weights in one band.
 #[inline(always)]

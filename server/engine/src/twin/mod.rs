@@ -11,7 +11,7 @@ pub use blending::{BEND_ALLOWED, BEND_SHARE_ALLOWED, RADIANCE_FLOOR_W_M2_SR, ble
 pub use elementary::{natural_exp, natural_log};
 pub use fft::{
     Complex, complex_multiply, pair_from_spectra, radix4_butterfly, split_pair_spectrum, stockham_target,
-    transform_256, twiddle, twiddle_index,
+    transform_16, transform_256, twiddle, twiddle_index,
 };
-pub use indexing::{blocked_layer, cell_texel, mixed_texel, shape_texel};
+pub use indexing::{blocked_layer, cell_texel, list_texel, mixed_texel, shape_texel};
 pub use mixing::{cell_weights, lobe_shares};
