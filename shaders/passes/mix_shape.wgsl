@@ -1,4 +1,4 @@
-// Shape coefficients of every node in use: eight functions in one band an invocation, one node a workgroup.
+// Shape coefficients of every node in use: thirty-two functions in one band an invocation.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> requests: array<Request, MAX_BATCH>;
@@ -17,6 +17,8 @@ struct Octet {
   high: vec4<f32>,
 }
 
+const NO_FUNCTIONS: Octet = Octet(vec4<f32>(0.0), vec4<f32>(0.0));
+
 fn add_shape(sum: Octet, factor: f32, halves: vec4<u32>) -> Octet {
   return Octet(
     sum.low + factor * vec4<f32>(unpack2x16float(halves.x), unpack2x16float(halves.y)),
@@ -24,48 +26,74 @@ fn add_shape(sum: Octet, factor: f32, halves: vec4<u32>) -> Octet {
   );
 }
 
-@compute @workgroup_size(8, 1, 1)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(global_invocation_id) invocation: vec3<u32>) {
-  let octet_count = frame.quad_count / 2u;
-  let octet = invocation.x % octet_count;
-  // Lanes beyond the last band work on the last and store nothing.
-  let band = min(invocation.x / octet_count, BAND_COUNT - 1u);
-  let node_index = group.y;
-  // The same for the whole workgroup, and read before any branch: software then reads it once for all lanes.
+fn open_shape(sum: Octet, factor: f32, texel: vec2<u32>, first: u32, layer: u32) -> Octet {
+  return add_shape(sum, factor, textureLoad(shape, texel + vec2<u32>(first, 0u), layer));
+}
+
+// The table may hold fewer functions than the pack: the others are 0.
+fn hidden_shape(sum: Octet, factor: f32, texel: vec2<u32>, octet: u32, first: u32, layer: u32) -> Octet {
+  let in_table = select(0.0, factor, octet + first < frame.blocked_octet_count);
+  return add_shape(sum, in_table, textureLoad(blocked_shape, texel + vec2<u32>(first, 0u), layer));
+}
+
+fn store(texel: vec2<u32>, octet: u32, sum: Octet) {
+  let low = 8u * octet + vec4<u32>(0u, 1u, 2u, 3u);
+  let count = vec4<u32>(frame.basis_count);
+  if 2u * octet < frame.quad_count {
+    textureStore(mixed, texel, select(vec4<f32>(0.0), sum.low, low < count));
+    textureStore(mixed, texel + vec2<u32>(1u, 0u), select(vec4<f32>(0.0), sum.high, low + 4u < count));
+  }
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
+  // Lanes that share a (node, band).
+  let lane_count = (frame.quad_count + 7u) / 8u;
+  let octet = invocation.x % lane_count * 4u;
+  let listed = invocation.x / lane_count;
+  let band = listed % BAND_COUNT;
+  let node_index = listed / BAND_COUNT;
+  if node_index >= frame.node_count {
+    return;
+  }
   let node = nodes[node_index];
-  let shares = textureLoad(scales, list_texel(BAND_COUNT * node_index + band));
+  let shares = textureLoad(scales, list_texel(listed));
   let is_open = node.blocking == 0u;
   let tap_layer = requests[node.request].tap_layer;
   let tap_weight = requests[node.request].tap_weight;
   let tap_count = select(0u, requests[node.request].tap_count, is_open);
   let blocked_tap_layer = requests[node.request].blocked_tap_layer;
   let blocked_tap_weight = requests[node.request].blocked_tap_weight;
-  // The table may hold fewer functions: the others are 0.
-  let is_blocked = !is_open && octet < frame.blocked_octet_count;
-  let blocked_tap_count = select(0u, requests[node.request].blocked_tap_count, is_blocked);
-  var sum = Octet(vec4<f32>(0.0), vec4<f32>(0.0));
+  let blocked_tap_count = select(requests[node.request].blocked_tap_count, 0u, is_open);
+  var first = NO_FUNCTIONS;
+  var second = NO_FUNCTIONS;
+  var third = NO_FUNCTIONS;
+  var fourth = NO_FUNCTIONS;
   for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
     // A loop that does not run costs software less than a branch, both sides of which it takes.
     let in_use = shares[lobe] > 0.0;
-    let texel = shape_texel(
-      lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.table_octet_count,
-    );
+    let texel = shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.table_octet_count);
     for (var tap = 0u; tap < select(0u, tap_count, in_use); tap++) {
-      sum = add_shape(sum, shares[lobe] * tap_weight[tap], textureLoad(shape, texel, tap_layer[tap]));
+      let factor = shares[lobe] * tap_weight[tap];
+      let layer = tap_layer[tap];
+      first = open_shape(first, factor, texel, 0u, layer);
+      second = open_shape(second, factor, texel, 1u, layer);
+      third = open_shape(third, factor, texel, 2u, layer);
+      fourth = open_shape(fourth, factor, texel, 3u, layer);
     }
-    let blocked_texel = shape_texel(
-      lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.blocked_octet_count,
-    );
+    let hidden = shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.blocked_octet_count);
     for (var tap = 0u; tap < select(0u, blocked_tap_count, in_use); tap++) {
+      let factor = shares[lobe] * blocked_tap_weight[tap];
       let layer = blocked_layer(blocked_tap_layer[tap], node.blocking - 1u);
-      sum = add_shape(sum, shares[lobe] * blocked_tap_weight[tap], textureLoad(blocked_shape, blocked_texel, layer));
+      first = hidden_shape(first, factor, hidden, octet, 0u, layer);
+      second = hidden_shape(second, factor, hidden, octet, 1u, layer);
+      third = hidden_shape(third, factor, hidden, octet, 2u, layer);
+      fourth = hidden_shape(fourth, factor, hidden, octet, 3u, layer);
     }
   }
-  if invocation.x < BAND_COUNT * octet_count {
-    let low = 8u * octet + vec4<u32>(0u, 1u, 2u, 3u);
-    let count = vec4<u32>(frame.basis_count);
-    let texel = mixed_texel(node_index, band, 2u * octet, frame.quad_count);
-    textureStore(mixed, texel, select(vec4<f32>(0.0), sum.low, low < count));
-    textureStore(mixed, texel + vec2<u32>(1u, 0u), select(vec4<f32>(0.0), sum.high, low + 4u < count));
-  }
+  let texel = mixed_texel(node_index, band, 2u * octet, frame.quad_count);
+  store(texel, octet, first);
+  store(texel + vec2<u32>(2u, 0u), octet + 1u, second);
+  store(texel + vec2<u32>(4u, 0u), octet + 2u, third);
+  store(texel + vec2<u32>(6u, 0u), octet + 3u, fourth);
 }

@@ -59,11 +59,16 @@ impl Pass {
     }
 }
 
-/// Basis functions that one invocation mixes: tables hold functions by as many.
-pub const FUNCTIONS_PER_LANE: usize = 8;
-/// Basis functions that one invocation of the coefficient pass sums, and one workgroup transforms.
+/// Basis functions in a texel of the tables: what lies on a device holds whole texels.
+pub const FUNCTIONS_PER_TABLE_TEXEL: usize = 8;
+/// Basis functions in a texel between the passes, and in one workgroup of the transform.
 pub const FUNCTIONS_PER_TEXEL: usize = 4;
-/// Invocations in a workgroup of the passes over functions or frequencies: one vector of an eight-wide machine.
+/// Basis functions that one invocation mixes. Software finds where to read for eight invocations at once: the more each
+/// reads there, the less that costs.
+pub const MIXED_PER_LANE: usize = 32;
+/// Basis functions that one invocation of the coefficient pass sums.
+pub const SUMMED_PER_LANE: usize = 16;
+/// Invocations in a workgroup of the pass over frequencies: one vector of an eight-wide machine.
 pub const LANES: usize = 8;
 /// Elevations that one invocation of the basis sum works on.
 pub const ELEVATIONS_PER_LANE: usize = 8;
@@ -126,7 +131,8 @@ impl RenderPlan {
                 let tables = &set.tables()[index];
                 let basis_count =
                     batch.first().map_or(0, |request| request.basis_count.min(tables.basis_count));
-                let quad_count = basis_count.div_ceil(FUNCTIONS_PER_LANE) * FUNCTIONS_PER_LANE / 4;
+                let quad_count =
+                    basis_count.next_multiple_of(FUNCTIONS_PER_TABLE_TEXEL) / FUNCTIONS_PER_TEXEL;
                 PlannedPack { index, turbidity: tables.turbidity, basis_count, quad_count }
             })
             .collect();
@@ -149,15 +155,14 @@ impl RenderPlan {
             let functions = pack.quad_count * 4;
             let quads = functions / FUNCTIONS_PER_TEXEL;
             // Dark columns are written too: nothing else clears what another batch left there.
-            let columns = (self.request_count * AZIMUTH_COUNT) as u32;
+            let columns = self.request_count * AZIMUTH_COUNT;
+            let mixed = self.node_count * BAND_COUNT * functions.div_ceil(MIXED_PER_LANE);
+            let summed = columns * functions.div_ceil(SUMMED_PER_LANE);
             for (pass, workgroups) in [
                 (Pass::MixScale, [groups(self.node_count, WORKGROUP), 1, 1]),
-                (
-                    Pass::MixShape,
-                    [groups(BAND_COUNT * functions / FUNCTIONS_PER_LANE, LANES), self.node_count as u32, 1],
-                ),
+                (Pass::MixShape, [groups(mixed, WORKGROUP), 1, 1]),
                 (Pass::CellWeights, [groups(self.cell_count, WORKGROUP), 1, 1]),
-                (Pass::Coefficients, [groups(quads, LANES), columns, bands]),
+                (Pass::Coefficients, [groups(summed, WORKGROUP), bands, 1]),
                 (Pass::AzimuthFft, [quads as u32, bands, requests]),
                 (
                     Pass::BasisSum,
@@ -227,9 +232,9 @@ mod tests {
         let expected = "\
 2 requests, 8 nodes, 6 cells, 4 columns
 mix_scale     1 x 1 x 1  T = 2, 10 functions
-mix_shape     1 x 8 x 1  T = 2, 10 functions
+mix_shape     1 x 1 x 1  T = 2, 10 functions
 cell_weights  1 x 1 x 1  T = 2, 10 functions
-coefficients  1 x 512 x 3  T = 2, 10 functions
+coefficients  8 x 3 x 1  T = 2, 10 functions
 azimuth_fft   4 x 3 x 2  T = 2, 10 functions
 basis_sum     17 x 8 x 2  T = 2, 10 functions
 inverse_fft   16 x 3 x 2  T = 2, 10 functions

@@ -1,7 +1,7 @@
 //! Packs on the device.
 
 use super::context::Context;
-use crate::{error::EngineError, plan::FUNCTIONS_PER_LANE, table_set::TableSet};
+use crate::{error::EngineError, plan::FUNCTIONS_PER_TABLE_TEXEL, table_set::TableSet};
 use half::f16;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentBlocked, ResidentTables};
@@ -42,9 +42,9 @@ const NO_NODES: HostNodes<'static> = HostNodes {
     layers: 1,
     rings: 1,
     offsets: 1,
-    basis_count: FUNCTIONS_PER_LANE,
+    basis_count: FUNCTIONS_PER_TABLE_TEXEL,
     log_scale: &[0.0; LOBE_COUNT * BAND_COUNT],
-    shape: &[f16::ZERO; LOBE_COUNT * BAND_COUNT * FUNCTIONS_PER_LANE],
+    shape: &[f16::ZERO; LOBE_COUNT * BAND_COUNT * FUNCTIONS_PER_TABLE_TEXEL],
 };
 
 impl<'a> HostNodes<'a> {
@@ -73,7 +73,7 @@ impl<'a> HostNodes<'a> {
     /// Width, height and layers of the shape texture.
     fn shape_extent(&self) -> wgpu::Extent3d {
         wgpu::Extent3d {
-            width: (self.offsets * self.basis_count.div_ceil(FUNCTIONS_PER_LANE)) as u32,
+            width: (self.offsets * self.basis_count.div_ceil(FUNCTIONS_PER_TABLE_TEXEL)) as u32,
             height: (LOBE_COUNT * BAND_COUNT * self.rings) as u32,
             depth_or_array_layers: self.layers as u32,
         }
@@ -81,7 +81,7 @@ impl<'a> HostNodes<'a> {
 
     /// The shape table with each node's functions padded to whole lanes.
     fn whole_lanes(&self) -> Cow<'a, [f16]> {
-        let padded = self.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
+        let padded = self.basis_count.next_multiple_of(FUNCTIONS_PER_TABLE_TEXEL);
         if padded == self.basis_count {
             return Cow::Borrowed(self.shape);
         }
@@ -126,7 +126,7 @@ fn texels(extent: wgpu::Extent3d) -> u64 {
 
 /// Width and height of a pack's basis texture: whole lanes of functions, zero beyond the last.
 fn basis_extent(tables: &ResidentTables) -> wgpu::Extent3d {
-    let functions = tables.basis_count.next_multiple_of(FUNCTIONS_PER_LANE);
+    let functions = tables.basis_count.next_multiple_of(FUNCTIONS_PER_TABLE_TEXEL);
     wgpu::Extent3d {
         width: FREQUENCY_COUNT as u32,
         height: (functions * ELEVATION_COUNT / 4) as u32,

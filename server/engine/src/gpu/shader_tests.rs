@@ -5,7 +5,7 @@ use super::{
     layout::{Column, Frame, Node, Request},
 };
 use crate::{
-    plan::{FUNCTIONS_PER_LANE, LANES, Pass, TRANSFORM_LANES, WORKGROUP},
+    plan::{FUNCTIONS_PER_TABLE_TEXEL, LANES, Pass, TRANSFORM_LANES, WORKGROUP},
     shaders::{self, LIBRARY},
     twin,
 };
@@ -95,13 +95,13 @@ fn workgroups_are_as_large_as_the_plan_takes_them_to_be() {
     for pass in Pass::ALL {
         let size = parsed(pass).entry_points[0].workgroup_size;
         let expected = match pass {
-            Pass::MixShape | Pass::Coefficients | Pass::BasisSum => [LANES, 1, 1],
+            Pass::BasisSum => [LANES, 1, 1],
             Pass::AzimuthFft | Pass::InverseFft => [TRANSFORM_LANES, 1, 1],
             _ => [WORKGROUP, 1, 1],
         };
         assert_eq!(size.map(|side| side as usize), expected, "{}", pass.name());
     }
-    assert_eq!(FUNCTIONS_PER_LANE, 8);
+    assert_eq!(FUNCTIONS_PER_TABLE_TEXEL, 8);
 }
 
 macro_rules! assert_layout {

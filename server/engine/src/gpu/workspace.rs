@@ -7,7 +7,7 @@ use super::{
 use crate::{
     MAX_BATCH,
     error::EngineError,
-    plan::{FUNCTIONS_PER_LANE, Pass},
+    plan::{FUNCTIONS_PER_TABLE_TEXEL, Pass},
     table_set::TableSet,
     taps::Taps,
     twin::{
@@ -61,7 +61,7 @@ impl WorkspaceSize {
         Self {
             node_count: crate::MAX_BATCH_NODES.max(set.node_count()),
             cell_count: crate::MAX_BATCH_CELLS.max(set.cell_count()),
-            function_count: set.basis_count().next_multiple_of(FUNCTIONS_PER_LANE),
+            function_count: set.basis_count().next_multiple_of(FUNCTIONS_PER_TABLE_TEXEL),
         }
     }
 
