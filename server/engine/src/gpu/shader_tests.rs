@@ -91,6 +91,30 @@ fn host_writes(binding: Binding) -> bool {
 }
 
 #[test]
+fn passes_keep_within_what_every_device_offers() {
+    let limits = wgpu::Limits::downlevel_defaults();
+    let excess = |buffers: usize, textures: usize, workgroup_bytes: u32| {
+        buffers > limits.max_storage_buffers_per_shader_stage as usize
+            || textures > limits.max_storage_textures_per_shader_stage as usize
+            || workgroup_bytes > limits.max_compute_workgroup_storage_size
+    };
+    for pass in Pass::ALL {
+        let module = parsed(pass);
+        let count = |is_meant: fn(wgpu::BindingType) -> bool| {
+            bindings(pass).iter().filter(|binding| is_meant(binding.kind())).count()
+        };
+        let buffers = count(|kind| {
+            matches!(kind, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { .. }, .. })
+        });
+        let textures = count(|kind| matches!(kind, wgpu::BindingType::StorageTexture { .. }));
+        let shared = module.global_variables.iter().filter(|(_, v)| v.space == AddressSpace::WorkGroup);
+        let bytes = shared.map(|(_, v)| module.types[v.ty].inner.size(module.to_ctx())).sum();
+        assert!(!excess(buffers, textures, bytes), "{}: {buffers}, {textures}, {bytes}", pass.name());
+    }
+    assert!(excess(5, 0, 0) && excess(0, 5, 0) && excess(0, 0, 16_385));
+}
+
+#[test]
 fn workgroups_are_as_large_as_the_plan_takes_them_to_be() {
     for pass in Pass::ALL {
         let size = parsed(pass).entry_points[0].workgroup_size;
