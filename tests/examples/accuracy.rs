@@ -3,12 +3,11 @@
 //!
 //! `accuracy DATA_DIR PACKS_DIR auto|gpu|lavapipe|cpu TRUTH_FILE...`: a table on stdout.
 
+use skyglow_bench::accuracy::zenith_and_horizontal;
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_physics::{
-    AZIMUTH_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
+    EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
-    panorama::{elevation_rad, solid_angle_sr},
-    photometry::luminance_cd_m2,
 };
 use skyglow_scene::{RING_COUNT, SceneId, SceneStore, ring_distance_m};
 use skyglow_tables::{Pack, Scattering, packs_in};
@@ -43,27 +42,6 @@ fn read(path: &str) -> Result<Truth, Box<dyn Error>> {
         radiance: serde_json::from_value(json["radiance"].clone())?,
         flux_dnb_w: number("flux_dnb_w")?,
     })
-}
-
-/// Luminance of the zenith cap and horizontal illuminance from the sampled directions alone, each row's
-/// samples standing for the whole row.
-fn zenith_and_horizontal(samples: &[(usize, usize)], luminance: &[f64]) -> (f64, f64) {
-    let mut rows: std::collections::BTreeMap<usize, (f64, f64)> = std::collections::BTreeMap::new();
-    for (&(row, _), &value) in samples.iter().zip(luminance) {
-        let entry = rows.entry(row).or_insert((0.0, 0.0));
-        entry.0 += value;
-        entry.1 += 1.0;
-    }
-    let (mut zenith, mut weight, mut horizontal) = (0.0, 0.0, 0.0);
-    for (row, (sum, count)) in rows {
-        let solid_angle = solid_angle_sr(row) * AZIMUTH_COUNT as f64;
-        if elevation_rad(row).to_degrees() >= 85.0 {
-            zenith += solid_angle * sum / count;
-            weight += solid_angle;
-        }
-        horizontal += solid_angle * sum / count * elevation_rad(row).sin();
-    }
-    (zenith / weight, horizontal)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -115,11 +93,11 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let value = std::array::from_fn(|b| rendered.panorama.radiance_w_m2_sr(b, row, column));
                 let reference = std::array::from_fn(|b| radiance[index * 3 + b]);
                 errors.push(relative_error(value, reference));
-                fast.push(luminance_cd_m2(value));
-                exact.push(luminance_cd_m2(reference));
+                fast.push(value);
+                exact.push(reference);
             }
-            let (zenith, horizontal) = zenith_and_horizontal(&truth.samples, &fast);
-            let (true_zenith, true_horizontal) = zenith_and_horizontal(&truth.samples, &exact);
+            let [zenith, horizontal] = zenith_and_horizontal(&truth.samples, &fast);
+            let [true_zenith, true_horizontal] = zenith_and_horizontal(&truth.samples, &exact);
             let statistics = ErrorStatistics::of(errors.iter().copied()).ok_or("no directions")?;
             println!(
                 "{} {:.4} {:.4} {turbidity} {:.3e} {true_zenith:.3e} {:.4} {:.4} {:.3} {:+.4} {:+.4}",

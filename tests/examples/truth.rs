@@ -13,6 +13,7 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{Scene, SceneId, SceneStore};
+use skyglow_tests::{lobe_truth::seven_digits, places::places};
 use std::{error::Error, path::Path, time::Instant};
 
 /// The packs' turbidities and two between them.
@@ -24,25 +25,6 @@ const REST_TURBIDITIES: [f64; 4] = [2.0, 2.5, 3.5, 4.75];
 
 /// Those between packs.
 const BETWEEN_TURBIDITIES: [f64; 2] = [2.0, 4.0];
-
-/// Places spread over the scene's bounds (additive recurrence): the same every time.
-fn places(scene: &Scene, count: usize) -> Vec<GeoPoint> {
-    let [west, south, east, north] = scene.metadata().bounds;
-    (1..)
-        .map(|i| {
-            let spread = |ratio: f64| (f64::from(i) * ratio).fract();
-            (south + (north - south) * spread(0.754_877_666), west + (east - west) * spread(0.569_840_291))
-        })
-        .filter_map(|(lat, lon)| GeoPoint::from_deg(lat, lon).ok())
-        .filter(|place| scene.contains(*place))
-        .take(count)
-        .collect()
-}
-
-/// A number as far as the truth is known.
-fn seven_digits(value: f64) -> f64 {
-    format!("{value:.6e}").parse().unwrap_or(value)
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();

@@ -11,12 +11,8 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{SceneId, SceneStore};
+use skyglow_tests::lobe_truth::seven_digits;
 use std::{error::Error, path::Path, time::Instant};
-
-/// A number as far as the truth is known.
-fn seven_digits(value: f64) -> f64 {
-    format!("{value:.6e}").parse().unwrap_or(value)
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();

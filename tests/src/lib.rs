@@ -5,6 +5,11 @@
 
 pub mod absences;
 pub mod arrows;
+pub mod class_scenes;
 pub mod documents;
+pub mod lobe_sum;
+pub mod lobe_truth;
+pub mod merged_sources;
 pub mod packs;
+pub mod places;
 pub mod tree;

@@ -107,7 +107,7 @@ fn compare(
 
 /// Luminance of the zenith [cd m⁻²] and horizontal illuminance [lx] from sampled directions alone, each row's samples
 /// standing for the whole row. Radiances in W m⁻² sr⁻¹.
-fn zenith_and_horizontal(samples: &[GridSample], radiance: &[[f64; BAND_COUNT]]) -> [f64; 2] {
+pub fn zenith_and_horizontal(samples: &[GridSample], radiance: &[[f64; BAND_COUNT]]) -> [f64; 2] {
     let mut rows: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
     for (&(row, _), bands) in samples.iter().zip(radiance) {
         let entry = rows.entry(row).or_default();

@@ -13,7 +13,7 @@ use std::{sync::Arc, time::Instant};
 /// Eye above the ground, metres.
 const EYE_HEIGHT_M: f64 = 2.0;
 /// Side of a raster pixel, metres: 15″.
-const PIXEL_SIDE_M: f64 = EARTH_RADIUS_M * std::f64::consts::PI / (180.0 * 240.0);
+pub const PIXEL_SIDE_M: f64 = EARTH_RADIUS_M * std::f64::consts::PI / (180.0 * 240.0);
 /// Radiance in the middle of the range, nW cm⁻² sr⁻¹; lights are a tenth to ten times as bright.
 const MIDDLE_RADIANCE_NW_CM2_SR: f64 = 20.0;
 /// Flux that stands for darkness where nothing is to be skipped, DNB watts: far below any light, and so far above nothing
@@ -66,6 +66,46 @@ fn chosen(of: usize, count: usize, seed: u64) -> Vec<usize> {
     members
 }
 
+/// A 15″ pixel with light, its middle at metres east and north of the observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LitPixel {
+    /// Metres east of the observer.
+    pub east_m: f64,
+    /// Metres north of the observer.
+    pub north_m: f64,
+    /// Altitude, metres.
+    pub altitude_m: f64,
+    /// Upward flux, DNB watts.
+    pub flux_dnb_w: f64,
+}
+
+/// Where the observer of made-up light stands.
+fn observer() -> GeoPoint {
+    GeoPoint::from_rad_unchecked(0.0, 0.0)
+}
+
+/// The point sources that pixels are to the observer; those within 5 km are split as everywhere in the model.
+pub fn sources_of_pixels(pixels: impl IntoIterator<Item = LitPixel>) -> Vec<PointSource> {
+    let frame = LocalFrame::at(observer());
+    let unit = |east_m: f64, north_m: f64| {
+        observer().destination(east_m.atan2(north_m), east_m.hypot(north_m)).unit_vector()
+    };
+    let side = 0.5 * PIXEL_SIDE_M;
+    let mut sources = Vec::new();
+    for LitPixel { east_m, north_m, altitude_m, flux_dnb_w } in pixels {
+        let corners = [(-side, -side), (side, -side), (side, side), (-side, side)]
+            .map(|(east, north)| unit(east_m + east, north_m + north));
+        let pixel = SourcePixel { corners, flux_dnb_w, altitude_m };
+        pixel.for_each_point_source(&frame, &mut |source| sources.push(source));
+    }
+    sources
+}
+
+/// The polar grid of sources that nothing hides.
+pub fn grid_under_open_sky(sources: &[PointSource]) -> PolarGrid {
+    PolarGrid::of_sources(observer(), sources.iter().map(|&source| (source, 0.0)))
+}
+
 impl LitScene {
     /// So many cells of the polar grid, spread over all its columns and rings, each with one source at its middle that
     /// is as bright as ground of the cell's area.
@@ -106,26 +146,19 @@ impl LitScene {
             })
             .collect();
         let mut noise = Noise::new(4);
-        let observer = GeoPoint::from_rad_unchecked(0.0, 0.0);
-        let frame = LocalFrame::at(observer);
-        let unit = |east_m: f64, north_m: f64| {
-            observer.destination(east_m.atan2(north_m), east_m.hypot(north_m)).unit_vector()
-        };
-        let mut sources = Vec::with_capacity(count);
         let pixels = chosen(inside.len(), count, 3);
-        for &pixel in &pixels {
+        let lit = pixels.iter().map(|&pixel| {
             let (east_m, north_m) = (middle_m(inside[pixel].0), middle_m(inside[pixel].1));
-            let side = 0.5 * PIXEL_SIDE_M;
-            let pixel = SourcePixel {
-                corners: [(-side, -side), (side, -side), (side, side), (-side, side)]
-                    .map(|(east, north)| unit(east_m + east, north_m + north)),
-                flux_dnb_w: flux_dnb_w(noise.unit(), PIXEL_SIDE_M * PIXEL_SIDE_M),
+            LitPixel {
+                east_m,
+                north_m,
                 altitude_m: terrain_m(east_m, north_m),
-            };
-            pixel.for_each_point_source(&frame, &mut |source| sources.push(source));
-        }
+                flux_dnb_w: flux_dnb_w(noise.unit(), PIXEL_SIDE_M * PIXEL_SIDE_M),
+            }
+        });
+        let sources = sources_of_pixels(lit);
         let start = Instant::now();
-        let polar = PolarGrid::of_sources(observer, sources.iter().map(|&source| (source, 0.0)));
+        let polar = grid_under_open_sky(&sources);
         Self {
             name: "raster",
             lit_sources: pixels.len(),

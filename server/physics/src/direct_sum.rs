@@ -9,7 +9,7 @@ use crate::{
     blocked_source::BlockedSource,
     emission::EmissionMix,
     panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad},
-    single_source::{SourceGeometry, cut_mixed_radiance_per_watt},
+    single_source::{SourceGeometry, cut_mixed_radiance_per_watt, radiance_per_watt},
     source_pixel::PointSource,
 };
 use rayon::prelude::*;
@@ -69,6 +69,41 @@ pub fn cut_direct_sum<const N: usize>(
                 }
             }
             advance();
+            sum
+        })
+        .collect()
+}
+
+/// As [`direct_sum`] with each lobe apart, `[direction][atmosphere × band × lobe]`, for flux in watts of the band: no lamp.
+/// Every lobe of every source to a relative `tolerance`.
+pub fn direct_sum_by_lobe<const N: usize>(
+    atmospheres: &[Atmosphere],
+    sources: &[PointSource],
+    observer_altitude_m: f64,
+    directions: &[Direction],
+    tolerance: f64,
+) -> Vec<[f64; N]> {
+    directions
+        .par_iter()
+        .map(|direction| {
+            let mut sum = [0.0; N];
+            for source in sources {
+                let geometry = SourceGeometry {
+                    distance_m: source.distance_m,
+                    source_altitude_m: source.altitude_m,
+                    observer_altitude_m,
+                };
+                let azimuth_rad = direction.azimuth_rad - source.azimuth_rad;
+                let per_watt: [f64; N] = radiance_per_watt(
+                    atmospheres,
+                    &geometry,
+                    azimuth_rad,
+                    direction.elevation_rad,
+                    tolerance,
+                    0.0,
+                );
+                sum.iter_mut().zip(per_watt).for_each(|(sum, value)| *sum += source.flux_dnb_w * value);
+            }
             sum
         })
         .collect()
@@ -205,6 +240,21 @@ mod tests {
             let mixed: f64 = (0..3).map(|lobe| weights[lobe] * per_watt[band][lobe]).sum();
             let expected = 5e6 * LampPreset::Hps.lamp().flux_per_dnb_flux[band] * mixed;
             assert!((got[band] / expected - 1.0).abs() < 1e-6, "{band}");
+        }
+    }
+
+    #[test]
+    fn lobes_apart_add_up_to_their_mix() {
+        let sources = [source(0.2, 9_000.0, 5e6), source(2.0, 60_000.0, 4e7)];
+        let atmosphere = Atmosphere::new(Turbidity::default());
+        let by_lobe: Vec<[f64; 9]> = direct_sum_by_lobe(&[atmosphere], &sources, 300.0, &[LOOK], 1e-7);
+        let (mixed, lamp) = (sum(&sources, &[LOOK])[0], LampPreset::Hps.lamp().flux_per_dnb_flux);
+        for band in 0..3 {
+            let lobes = &by_lobe[0][band * 3..][..3];
+            let weights = EmissionMix::garstang().weights();
+            let added: f64 = lobes.iter().zip(weights).map(|(value, weight)| value * weight).sum();
+            assert!((lamp[band] * added / mixed[band] - 1.0).abs() < 2e-6, "{band}");
+            assert!((lobes[0] / lobes[1] - 1.0).abs() > 0.01);
         }
     }
 

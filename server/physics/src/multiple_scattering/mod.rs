@@ -32,7 +32,7 @@ pub use energy::OrderPower;
 pub use field::SourceField;
 use lanes::{LANES, Lanes};
 pub use setting::{DEFAULT_GROUND_ALBEDO, LEAST_BELOW_BASE_M, Resolution, SourceSetting};
-pub use sum::{MultipleSum, SumDensity};
+pub use sum::{KeptFields, MultipleSum, SumDensity};
 pub use view::ViewRow;
 
 #[cfg(test)]

@@ -9,7 +9,9 @@
 //! little: ln q is interpolated between the angles and between altitudes of sources, which crowd around the observer's.
 //! At 90° s is 0.
 
+mod by_lobe;
 mod nodes;
+mod open_altitudes;
 mod tables;
 
 use super::{LEAST_BELOW_BASE_M, Resolution, SourceField, SourceSetting, ViewRow};
@@ -24,6 +26,7 @@ use crate::{
     single_source::RadiancePerWatt,
     source_pixel::PointSource,
 };
+pub use by_lobe::KeptFields;
 use nodes::{ANGLES_DEG, Nodes};
 use rayon::prelude::*;
 use tables::{LogTable, TableAxes};
@@ -71,9 +74,9 @@ pub struct MultipleSum {
 struct Tables {
     nodes: Nodes,
     /// ln of what the observer sees of open sources [m⁻² sr⁻¹ per watt], a field an altitude.
-    open: LogTable,
+    open: LogTable<BAND_COUNT>,
     /// ln q of what skylines leave of it.
-    cut: LogTable,
+    cut: LogTable<BAND_COUNT>,
 }
 
 impl MultipleSum {
@@ -161,19 +164,19 @@ impl MultipleSum {
         let axes = TableAxes::new(&self.density);
         let mut open = LogTable::new(axes.clone(), rows.len(), nodes.altitude_m.len());
         for (field, &altitude_m) in nodes.altitude_m.iter().enumerate() {
-            self.tabulate(self.setting(altitude_m)?, &axes, rows, &mut open, field)?;
+            self.tabulate(self.setting(altitude_m)?, rows, &mut open, field)?;
             advance();
         }
         let mut cut = LogTable::new(axes.clone(), rows.len(), nodes.cut_count());
-        let mut uncut = LogTable::new(axes.clone(), rows.len(), 1);
+        let mut uncut = LogTable::new(axes, rows.len(), 1);
         let mut field = 0;
         for fields in &nodes.cut {
             let setting = self.setting(fields.altitude_m)?;
-            self.tabulate(setting, &axes, rows, &mut uncut, 0)?;
+            self.tabulate(setting, rows, &mut uncut, 0)?;
             advance();
             for &angle in &fields.angles {
                 let blocking_rad = ANGLES_DEG[angle].to_radians();
-                self.tabulate(setting.behind(blocking_rad)?, &axes, rows, &mut cut, field)?;
+                self.tabulate(setting.behind(blocking_rad)?, rows, &mut cut, field)?;
                 cut.subtract(field, &uncut, self.log_sent(blocking_rad));
                 field += 1;
                 advance();
@@ -195,24 +198,12 @@ impl MultipleSum {
     fn tabulate(
         &self,
         setting: SourceSetting,
-        axes: &TableAxes,
         rows: &[f64],
-        table: &mut LogTable,
+        table: &mut LogTable<BAND_COUNT>,
         field: usize,
     ) -> Result<(), PhysicsError> {
         let solved = SourceField::solve(setting, &self.resolution);
-        let (row_len, part) = (table.row_len(), table.part(0, field));
-        let parts = table.log.par_chunks_mut(row_len);
-        parts.zip(rows).try_for_each(|(row, &elevation_rad)| {
-            let rays = ViewRow::new(&solved, self.observer_altitude_m, elevation_rad)?;
-            let mut values = row[part.clone()].iter_mut();
-            for &distance_m in &axes.distance_m {
-                for (&azimuth_rad, value) in axes.azimuth_rad.iter().zip(values.by_ref()) {
-                    *value = self.log_of(rays.radiance_per_watt(distance_m, azimuth_rad));
-                }
-            }
-            Ok(())
-        })
+        table.enter(field, &solved, self.observer_altitude_m, rows, |radiance| self.log_of(radiance))
     }
 
     /// ln of the mix of lobes.

@@ -1,6 +1,6 @@
 //! Which fields a sum needs: altitudes of sources under an open sky, and altitudes and angles of skylines.
 
-use super::{BlockedSource, SumDensity};
+use super::{BlockedSource, SumDensity, open_altitudes::OpenAltitudes};
 use crate::interpolation::lagrange_taps;
 use std::collections::BTreeMap;
 
@@ -59,7 +59,8 @@ pub(super) struct Nodes {
 impl Nodes {
     /// The nodes for some sources, of which there is at least one, around an observer.
     pub(super) fn new(sources: &[BlockedSource], observer_altitude_m: f64, density: &SumDensity) -> Self {
-        let altitude_m = altitude_nodes(sources, density.altitude_step_m);
+        let altitudes = sources.iter().map(|blocked| blocked.source.altitude_m);
+        let open = OpenAltitudes::new(altitudes, observer_altitude_m, density.altitude_step_m);
         let offset_m = |blocked: &BlockedSource| blocked.source.altitude_m - observer_altitude_m;
         let hidden = || sources.iter().filter(|blocked| blocked.blocking_rad > 0.0).map(offset_m);
         let sides_m = [
@@ -113,11 +114,8 @@ impl Nodes {
             .into_iter()
             .map(|taps| taps.into_iter().map(|(node, weight)| (places[&node], weight)).collect())
             .collect();
-        let open_taps = sources
-            .iter()
-            .map(|blocked| lagrange_taps(&altitude_m, blocked.source.altitude_m, TAPS))
-            .collect();
-        Self { altitude_m, cut, open_taps, cut_taps }
+        let open_taps = sources.iter().map(|blocked| open.taps(blocked.source.altitude_m)).collect();
+        Self { altitude_m: open.altitude_m, cut, open_taps, cut_taps }
     }
 
     /// Number of fields behind skylines.
@@ -129,19 +127,6 @@ impl Nodes {
     pub(super) fn field_count(&self) -> usize {
         self.altitude_m.len() + self.cut.len() + self.cut_count()
     }
-}
-
-/// Altitudes of sources, metres, from the lowest to the highest in equal steps.
-fn altitude_nodes(sources: &[BlockedSource], step_m: f64) -> Vec<f64> {
-    let altitudes = sources.iter().map(|blocked| blocked.source.altitude_m);
-    let (lowest, highest) = altitudes.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), altitude_m| {
-        (low.min(altitude_m), high.max(altitude_m))
-    });
-    let steps = ((highest - lowest) / step_m).ceil();
-    if steps < 1.0 {
-        return vec![lowest];
-    }
-    (0..=steps as usize).map(|k| lowest + (highest - lowest) * k as f64 / steps).collect()
 }
 
 /// Distances in altitude from the observer, metres, from 0 to the farthest, even in [`bent_offset`] but for the last.

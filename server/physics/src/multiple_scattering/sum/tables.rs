@@ -1,11 +1,13 @@
 //! What the observer of a sum sees of single sources, tabulated over distance and azimuth for each field.
 
-use super::{SumDensity, nodes::TAPS};
+use super::{SourceField, SumDensity, ViewRow, nodes::TAPS};
 use crate::{
-    bands::BAND_COUNT,
+    error::PhysicsError,
     interpolation::lagrange_taps,
+    single_source::RadiancePerWatt,
     source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M, PointSource},
 };
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Azimuth nodes are this power of an even share of the half turn.
@@ -37,24 +39,50 @@ impl TableAxes {
     }
 }
 
-/// Logarithms for every row of the sky and every field, `[row][field][distance][azimuth]`.
+/// Logarithms of N values for every row of the sky and every field, `[row][field][distance][azimuth]`.
 #[derive(Debug)]
-pub(super) struct LogTable {
+pub(super) struct LogTable<const N: usize> {
     axes: TableAxes,
     fields: usize,
-    pub(super) log: Vec<[f32; BAND_COUNT]>,
+    pub(super) log: Vec<[f32; N]>,
 }
 
-impl LogTable {
+impl<const N: usize> LogTable<N> {
     /// All zero.
     pub(super) fn new(axes: TableAxes, rows: usize, fields: usize) -> Self {
-        Self { log: vec![[0.0; BAND_COUNT]; rows * fields * axes.len()], axes, fields }
+        Self { log: vec![[0.0; N]; rows * fields * axes.len()], axes, fields }
     }
 
     /// Where the samples of a field in a row are, `[distance][azimuth]`.
     pub(super) fn part(&self, row: usize, field: usize) -> std::ops::Range<usize> {
         let start = (row * self.fields + field) * self.axes.len();
         start..start + self.axes.len()
+    }
+
+    /// Enters what the observer sees of a field: `log_of` its outputs at every row, distance and azimuth.
+    ///
+    /// # Errors
+    /// As those of [`ViewRow::new`].
+    pub(super) fn enter(
+        &mut self,
+        field: usize,
+        solved: &SourceField,
+        observer_altitude_m: f64,
+        rows_rad: &[f64],
+        log_of: impl Fn(RadiancePerWatt) -> [f32; N] + Sync,
+    ) -> Result<(), PhysicsError> {
+        let (row_len, part, axes) = (self.row_len(), self.part(0, field), &self.axes);
+        let parts = self.log.par_chunks_mut(row_len);
+        parts.zip(rows_rad).try_for_each(|(row, &elevation_rad)| {
+            let rays = ViewRow::new(solved, observer_altitude_m, elevation_rad)?;
+            let mut values = row[part.clone()].iter_mut();
+            for &distance_m in &axes.distance_m {
+                for (&azimuth_rad, value) in axes.azimuth_rad.iter().zip(values.by_ref()) {
+                    *value = log_of(rays.radiance_per_watt(distance_m, azimuth_rad));
+                }
+            }
+            Ok(())
+        })
     }
 
     /// Takes from a field the only one of another table, and an addend besides.
@@ -80,12 +108,12 @@ impl LogTable {
         fields: &[(usize, f64)],
         source: &PointSource,
         azimuth_rad: f64,
-    ) -> [f64; BAND_COUNT] {
+    ) -> [f64; N] {
         // Azimuth from the source's, folded to 0..=π: the sky is even.
         let turn = (azimuth_rad - source.azimuth_rad).rem_euclid(2.0 * PI);
         let azimuths = lagrange_taps(&self.axes.azimuth_rad, turn.min(2.0 * PI - turn), TAPS);
         let distances = lagrange_taps(&self.axes.log_distance, source.distance_m.ln(), TAPS);
-        let mut sum = [0.0; BAND_COUNT];
+        let mut sum = [0.0; N];
         for &(field, field_weight) in fields {
             for &(distance, distance_weight) in &distances {
                 let start = self.part(row, field).start + distance * self.axes.azimuth_rad.len();

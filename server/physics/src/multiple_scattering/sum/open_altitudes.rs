@@ -1,0 +1,123 @@
+//! Altitudes of open sources that a sum solves fields for.
+//!
+//! There is a kink where source and observer stand equally high: a higher source leaves the air below it unlit and has its
+//! ground below it. So the altitudes below the observer and those above are interpolated apart, with a node at the
+//! observer's own, and they crowd above it.
+
+use super::nodes::{TAPS, Taps};
+use crate::interpolation::lagrange_taps;
+
+/// Distances of the lowest nodes above the observer, metres; then even steps.
+const CROWDED_M: [f64; 3] = [0.0, 50.0, 150.0];
+
+/// Altitudes of fields, and how sources lie between them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct OpenAltitudes {
+    /// Metres, ascending.
+    pub(super) altitude_m: Vec<f64>,
+    observer_altitude_m: f64,
+    /// Nodes that are not above the observer.
+    below: usize,
+    /// First node of those above, the observer's own if it is one.
+    first_above: usize,
+}
+
+impl OpenAltitudes {
+    /// For sources at some altitudes, of which there is at least one; `step_m` is the largest step. Where the sources have
+    /// no more altitudes on a side than it would have nodes, theirs are the nodes.
+    pub(super) fn new(altitudes_m: impl Iterator<Item = f64>, observer_altitude_m: f64, step_m: f64) -> Self {
+        let mut own: Vec<f64> = altitudes_m.collect();
+        own.sort_by(f64::total_cmp);
+        own.dedup();
+        let (low, high) = own.split_at(own.partition_point(|&altitude_m| altitude_m <= observer_altitude_m));
+        let fewer =
+            |nodes: Vec<f64>, own: &[f64]| if own.len() <= nodes.len() { own.to_vec() } else { nodes };
+        let below_nodes = match low {
+            [lowest, .., highest] => fewer(nodes_below_m(*lowest, *highest, step_m), low),
+            own => own.to_vec(),
+        };
+        let above_nodes = match high {
+            [] => Vec::new(),
+            [.., highest] => fewer(nodes_above_m(observer_altitude_m, *highest, step_m), high),
+        };
+        let mut altitude_m = below_nodes;
+        altitude_m.extend(above_nodes);
+        altitude_m.dedup();
+        let below = altitude_m.partition_point(|&node_m| node_m <= observer_altitude_m);
+        let is_shared = below > 0 && altitude_m[below - 1] == observer_altitude_m;
+        let first_above = below - usize::from(is_shared);
+        Self { altitude_m, observer_altitude_m, below, first_above }
+    }
+
+    /// Nodes around a source and their weights.
+    pub(super) fn taps(&self, altitude_m: f64) -> Taps {
+        if altitude_m <= self.observer_altitude_m {
+            return lagrange_taps(&self.altitude_m[..self.below], altitude_m, TAPS);
+        }
+        let mut taps = lagrange_taps(&self.altitude_m[self.first_above..], altitude_m, TAPS);
+        taps.iter_mut().for_each(|(node, _)| *node += self.first_above);
+        taps
+    }
+}
+
+/// Multiples of the step, so that observers share fields, and the highest source.
+fn nodes_below_m(lowest_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
+    let multiples = (((lowest_m / step_m).floor() as i64)..).map(|k| k as f64 * step_m);
+    // None is below both the sea and the lowest source, and one that the last follows closely gives way to it.
+    let mut nodes: Vec<f64> = multiples
+        .map(|node_m| node_m.max(lowest_m.min(0.0)))
+        .take_while(|&node_m| node_m <= highest_m - 0.2 * step_m)
+        .collect();
+    nodes.push(highest_m);
+    nodes
+}
+
+/// The observer's own altitude, nodes crowding above it, and the highest source.
+fn nodes_above_m(observer_altitude_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
+    let even = (1..).map(|k| CROWDED_M[CROWDED_M.len() - 1] + step_m * f64::from(k));
+    let offsets_m = CROWDED_M.into_iter().chain(even);
+    // A node that the last one follows closely gives way to it.
+    let mut nodes: Vec<f64> = offsets_m
+        .take_while(|&offset_m| offset_m <= 0.8 * (highest_m - observer_altitude_m))
+        .map(|offset_m| observer_altitude_m + offset_m)
+        .collect();
+    nodes.push(highest_m);
+    nodes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nodes(altitudes_m: &[f64], observer_m: f64) -> OpenAltitudes {
+        OpenAltitudes::new(altitudes_m.iter().copied(), observer_m, 300.0)
+    }
+
+    #[test]
+    fn few_altitudes_are_their_own_nodes_and_many_lie_between_nodes_of_their_side_of_the_observer() {
+        assert_eq!(nodes(&[40.0, 40.0], 900.0).altitude_m, [40.0]);
+        assert_eq!(nodes(&[100.0, 400.0], 200.0).altitude_m, [100.0, 400.0]);
+        let many: Vec<f64> = (0..=100).map(|k| 13.0 * f64::from(k)).collect();
+        assert_eq!(nodes(&many, 2_000.0).altitude_m, [0.0, 300.0, 600.0, 900.0, 1_200.0, 1_300.0]);
+        let around = nodes(&many, 500.0);
+        let expected = [0.0, 300.0, 494.0, 500.0, 550.0, 650.0, 950.0, 1_300.0];
+        assert_eq!(around.altitude_m, expected);
+        for &altitude_m in &many {
+            let taps = around.taps(altitude_m);
+            let at: f64 = taps.iter().map(|&(node, weight)| weight * around.altitude_m[node]).sum();
+            assert!((at - altitude_m).abs() < 1e-9, "{altitude_m} {taps:?}");
+            // No source takes anything from the other side.
+            let is_of_side = |node: usize| (around.altitude_m[node] < 500.0) == (altitude_m <= 500.0);
+            assert!(taps.iter().all(|&(node, weight)| weight == 0.0 || is_of_side(node)), "{altitude_m}");
+        }
+    }
+
+    #[test]
+    fn observers_share_nodes_below_them() {
+        let many: Vec<f64> = (0..=100).map(|k| 13.0 * f64::from(k)).collect();
+        let [low, high] = [700.0, 1_000.0].map(|observer_m| nodes(&many, observer_m).altitude_m);
+        assert!([0.0, 300.0].iter().all(|node_m| low.contains(node_m) && high.contains(node_m)));
+        let below = nodes(&[-20.0, -10.0, -15.0, -5.0, 3.0], 700.0);
+        assert_eq!(below.altitude_m, [-20.0, 3.0]);
+    }
+}

@@ -1,0 +1,64 @@
+//! The truth of a sky with each lobe apart: one file serves every mix of lobes and every lamp.
+
+use serde::{Deserialize, Serialize};
+use skyglow_physics::{BAND_COUNT, EmissionMix, LOBE_COUNT, direct_sum::GridSample};
+
+/// Lights of one sky, per watt of flux in the band as if all of the raster's were in it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct LobeTruth {
+    /// A class of places, or a scene.
+    pub name: String,
+    /// Latitude and longitude in the scene, degrees; None in a class.
+    pub place_deg: Option<[f64; 2]>,
+    /// Altitude of the observer's eye, metres.
+    pub observer_altitude_m: f64,
+    /// Turbidity.
+    pub turbidity: f64,
+    /// Lambertian albedo of the ground.
+    pub ground_albedo: f64,
+    /// How many point sources were summed.
+    pub sources: usize,
+    /// Their flux, DNB watts.
+    pub flux_dnb_w: f64,
+    /// How long it took, seconds.
+    pub seconds: f64,
+    /// Directions.
+    pub samples: Vec<GridSample>,
+    /// First order, W m⁻² sr⁻¹, `[direction][band × lobe]`.
+    pub first_w_m2_sr: Vec<Vec<f64>>,
+    /// All later orders, as `first_w_m2_sr`.
+    pub later_w_m2_sr: Vec<Vec<f64>>,
+}
+
+impl LobeTruth {
+    /// Radiance of all orders, W m⁻² sr⁻¹, of a mix of lobes and a lamp.
+    pub fn mixed_w_m2_sr(
+        &self,
+        emission: EmissionMix,
+        flux_per_dnb_flux: [f64; BAND_COUNT],
+    ) -> Vec<[f64; BAND_COUNT]> {
+        let sum = |(first, later): (&Vec<f64>, &Vec<f64>)| {
+            std::array::from_fn(|band| {
+                let lobes = emission.weights().into_iter().enumerate();
+                let of_lobe = |lobe: usize| first[band * LOBE_COUNT + lobe] + later[band * LOBE_COUNT + lobe];
+                flux_per_dnb_flux[band] * lobes.map(|(lobe, weight)| weight * of_lobe(lobe)).sum::<f64>()
+            })
+        };
+        self.first_w_m2_sr.iter().zip(&self.later_w_m2_sr).map(sum).collect()
+    }
+
+    /// What its file is called.
+    pub fn file_name(&self) -> String {
+        file_name(&self.name, self.observer_altitude_m, self.turbidity)
+    }
+}
+
+/// What the file of a truth is called.
+pub fn file_name(name: &str, observer_altitude_m: f64, turbidity: f64) -> String {
+    format!("{name}-{observer_altitude_m:.0}m-t{turbidity:.2}.json")
+}
+
+/// A number as far as the truth is known.
+pub fn seven_digits(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
+}
