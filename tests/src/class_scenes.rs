@@ -3,10 +3,11 @@
 //! Two observers a class, one at or near an altitude that packs hold and one between two of those. Sources stand at few
 //! altitudes, so that the truth has a field for each.
 
+use crate::lit_areas::{LitAreas, level_m, level_of_share_m, turned_m};
 use skyglow_bench::scenes::{LitPixel, PIXEL_SIDE_M, sources_of_pixels};
 use skyglow_engine::synthetic::Noise;
 use skyglow_physics::PointSource;
-use std::{collections::BTreeMap, f64::consts::TAU};
+use std::f64::consts::TAU;
 
 /// A kind of place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,9 +38,6 @@ pub struct ClassScene {
     /// Its light.
     pub sources: Vec<PointSource>,
 }
-
-/// Flux of a pixel of middling brightness, DNB watts: 20 nW cm⁻² sr⁻¹.
-const MIDDLE_FLUX_DNB_W: f64 = 135.0;
 
 impl Class {
     /// All of them.
@@ -95,17 +93,17 @@ impl Class {
 
     fn pixels(self, observer_altitude_m: f64) -> Vec<LitPixel> {
         let mut noise = Noise::new(11 + self as u64);
-        let mut map = Pixels::default();
+        let mut map = LitAreas::default();
         match self {
             Class::CityFarOff => {
-                map.town(&mut noise, [39_000.0, 9_000.0], 6_000.0, 1.0, |place| level(&[0.0, 60.0], place));
+                map.town(&mut noise, [39_000.0, 9_000.0], 6_000.0, 1.0, |place| level_m(&[0.0, 60.0], place));
             }
             Class::InsideCity => {
                 // The city stands on the ground that the observer stands on.
                 let base_m = observer_altitude_m - 42.0;
                 map.town(&mut noise, [1_500.0, -900.0], 8_000.0, 1.0, |[east_m, north_m]| {
                     let slope = 0.5 + (east_m + 0.6 * north_m) / 12_000.0;
-                    base_m + of_share(&[0.0, 40.0, 80.0], slope)
+                    base_m + level_of_share_m(&[0.0, 40.0, 80.0], slope)
                 });
             }
             Class::Spread => map.region(&mut noise, &[0.0, 100.0, 300.0, 600.0, 900.0]),
@@ -114,19 +112,19 @@ impl Class {
                     let distance_m = 250.0 * 1_190f64.powf(noise.unit());
                     let brightness = (distance_m / 1_000.0).powf(2.5).max(0.2);
                     let pixels = (distance_m / 3_000.0).clamp(1.0, 12.0);
-                    let at = turned(distance_m, TAU * noise.unit());
+                    let at = turned_m(distance_m, TAU * noise.unit());
                     let radius_m = (0.3 + 0.35 * pixels.sqrt()) * PIXEL_SIDE_M;
                     let levels = [0.0, 100.0, 300.0];
-                    map.town(&mut noise, at, radius_m, brightness / pixels, |place| level(&levels, place));
+                    map.town(&mut noise, at, radius_m, brightness / pixels, |place| level_m(&levels, place));
                 }
             }
             Class::AbovePlain => {
                 for _ in 0..80 {
-                    let at = turned(3_000.0 + 117_000.0 * noise.unit(), TAU * noise.unit());
+                    let at = turned_m(3_000.0 + 117_000.0 * noise.unit(), TAU * noise.unit());
                     let radius_m = 300.0 + 1_200.0 * noise.unit();
                     let brightness = 0.2 + noise.unit();
                     map.town(&mut noise, at, radius_m, brightness, |place| {
-                        level(&[0.0, 100.0, 300.0], place)
+                        level_m(&[0.0, 100.0, 300.0], place)
                     });
                 }
             }
@@ -134,7 +132,7 @@ impl Class {
                 let floor_m = observer_altitude_m - 2.0;
                 for _ in 0..320 {
                     let share = noise.unit();
-                    let [east_m, north_m] = turned(1_500.0 + 20_000.0 * share * share, TAU * noise.unit());
+                    let [east_m, north_m] = turned_m(1_500.0 + 20_000.0 * share * share, TAU * noise.unit());
                     let highest_m = 0.25 * east_m.hypot(north_m).min(6_000.0);
                     let steps = [0.0, 100.0, 300.0, 700.0, 1_500.0];
                     let reached = steps.iter().filter(|&&step_m| step_m <= highest_m).count();
@@ -145,94 +143,17 @@ impl Class {
             }
             Class::OverSea => {
                 for _ in 0..60 {
-                    let at = turned(62_000.0 + 198_000.0 * noise.unit(), 0.5 * TAU * noise.unit());
+                    let at = turned_m(62_000.0 + 198_000.0 * noise.unit(), 0.5 * TAU * noise.unit());
                     let radius_m = 300.0 + 2_200.0 * noise.unit();
                     let brightness = 0.2 + noise.unit();
                     map.town(&mut noise, at, radius_m, brightness, |place| {
-                        level(&[0.0, 100.0, 300.0], place)
+                        level_m(&[0.0, 100.0, 300.0], place)
                     });
                 }
             }
         }
         map.lit()
     }
-}
-
-/// Lit pixels by their place on the lattice: altitude [m] and flux [DNB W].
-#[derive(Default)]
-struct Pixels(BTreeMap<(i64, i64), [f64; 2]>);
-
-impl Pixels {
-    fn put(&mut self, [east_m, north_m]: [f64; 2], altitude_m: f64, brightness: f64) {
-        let place = [east_m, north_m].map(|metres| (metres / PIXEL_SIDE_M).floor() as i64);
-        self.0.insert((place[0], place[1]), [altitude_m, MIDDLE_FLUX_DNB_W * brightness]);
-    }
-
-    /// A disc, three times as bright in its middle as at its edge, pixels a third to three times as bright as that.
-    fn town(
-        &mut self,
-        noise: &mut Noise,
-        [east_m, north_m]: [f64; 2],
-        radius_m: f64,
-        brightness: f64,
-        altitude_m: impl Fn([f64; 2]) -> f64,
-    ) {
-        let reach = (radius_m / PIXEL_SIDE_M).ceil() as i64;
-        for (column, row) in
-            (-reach..=reach).flat_map(|row| (-reach..=reach).map(move |column| (column, row)))
-        {
-            let (right_m, up_m) = (column as f64 * PIXEL_SIDE_M, row as f64 * PIXEL_SIDE_M);
-            let off = right_m.hypot(up_m) / radius_m;
-            if off <= 1.0 {
-                let at = [east_m + right_m, north_m + up_m];
-                self.put(
-                    at,
-                    altitude_m(at),
-                    brightness * (1.0 - off).exp() * 3f64.powf(2.0 * noise.unit() - 1.0),
-                );
-            }
-        }
-    }
-
-    /// Thirty towns and some hundred lone pixels over the whole disc.
-    fn region(&mut self, noise: &mut Noise, levels: &[f64]) {
-        for _ in 0..30 {
-            let at = turned(290_000.0 * noise.unit().sqrt(), TAU * noise.unit());
-            let (radius_m, brightness) = (500.0 + 2_500.0 * noise.unit().powi(2), 0.3 + 2.0 * noise.unit());
-            self.town(noise, at, radius_m, brightness, |place| level(levels, place));
-        }
-        for _ in 0..400 {
-            let at = turned(298_000.0 * noise.unit().sqrt(), TAU * noise.unit());
-            self.put(at, level(levels, at), 0.1 + 0.4 * noise.unit());
-        }
-    }
-
-    fn lit(self) -> Vec<LitPixel> {
-        let middle_m = |index: i64| (index as f64 + 0.5) * PIXEL_SIDE_M;
-        let pixel = |((east, north), [altitude_m, flux_dnb_w]): ((i64, i64), [f64; 2])| LitPixel {
-            east_m: middle_m(east),
-            north_m: middle_m(north),
-            altitude_m,
-            flux_dnb_w,
-        };
-        self.0.into_iter().map(pixel).collect()
-    }
-}
-
-/// Metres east and north.
-fn turned(distance_m: f64, azimuth_rad: f64) -> [f64; 2] {
-    [distance_m * azimuth_rad.sin(), distance_m * azimuth_rad.cos()]
-}
-
-/// One of some altitudes, low ones more often, by hills some kilometres wide.
-fn level(levels_m: &[f64], [east_m, north_m]: [f64; 2]) -> f64 {
-    let broad = 0.25 * (east_m / 23_000.0).sin() * (north_m / 31_000.0).cos();
-    let share = 0.5 + broad + 0.25 * ((east_m - 0.7 * north_m) / 4_000.0).sin();
-    of_share(levels_m, share * share)
-}
-
-fn of_share(levels_m: &[f64], share: f64) -> f64 {
-    levels_m[((share * levels_m.len() as f64).max(0.0) as usize).min(levels_m.len() - 1)]
 }
 
 #[cfg(test)]

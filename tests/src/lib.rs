@@ -7,6 +7,7 @@ pub mod absences;
 pub mod arrows;
 pub mod class_scenes;
 pub mod documents;
+pub mod lit_areas;
 pub mod lobe_sum;
 pub mod lobe_truth;
 pub mod merged_sources;

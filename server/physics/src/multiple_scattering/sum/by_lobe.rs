@@ -136,7 +136,8 @@ mod tests {
             altitude_m,
             flux_dnb_w: 2e6,
         };
-        let sources = [source(0.3, 4_000.0, 150.0), source(2.0, 40_000.0, 150.0), source(5.0, 9_000.0, 620.0)];
+        let sources =
+            [source(0.3, 4_000.0, 150.0), source(2.0, 40_000.0, 150.0), source(5.0, 9_000.0, 620.0)];
         let directions = [(0, 10), (9, 200), (63, 0)].map(grid_direction);
         let mut kept = KeptFields::new(atmosphere, 0.15, resolution, density);
         let mut by_lobe = |observer_altitude_m: f64| {

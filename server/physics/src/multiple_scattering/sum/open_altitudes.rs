@@ -7,8 +7,8 @@
 use super::nodes::{TAPS, Taps};
 use crate::interpolation::lagrange_taps;
 
-/// Distances of the lowest nodes above the observer, metres; then even steps.
-const CROWDED_M: [f64; 3] = [0.0, 50.0, 150.0];
+/// Distances of the lowest nodes above the observer, in largest steps; then even ones.
+const CROWDED: [f64; 3] = [0.0, 1.0 / 6.0, 0.5];
 
 /// Altitudes of fields, and how sources lie between them.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,8 +74,8 @@ fn nodes_below_m(lowest_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
 
 /// The observer's own altitude, nodes crowding above it, and the highest source.
 fn nodes_above_m(observer_altitude_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
-    let even = (1..).map(|k| CROWDED_M[CROWDED_M.len() - 1] + step_m * f64::from(k));
-    let offsets_m = CROWDED_M.into_iter().chain(even);
+    let even = (1..).map(|k| CROWDED[CROWDED.len() - 1] + f64::from(k));
+    let offsets_m = CROWDED.into_iter().chain(even).map(|steps| steps * step_m);
     // A node that the last one follows closely gives way to it.
     let mut nodes: Vec<f64> = offsets_m
         .take_while(|&offset_m| offset_m <= 0.8 * (highest_m - observer_altitude_m))
