@@ -5,7 +5,7 @@
 //! on the observer. Sources closer together than SHARE of their distance are one (0 sums every source; 0.01 is within 1e-3).
 
 use skyglow_physics::{
-    GeoPoint, Turbidity,
+    GeoPoint, PointSource, Turbidity,
     direct_sum::stratified_samples,
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
@@ -29,36 +29,38 @@ fn main() -> Result<(), Box<dyn Error>> {
     let share: f64 = share.parse()?;
     let turbidities = turbidities.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>()?;
     let places = places(&scene, count.parse()?);
-    for (first, turbidity) in turbidities.iter().enumerate() {
-        let turbidity = Turbidity::new(*turbidity)?;
-        let mut kept = fields(turbidity);
-        for (number, place) in places.iter().enumerate().skip(first).step_by(turbidities.len()) {
-            let observer_altitude_m = scene.ground(*place).altitude_m() + 2.0;
-            let name = file_name(&format!("{id}-{number:02}"), observer_altitude_m, turbidity.value());
-            let path = Path::new(out).join(name);
-            if path.exists() {
-                continue;
-            }
-            let (sources, flux_dnb_w) = sources_at(&scene, *place, share);
-            if sources.is_empty() {
-                println!("{place:?}: dark");
-                continue;
-            }
-            let sky = AskedSky {
-                name: id,
-                place_deg: Some([place.latitude_deg(), place.longitude_deg()]),
-                observer_altitude_m,
-                sources: &sources,
-                flux_dnb_w,
-            };
-            std::fs::write(&path, serde_json::to_string(&truth(&sky, turbidity, &samples, &mut kept)?)?)?;
+    let mut turbidities = turbidities
+        .into_iter()
+        .map(|turbidity| Turbidity::new(turbidity).map(|turbidity| (turbidity, fields(turbidity))))
+        .collect::<Result<Vec<_>, _>>()?;
+    let count = turbidities.len();
+    for (number, place) in places.into_iter().enumerate() {
+        let (turbidity, kept) = &mut turbidities[number % count];
+        let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
+        let name = file_name(&format!("{id}-{number:02}"), observer_altitude_m, turbidity.value());
+        let path = Path::new(out).join(name);
+        if path.exists() {
+            continue;
         }
+        let (sources, flux_dnb_w) = sources_at(&scene, place, share);
+        if sources.is_empty() {
+            println!("{place:?}: dark");
+            continue;
+        }
+        let sky = AskedSky {
+            name: id,
+            place_deg: Some([place.latitude_deg(), place.longitude_deg()]),
+            observer_altitude_m,
+            sources: &sources,
+            flux_dnb_w,
+        };
+        std::fs::write(&path, serde_json::to_string(&truth(&sky, *turbidity, &samples, kept)?)?)?;
     }
     Ok(())
 }
 
 /// The sources of a place, merged, and their flux [DNB W].
-fn sources_at(scene: &Scene, place: GeoPoint, share: f64) -> (Vec<skyglow_physics::PointSource>, f64) {
+fn sources_at(scene: &Scene, place: GeoPoint, share: f64) -> (Vec<PointSource>, f64) {
     let every = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
     let flux_dnb_w = every.iter().map(|source| source.flux_dnb_w).sum();
     let sources = if share > 0.0 { merged(&every, share) } else { every };
