@@ -62,12 +62,11 @@ impl OpenAltitudes {
 
 /// Multiples of the step, so that observers share fields, and the highest source.
 fn nodes_below_m(lowest_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
-    let multiples = (((lowest_m / step_m).floor() as i64)..).map(|k| k as f64 * step_m);
     // None is below both the sea and the lowest source, and one that the last follows closely gives way to it.
-    let mut nodes: Vec<f64> = multiples
-        .map(|node_m| node_m.max(lowest_m.min(0.0)))
-        .take_while(|&node_m| node_m <= highest_m - 0.2 * step_m)
-        .collect();
+    let first = (lowest_m / step_m).floor() as i64;
+    let mut nodes = vec![(first as f64 * step_m).max(lowest_m.min(0.0))];
+    let others = (first + 1..).map(|k| k as f64 * step_m);
+    nodes.extend(others.take_while(|&node_m| node_m <= highest_m - 0.2 * step_m));
     nodes.push(highest_m);
     nodes
 }
@@ -106,8 +105,11 @@ mod tests {
             let taps = around.taps(altitude_m);
             let at: f64 = taps.iter().map(|&(node, weight)| weight * around.altitude_m[node]).sum();
             assert!((at - altitude_m).abs() < 1e-9, "{altitude_m} {taps:?}");
-            // No source takes anything from the other side.
-            let is_of_side = |node: usize| (around.altitude_m[node] < 500.0) == (altitude_m <= 500.0);
+            // No source takes anything from the other side; the observer's own altitude is of both.
+            let is_of_side = |node: usize| {
+                let node_m = around.altitude_m[node];
+                if altitude_m <= 500.0 { node_m <= 500.0 } else { node_m >= 500.0 }
+            };
             assert!(taps.iter().all(|&(node, weight)| weight == 0.0 || is_of_side(node)), "{altitude_m}");
         }
     }
