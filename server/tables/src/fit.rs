@@ -50,13 +50,13 @@ const DIM_OVER_MEAN: f32 = 1e-4;
 /// ((2⁻¹¹)²/3). Rounding c_k adds Σ_p w_p² B_k(p)² c_k² · variance to the expected squared error: a ridge in
 /// proportion to the diagonal of the normal equations.
 pub const ROUNDING_VARIANCE: f64 = 1e-7;
-/// How much more the lowest row towards the source weighs (w, not w²): few samples, but where a city's light
-/// is brightest.
-const LOW_ROW_BOOST: f64 = 1.0;
-/// Rows over which that falls to 1/e.
-const LOW_ROW_COUNT: f64 = 1.5;
+/// How much more samples next to the source's azimuth weigh (w, not w²). A whole sky is a sum over many sources: away from
+/// them their errors average out, next to one its own stand alone, and that is where the sky is worst.
+const NEAR_SOURCE_BOOST: f64 = 12.0;
+/// Rows at which that is 1/e: 14° up, above most sources.
+const NEAR_SOURCE_ROW_COUNT: f64 = 10.0;
 /// Columns over which that falls to 1/e.
-const LOW_COLUMN_COUNT: f64 = 3.0;
+const NEAR_SOURCE_COLUMN_COUNT: f64 = 3.0;
 
 /// What decides a fit beside the number of functions, geometries and iterations: kept in manifests, and in the key of
 /// work in progress, so that nothing made with other constants is gone on from.
@@ -74,8 +74,16 @@ pub struct FitConstants {
     pub shadow_dim: [f64; 2],
     /// Relative variance of a coefficient's rounding.
     pub rounding_variance: f64,
-    /// Extra weight of the lowest row towards the source, and over how many rows and columns it falls to 1/e.
-    pub low_row: [f64; 3],
+    /// Extra weight of the lowest row towards the source, and over how many rows and columns it falls to 1/e, of packs made
+    /// before there was `near_source` instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low_row: Option<[f64; 3]>,
+    /// Extra weight next to the source's azimuth, and the rows and columns at which it is 1/e.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near_source: Option<[f64; 3]>,
+    /// Of the raised part of the training set: highest observer, nearest and farthest source [m], steepest source [degrees].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub raised_training: Option<[f64; 4]>,
     /// Weight of the `oblique` lobe's images.
     pub oblique_importance: f64,
     /// Highest observer and source of the everyday half of the training set, metres.
@@ -92,7 +100,9 @@ impl FitConstants {
             raised_dim: [RAISED_DIM_FACTOR, RAISED_DEG],
             shadow_dim: [SHADOW_DIM_FACTOR, SHADOW_DEPTH_M],
             rounding_variance: ROUNDING_VARIANCE,
-            low_row: [LOW_ROW_BOOST, LOW_ROW_COUNT, LOW_COLUMN_COUNT],
+            low_row: None,
+            near_source: Some([NEAR_SOURCE_BOOST, NEAR_SOURCE_ROW_COUNT, NEAR_SOURCE_COLUMN_COUNT]),
+            raised_training: Some(crate::training::RAISED_TRAINING),
             oblique_importance: crate::training::OBLIQUE_IMPORTANCE,
             everyday_altitude_m: crate::training::EVERYDAY_ALTITUDE_M,
         }
@@ -112,15 +122,16 @@ pub struct Basis {
 static PLACE_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
     (0..PIXEL_COUNT)
         .map(|p| {
-            let (row, column) = ((p / HALF_COLUMN_COUNT) as f64, (p % HALF_COLUMN_COUNT) as f64);
-            1.0 + LOW_ROW_BOOST * (-row / LOW_ROW_COUNT - column / LOW_COLUMN_COUNT).exp()
+            let up = (p / HALF_COLUMN_COUNT) as f64 / NEAR_SOURCE_ROW_COUNT;
+            let aside = (p % HALF_COLUMN_COUNT) as f64 / NEAR_SOURCE_COLUMN_COUNT;
+            1.0 + NEAR_SOURCE_BOOST * (-up * up - aside).exp()
         })
         .collect()
 });
 
 /// How far a source stands above the observer's horizontal plane, as a share 0..1 that is ½ at 6°; 0 for one that does
 /// not. `offset_m` is source altitude − observer altitude.
-pub fn raised_share(offset_m: f64, distance_m: f64) -> f64 {
+fn raised_share(offset_m: f64, distance_m: f64) -> f64 {
     let raised = (offset_m.max(0.0) / distance_m).atan().to_degrees() / RAISED_DEG;
     raised * raised / (1.0 + raised * raised)
 }

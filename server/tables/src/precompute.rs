@@ -61,7 +61,7 @@ pub struct PrecomputeOptions {
     pub blocked: Option<BlockedAxes>,
     /// M, a multiple of 4.
     pub basis_count: usize,
-    /// Geometries in the training set of the basis; each gives nine images.
+    /// Geometries in the training set of the basis; each gives six images.
     pub training_geometries: usize,
     /// Alternating-least-squares iterations.
     pub fit_iterations: usize,
@@ -83,8 +83,8 @@ impl PrecomputeOptions {
             axes: TableAxes::full(),
             blocked: Some(BlockedAxes::full()),
             basis_count: DEFAULT_BASIS_COUNT,
-            training_geometries: 220,
-            fit_iterations: 6,
+            training_geometries: 330,
+            fit_iterations: 7,
             error_sources: 160,
         }
     }

@@ -3,18 +3,20 @@
 use crate::{
     axes::{OffsetAxis, TableAxes},
     clouds::held_geometry,
-    fit::{TrainingImage, dim_factor, raised_share},
-    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, images_at_node},
+    fit::{TrainingImage, dim_factor},
+    images::{PIXEL_COUNT, SourceImages, images_at_node},
     multiple::MultipleTable,
     precompute::PrecomputeOptions,
 };
 use rayon::prelude::*;
-use skyglow_physics::{Atmosphere, BAND_COUNT, Lobe, single_source::SourceGeometry};
+use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, single_source::SourceGeometry};
 
-/// Highest observer and source of the everyday half of the training set, metres.
+/// Highest observer and source of the everyday part of the training set, metres.
 pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
+/// Of its raised part: highest observer, nearest and farthest source [m], steepest source [degrees].
+pub(crate) const RAISED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
 
-/// Node geometries of the training set, every other one from anywhere on the axes and from everyday places. Sources
+/// Node geometries of the training set, in turn from anywhere on the axes, from everyday places, and raised. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
 /// are sources at clouds and above.
 pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
@@ -23,8 +25,11 @@ pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, 
     for i in 1..100 * options.training_geometries {
         // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
-        let node =
-            if nodes.len() % 2 == 0 { node_anywhere(axes, spread) } else { everyday_node(axes, spread) };
+        let node = match nodes.len() % 3 {
+            0 => node_anywhere(axes, spread),
+            1 => everyday_node(axes, spread),
+            _ => raised_node(axes, spread),
+        };
         let geometry = axes.geometry(node.0, node.1, node.2, None);
         let (offset_m, distance_m) = offset_and_distance_m(&geometry);
         let steepest_m = (0.7 * distance_m + 50.0).min(3_500.0);
@@ -61,6 +66,23 @@ fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
     (observer, distance, offset)
 }
 
+/// A node whose source stands above the observer, as lights on the slopes of a valley do: the bright spot around each is at
+/// another place, which takes many functions.
+fn raised_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let [highest_m, nearest_m, farthest_m, steepest_deg] = RAISED_TRAINING;
+    let observers = axes.observer_altitude_m.partition_point(|&z| z <= highest_m);
+    let observer = (spread[0] * observers as f64) as usize;
+    let wanted_m = nearest_m * (farthest_m / nearest_m).powf(spread[1]);
+    let apart = |distance_m: f64| (distance_m / wanted_m).ln().abs();
+    let distance = (0..axes.distance_m.len())
+        .min_by(|&a, &b| apart(axes.distance_m[a]).total_cmp(&apart(axes.distance_m[b])))
+        .unwrap_or_default();
+    let distance_m = axes.distance_m[distance];
+    let axis = OffsetAxis::at_distance(distance_m, axes.offset_count);
+    let offset_m = distance_m * (steepest_deg * spread[2]).to_radians().tan();
+    (observer, distance, axis.position(offset_m).round() as usize)
+}
+
 /// Images at the training nodes, `[node][atmosphere]`; `advance` is called once a node.
 pub(crate) fn training_images(
     options: &PrecomputeOptions,
@@ -80,30 +102,28 @@ pub(crate) fn training_images(
 }
 
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
-pub(crate) const OBLIQUE_IMPORTANCE: f64 = 0.3;
+pub(crate) const OBLIQUE_IMPORTANCE: f64 = 0.8;
 
-/// The training set of one turbidity. Steeply raised sources weigh less: they are rare, and costly, since the
-/// bright spot around each is at another place.
+/// The training set of one turbidity: red and blue images, which have green between them.
 pub(crate) fn training_set(
     options: &PrecomputeOptions,
     nodes: &[(usize, usize, usize)],
     images: &[Vec<SourceImages>],
     turbidity: usize,
 ) -> Vec<TrainingImage> {
-    let mut set = Vec::with_capacity(nodes.len() * IMAGE_COUNT);
+    let mut set = Vec::with_capacity(nodes.len() * LOBE_COUNT * 2);
     for (&(observer, distance, offset), images) in nodes.iter().zip(images) {
         let geometry = options.axes.geometry(observer, distance, offset, options.cloud_base());
         let (offset_m, distance_m) = offset_and_distance_m(&geometry);
         let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
-        let raised_share = raised_share(offset_m, distance_m);
         for (lobe, shapes) in
             Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
         {
-            let lobe = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
-            set.extend(shapes.chunks_exact(PIXEL_COUNT).map(|shape| TrainingImage {
+            let importance = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
+            set.extend(shapes.chunks_exact(PIXEL_COUNT).step_by(2).map(|shape| TrainingImage {
                 shape: shape.to_vec(),
                 dim_factor,
-                importance: lobe * (1.0 - raised_share),
+                importance,
             }));
         }
     }
