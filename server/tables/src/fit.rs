@@ -57,6 +57,10 @@ const NEAR_SOURCE_BOOST: f64 = 12.0;
 const NEAR_SOURCE_ROW_COUNT: f64 = 10.0;
 /// Columns over which that falls to 1/e.
 const NEAR_SOURCE_COLUMN_COUNT: f64 = 3.0;
+/// How much more samples overhead weigh: all sources add up there, and what the sky is judged by first is its zenith.
+const ZENITH_BOOST: f64 = 3.0;
+/// Rows from the zenith at which that is 1/e.
+const ZENITH_ROW_COUNT: f64 = 6.0;
 
 /// What decides a fit beside the number of functions, geometries and iterations: kept in manifests, and in the key of
 /// work in progress, so that nothing made with other constants is gone on from.
@@ -81,12 +85,15 @@ pub struct FitConstants {
     /// Extra weight next to the source's azimuth, and the rows and columns at which it is 1/e.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near_source: Option<[f64; 3]>,
+    /// Extra weight overhead, and the rows from the zenith at which it is 1/e.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zenith: Option<[f64; 2]>,
     /// Of the raised part of the training set: highest observer, nearest and farthest source [m], steepest source [degrees].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub raised_training: Option<[f64; 4]>,
     /// Weight of the `oblique` lobe's images.
     pub oblique_importance: f64,
-    /// Highest observer and source of the everyday half of the training set, metres.
+    /// Highest observer and source of the everyday part of the training set, metres.
     pub everyday_altitude_m: f64,
 }
 
@@ -102,6 +109,7 @@ impl FitConstants {
             rounding_variance: ROUNDING_VARIANCE,
             low_row: None,
             near_source: Some([NEAR_SOURCE_BOOST, NEAR_SOURCE_ROW_COUNT, NEAR_SOURCE_COLUMN_COUNT]),
+            zenith: Some([ZENITH_BOOST, ZENITH_ROW_COUNT]),
             raised_training: Some(crate::training::RAISED_TRAINING),
             oblique_importance: crate::training::OBLIQUE_IMPORTANCE,
             everyday_altitude_m: crate::training::EVERYDAY_ALTITUDE_M,
@@ -122,9 +130,11 @@ pub struct Basis {
 static PLACE_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
     (0..PIXEL_COUNT)
         .map(|p| {
-            let up = (p / HALF_COLUMN_COUNT) as f64 / NEAR_SOURCE_ROW_COUNT;
-            let aside = (p % HALF_COLUMN_COUNT) as f64 / NEAR_SOURCE_COLUMN_COUNT;
-            1.0 + NEAR_SOURCE_BOOST * (-up * up - aside).exp()
+            let (row, column) = (p / HALF_COLUMN_COUNT, p % HALF_COLUMN_COUNT);
+            let up = row as f64 / NEAR_SOURCE_ROW_COUNT;
+            let aside = column as f64 / NEAR_SOURCE_COLUMN_COUNT;
+            let down = (ELEVATION_COUNT - 1 - row) as f64 / ZENITH_ROW_COUNT;
+            1.0 + NEAR_SOURCE_BOOST * (-up * up - aside).exp() + ZENITH_BOOST * (-down * down).exp()
         })
         .collect()
 });
