@@ -4,9 +4,8 @@
 //! small part of its light. So they are solved for few settings and interpolated in their logarithm: over the
 //! altitude ℓ of the ground, which is the lower of source and observer, over the offset Δ = h_c − h_o, and over
 //! azimuth. For Δ ≤ 0 the source stands on the ground, and one field ([`SourceField`]) serves every observer above
-//! it; for Δ > 0 the observer does, and each offset needs a field of its own. Between such offsets a near source's
-//! light moves up the sky, which no interpolation follows; there a field of the next larger offset is seen from an
-//! observer raised to the wanted one. It is that of a ground lower by the difference, and is interpolated as such.
+//! it; for Δ > 0 the observer does, and each offset needs a field of its own. In the haze there are more of both: its
+//! optical depth halves within 800 m, and it scatters the light of a near source back from where that stands.
 
 use crate::{
     clouds::{Clouds, altitudes_below, held_below_clouds_m},
@@ -22,7 +21,6 @@ use skyglow_physics::{
     panorama::{azimuth_rad, elevation_rad},
     single_source::SourceGeometry,
 };
-use std::ops::Range;
 
 /// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
 const DARKNESS_PER_M2_SR: f64 = 1e-36;
@@ -31,26 +29,9 @@ const OFFSET_SCALE_M: f64 = 150.0;
 /// Nodes that an interpolation uses.
 const TAPS: usize = 4;
 
-/// Offsets above zero that have fields of their own, metres.
-const RAISED_M: [f64; 4] = [100.0, 350.0, 1_100.0, 3_500.0];
-
-/// The offset of the field that serves an offset, metres: 0 for a source on the ground, else the next of
-/// [`RAISED_M`].
-fn solved_offset_m(offset_m: f64) -> f64 {
-    if offset_m <= 0.0 {
-        return 0.0;
-    }
-    RAISED_M.into_iter().find(|&solved_m| solved_m >= offset_m).unwrap_or(RAISED_M[RAISED_M.len() - 1])
-}
-
 /// What offsets are interpolated in.
 pub(crate) fn bent_offset(offset_m: f64) -> f64 {
     (offset_m / OFFSET_SCALE_M).asinh()
-}
-
-/// How far an observer of an offset above zero is raised in its field, metres.
-fn raised_by_m(offset_m: f64) -> f64 {
-    if offset_m > 0.0 { (solved_offset_m(offset_m) - offset_m).max(0.0) } else { 0.0 }
 }
 
 /// How finely fields are solved.
@@ -77,10 +58,17 @@ impl FieldResolution {
 pub struct MultipleAxes {
     /// Lambertian albedo of the ground, 0..=1.
     pub ground_albedo: f64,
-    /// Altitudes ℓ of the ground, metres, ascending.
+    /// Altitudes ℓ of the ground, metres, ascending. The lowest may lie below the sea: no source does, but packs have
+    /// nodes there for those above to be interpolated with.
     pub ground_altitude_m: Vec<f64>,
-    /// Offsets Δ, metres, ascending.
+    /// Offsets Δ over every ground, metres, ascending.
     pub offset_m: Vec<f64>,
+    /// Further ones above 0 over grounds in the haze, metres.
+    #[serde(default)]
+    pub haze_offset_m: Vec<f64>,
+    /// Highest ground that has those, metres; grounds below the sea have none.
+    #[serde(default)]
+    pub haze_top_m: f64,
     /// Panorama columns, ascending from 0 to 128.
     pub column: Vec<usize>,
     /// How finely the fields are solved.
@@ -92,11 +80,13 @@ impl MultipleAxes {
     pub fn full(ground_albedo: f64) -> Self {
         Self {
             ground_albedo,
-            ground_altitude_m: vec![0.0, 600.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0],
+            ground_altitude_m: vec![-450.0, 0.0, 300.0, 700.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0],
             offset_m: vec![
-                -6_000.0, -4_000.0, -2_500.0, -1_500.0, -900.0, -500.0, -250.0, -100.0, 0.0, 30.0, 60.0,
-                100.0, 200.0, 350.0, 1_100.0, 3_500.0,
+                -6_000.0, -4_000.0, -2_500.0, -1_500.0, -900.0, -500.0, -250.0, -100.0, 0.0, 100.0, 500.0,
+                1_200.0, 3_500.0,
             ],
+            haze_offset_m: vec![30.0, 220.0],
+            haze_top_m: 1_500.0,
             column: vec![0, 1, 2, 4, 6, 9, 12, 16, 20, 25, 31, 38, 46, 55, 65, 76, 88, 101, 114, 128],
             field_resolution: FieldResolution::Table,
         }
@@ -104,7 +94,11 @@ impl MultipleAxes {
 
     /// The same below a layer of cloud.
     pub fn below(self, clouds: Clouds) -> Self {
-        Self { ground_altitude_m: altitudes_below(&self.ground_altitude_m, clouds), ..self }
+        // Grounds below the sea stay, and so does the sea.
+        let sea = self.ground_altitude_m.partition_point(|&ground_m| ground_m < 0.0);
+        let (below_sea_m, clear_m) = self.ground_altitude_m.split_at(sea);
+        let ground_altitude_m = [below_sea_m, &altitudes_below(clear_m, clouds)].concat();
+        Self { ground_altitude_m, ..self }
     }
 
     /// Few points, for tests of everything but accuracy.
@@ -112,22 +106,26 @@ impl MultipleAxes {
         Self {
             ground_altitude_m: vec![0.0, 3_000.0],
             offset_m: vec![-2_000.0, 0.0],
+            haze_offset_m: vec![400.0],
             column: vec![0, 16, 64, 128],
             field_resolution: FieldResolution::Coarse,
             ..Self::full(ground_albedo)
         }
     }
 
-    /// Offsets that share a field, which follow one another.
-    fn offsets_by_field(&self) -> Vec<Range<usize>> {
-        let mut start = 0;
-        self.offset_m
-            .chunk_by(|&a, &b| solved_offset_m(a) == solved_offset_m(b))
-            .map(|offsets| {
-                start += offsets.len();
-                start - offsets.len()..start
-            })
-            .collect()
+    /// Offsets over a ground, metres, ascending.
+    fn offsets_over_m(&self, ground: usize) -> Vec<f64> {
+        let mut offsets = self.offset_m.clone();
+        if (0.0..=self.haze_top_m).contains(&self.ground_altitude_m[ground]) {
+            offsets.extend(&self.haze_offset_m);
+            offsets.sort_by(f64::total_cmp);
+        }
+        offsets
+    }
+
+    /// Number of (ground, offset) pairs.
+    pub(crate) fn part_count(&self) -> usize {
+        (0..self.ground_altitude_m.len()).map(|ground| self.offsets_over_m(ground).len()).sum()
     }
 
     /// Numbers of the table of one (ground, offset) at `distances` distances.
@@ -141,8 +139,10 @@ impl MultipleAxes {
 pub struct MultipleTable {
     axes: MultipleAxes,
     log_distance: Vec<f64>,
+    /// [`bent_offset`] of the offsets over each ground.
+    bent_offsets: Vec<Vec<f64>>,
     /// `[ground][offset]`, each `[distance][row][column][image]`.
-    parts: Vec<Vec<f32>>,
+    parts: Vec<Vec<Vec<f32>>>,
     /// For each panorama column the table's columns and their weights.
     column_taps: Vec<Vec<(usize, f64)>>,
 }
@@ -163,45 +163,48 @@ impl MultipleTable {
         made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
         let held_m = |altitude_m| held_below_clouds_m(altitude_m, atmosphere.cloud());
-        // A field and all offsets that it serves are one piece of work. Several side by side: alone, a field does not keep
-        // every thread busy.
-        let solve = |(ground, offsets): (usize, Range<usize>)| -> Result<Vec<Vec<f32>>, TablesError> {
-            let ground_m = axes.ground_altitude_m[ground];
-            let mut field: Option<SourceField> = None;
-            offsets
-                .map(|offset| {
-                    if let Some(part) = kept(ground, offset) {
-                        return Ok(part);
-                    }
-                    let offset_m = axes.offset_m[offset];
-                    let field = match &mut field {
-                        Some(field) => field,
-                        none => none.insert(SourceField::solve(
-                            SourceSetting::new(
-                                atmosphere,
-                                held_m(ground_m + solved_offset_m(offset_m)),
-                                ground_m,
-                                axes.ground_albedo,
-                            )?,
-                            &axes.field_resolution.resolution(),
-                        )),
-                    };
-                    let observer_m =
-                        ground_m + if offset_m > 0.0 { raised_by_m(offset_m) } else { -offset_m };
-                    let part = view(field, &axes.column, distance_m, held_m(observer_m))?;
-                    made(ground, offset, &part)?;
-                    Ok(part)
-                })
-                .collect()
+        let view_part = |field: &SourceField, ground: usize, offset: usize, offset_m: f64| {
+            let observer_m = held_m(axes.ground_altitude_m[ground] - offset_m.min(0.0));
+            let part = view(field, &axes.column, distance_m, observer_m)?;
+            made(ground, offset, &part)?;
+            Ok(part)
         };
-        let fields: Vec<(usize, Range<usize>)> = (0..axes.ground_altitude_m.len())
-            .flat_map(|ground| axes.offsets_by_field().into_iter().map(move |offsets| (ground, offsets)))
+        // Offsets that share a field are one piece of work. Several side by side: alone, a field does not keep every
+        // thread busy.
+        let solve = |(ground, offsets): (usize, Vec<(usize, f64)>)| -> Result<Vec<Vec<f32>>, TablesError> {
+            let mut field: Option<SourceField> = None;
+            let part = |(offset, offset_m): (usize, f64)| {
+                if let Some(part) = kept(ground, offset) {
+                    return Ok(part);
+                }
+                let field = match &mut field {
+                    Some(field) => field,
+                    none => none.insert(solved_field(atmosphere, axes, ground, offset_m)?),
+                };
+                view_part(field, ground, offset, offset_m)
+            };
+            offsets.into_iter().map(part).collect()
+        };
+        let grounds = 0..axes.ground_altitude_m.len();
+        let pieces: Vec<(usize, Vec<(usize, f64)>)> = grounds
+            .clone()
+            .flat_map(|ground| {
+                let offsets: Vec<(usize, f64)> =
+                    axes.offsets_over_m(ground).into_iter().enumerate().collect();
+                let sharing = offsets.chunk_by(|a, b| a.1.max(0.0) == b.1.max(0.0));
+                sharing.map(|offsets| (ground, offsets.to_vec())).collect::<Vec<_>>()
+            })
             .collect();
-        let parts: Vec<Vec<Vec<f32>>> = fields.into_par_iter().map(solve).collect::<Result<_, _>>()?;
-        let parts = parts.into_iter().flatten().collect();
+        let solved: Vec<Vec<Vec<f32>>> = pieces.par_iter().cloned().map(solve).collect::<Result<_, _>>()?;
+        let mut parts: Vec<Vec<Vec<f32>>> = vec![Vec::new(); grounds.len()];
+        for ((ground, _), solved) in pieces.into_iter().zip(solved) {
+            parts[ground].extend(solved);
+        }
+        let bent = |ground| axes.offsets_over_m(ground).into_iter().map(bent_offset).collect();
         Ok(Self {
             axes: axes.clone(),
             log_distance: distance_m.iter().map(|d| d.ln()).collect(),
+            bent_offsets: grounds.map(bent).collect(),
             parts,
             column_taps: column_taps(&axes.column),
         })
@@ -216,7 +219,7 @@ impl MultipleTable {
             row_log.fill(0.0);
             for &(part, distance, weight) in &taps {
                 let start = (distance * ELEVATION_COUNT + row) * columns * IMAGE_COUNT;
-                let values = &self.parts[part][start..start + columns * IMAGE_COUNT];
+                let values = &part[start..start + columns * IMAGE_COUNT];
                 for (sum, &value) in row_log.iter_mut().zip(values) {
                     *sum += weight * f64::from(value);
                 }
@@ -247,7 +250,7 @@ impl MultipleTable {
         for (part, distance, weight) in self.taps(geometry) {
             for &(node, column_weight) in &self.column_taps[column] {
                 let start = ((distance * ELEVATION_COUNT + row) * columns + node) * IMAGE_COUNT;
-                for (sum, &value) in log.iter_mut().zip(&self.parts[part][start..start + IMAGE_COUNT]) {
+                for (sum, &value) in log.iter_mut().zip(&part[start..start + IMAGE_COUNT]) {
                     *sum += weight * column_weight * f64::from(value);
                 }
             }
@@ -256,20 +259,19 @@ impl MultipleTable {
     }
 
     /// (part, distance node, weight) of a geometry; no weight is zero.
-    fn taps(&self, geometry: &SourceGeometry) -> Vec<(usize, usize, f64)> {
+    fn taps(&self, geometry: &SourceGeometry) -> Vec<(&[f32], usize, f64)> {
         let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
-        let offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
-        let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent_offset(offset_m)).collect();
-        let mut taps = Vec::with_capacity(TAPS * TAPS);
-        for (offset, offset_weight) in lagrange_taps(&bent_axis, bent_offset(offset_m), TAPS) {
-            let lowered_m = ground_m - raised_by_m(self.axes.offset_m[offset]);
-            for (ground, ground_weight) in ground_taps(&self.axes.ground_altitude_m, lowered_m) {
-                for (distance, distance_weight) in
-                    lagrange_taps(&self.log_distance, geometry.distance_m.ln(), TAPS)
-                {
+        let bent_m = bent_offset(geometry.source_altitude_m - geometry.observer_altitude_m);
+        let distances = lagrange_taps(&self.log_distance, geometry.distance_m.ln(), TAPS);
+        let mut taps = Vec::with_capacity(TAPS * TAPS * TAPS);
+        // In altitude itself: in the optical depth above, where a clear path's logarithm is a line, the light that finds
+        // its way around through thinner air bends more.
+        for (ground, ground_weight) in lagrange_taps(&self.axes.ground_altitude_m, ground_m, TAPS) {
+            for (offset, offset_weight) in lagrange_taps(&self.bent_offsets[ground], bent_m, TAPS) {
+                for &(distance, distance_weight) in &distances {
                     let weight = ground_weight * offset_weight * distance_weight;
                     if weight != 0.0 {
-                        taps.push((ground * self.axes.offset_m.len() + offset, distance, weight));
+                        taps.push((self.parts[ground][offset].as_slice(), distance, weight));
                     }
                 }
             }
@@ -278,19 +280,17 @@ impl MultipleTable {
     }
 }
 
-/// Farthest below the lowest ground that the line through the lowest two is followed, in parts of what lies between
-/// them: far below it the line is no sky.
-const FARTHEST_BELOW: f64 = 0.6;
-
-/// As [`lagrange_taps`]; a little below the lowest ground along the line through the lowest two.
-fn ground_taps(ground_altitude_m: &[f64], ground_m: f64) -> Vec<(usize, f64)> {
-    match ground_altitude_m {
-        &[lowest_m, next_m, ..] if ground_m < lowest_m && ground_m > lowest_m - RAISED_M[1] => {
-            let t = ((ground_m - lowest_m) / (next_m - lowest_m)).max(-FARTHEST_BELOW);
-            vec![(0, 1.0 - t), (1, t)]
-        }
-        nodes => lagrange_taps(nodes, ground_m, TAPS),
-    }
+/// The field that serves an offset over a ground.
+fn solved_field(
+    atmosphere: Atmosphere,
+    axes: &MultipleAxes,
+    ground: usize,
+    offset_m: f64,
+) -> Result<SourceField, TablesError> {
+    let ground_m = axes.ground_altitude_m[ground];
+    let source_m = held_below_clouds_m(ground_m + offset_m.max(0.0), atmosphere.cloud());
+    let setting = SourceSetting::new(atmosphere, source_m, ground_m, axes.ground_albedo)?;
+    Ok(SourceField::solve(setting, &axes.field_resolution.resolution()))
 }
 
 /// For each panorama column the table's columns around it and their weights, in azimuth.
