@@ -168,7 +168,7 @@ pub(super) fn escaping_w(
     if setting.atmosphere.cloud().is_some() {
         return [0.0; LANES];
     }
-    let nodes = zenith_nodes(ESCAPE_ZENITHS);
+    let nodes = zenith_nodes(ESCAPE_ZENITHS, 0.0);
     let polar: Vec<Vec<f64>> = nodes.iter().map(|&(mu, _)| legendre(source.degree, mu)).collect();
     // A ray seen in a direction sets out against it.
     let through: Vec<Vec<[f64; BAND_COUNT]>> = grid

@@ -33,6 +33,23 @@ pub(super) struct Between {
     pub(super) upper_weight: f64,
 }
 
+/// An altitude among the layers: the two around it, and a cubic over four.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LayerTaps {
+    pub(super) between: Between,
+    /// Layers below, around and above; the nearest one again where there is none.
+    pub(super) layers: [usize; 4],
+    /// Their weights, summing to 1.
+    pub(super) weights: [f32; 4],
+}
+
+/// Weights of f at three places for its slope at the middle one: that of the parabola through them. `before` and `after`
+/// are the gaps between them.
+fn slope_weights(before: f64, after: f64) -> [f64; 3] {
+    let both = before + after;
+    [-after / (before * both), (after - before) / (before * after), before / (after * both)]
+}
+
 /// x of a ring.
 #[inline]
 fn ring_coordinate(distance_m: f64) -> f64 {
@@ -40,7 +57,7 @@ fn ring_coordinate(distance_m: f64) -> f64 {
 }
 
 /// As [`ring_coordinate`], to 1e-6, for every step of every ray.
-#[inline]
+#[inline(always)]
 fn quick_ring_coordinate(distance_m: f64) -> f64 {
     f64::from(quick_ln((1.0 + distance_m / RING_NEAR_M) as f32)) + distance_m / RING_FAR_M
 }
@@ -80,10 +97,7 @@ impl FieldGrid {
         for offset_m in LAYER_OFFSETS_M {
             layers.push(source_altitude_m + offset_m);
             layers.push(source_altitude_m - offset_m);
-            // Above the ground of a source on a mountain fewer layers are enough.
-            if offset_m >= 150.0 {
-                layers.push(ground_altitude_m + offset_m);
-            }
+            layers.push(ground_altitude_m + offset_m);
             // Light changes below a base as it does above a ground.
             if cloud.is_some() && offset_m >= 80.0 {
                 layers.push(top_m - offset_m);
@@ -146,7 +160,7 @@ impl FieldGrid {
     }
 
     /// Where a distance lies among the rings; None beyond the outermost.
-    #[inline]
+    #[inline(always)]
     pub(super) fn ring_at(&self, distance_m: f64) -> Option<Between> {
         let position = quick_ring_coordinate(distance_m).max(0.0) / self.ring_step;
         let lower = position as usize;
@@ -158,6 +172,41 @@ impl FieldGrid {
         let upper = self.layer_m.partition_point(|&z| z <= altitude_m).clamp(1, self.layer_m.len() - 1);
         let (low, high) = (self.layer_m[upper - 1], self.layer_m[upper]);
         Between { lower: upper - 1, upper_weight: ((altitude_m - low) / (high - low)).clamp(0.0, 1.0) }
+    }
+
+    /// As [`Self::layer_at`], with a cubic that has at both layers the slope of the parabola through each and its
+    /// neighbours; at the ground and the top that of the gap.
+    pub(super) fn layer_taps(&self, altitude_m: f64) -> LayerTaps {
+        let between = self.layer_at(altitude_m);
+        let (k, t) = (between.lower, between.upper_weight);
+        let z = &self.layer_m;
+        let gap_m = z[k + 1] - z[k];
+        // Hermite's polynomials: values at both ends, slopes at both ends times the gap.
+        let (lower, upper) = ((1.0 + 2.0 * t) * (1.0 - t).powi(2), t * t * (3.0 - 2.0 * t));
+        let lower_slope_m = t * (1.0 - t).powi(2) * gap_m;
+        let upper_slope_m = t * t * (t - 1.0) * gap_m;
+        let mut weights = [0.0, lower, upper, 0.0];
+        let mut add = |slope_m: f64, first: usize, part: [f64; 3]| {
+            for (weight, part) in weights[first..].iter_mut().zip(part) {
+                *weight += slope_m * part;
+            }
+        };
+        let of_gap = [-1.0 / gap_m, 1.0 / gap_m, 0.0];
+        if k > 0 {
+            add(lower_slope_m, 0, slope_weights(z[k] - z[k - 1], gap_m));
+        } else {
+            add(lower_slope_m, 1, of_gap);
+        }
+        if k + 2 < z.len() {
+            add(upper_slope_m, 1, slope_weights(gap_m, z[k + 2] - z[k + 1]));
+        } else {
+            add(upper_slope_m, 1, of_gap);
+        }
+        LayerTaps {
+            between,
+            layers: [k.saturating_sub(1), k, k + 1, (k + 2).min(z.len() - 1)],
+            weights: weights.map(|weight| weight as f32),
+        }
     }
 
     /// ∫ dV over the cells of the grid [m³]: calls `visit(ring, layer, volume)` at Gauss points of every cell.
@@ -219,6 +268,22 @@ mod tests {
             let below = grid.layer_m[grid.layer_count() - 2];
             assert!(base - below <= 100.0, "{below} below {base}");
             assert!(grid.layer_count() < 45, "{}", grid.layer_count());
+        }
+    }
+
+    #[test]
+    fn taps_over_layers_reproduce_parabolas_inside_and_lines_at_the_ends() {
+        let grid = FieldGrid::new(0.0, 0.0, None, 0.2, 1);
+        let at = |altitude_m: f64, f: &dyn Fn(f64) -> f64| -> f64 {
+            let taps = grid.layer_taps(altitude_m);
+            taps.layers.iter().zip(taps.weights).map(|(&k, w)| f64::from(w) * f(grid.layer_m[k])).sum()
+        };
+        for altitude_m in [0.0, 10.0, 30.0, 1_000.0, 1_777.0, 50_000.0, 61_000.0] {
+            let line = |z: f64| 3.0 - 1e-3 * z;
+            assert!((at(altitude_m, &line) - line(altitude_m)).abs() < 1e-4, "{altitude_m}");
+            let parabola = |z: f64| 1.0 + 1e-3 * z - 1e-7 * z * z;
+            let error = (at(altitude_m, &parabola) - parabola(altitude_m)).abs();
+            assert!(error < 1e-4 || altitude_m > 56_000.0, "{altitude_m}: {error}");
         }
     }
 

@@ -21,7 +21,7 @@ pub(super) fn outputs_from_lanes(lanes: &[f64; LANES]) -> RadiancePerWatt {
 }
 
 /// eˣ to 2e-7 for −87 < x < 88, 0 below; without branches, so that twelve at once are vector code.
-#[inline]
+#[inline(always)]
 pub(super) fn exp_lanes(x: &Lanes) -> Lanes {
     // 2^t with t = n + r: adding 1.5·2²³ rounds t to the integer n and leaves it in the low bits.
     const ROUND: f32 = 12_582_912.0;
@@ -39,7 +39,7 @@ pub(super) fn exp_lanes(x: &Lanes) -> Lanes {
 }
 
 /// ln x to 1e-6 for normal x > 0.
-#[inline]
+#[inline(always)]
 pub(super) fn quick_ln(x: f32) -> f32 {
     // x = 2ⁿ·m with m between √½ and √2; ln m = 2·artanh(s), s = (m − 1)/(m + 1).
     const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
@@ -53,7 +53,7 @@ pub(super) fn quick_ln(x: f32) -> f32 {
 }
 
 /// arccos to 7e-5 (Abramowitz and Stegun 4.4.45), 0..=π.
-#[inline]
+#[inline(always)]
 pub(super) fn arccos(cosine: f32) -> f32 {
     let x = cosine.abs().min(1.0);
     let angle = (1.0 - x).sqrt() * (1.570_728_8 + x * (-0.212_114_4 + x * (0.074_261 - 0.018_729_3 * x)));

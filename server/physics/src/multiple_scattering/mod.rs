@@ -27,6 +27,7 @@ mod sum;
 mod surfaces;
 mod transport;
 mod view;
+mod wide;
 
 pub use energy::OrderPower;
 pub use field::SourceField;

@@ -5,7 +5,7 @@
 //! A step adds S·(T₀ − T₁): the source function times what the air between lets through of it.
 
 use super::{
-    grid::{Between, FieldGrid, TOP_ALTITUDE_M},
+    grid::{FieldGrid, LayerTaps, TOP_ALTITUDE_M},
     lanes::{Lanes, lanes_from_bands},
     optics::{SlantPath, optical_depths},
     setting::SourceSetting,
@@ -22,7 +22,7 @@ const LONGEST_DEPTH: f64 = 0.5;
 pub(super) struct PathStep {
     /// Arc over the ground from the start, metres at radius R.
     pub(super) arc_m: f64,
-    pub(super) layer: Between,
+    pub(super) layer: LayerTaps,
     /// Cosine of the zenith angle of the ray here.
     pub(super) cos_zenith: f64,
     /// T at the step's start less T at its end.
@@ -110,7 +110,7 @@ impl SteppedPath {
             let after = optical_depths(&setting.atmosphere, next.columns_m).map(|depth| (-depth).exp());
             steps.push(PathStep {
                 arc_m: arc_m(0.5 * (from_m + to_m)),
-                layer: grid.layer_at(middle.altitude_m),
+                layer: grid.layer_taps(middle.altitude_m),
                 cos_zenith: middle.cos_zenith,
                 weight: lanes_from_bands(std::array::from_fn(|b| (before[b] - after[b]).max(0.0))),
             });
@@ -133,7 +133,7 @@ impl SteppedPath {
 /// cosine of the ray's azimuth there from the outward direction.
 ///
 /// Flat: meridians converge by less than (420 km/R)²/6 = 1e-3 over the grid.
-#[inline]
+#[inline(always)]
 pub(super) fn track(start_m: f64, cos_azimuth: f64, sin_azimuth: f64, arc_m: f64) -> (f64, f32) {
     let (x, y) = (start_m + arc_m * cos_azimuth, arc_m * sin_azimuth);
     let distance_m = (x * x + y * y).sqrt();

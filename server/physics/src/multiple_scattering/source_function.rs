@@ -1,13 +1,15 @@
 //! The source function S = J/β of scattered light on the grid: amplitude and shape.
 //!
 //! S falls by many powers of ten over the grid, and inside it exponentially; its shape over direction changes
-//! little. So the logarithm of its mean over directions is interpolated, and linearly the moments over that.
+//! little. So the logarithm of its mean over directions is interpolated, along altitude by a cubic, and linearly the moments
+//! over that. (By lines from layer to layer, light 50 to 200 km away came out 2 to 4 % too dark in thick haze.)
 
 use super::{
-    grid::{Between, FieldGrid},
+    grid::{Between, FieldGrid, LayerTaps},
     harmonics::{cosines, legendre, pair_count, pair_index},
     lanes::{LANES, Lanes, arccos, exp_lanes},
     setting::SourceSetting,
+    wide::dispatch_wide,
 };
 use crate::{atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY};
 use rayon::prelude::*;
@@ -151,55 +153,47 @@ impl SourceFunction {
         let mut shape = vec![[0.0; LANES]; grid.point_count() * (intervals + 1)];
         shape.par_chunks_mut(intervals + 1).enumerate().for_each(|(point, out)| {
             let values = &self.shape[point * pairs..(point + 1) * pairs];
-            let polar = &polar[point / grid.ring_count()];
-            for m in 0..=degree {
-                let mut mode = [0.0f32; LANES];
-                for l in m..=degree {
-                    let (p, value) = (polar[pair_index(l, m)], &values[pair_index(l, m)]);
-                    for lane in 0..LANES {
-                        mode[lane] += p * value[lane];
-                    }
-                }
-                for (out, cosines) in out.iter_mut().zip(&azimuthal) {
-                    for lane in 0..LANES {
-                        out[lane] += cosines[m] * mode[lane];
-                    }
-                }
-            }
+            sum_modes(degree, values, &polar[point / grid.ring_count()], &azimuthal, out);
         });
         DirectionTable { intervals, shape }
     }
 
     /// S at a place between grid points for the direction of a table, m⁻² sr⁻¹ per watt.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(
         &self,
         table: &DirectionTable,
         grid: &FieldGrid,
         ring: Between,
-        layer: Between,
+        layer: &LayerTaps,
         cos_azimuth: f32,
     ) -> Lanes {
         let position = arccos(cos_azimuth) * (table.intervals as f32 / std::f32::consts::PI);
         let azimuth = (position as usize).min(table.intervals - 1);
         let s = position - azimuth as f32;
-        let (wr, wz) = (ring.upper_weight as f32, layer.upper_weight as f32);
-        let first = layer.lower * grid.ring_count() + ring.lower;
+        let (wr, wz) = (ring.upper_weight as f32, layer.between.upper_weight as f32);
+        let mut ln_mean = [0.0; LANES];
+        for (layer, weight) in layer.layers.into_iter().zip(layer.weights) {
+            let first = layer * grid.ring_count() + ring.lower;
+            let (near, far) = (&self.ln_mean[first], &self.ln_mean[first + 1]);
+            let (near_weight, far_weight) = (weight * (1.0 - wr), weight * wr);
+            for lane in 0..LANES {
+                ln_mean[lane] += near_weight * near[lane] + far_weight * far[lane];
+            }
+        }
+        let first = layer.between.lower * grid.ring_count() + ring.lower;
         let corners = [
             (first, (1.0 - wr) * (1.0 - wz)),
             (first + 1, wr * (1.0 - wz)),
             (first + grid.ring_count(), (1.0 - wr) * wz),
             (first + grid.ring_count() + 1, wr * wz),
         ];
-        let mut ln_mean = [0.0; LANES];
         let mut shape = [0.0; LANES];
         for (point, weight) in corners {
             let at = point * (table.intervals + 1) + azimuth;
             let (near, far) = (&table.shape[at], &table.shape[at + 1]);
             let (near_weight, far_weight) = (weight * (1.0 - s), weight * s);
-            let mean = &self.ln_mean[point];
             for lane in 0..LANES {
-                ln_mean[lane] += weight * mean[lane];
                 shape[lane] += near_weight * near[lane] + far_weight * far[lane];
             }
         }
@@ -209,6 +203,38 @@ impl SourceFunction {
             value[lane] = mean[lane] * shape[lane].max(0.0);
         }
         value
+    }
+}
+
+dispatch_wide!(
+    /// Adds the shape of a degree to `out`, one value an azimuth: Σ_lm P_lm · cos(m·azimuth) · values_lm.
+    sum_modes,
+    sum_modes_wide,
+    sum_modes_body,
+    (degree: usize, values: &[Lanes], legendre: &[f32], azimuthal: &[Vec<f32>], out: &mut [Lanes])
+);
+
+#[inline(always)]
+fn sum_modes_body(
+    degree: usize,
+    values: &[Lanes],
+    legendre: &[f32],
+    azimuthal: &[Vec<f32>],
+    out: &mut [Lanes],
+) {
+    for m in 0..=degree {
+        let mut mode = [0.0f32; LANES];
+        for l in m..=degree {
+            let (p, value) = (legendre[pair_index(l, m)], &values[pair_index(l, m)]);
+            for lane in 0..LANES {
+                mode[lane] += p * value[lane];
+            }
+        }
+        for (out, cosines) in out.iter_mut().zip(azimuthal) {
+            for lane in 0..LANES {
+                out[lane] += cosines[m] * mode[lane];
+            }
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use super::{
     lanes::{LANES, Lanes, exp_lanes, outputs_from_lanes},
     path::{SteppedPath, Stride, track},
     source_function::DirectionTable,
+    wide::dispatch_wide,
 };
 use crate::{
     error::{PhysicsError, check_range},
@@ -64,20 +65,33 @@ impl<'a> ViewRow<'a> {
     /// Radiance of orders two and more per watt, m⁻² sr⁻¹, `[band][lobe]`: the source `distance_m` of arc away,
     /// the ray `relative_azimuth_rad` beside it.
     pub fn radiance_per_watt(&self, distance_m: f64, relative_azimuth_rad: f64) -> RadiancePerWatt {
-        let field = self.field;
         // Azimuth 0 looks to the source: against the outward direction of the field.
         let (sine, cosine) = relative_azimuth_rad.sin_cos();
         let mut sum = [0.0f32; LANES];
-        for step in &self.path.steps {
-            let (from_source_m, cos_azimuth) = track(distance_m, -cosine, sine, step.arc_m);
-            let Some(ring) = field.grid.ring_at(from_source_m) else { continue };
-            let value = field.source.sample(&self.table, &field.grid, ring, step.layer, cos_azimuth);
-            for lane in 0..LANES {
-                sum[lane] += step.weight[lane] * value[lane];
-            }
-        }
-        field.add_base(&self.path, (distance_m, -cosine, sine), &mut sum);
+        sum_steps(self, distance_m, -cosine, sine, &mut sum);
+        self.field.add_base(&self.path, (distance_m, -cosine, sine), &mut sum);
         outputs_from_lanes(&sum.map(f64::from))
+    }
+}
+
+dispatch_wide!(
+    /// Adds the light of a row's steps: the source `distance_m` away, azimuth from its outward direction.
+    sum_steps,
+    sum_steps_wide,
+    sum_steps_body,
+    (row: &ViewRow<'_>, distance_m: f64, cos_azimuth: f64, sin_azimuth: f64, sum: &mut Lanes)
+);
+
+#[inline(always)]
+fn sum_steps_body(row: &ViewRow<'_>, distance_m: f64, cos_azimuth: f64, sin_azimuth: f64, sum: &mut Lanes) {
+    let field = row.field;
+    for step in &row.path.steps {
+        let (from_source_m, cosine) = track(distance_m, cos_azimuth, sin_azimuth, step.arc_m);
+        let Some(ring) = field.grid.ring_at(from_source_m) else { continue };
+        let value = field.source.sample(&row.table, &field.grid, ring, &step.layer, cosine);
+        for lane in 0..LANES {
+            sum[lane] += step.weight[lane] * value[lane];
+        }
     }
 }
 
@@ -125,9 +139,17 @@ impl SourceField {
             let polar: Vec<f32> = legendre(degree, step.cos_zenith).iter().map(|&p| p as f32).collect();
             let azimuthal: Vec<f32> =
                 cosines(degree, f64::from(cos_azimuth)).iter().map(|&c| c as f32).collect();
-            let first = step.layer.lower * self.grid.ring_count() + ring.lower;
-            let (wr, wz) = (ring.upper_weight as f32, step.layer.upper_weight as f32);
+            let between = step.layer.between;
+            let first = between.lower * self.grid.ring_count() + ring.lower;
+            let (wr, wz) = (ring.upper_weight as f32, between.upper_weight as f32);
             let mut ln_mean: Lanes = [0.0; LANES];
+            for (layer, weight) in step.layer.layers.into_iter().zip(step.layer.weights) {
+                let first = layer * self.grid.ring_count() + ring.lower;
+                let (near, far) = (&self.source.ln_mean[first], &self.source.ln_mean[first + 1]);
+                for lane in 0..LANES {
+                    ln_mean[lane] += weight * ((1.0 - wr) * near[lane] + wr * far[lane]);
+                }
+            }
             let mut shape: Lanes = [0.0; LANES];
             for (point, weight) in [
                 (first, (1.0 - wr) * (1.0 - wz)),
@@ -137,7 +159,6 @@ impl SourceField {
             ] {
                 let corner = self.source.shape_at(point, &polar, &azimuthal);
                 for lane in 0..LANES {
-                    ln_mean[lane] += weight * self.source.ln_mean[point][lane];
                     shape[lane] += weight * corner[lane];
                 }
             }
