@@ -267,7 +267,7 @@ impl MultipleTable {
         // In altitude itself: in the optical depth above, where a clear path's logarithm is a line, the light that finds
         // its way around through thinner air bends more.
         for (ground, ground_weight) in lagrange_taps(&self.axes.ground_altitude_m, ground_m, TAPS) {
-            for (offset, offset_weight) in lagrange_taps(&self.bent_offsets[ground], bent_m, TAPS) {
+            for (offset, offset_weight) in offset_taps(&self.bent_offsets[ground], bent_m) {
                 for &(distance, distance_weight) in &distances {
                     let weight = ground_weight * offset_weight * distance_weight;
                     if weight != 0.0 {
@@ -278,6 +278,19 @@ impl MultipleTable {
         }
         taps
     }
+}
+
+/// Taps in [`bent_offset`] on the source's own side of the observer: where both stand equally high there is a kink, for
+/// below it the ground is the source's, above it the observer's.
+fn offset_taps(bent_offsets: &[f64], bent_m: f64) -> Vec<(usize, f64)> {
+    let level = bent_offsets.partition_point(|&node| node < 0.0);
+    if bent_m <= 0.0 {
+        return lagrange_taps(&bent_offsets[..(level + 1).min(bent_offsets.len())], bent_m, TAPS);
+    }
+    let first = level.min(bent_offsets.len() - 1);
+    let mut taps = lagrange_taps(&bent_offsets[first..], bent_m, TAPS);
+    taps.iter_mut().for_each(|(node, _)| *node += first);
+    taps
 }
 
 /// The field that serves an offset over a ground.
@@ -379,6 +392,25 @@ mod tests {
         let near = SourceGeometry { distance_m: 20_000.0, ..geometry };
         let ratio = table.radiance_per_watt(&near, 10, 64)[0] / table.radiance_per_watt(&geometry, 10, 64)[0];
         assert!(ratio > 1.2, "{ratio}");
+    }
+
+    #[test]
+    fn offsets_are_interpolated_on_their_own_side_of_the_observer_and_haze_has_more_of_them() {
+        let axes = MultipleAxes::full(0.15);
+        let bent = |ground| axes.offsets_over_m(ground).into_iter().map(bent_offset).collect::<Vec<_>>();
+        let (haze, clear) = (bent(1), bent(6));
+        assert!(haze.len() == clear.len() + axes.haze_offset_m.len());
+        assert!(haze.windows(2).all(|pair| pair[0] < pair[1]));
+        let level = haze.partition_point(|&node| node < 0.0);
+        for (offset_m, sides) in [(-30.0, 0..=level), (0.0, 0..=level), (20.0, level..=haze.len() - 1)] {
+            let taps = offset_taps(&haze, bent_offset(offset_m));
+            assert!(taps.iter().all(|(node, _)| sides.contains(node)), "{offset_m}: {taps:?}");
+            assert!((taps.iter().map(|tap| tap.1).sum::<f64>() - 1.0).abs() < 1e-12);
+            let position: f64 = taps.iter().map(|&(node, weight)| weight * haze[node]).sum();
+            assert!((position - bent_offset(offset_m)).abs() < 1e-9, "{offset_m}");
+        }
+        let raised: Vec<usize> = offset_taps(&[-3.0, 0.0], 1.0).into_iter().map(|tap| tap.0).collect();
+        assert_eq!(raised, [1], "without offsets above the observer its own stands for them");
     }
 
     #[test]
