@@ -9,9 +9,12 @@ use skyglow_physics::{
     Atmosphere, Turbidity,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting},
     panorama::{azimuth_rad, elevation_rad},
-    single_source::{SourceGeometry, radiance_per_watt_of},
+    single_source::{RadiancePerWatt, SourceGeometry, radiance_per_watt_of},
 };
 use std::{error::Error, time::Instant};
+
+/// Radiance of a source seen in a direction (azimuth, elevation), `[band][lobe]`.
+type Look<'a> = dyn Fn(&SourceGeometry, f64, f64) -> Result<RadiancePerWatt, Box<dyn Error>> + 'a;
 
 const DISTANCE_M: [f64; 6] = [1_000.0, 4_000.0, 15_000.0, 50_000.0, 100_000.0, 200_000.0];
 const ROWS: [usize; 5] = [0, 3, 9, 25, 63];
@@ -44,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let setting =
             SourceSetting::for_observer(atmosphere, altitude_m, observer_altitude_m, DEFAULT_GROUND_ALBEDO)?;
         // [distance][look × band × lobe]
-        let looks = |value: &dyn Fn(&SourceGeometry, f64, f64) -> Result<[[f64; 3]; 3], Box<dyn Error>>| {
+        let looks = |value: &Look<'_>| {
             DISTANCE_M
                 .iter()
                 .map(|&distance_m| {

@@ -207,9 +207,9 @@ fn gather_body(
         *sum += zenith.weight * (-zenith.cosine).max(0.0) * value;
     }
     for l in 0..=degree {
-        for m in 0..=l {
+        for (m, mode) in modes.iter().enumerate().take(l + 1) {
             let factor = zenith.weight * zenith.legendre[pair_index(l, m)];
-            for (sum, value) in place.moments[pair_index(l, m)].iter_mut().zip(modes[m]) {
+            for (sum, value) in place.moments[pair_index(l, m)].iter_mut().zip(mode) {
                 *sum += factor * value;
             }
         }
