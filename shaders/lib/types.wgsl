@@ -12,7 +12,7 @@ struct Frame {
   request_count: u32,
   node_count: u32,
   cell_count: u32,
-  // Functions in use, and groups of four of them with full lanes.
+  // Functions in use, and texels of four of them.
   basis_count: u32,
   quad_count: u32,
   // Groups of eight functions in the pack's tables.

@@ -46,11 +46,6 @@ impl LobeTruth {
         };
         self.first_w_m2_sr.iter().zip(&self.later_w_m2_sr).map(sum).collect()
     }
-
-    /// What its file is called.
-    pub fn file_name(&self) -> String {
-        file_name(&self.name, self.observer_altitude_m, self.turbidity)
-    }
 }
 
 /// What the file of a truth is called.

@@ -13,8 +13,8 @@ pub fn merged(sources: &[PointSource], share: f64) -> Vec<PointSource> {
     let mut bins: BTreeMap<(i64, i64, i64), [f64; 4]> = BTreeMap::new();
     for source in sources {
         let bin = (
-            (source.distance_m.ln() / share) as i64,
-            (source.azimuth_rad / share) as i64,
+            (source.distance_m.ln() / share).floor() as i64,
+            (source.azimuth_rad / share).floor() as i64,
             (source.altitude_m / ALTITUDE_BIN_M).floor() as i64,
         );
         let sums = bins.entry(bin).or_default();

@@ -15,7 +15,7 @@ use crate::{
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
+    Atmosphere, BAND_COUNT, CloudBase, ELEVATION_COUNT, LOBE_COUNT,
     interpolation::lagrange_taps,
     multiple_scattering::{Resolution, SourceField, SourceSetting, ViewRow},
     panorama::{azimuth_rad, elevation_rad},
@@ -28,6 +28,9 @@ const DARKNESS_PER_M2_SR: f64 = 1e-36;
 const OFFSET_SCALE_M: f64 = 150.0;
 /// Nodes that an interpolation uses.
 const TAPS: usize = 4;
+/// Version of the solver of later orders and of how its fields are laid out and interpolated: raised with either, so that no
+/// work in progress is gone on from and nothing is added to a pack that was made otherwise.
+pub(crate) const FIELD_VERSION: u32 = 2;
 
 /// What offsets are interpolated in.
 pub(crate) fn bent_offset(offset_m: f64) -> f64 {
@@ -56,12 +59,15 @@ impl FieldResolution {
 /// The sample points of multiply scattered light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MultipleAxes {
+    /// Version of the fields; 0 of packs that do not say it.
+    #[serde(default)]
+    pub field_version: u32,
     /// Lambertian albedo of the ground, 0..=1.
     pub ground_albedo: f64,
     /// Altitudes ℓ of the ground, metres, ascending. The lowest may lie below the sea: no source does, but packs have
     /// nodes there for those above to be interpolated with.
     pub ground_altitude_m: Vec<f64>,
-    /// Offsets Δ over every ground, metres, ascending.
+    /// Offsets Δ, metres, ascending; those above 0 only over grounds from the sea on.
     pub offset_m: Vec<f64>,
     /// Further ones above 0 over grounds in the haze, metres.
     #[serde(default)]
@@ -79,6 +85,7 @@ impl MultipleAxes {
     /// The axes of the packs that come with the program.
     pub fn full(ground_albedo: f64) -> Self {
         Self {
+            field_version: FIELD_VERSION,
             ground_albedo,
             ground_altitude_m: vec![-450.0, 0.0, 300.0, 700.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0],
             offset_m: vec![
@@ -86,7 +93,7 @@ impl MultipleAxes {
                 1_200.0, 3_500.0,
             ],
             haze_offset_m: vec![30.0, 220.0],
-            haze_top_m: 1_500.0,
+            haze_top_m: 1_000.0,
             column: vec![0, 1, 2, 4, 6, 9, 12, 16, 20, 25, 31, 38, 46, 55, 65, 76, 88, 101, 114, 128],
             field_resolution: FieldResolution::Table,
         }
@@ -113,19 +120,29 @@ impl MultipleAxes {
         }
     }
 
-    /// Offsets over a ground, metres, ascending.
-    fn offsets_over_m(&self, ground: usize) -> Vec<f64> {
-        let mut offsets = self.offset_m.clone();
-        if (0.0..=self.haze_top_m).contains(&self.ground_altitude_m[ground]) {
+    /// Offsets over a ground, metres, ascending. Below a cloud sources and observers are held under it, and offsets end
+    /// where they are.
+    fn offsets_over_m(&self, ground: usize, cloud: Option<CloudBase>) -> Vec<f64> {
+        let ground_m = self.ground_altitude_m[ground];
+        // Above 0 the ground is the observer's, and no observer is below the sea.
+        let has_raised = ground_m >= 0.0;
+        let mut offsets: Vec<f64> =
+            self.offset_m.iter().copied().filter(|&offset_m| has_raised || offset_m <= 0.0).collect();
+        if (0.0..=self.haze_top_m).contains(&ground_m) {
             offsets.extend(&self.haze_offset_m);
             offsets.sort_by(f64::total_cmp);
         }
+        for offset_m in &mut offsets {
+            let higher_m = held_below_clouds_m(ground_m + offset_m.abs(), cloud);
+            *offset_m = offset_m.signum() * (higher_m - ground_m).min(offset_m.abs());
+        }
+        offsets.dedup();
         offsets
     }
 
     /// Number of (ground, offset) pairs.
-    pub(crate) fn part_count(&self) -> usize {
-        (0..self.ground_altitude_m.len()).map(|ground| self.offsets_over_m(ground).len()).sum()
+    pub(crate) fn part_count(&self, cloud: Option<CloudBase>) -> usize {
+        (0..self.ground_altitude_m.len()).map(|ground| self.offsets_over_m(ground, cloud).len()).sum()
     }
 
     /// Numbers of the table of one (ground, offset) at `distances` distances.
@@ -190,7 +207,7 @@ impl MultipleTable {
             .clone()
             .flat_map(|ground| {
                 let offsets: Vec<(usize, f64)> =
-                    axes.offsets_over_m(ground).into_iter().enumerate().collect();
+                    axes.offsets_over_m(ground, atmosphere.cloud()).into_iter().enumerate().collect();
                 let sharing = offsets.chunk_by(|a, b| a.1.max(0.0) == b.1.max(0.0));
                 sharing.map(|offsets| (ground, offsets.to_vec())).collect::<Vec<_>>()
             })
@@ -200,7 +217,8 @@ impl MultipleTable {
         for ((ground, _), solved) in pieces.into_iter().zip(solved) {
             parts[ground].extend(solved);
         }
-        let bent = |ground| axes.offsets_over_m(ground).into_iter().map(bent_offset).collect();
+        let bent =
+            |ground| axes.offsets_over_m(ground, atmosphere.cloud()).into_iter().map(bent_offset).collect();
         Ok(Self {
             axes: axes.clone(),
             log_distance: distance_m.iter().map(|d| d.ln()).collect(),
@@ -261,13 +279,16 @@ impl MultipleTable {
     /// (part, distance node, weight) of a geometry; no weight is zero.
     fn taps(&self, geometry: &SourceGeometry) -> Vec<(&[f32], usize, f64)> {
         let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
-        let bent_m = bent_offset(geometry.source_altitude_m - geometry.observer_altitude_m);
+        let bent = bent_offset(geometry.source_altitude_m - geometry.observer_altitude_m);
         let distances = lagrange_taps(&self.log_distance, geometry.distance_m.ln(), TAPS);
         let mut taps = Vec::with_capacity(TAPS * TAPS * TAPS);
         // In altitude itself: in the optical depth above, where a clear path's logarithm is a line, the light that finds
         // its way around through thinner air bends more.
-        for (ground, ground_weight) in lagrange_taps(&self.axes.ground_altitude_m, ground_m, TAPS) {
-            for (offset, offset_weight) in offset_taps(&self.bent_offsets[ground], bent_m) {
+        let grounds_m = &self.axes.ground_altitude_m;
+        let first = if bent > 0.0 { grounds_m.partition_point(|&ground_m| ground_m < 0.0) } else { 0 };
+        for (ground, ground_weight) in lagrange_taps(&grounds_m[first..], ground_m, TAPS) {
+            let ground = first + ground;
+            for (offset, offset_weight) in offset_taps(&self.bent_offsets[ground], bent) {
                 for &(distance, distance_weight) in &distances {
                     let weight = ground_weight * offset_weight * distance_weight;
                     if weight != 0.0 {
@@ -282,13 +303,13 @@ impl MultipleTable {
 
 /// Taps in [`bent_offset`] on the source's own side of the observer: where both stand equally high there is a kink, for
 /// below it the ground is the source's, above it the observer's.
-fn offset_taps(bent_offsets: &[f64], bent_m: f64) -> Vec<(usize, f64)> {
+fn offset_taps(bent_offsets: &[f64], bent: f64) -> Vec<(usize, f64)> {
     let level = bent_offsets.partition_point(|&node| node < 0.0);
-    if bent_m <= 0.0 {
-        return lagrange_taps(&bent_offsets[..(level + 1).min(bent_offsets.len())], bent_m, TAPS);
+    if bent <= 0.0 {
+        return lagrange_taps(&bent_offsets[..(level + 1).min(bent_offsets.len())], bent, TAPS);
     }
     let first = level.min(bent_offsets.len() - 1);
-    let mut taps = lagrange_taps(&bent_offsets[first..], bent_m, TAPS);
+    let mut taps = lagrange_taps(&bent_offsets[first..], bent, TAPS);
     taps.iter_mut().for_each(|(node, _)| *node += first);
     taps
 }
@@ -369,14 +390,22 @@ mod tests {
     fn at_its_nodes_the_table_is_the_field_and_images_are_what_single_directions_are() {
         let distance_m = [2_000.0, 30_000.0];
         let (atmosphere, table) = table(&distance_m);
-        let geometry =
-            SourceGeometry { distance_m: 30_000.0, source_altitude_m: 3_000.0, observer_altitude_m: 5_000.0 };
-        let setting = SourceSetting::for_observer(atmosphere, 3_000.0, 5_000.0, 0.15).unwrap();
-        let field = SourceField::solve(setting, &Resolution::coarse());
+        for (source_m, observer_m) in [(3_000.0, 5_000.0), (400.0, 0.0)] {
+            let geometry = SourceGeometry {
+                distance_m: 30_000.0,
+                source_altitude_m: source_m,
+                observer_altitude_m: observer_m,
+            };
+            let setting = SourceSetting::for_observer(atmosphere, source_m, observer_m, 0.15).unwrap();
+            is_that_of_the_field(&table, &SourceField::solve(setting, &Resolution::coarse()), geometry);
+        }
+    }
+
+    fn is_that_of_the_field(table: &MultipleTable, field: &SourceField, geometry: SourceGeometry) {
         let mut images = vec![0.0; IMAGE_COUNT * PIXEL_COUNT];
         table.add_to(&geometry, &mut images);
         for (row, column) in [(0, 0), (10, 64), (63, 128), (30, 16)] {
-            let truth = ViewRow::new(&field, 5_000.0, elevation_rad(row))
+            let truth = ViewRow::new(field, geometry.observer_altitude_m, elevation_rad(row))
                 .unwrap()
                 .radiance_per_watt(30_000.0, azimuth_rad(column));
             let got = table.radiance_per_watt(&geometry, row, column);
@@ -397,7 +426,8 @@ mod tests {
     #[test]
     fn offsets_are_interpolated_on_their_own_side_of_the_observer_and_haze_has_more_of_them() {
         let axes = MultipleAxes::full(0.15);
-        let bent = |ground| axes.offsets_over_m(ground).into_iter().map(bent_offset).collect::<Vec<_>>();
+        let bent =
+            |ground| axes.offsets_over_m(ground, None).into_iter().map(bent_offset).collect::<Vec<_>>();
         let (haze, clear) = (bent(1), bent(6));
         assert!(haze.len() == clear.len() + axes.haze_offset_m.len());
         assert!(haze.windows(2).all(|pair| pair[0] < pair[1]));
@@ -408,6 +438,15 @@ mod tests {
             assert!((taps.iter().map(|tap| tap.1).sum::<f64>() - 1.0).abs() < 1e-12);
             let position: f64 = taps.iter().map(|&(node, weight)| weight * haze[node]).sum();
             assert!((position - bent_offset(offset_m)).abs() < 1e-9, "{offset_m}");
+        }
+        let clouds = Clouds::new(1_000, 0.5).unwrap();
+        let below = MultipleAxes::full(0.15).below(clouds);
+        assert!(below.ground_altitude_m[0] == -450.0 && below.ground_altitude_m[1] == 0.0);
+        for ground in 0..below.ground_altitude_m.len() {
+            let offsets_m = below.offsets_over_m(ground, Some(clouds.base()));
+            assert!(offsets_m.windows(2).all(|pair| pair[0] < pair[1]) && offsets_m.contains(&0.0));
+            let ceiling_m = clouds.ceiling_m() - below.ground_altitude_m[ground];
+            assert!(offsets_m.iter().all(|offset_m| offset_m.abs() <= ceiling_m + 1e-9), "{offsets_m:?}");
         }
         let raised: Vec<usize> = offset_taps(&[-3.0, 0.0], 1.0).into_iter().map(|tap| tap.0).collect();
         assert_eq!(raised, [1], "without offsets above the observer its own stands for them");

@@ -299,7 +299,7 @@ pub(crate) fn make_multiple(
     progress: &dyn Progress,
 ) -> Result<Vec<MultipleTable>, TablesError> {
     let Some(axes) = options.multiple_axes() else { return Ok(Vec::new()) };
-    let parts = axes.part_count();
+    let parts = axes.part_count(options.cloud_base());
     progress.begin("multiple scattering", (parts * atmospheres.len()) as u64);
     let distance_m = &options.axes.distance_m;
     let name = |ground: usize, offset: usize| format!("multiple-{ground:02}-{offset:02}");

@@ -5,7 +5,8 @@ use crate::{
     blocked::BlockedAxes,
     checkpoint::Checkpoint,
     error::TablesError,
-    manifest::{Manifest, PackParameters},
+    manifest::{Manifest, PackParameters, Scattering},
+    multiple::FIELD_VERSION,
     pack::Pack,
     precompute::{PrecomputeOptions, Progress, finish, make_multiple},
 };
@@ -39,7 +40,9 @@ fn check_constants(path: &Path, old: &Manifest, options: &PrecomputeOptions) -> 
     if old.parameters.fit.is_none() {
         wanted.fit = None;
     }
-    if old.parameters == wanted {
+    let fields_are_ours =
+        options.multiple.field_version == FIELD_VERSION || old.scattering == Scattering::Single;
+    if old.parameters == wanted && fields_are_ours {
         return Ok(());
     }
     Err(TablesError::Refused {

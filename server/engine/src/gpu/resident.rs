@@ -79,7 +79,7 @@ impl<'a> HostNodes<'a> {
         }
     }
 
-    /// The shape table with each node's functions padded to whole lanes.
+    /// The shape table with each node's functions padded to whole texels.
     fn whole_lanes(&self) -> Cow<'a, [f16]> {
         let padded = self.basis_count.next_multiple_of(FUNCTIONS_PER_TABLE_TEXEL);
         if padded == self.basis_count {
@@ -124,7 +124,7 @@ fn texels(extent: wgpu::Extent3d) -> u64 {
     u64::from(extent.width) * u64::from(extent.height) * u64::from(extent.depth_or_array_layers)
 }
 
-/// Width and height of a pack's basis texture: whole lanes of functions, zero beyond the last.
+/// Width and height of a pack's basis texture: whole texels of functions, zero beyond the last.
 fn basis_extent(tables: &ResidentTables) -> wgpu::Extent3d {
     let functions = tables.basis_count.next_multiple_of(FUNCTIONS_PER_TABLE_TEXEL);
     wgpu::Extent3d {

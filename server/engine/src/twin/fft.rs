@@ -1,4 +1,5 @@
-//! The 256-point transform in four radix-4 Stockham stages, and the two-for-one packing of real rows.
+//! The 256-point transform: on a device two of sixteen points, on the CPU four radix-4 Stockham stages; and the
+//! two-for-one packing of real rows.
 
 /// A complex number as (real, imaginary), WGSL's `vec2<f32>`.
 pub type Complex = [f32; 2];
@@ -12,7 +13,7 @@ pub fn complex_multiply(a: Complex, b: Complex) -> Complex {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
-/// e^{−2πi·index/256}: the table that the shaders read, computed in f64.
+/// e^{−2πi·index/256}, computed in f64; shaders read a table of those that they need.
 pub fn twiddle(index: usize) -> Complex {
     let angle = -std::f64::consts::TAU * index as f64 / N as f64;
     [angle.cos() as f32, angle.sin() as f32]

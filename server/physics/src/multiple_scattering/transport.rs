@@ -116,8 +116,8 @@ pub(super) fn transport(
         })
         .collect();
     for node in 0..2 * per_hemisphere {
-        // A ray's zenith angle turns by less than a degree in 100 km, and those of the layers' nodes are as near one
-        // another; the source function does not notice.
+        // A ray's zenith angle turns by less than a degree in 100 km, and within the haze those of the layers' nodes are as
+        // near one another; the source function does not notice.
         let cosines: Vec<f64> = nodes.iter().map(|nodes| nodes[node].0).collect();
         let table = source.table(grid, &cosines, TABLE_AZIMUTHS);
         let polar: Vec<Vec<f64>> = cosines.iter().map(|&cosine| legendre(degree, cosine)).collect();

@@ -186,3 +186,33 @@ fn view_path(
     let cos_zenith = elevation_rad.sin().min(1.0);
     Ok(SteppedPath::new(&field.setting, &field.grid, observer_altitude_m, cos_zenith, VIEW_STRIDE))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Turbidity,
+        atmosphere::Atmosphere,
+        multiple_scattering::{Resolution, SourceSetting},
+    };
+
+    #[test]
+    fn both_forms_of_the_loops_give_the_same_bits() {
+        let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
+        let setting = SourceSetting::new(atmosphere, 300.0, 0.0, 0.15).unwrap();
+        let field = SourceField::solve(setting, &Resolution::coarse());
+        let mut lit = 0;
+        for elevation_deg in [0.7f64, 20.0, 80.0] {
+            let row = ViewRow::new(&field, 0.0, elevation_deg.to_radians()).unwrap();
+            for (distance_m, azimuth_rad) in [(300.0, 0.1f64), (20_000.0, 1.0), (150_000.0, 3.0)] {
+                let (sine, cosine) = azimuth_rad.sin_cos();
+                let (mut chosen, mut plain): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
+                sum_steps(&row, distance_m, -cosine, sine, &mut chosen);
+                sum_steps_body(&row, distance_m, -cosine, sine, &mut plain);
+                assert_eq!(chosen.map(f32::to_bits), plain.map(f32::to_bits));
+                lit += chosen.iter().filter(|value| **value > 0.0).count();
+            }
+        }
+        assert!(lit >= 9 * 8, "{lit} values are lit");
+    }
+}

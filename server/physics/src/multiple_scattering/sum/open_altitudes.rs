@@ -7,8 +7,11 @@
 use super::nodes::{TAPS, Taps};
 use crate::interpolation::lagrange_taps;
 
-/// Distances of the lowest nodes above the observer, in largest steps; then even ones.
+/// Distances of the lowest nodes above the observer, in steps; then even ones.
 const CROWDED: [f64; 3] = [0.0, 1.0 / 6.0, 0.5];
+/// A node that another follows this closely gives way to it, in steps: neighbours so near would have weights of many times
+/// 1 between farther ones. So no gap is wider than a step and this.
+const TOO_CLOSE: f64 = 0.2;
 
 /// Altitudes of fields, and how sources lie between them.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +26,8 @@ pub(super) struct OpenAltitudes {
 }
 
 impl OpenAltitudes {
-    /// For sources at some altitudes, of which there is at least one; `step_m` is the largest step. Where the sources have
-    /// no more altitudes on a side than it would have nodes, theirs are the nodes.
+    /// For sources at some altitudes, of which there is at least one; nodes are `step_m` apart, or up to a fifth more. Where
+    /// the sources have no more altitudes on a side than it would have nodes, theirs are the nodes.
     pub(super) fn new(altitudes_m: impl Iterator<Item = f64>, observer_altitude_m: f64, step_m: f64) -> Self {
         let mut own: Vec<f64> = altitudes_m.collect();
         own.sort_by(f64::total_cmp);
@@ -41,8 +44,11 @@ impl OpenAltitudes {
             [.., highest] => fewer(nodes_above_m(observer_altitude_m, *highest, step_m), high),
         };
         let mut altitude_m = below_nodes;
+        if above_nodes.first() == Some(&observer_altitude_m) {
+            // That node is of both sides.
+            altitude_m.retain(|&node_m| node_m < observer_altitude_m - TOO_CLOSE * step_m);
+        }
         altitude_m.extend(above_nodes);
-        altitude_m.dedup();
         let below = altitude_m.partition_point(|&node_m| node_m <= observer_altitude_m);
         let is_shared = below > 0 && altitude_m[below - 1] == observer_altitude_m;
         let first_above = below - usize::from(is_shared);
@@ -66,7 +72,7 @@ fn nodes_below_m(lowest_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
     let first = (lowest_m / step_m).floor() as i64;
     let mut nodes = vec![(first as f64 * step_m).max(lowest_m.min(0.0))];
     let others = (first + 1..).map(|k| k as f64 * step_m);
-    nodes.extend(others.take_while(|&node_m| node_m <= highest_m - 0.2 * step_m));
+    nodes.extend(others.take_while(|&node_m| node_m <= highest_m - TOO_CLOSE * step_m));
     nodes.push(highest_m);
     nodes
 }
@@ -75,9 +81,10 @@ fn nodes_below_m(lowest_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
 fn nodes_above_m(observer_altitude_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
     let even = (1..).map(|k| CROWDED[CROWDED.len() - 1] + f64::from(k));
     let offsets_m = CROWDED.into_iter().chain(even).map(|steps| steps * step_m);
-    // A node that the last one follows closely gives way to it.
+    let span_m = highest_m - observer_altitude_m;
+    let too_close_m = TOO_CLOSE * span_m.min(step_m);
     let mut nodes: Vec<f64> = offsets_m
-        .take_while(|&offset_m| offset_m <= 0.8 * (highest_m - observer_altitude_m))
+        .take_while(|&offset_m| offset_m <= span_m - too_close_m)
         .map(|offset_m| observer_altitude_m + offset_m)
         .collect();
     nodes.push(highest_m);
@@ -99,7 +106,7 @@ mod tests {
         let many: Vec<f64> = (0..=100).map(|k| 13.0 * f64::from(k)).collect();
         assert_eq!(nodes(&many, 2_000.0).altitude_m, [0.0, 300.0, 600.0, 900.0, 1_200.0, 1_300.0]);
         let around = nodes(&many, 500.0);
-        let expected = [0.0, 300.0, 494.0, 500.0, 550.0, 650.0, 950.0, 1_300.0];
+        let expected = [0.0, 300.0, 500.0, 550.0, 650.0, 950.0, 1_300.0];
         assert_eq!(around.altitude_m, expected);
         for &altitude_m in &many {
             let taps = around.taps(altitude_m);
@@ -112,6 +119,25 @@ mod tests {
             };
             assert!(taps.iter().all(|&(node, weight)| weight == 0.0 || is_of_side(node)), "{altitude_m}");
         }
+    }
+
+    #[test]
+    fn no_two_nodes_are_so_close_that_weights_explode_and_no_gap_is_wider_than_said() {
+        let mut most: f64 = 0.0;
+        for (observer_m, highest_m) in [(300.0, 2_500.0), (200.0, 4_200.0), (700.0, 1_300.0), (650.0, 700.0)]
+        {
+            // Sources everywhere, one a centimetre under the observer.
+            let mut altitudes_m: Vec<f64> = (0..=200).map(|k| highest_m * f64::from(k) / 200.0).collect();
+            altitudes_m.push(observer_m - 0.01);
+            let around = nodes(&altitudes_m, observer_m);
+            for &altitude_m in &altitudes_m {
+                most = most.max(around.taps(altitude_m).iter().map(|tap| tap.1.abs()).sum());
+            }
+            let gaps_m = around.altitude_m.windows(2).map(|pair| pair[1] - pair[0]);
+            assert!(gaps_m.clone().all(|gap_m| gap_m <= 360.0 + 1e-9), "{:?}", around.altitude_m);
+            assert!(gaps_m.clone().all(|gap_m| gap_m > 9.0), "{:?}", around.altitude_m);
+        }
+        assert!(most > 1.1 && most < 3.0, "{most}");
     }
 
     #[test]
