@@ -66,7 +66,8 @@ fn halving_its_steps_hardly_moves_the_sum() {
     assert!(with(&SumDensity { altitude_step_m: 150.0, ..used }) < 0.025);
     // The checks can fail.
     assert!(with(&SumDensity { azimuths: 7, ..used }) > 5e-3);
-    assert!(with(&SumDensity { altitude_step_m: 1e4, ..used }) > 0.1);
+    let coarse = with(&SumDensity { altitude_step_m: 1e4, ..used });
+    assert!(coarse > 0.05, "{coarse}");
 }
 
 #[test]
