@@ -2,7 +2,7 @@
 //!
 //! `place_truth DATA_DIR SCENE OUT_DIR PLACES DIRECTIONS SHARE TURBIDITY,…`: one JSON file a place, files that are there are
 //! kept; place after place takes the next of the turbidities. All the places of one turbidity share what fields do not depend
-//! on the observer. Sources closer together than SHARE of their distance are one (0 sums every source; 0.01 is within 1e-3).
+//! on the observer. Sources in one bin, SHARE of their distance deep and wide, are one (0 sums every source).
 
 use skyglow_physics::{
     GeoPoint, PointSource, Turbidity,

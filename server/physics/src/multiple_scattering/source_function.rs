@@ -2,7 +2,8 @@
 //!
 //! S falls by many powers of ten over the grid, and inside it exponentially; its shape over direction changes
 //! little. So the logarithm of its mean over directions is interpolated, along altitude by a cubic, and linearly the moments
-//! over that. (By lines from layer to layer, light 50 to 200 km away came out 2 to 4 % too dark in thick haze.)
+//! over that. (Light 50 to 200 km away in thick haze: 1.8 to 3.8 % from that of layers cut
+//! in three by lines from layer to layer, 1.3 to 2.5 % by the cubic.)
 
 use super::{
     grid::{Between, FieldGrid, LayerTaps},

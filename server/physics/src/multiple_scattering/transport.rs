@@ -39,7 +39,7 @@ pub(super) struct Radiance {
 /// Cosines of zenith angles with weights summing to 2, above and below the horizon of a ground, whose zenith angle has
 /// the cosine `horizon` ≤ 0: there radiance jumps, and nodes crowd on both sides (μ = horizon ± x²), where the haze of a far
 /// source glows. From 1 000 m up the horizon is 1° down: with nodes that crowd at 0 instead, fields 50 to 200 km away in
-/// thick haze were 1.7 to 7 % too dark.
+/// thick haze were 1.6 to 6.8 % darker than with twice as many, and with these 0.7 to 1.3 %.
 pub(super) fn zenith_nodes(per_hemisphere: usize, horizon: f64) -> Vec<(f64, f64)> {
     let half = gauss_legendre(per_hemisphere);
     let (below, above) = (1.0 + horizon, 1.0 - horizon);

@@ -27,7 +27,7 @@ const ROW_AZIMUTHS: usize = 36;
 const SAME_ALTITUDE_M: f64 = 1e-3;
 
 /// All rays of one elevation from one observer altitude, through one field: some milliseconds to make, then
-/// two or three microseconds a ray.
+/// ten or twenty microseconds a ray.
 #[derive(Clone, Debug)]
 pub struct ViewRow<'a> {
     field: &'a SourceField,

@@ -10,7 +10,7 @@ macro_rules! dispatch_wide {
             #[cfg(target_arch = "x86_64")]
             if is_x86_feature_detected!("avx2") {
                 #[expect(unsafe_code, reason = "the processor was just asked for what the callee needs; fields are solved in \
-                    two thirds of the time")]
+                    four fifths of the time and seen in three fifths")]
                 // SAFETY: AVX2 is there, and the function has no other precondition.
                 unsafe { $wide($($argument),*) };
                 return;
