@@ -53,12 +53,13 @@ impl SourceImages {
         });
         let mut cells: Vec<PlacedCell> = placed.step_by(stride).collect();
         let mut nodes: Vec<u32> =
-            cells.iter().flat_map(|placed| [placed.cell.lower_node, placed.cell.upper_node]).collect();
+            cells.iter().flat_map(|placed| [placed.cell.lower_node, placed.cell.upper_node()]).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let place = |node: u32| nodes.partition_point(|&other| other < node) as u32;
         for PlacedCell { cell, .. } in &mut cells {
-            (cell.lower_node, cell.upper_node) = (place(cell.lower_node), place(cell.upper_node));
+            // Both nodes of a cell are listed, so that the upper one stays the next.
+            cell.lower_node = place(cell.lower_node);
         }
         let basis_count = request.basis_count.min(tables.basis_count);
         let (log_scale, shape): (Vec<f64>, Vec<Vec<f32>>) = (0..BAND_COUNT * nodes.len())
@@ -105,7 +106,7 @@ impl SourceImages {
     fn weighed(&self, band: usize) -> Vec<WeighedCell> {
         let log_scale = &self.log_scale[band * self.node_count..][..self.node_count];
         let weigh = |&PlacedCell { azimuth, cell }: &PlacedCell| {
-            let nodes = [cell.lower_node as usize, cell.upper_node as usize];
+            let nodes = [cell.lower_node as usize, cell.upper_node() as usize];
             let up = f64::from(cell.upper_weight);
             let log = log_scale[nodes[0]] + up * (log_scale[nodes[1]] - log_scale[nodes[0]]);
             let scale = f64::from(cell.flux_dnb_w) * f64::from(self.flux_per_dnb_flux[band]) * log.exp();

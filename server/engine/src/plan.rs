@@ -152,8 +152,7 @@ impl RenderPlan {
         let groups = |items: usize, size: usize| items.div_ceil(size) as u32;
         let (bands, requests) = (BAND_COUNT as u32, self.request_count as u32);
         for (slot, pack) in self.packs.iter().enumerate() {
-            let functions = pack.quad_count * 4;
-            let quads = functions / FUNCTIONS_PER_TEXEL;
+            let functions = pack.quad_count * FUNCTIONS_PER_TEXEL;
             // Dark columns are written too: nothing else clears what another batch left there.
             let columns = self.request_count * AZIMUTH_COUNT;
             let mixed = self.node_count * BAND_COUNT * functions.div_ceil(MIXED_PER_LANE);
@@ -163,7 +162,7 @@ impl RenderPlan {
                 (Pass::MixShape, [groups(mixed, WORKGROUP), 1, 1]),
                 (Pass::CellWeights, [groups(self.cell_count, WORKGROUP), 1, 1]),
                 (Pass::Coefficients, [groups(summed, WORKGROUP), bands, 1]),
-                (Pass::AzimuthFft, [quads as u32, bands, requests]),
+                (Pass::AzimuthFft, [pack.quad_count as u32, bands, requests]),
                 (
                     Pass::BasisSum,
                     [groups(FREQUENCY_COUNT, LANES), groups(ELEVATION_COUNT, ELEVATIONS_PER_LANE), requests],

@@ -40,10 +40,17 @@ pub struct PreparedCell {
     pub flux_dnb_w: f32,
     /// Node below the cell's offset.
     pub lower_node: u32,
-    /// Node above it; the same as `lower_node` where that has all the weight.
-    pub upper_node: u32,
-    /// Weight of `upper_node`, 0..1.
+    /// Weight of the node above it, 0..1.
     pub upper_weight: f32,
+}
+
+impl PreparedCell {
+    /// The node above the cell's offset, the next in the list of nodes, for they are numbered along each ring's axis and
+    /// every one in use is listed; the same as [`Self::lower_node`] where that has all the weight.
+    #[inline(always)]
+    pub fn upper_node(&self) -> u32 {
+        self.lower_node + u32::from(self.upper_weight > 0.0)
+    }
 }
 
 /// An azimuth column with light.
@@ -183,7 +190,6 @@ impl Prepared {
                     self.cells.push(PreparedCell {
                         flux_dnb_w: cell.flux_dnb_w,
                         lower_node: lower as u32,
-                        upper_node: upper as u32,
                         upper_weight,
                     });
                 }
@@ -200,7 +206,6 @@ impl Prepared {
         }
         for cell in &mut self.cells {
             cell.lower_node = node_of[cell.lower_node as usize];
-            cell.upper_node = node_of[cell.upper_node as usize];
         }
     }
 }

@@ -32,9 +32,30 @@ fn only_nodes_that_cells_need_are_listed() {
     let listed: Vec<_> = prepared.nodes.iter().map(|node| (node.ring, node.offset)).collect();
     assert_eq!(listed, [(3, 4), (3, 5), (9, 2)]);
     assert_eq!(prepared.columns, [LitColumn { azimuth: 7, first_cell: 0, end_cell: 2 }]);
-    assert_eq!((prepared.cells[0].lower_node, prepared.cells[0].upper_node), (0, 1));
+    assert_eq!((prepared.cells[0].lower_node, prepared.cells[0].upper_node()), (0, 1));
     assert!((prepared.cells[0].upper_weight - 0.75).abs() < 1e-4);
-    assert_eq!((prepared.cells[1].lower_node, prepared.cells[1].upper_node), (2, 2));
+    assert_eq!((prepared.cells[1].lower_node, prepared.cells[1].upper_node()), (2, 2));
+}
+
+#[test]
+fn the_upper_node_of_a_cell_is_the_next_offset_on_its_ring_whatever_else_is_lit() {
+    let set = set();
+    let cells: Vec<_> = (0..200u32)
+        .map(|i| {
+            let spread = |ratio: f64| (f64::from(i) * ratio).fract();
+            let ring = (spread(0.618) * set.ring_count() as f64) as u32;
+            (i as usize, ring, 1.0, (3_000.0 * spread(0.755)) as f32)
+        })
+        .collect();
+    let prepared = Prepared::new(&request(synthetic::polar_grid_of(&cells)), &set).unwrap();
+    let mut between = 0;
+    for cell in &prepared.cells {
+        let [lower, upper] = [cell.lower_node, cell.upper_node()].map(|node| prepared.nodes[node as usize]);
+        assert_eq!((lower.ring, lower.blocking), (upper.ring, upper.blocking));
+        assert_eq!(upper.offset, lower.offset + u32::from(cell.upper_weight > 0.0));
+        between += usize::from(cell.upper_weight > 0.0);
+    }
+    assert!(between > 100, "{between}");
 }
 
 #[test]

@@ -69,7 +69,7 @@ fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> V
             let sums = &mut columns[(slot * BAND_COUNT + band) * basis_count..][..basis_count];
             for cell in &request.cells[lit.first_cell as usize..lit.end_cell as usize] {
                 let at = |node: u32| &nodes[band * request.nodes.len() + node as usize];
-                let (lower, upper) = (at(cell.lower_node), at(cell.upper_node));
+                let (lower, upper) = (at(cell.lower_node), at(cell.upper_node()));
                 let weight = f64::from(cell.upper_weight);
                 let flux_w = f64::from(cell.flux_dnb_w) * f64::from(request.flux_per_dnb_flux[band]);
                 let scale = flux_w * (lower.0 + weight * (upper.0 - lower.0)).exp();

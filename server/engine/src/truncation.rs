@@ -119,7 +119,7 @@ impl Sums {
         for (cell, [to_lower, to_upper]) in request.cells.iter().zip(&weights) {
             for band in 0..BAND_COUNT {
                 of_node[cell.lower_node as usize][band] += f64::from(to_lower[band]);
-                of_node[cell.upper_node as usize][band] += f64::from(to_upper[band]);
+                of_node[cell.upper_node() as usize][band] += f64::from(to_upper[band]);
             }
         }
         let steps = request.basis_count.div_ceil(FUNCTIONS_PER_STEP) - 1;

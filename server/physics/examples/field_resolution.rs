@@ -8,17 +8,11 @@
 use skyglow_physics::{
     Atmosphere, Turbidity,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting},
-    panorama::{azimuth_rad, elevation_rad},
-    single_source::{RadiancePerWatt, SourceGeometry, radiance_per_watt_of},
 };
 use std::{error::Error, time::Instant};
 
-/// Radiance of a source seen in a direction (azimuth, elevation), `[band][lobe]`.
-type Look<'a> = dyn Fn(&SourceGeometry, f64, f64) -> Result<RadiancePerWatt, Box<dyn Error>> + 'a;
-
-const DISTANCE_M: [f64; 6] = [1_000.0, 4_000.0, 15_000.0, 50_000.0, 100_000.0, 200_000.0];
-const ROWS: [usize; 5] = [0, 3, 9, 25, 63];
-const COLUMNS: [usize; 5] = [0, 5, 28, 70, 120];
+mod looks;
+use looks::Pair;
 
 fn resolution(variant: &str) -> Result<Resolution, String> {
     let table = Resolution::table();
@@ -46,35 +40,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let altitude_m: f64 = altitude.parse()?;
         let setting =
             SourceSetting::for_observer(atmosphere, altitude_m, observer_altitude_m, DEFAULT_GROUND_ALBEDO)?;
-        // [distance][look × band × lobe]
-        let looks = |value: &Look<'_>| {
-            DISTANCE_M
-                .iter()
-                .map(|&distance_m| {
-                    let geometry =
-                        SourceGeometry { distance_m, source_altitude_m: altitude_m, observer_altitude_m };
-                    let mut values = Vec::new();
-                    for (row, column) in ROWS.into_iter().flat_map(|row| COLUMNS.map(|column| (row, column)))
-                    {
-                        values.extend(
-                            value(&geometry, azimuth_rad(column), elevation_rad(row))?.into_iter().flatten(),
-                        );
-                    }
-                    Ok(values)
-                })
-                .collect::<Result<Vec<Vec<f64>>, Box<dyn Error>>>()
-        };
-        let first = looks(&|geometry, azimuth, elevation| {
-            Ok(radiance_per_watt_of(&atmosphere, geometry, azimuth, elevation, 1e-5))
-        })?;
+        let pair = Pair { source_altitude_m: altitude_m, observer_altitude_m };
+        let first = pair.first(&atmosphere)?;
         let mut solved = Vec::new();
         for variant in variants.split(',') {
             let start = Instant::now();
             let field = SourceField::solve(setting, &resolution(variant)?);
             let seconds = start.elapsed().as_secs_f64();
-            let later = looks(&|geometry, azimuth, elevation| {
-                Ok(field.radiance_per_watt(geometry, azimuth, elevation)?)
-            })?;
+            let later = pair.later(&field)?;
             println!("# {altitude_m} m, {variant}: {:?} places, {seconds:.0} s", field.size());
             solved.push((variant, later));
         }

@@ -10,14 +10,11 @@ use skyglow_physics::{
     Atmosphere, Turbidity,
     interpolation::lagrange_taps,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting},
-    panorama::{azimuth_rad, elevation_rad},
-    single_source::{SourceGeometry, radiance_per_watt_of},
 };
 use std::error::Error;
 
-const DISTANCE_M: [f64; 6] = [1_000.0, 4_000.0, 15_000.0, 50_000.0, 100_000.0, 200_000.0];
-const ROWS: [usize; 5] = [0, 3, 9, 25, 63];
-const COLUMNS: [usize; 5] = [0, 5, 28, 70, 120];
+mod looks;
+use looks::{DISTANCE_M, Pair};
 
 /// Of one altitude: later orders, and all orders, at every distance, look, band and lobe.
 struct Light {
@@ -30,20 +27,10 @@ fn light(atmosphere: Atmosphere, observer_altitude_m: f64, altitude_m: f64) -> R
     let setting =
         SourceSetting::for_observer(atmosphere, altitude_m, observer_altitude_m, DEFAULT_GROUND_ALBEDO)?;
     let field = SourceField::solve(setting, &Resolution::table());
-    let (mut later, mut whole) = (Vec::new(), Vec::new());
-    for distance_m in DISTANCE_M {
-        let geometry = SourceGeometry { distance_m, source_altitude_m: altitude_m, observer_altitude_m };
-        for row in ROWS {
-            for column in COLUMNS {
-                let (azimuth, elevation) = (azimuth_rad(column), elevation_rad(row));
-                let more = field.radiance_per_watt(&geometry, azimuth, elevation)?;
-                let first = radiance_per_watt_of(&atmosphere, &geometry, azimuth, elevation, 1e-5);
-                later.extend(more.as_flattened());
-                let pairs = more.as_flattened().iter().zip(first.as_flattened());
-                whole.extend(pairs.map(|(more, first)| more + first));
-            }
-        }
-    }
+    let pair = Pair { source_altitude_m: altitude_m, observer_altitude_m };
+    let later = pair.later(&field)?.concat();
+    let first = pair.first(&atmosphere)?.concat();
+    let whole = later.iter().zip(&first).map(|(later, first)| later + first).collect();
     println!("# {altitude_m} m: {:?} places", field.size());
     Ok(Light { altitude_m, later, whole })
 }

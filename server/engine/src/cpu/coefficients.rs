@@ -61,7 +61,7 @@ fn weigh_body<const FUSED: bool>(
         let mut scale = [[0f32; 4]; LANES];
         for (cell, scale) in cells.iter().zip(&mut scale) {
             let [lower, upper] =
-                [cell.lower_node, cell.upper_node].map(|node| scales[node as usize].log_scale);
+                [cell.lower_node, cell.upper_node()].map(|node| scales[node as usize].log_scale);
             for band in 0..4 {
                 scale[band] = lower[band] + (upper[band] - lower[band]) * cell.upper_weight;
             }
@@ -136,7 +136,7 @@ fn sum_cells_body<const FUSED: bool>(
         let range = lit.first_cell as usize..lit.end_cell as usize;
         let mut sum = [[0f32; BLOCK]; BAND_COUNT];
         for (cell, weights) in cells[range.clone()].iter().zip(&weights[range]) {
-            let (lower, upper) = (&nodes[cell.lower_node as usize].0, &nodes[cell.upper_node as usize].0);
+            let (lower, upper) = (&nodes[cell.lower_node as usize].0, &nodes[cell.upper_node() as usize].0);
             for band in 0..BAND_COUNT {
                 let (to_lower, to_upper) = (weights[0][band], weights[1][band]);
                 for k in 0..BLOCK {
@@ -178,7 +178,7 @@ fn sum_cells_in_band_body<const FUSED: bool>(
         let mut sum = [0f32; BLOCK];
         for (cell, weights) in cells[range.clone()].iter().zip(&weights[range]) {
             let lower = &nodes[cell.lower_node as usize].0[band];
-            let upper = &nodes[cell.upper_node as usize].0[band];
+            let upper = &nodes[cell.upper_node() as usize].0[band];
             for k in 0..BLOCK {
                 let with_lower = multiply_add::<FUSED>(weights[0][band], lower[k], sum[k]);
                 sum[k] = multiply_add::<FUSED>(weights[1][band], upper[k], with_lower);

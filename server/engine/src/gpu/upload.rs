@@ -46,12 +46,6 @@ impl BatchArrays {
             offset: node.offset,
             blocking: node.blocking,
         }));
-        debug_assert!(
-            prepared
-                .cells
-                .iter()
-                .all(|cell| cell.upper_node == cell.lower_node + u32::from(cell.upper_weight > 0.0))
-        );
         // Numbers of nodes and requests stay below 2^24, so that f32 holds them exactly.
         self.cells.extend(prepared.cells.iter().map(|cell| {
             [cell.flux_dnb_w, (cell.lower_node + first_node) as f32, cell.upper_weight, request as f32]

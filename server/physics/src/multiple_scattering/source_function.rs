@@ -94,7 +94,7 @@ fn taper(l: usize, degree: usize) -> f64 {
 pub(super) struct SourceFunction {
     pub(super) degree: usize,
     /// ln of the mean over directions, `[point]`.
-    pub(super) ln_mean: Vec<Lanes>,
+    ln_mean: Vec<Lanes>,
     /// Moments over the mean, `[point][pair]`.
     shape: Vec<Lanes>,
 }
@@ -159,6 +159,22 @@ impl SourceFunction {
         DirectionTable { intervals, shape }
     }
 
+    /// ln of the mean over directions at a place between grid points.
+    #[inline(always)]
+    pub(super) fn ln_mean_at(&self, grid: &FieldGrid, ring: Between, layer: &LayerTaps) -> Lanes {
+        let wr = ring.upper_weight as f32;
+        let mut ln_mean = [0.0; LANES];
+        for (layer, weight) in layer.layers.into_iter().zip(layer.weights) {
+            let first = layer * grid.ring_count() + ring.lower;
+            let (near, far) = (&self.ln_mean[first], &self.ln_mean[first + 1]);
+            let (near_weight, far_weight) = (weight * (1.0 - wr), weight * wr);
+            for lane in 0..LANES {
+                ln_mean[lane] += near_weight * near[lane] + far_weight * far[lane];
+            }
+        }
+        ln_mean
+    }
+
     /// S at a place between grid points for the direction of a table, m⁻² sr⁻¹ per watt.
     #[inline(always)]
     pub(super) fn sample(
@@ -173,15 +189,7 @@ impl SourceFunction {
         let azimuth = (position as usize).min(table.intervals - 1);
         let s = position - azimuth as f32;
         let (wr, wz) = (ring.upper_weight as f32, layer.between.upper_weight as f32);
-        let mut ln_mean = [0.0; LANES];
-        for (layer, weight) in layer.layers.into_iter().zip(layer.weights) {
-            let first = layer * grid.ring_count() + ring.lower;
-            let (near, far) = (&self.ln_mean[first], &self.ln_mean[first + 1]);
-            let (near_weight, far_weight) = (weight * (1.0 - wr), weight * wr);
-            for lane in 0..LANES {
-                ln_mean[lane] += near_weight * near[lane] + far_weight * far[lane];
-            }
-        }
+        let ln_mean = self.ln_mean_at(grid, ring, layer);
         let first = layer.between.lower * grid.ring_count() + ring.lower;
         let corners = [
             (first, (1.0 - wr) * (1.0 - wz)),

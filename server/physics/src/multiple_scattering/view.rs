@@ -142,14 +142,6 @@ impl SourceField {
             let between = step.layer.between;
             let first = between.lower * self.grid.ring_count() + ring.lower;
             let (wr, wz) = (ring.upper_weight as f32, between.upper_weight as f32);
-            let mut ln_mean: Lanes = [0.0; LANES];
-            for (layer, weight) in step.layer.layers.into_iter().zip(step.layer.weights) {
-                let first = layer * self.grid.ring_count() + ring.lower;
-                let (near, far) = (&self.source.ln_mean[first], &self.source.ln_mean[first + 1]);
-                for lane in 0..LANES {
-                    ln_mean[lane] += weight * ((1.0 - wr) * near[lane] + wr * far[lane]);
-                }
-            }
             let mut shape: Lanes = [0.0; LANES];
             for (point, weight) in [
                 (first, (1.0 - wr) * (1.0 - wz)),
@@ -162,7 +154,7 @@ impl SourceField {
                     shape[lane] += weight * corner[lane];
                 }
             }
-            let mean = exp_lanes(&ln_mean);
+            let mean = exp_lanes(&self.source.ln_mean_at(&self.grid, ring, &step.layer));
             for lane in 0..LANES {
                 sum[lane] += step.weight[lane] * mean[lane] * shape[lane].max(0.0);
             }

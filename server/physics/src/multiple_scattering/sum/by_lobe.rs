@@ -32,7 +32,8 @@ pub struct KeptFields {
 }
 
 impl KeptFields {
-    /// None yet. `density` is that of [`super::MultipleSum`].
+    /// None yet, in air without clouds: below a base sources would have to be held. `density` is that of
+    /// [`super::MultipleSum`].
     pub fn new(
         atmosphere: Atmosphere,
         ground_albedo: f64,
