@@ -10,8 +10,26 @@ fn lobe_shares(emission: vec3<f32>, log_scale: vec3<f32>) -> vec4<f32> {
   return vec4<f32>(amounts / sum, largest + natural_log(sum));
 }
 
-fn cell_weights(flux_w: f32, lower_log_scale: f32, upper_log_scale: f32, upper_weight: f32) -> vec2<f32> {
-  let log_scale = lower_log_scale + (upper_log_scale - lower_log_scale) * upper_weight;
-  let scale = flux_w * natural_exp(log_scale);
+// Of server/tables/src/bow.rs.
+const LARGEST_BOW: f32 = 1.0;
+const SIXTH: f32 = 1.0 / 6.0;
+
+// From ln of the lobes' scales at the nodes below, at and above.
+fn mixed_bow(shares: vec3<f32>, below: vec3<f32>, at: vec3<f32>, above: vec3<f32>) -> f32 {
+  let slope = 0.5 * (above - below);
+  let apart = slope - dot(shares, slope);
+  let bow = dot(shares, (below - at) + (above - at) + apart * apart);
+  return clamp(bow, -LARGEST_BOW, LARGEST_BOW);
+}
+
+// `log_scale` and `bow` of the lower and the upper node.
+fn log_scale_between(log_scale: vec2<f32>, bow: vec2<f32>, upper_weight: f32) -> f32 {
+  let both_bows = bow.x + bow.y + bow.x * (1.0 - upper_weight) + bow.y * upper_weight;
+  return log_scale.x + (log_scale.y - log_scale.x) * upper_weight
+    - upper_weight * (1.0 - upper_weight) * both_bows * SIXTH;
+}
+
+fn cell_weights(flux_w: f32, log_scale: vec2<f32>, bow: vec2<f32>, upper_weight: f32) -> vec2<f32> {
+  let scale = flux_w * natural_exp(log_scale_between(log_scale, bow, upper_weight));
   return vec2<f32>(scale * (1.0 - upper_weight), scale * upper_weight);
 }

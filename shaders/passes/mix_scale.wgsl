@@ -1,4 +1,4 @@
-// Lobe shares and the logarithm of the mixed scale of every node in use, in all bands.
+// Lobe shares, the logarithm of the mixed scale and the bow of that of every node in use, in all bands.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> requests: array<Request, MAX_BATCH>;
@@ -9,37 +9,57 @@
 @group(0) @binding(4) var<storage, read> blocked_log_scale: array<f32>;
 // The list of (node, band): shares and logarithm.
 @group(0) @binding(5) var scales: texture_storage_2d<rgba32float, write>;
-// The logarithms alone, in R, G, B.
+// Two texels a node: the logarithms alone and their bows, both in R, G, B.
 @group(0) @binding(6) var log_scales: texture_storage_2d<rgba32float, write>;
 
-fn open_lobes(node: Node, band: u32) -> vec3<f32> {
-  let per_band = frame.ring_count * frame.offset_count;
-  let per_lobe = BAND_COUNT * per_band;
-  let in_layer = band * per_band + node.ring * frame.offset_count + node.offset;
-  let tap_count = select(0u, requests[node.request].tap_count, node.blocking == 0u);
-  var lobes = vec3<f32>(0.0);
-  for (var tap = 0u; tap < tap_count; tap++) {
-    let first = requests[node.request].tap_layer[tap] * LOBE_COUNT * per_lobe + in_layer;
-    lobes += requests[node.request].tap_weight[tap]
-      * vec3<f32>(log_scale[first], log_scale[first + per_lobe], log_scale[first + 2u * per_lobe]);
-  }
-  return lobes;
+// The middle one of the three nodes that give the bow at a node: derivation in server/tables/src/bow.rs.
+fn bow_node(offset: u32, bend_node: u32, offset_count: u32) -> u32 {
+  return clamp(select(offset, offset + 1u, offset == bend_node), 1u, offset_count - 2u);
 }
 
-fn blocked_lobes(node: Node, band: u32) -> vec3<f32> {
-  let per_band = frame.ring_count * frame.blocked_offset_count;
-  let per_lobe = BAND_COUNT * per_band;
-  let in_layer = band * per_band + node.ring * frame.blocked_offset_count + node.offset;
-  let tap_count = select(requests[node.request].blocked_tap_count, 0u, node.blocking == 0u);
-  var lobes = vec3<f32>(0.0);
-  for (var tap = 0u; tap < tap_count; tap++) {
+// ln of the scale of the three lobes below, at and above the middle one of those nodes.
+struct Lobes {
+  below: vec3<f32>,
+  at: vec3<f32>,
+  above: vec3<f32>,
+}
+
+fn open_lobe(first: u32) -> vec3<f32> {
+  let per_lobe = BAND_COUNT * frame.ring_count * frame.offset_count;
+  return vec3<f32>(log_scale[first], log_scale[first + per_lobe], log_scale[first + 2u * per_lobe]);
+}
+
+fn blocked_lobe(first: u32) -> vec3<f32> {
+  let per_lobe = BAND_COUNT * frame.ring_count * frame.blocked_offset_count;
+  return vec3<f32>(
+    blocked_log_scale[first],
+    blocked_log_scale[first + per_lobe],
+    blocked_log_scale[first + 2u * per_lobe],
+  );
+}
+
+fn mixed_lobes(node: Node, band: u32, middle: u32) -> Lobes {
+  var lobes = Lobes(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
+  // One of the two loops does not run: that costs software less than a branch, both sides of which it takes.
+  let open_taps = select(0u, requests[node.request].tap_count, node.blocking == 0u);
+  let open_row = (band * frame.ring_count + node.ring) * frame.offset_count;
+  for (var tap = 0u; tap < open_taps; tap++) {
+    let layer = requests[node.request].tap_layer[tap] * LOBE_COUNT * BAND_COUNT;
+    let row = layer * frame.ring_count * frame.offset_count + open_row;
+    let weight = requests[node.request].tap_weight[tap];
+    lobes.below += weight * open_lobe(row + middle - 1u);
+    lobes.at += weight * open_lobe(row + middle);
+    lobes.above += weight * open_lobe(row + middle + 1u);
+  }
+  let blocked_taps = select(requests[node.request].blocked_tap_count, 0u, node.blocking == 0u);
+  let blocked_row = (band * frame.ring_count + node.ring) * frame.blocked_offset_count;
+  for (var tap = 0u; tap < blocked_taps; tap++) {
     let layer = blocked_layer(requests[node.request].blocked_tap_layer[tap], node.blocking - 1u);
-    let first = layer * LOBE_COUNT * per_lobe + in_layer;
-    lobes += requests[node.request].blocked_tap_weight[tap] * vec3<f32>(
-      blocked_log_scale[first],
-      blocked_log_scale[first + per_lobe],
-      blocked_log_scale[first + 2u * per_lobe],
-    );
+    let row = layer * LOBE_COUNT * BAND_COUNT * frame.ring_count * frame.blocked_offset_count + blocked_row;
+    let weight = requests[node.request].blocked_tap_weight[tap];
+    lobes.below += weight * blocked_lobe(row + middle - 1u);
+    lobes.at += weight * blocked_lobe(row + middle);
+    lobes.above += weight * blocked_lobe(row + middle + 1u);
   }
   return lobes;
 }
@@ -51,12 +71,23 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     return;
   }
   let node = nodes[node_index];
+  let is_open = node.blocking == 0u;
+  let middle = bow_node(
+    node.offset,
+    select(frame.blocked_bend_node, frame.bend_node, is_open),
+    select(frame.blocked_offset_count, frame.offset_count, is_open),
+  );
   var log_sums = vec4<f32>(0.0);
+  var bows = vec4<f32>(0.0);
   for (var band = 0u; band < BAND_COUNT; band++) {
-    // One of the two is 0: a loop that does not run costs software less than a branch, both sides of which it takes.
-    let shares = lobe_shares(requests[node.request].emission, open_lobes(node, band) + blocked_lobes(node, band));
+    let lobes = mixed_lobes(node, band, middle);
+    let beside = select(lobes.below, lobes.above, node.offset > middle);
+    let own = select(beside, lobes.at, node.offset == middle);
+    let shares = lobe_shares(requests[node.request].emission, own);
     textureStore(scales, list_texel(BAND_COUNT * node_index + band), shares);
     log_sums[band] = shares.w;
+    bows[band] = mixed_bow(shares.xyz, lobes.below, lobes.at, lobes.above);
   }
-  textureStore(log_scales, list_texel(node_index), log_sums);
+  textureStore(log_scales, list_texel(2u * node_index), log_sums);
+  textureStore(log_scales, list_texel(2u * node_index + 1u), bows);
 }

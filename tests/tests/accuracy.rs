@@ -15,9 +15,9 @@ use skyglow_tests::tree;
 use std::{path::PathBuf, sync::Arc};
 
 /// Largest mean error allowed at any place and turbidity.
-const LARGEST_MEAN: f64 = 0.02;
+const LARGEST_MEAN: f64 = 0.015;
 /// Largest error of the luminance in the highest row, where it is a thousandth of the natural sky or more.
-const LARGEST_AT_ZENITH: f64 = 0.03;
+const LARGEST_AT_ZENITH: f64 = 0.02;
 /// A thousandth of the natural sky, cd m⁻².
 const VISIBLE_CD_M2: f64 = 1.7e-7;
 

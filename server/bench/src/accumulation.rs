@@ -12,7 +12,7 @@ use crate::{
 use rayon::prelude::*;
 use skyglow_engine::{
     prepare::{Prepared, PreparedCell},
-    reference::mixed_node,
+    reference::{ExactNode, mixed_node},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama};
 use skyglow_tables::ResidentTables;
@@ -37,8 +37,8 @@ struct WeighedCell {
 pub struct SourceImages {
     cells: Vec<PlacedCell>,
     node_count: usize,
-    /// `[band][node]`, ln of the scale, m⁻² sr⁻¹ per watt.
-    log_scale: Vec<f64>,
+    /// `[band][node]`; their shapes are in the images.
+    nodes: Vec<ExactNode>,
     images: ImageTable,
     flux_per_dnb_flux: [f32; BAND_COUNT],
 }
@@ -62,18 +62,19 @@ impl SourceImages {
             cell.lower_node = place(cell.lower_node);
         }
         let basis_count = request.basis_count.min(tables.basis_count);
-        let (log_scale, shape): (Vec<f64>, Vec<Vec<f32>>) = (0..BAND_COUNT * nodes.len())
+        let (nodes_mixed, shape): (Vec<ExactNode>, Vec<Vec<f32>>) = (0..BAND_COUNT * nodes.len())
             .into_par_iter()
             .map(|slot| {
                 let node = &request.nodes[nodes[slot % nodes.len()] as usize];
-                let (log_scale, shape) = mixed_node(request, tables, slot / nodes.len(), node, basis_count);
-                (log_scale, shape.into_iter().map(|value| value as f32).collect::<Vec<f32>>())
+                let mut mixed = mixed_node(request, tables, slot / nodes.len(), node, basis_count);
+                let shape = std::mem::take(&mut mixed.shape);
+                (mixed, shape.into_iter().map(|value| value as f32).collect::<Vec<f32>>())
             })
             .unzip();
         Self {
             cells,
             node_count: nodes.len(),
-            log_scale,
+            nodes: nodes_mixed,
             images: ImageTable::expand(tables, &shape),
             flux_per_dnb_flux: request.flux_per_dnb_flux,
         }
@@ -104,11 +105,11 @@ impl SourceImages {
 
     /// Φ · exp(ln scale between the nodes) for each cell, shared between its two images.
     fn weighed(&self, band: usize) -> Vec<WeighedCell> {
-        let log_scale = &self.log_scale[band * self.node_count..][..self.node_count];
+        let mixed = &self.nodes[band * self.node_count..][..self.node_count];
         let weigh = |&PlacedCell { azimuth, cell }: &PlacedCell| {
             let nodes = [cell.lower_node as usize, cell.upper_node() as usize];
             let up = f64::from(cell.upper_weight);
-            let log = log_scale[nodes[0]] + up * (log_scale[nodes[1]] - log_scale[nodes[0]]);
+            let log = mixed[nodes[0]].log_scale_between(&mixed[nodes[1]], up);
             let scale = f64::from(cell.flux_dnb_w) * f64::from(self.flux_per_dnb_flux[band]) * log.exp();
             WeighedCell { azimuth, nodes, weights: [(scale * (1.0 - up)) as f32, (scale * up) as f32] }
         };

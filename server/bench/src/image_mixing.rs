@@ -145,7 +145,7 @@ mod tests {
             let shape: Vec<Vec<f32>> = (0..BAND_COUNT)
                 .flat_map(|band| here.nodes.iter().map(move |node| (band, node)))
                 .map(|(band, node)| {
-                    let (_, shape) = mixed_node(request, tables, band, node, 12);
+                    let shape = mixed_node(request, tables, band, node, 12).shape;
                     shape.into_iter().map(|value| value as f32).collect()
                 })
                 .collect();

@@ -7,12 +7,17 @@ use crate::{
 use half::f16;
 use skyglow_tables::resident::{ResidentBlocked, ResidentTables};
 
+/// Nodes that give a bow.
+pub(crate) const WINDOW: usize = 3;
+
 /// The table that a node is in, and its place there.
 pub(crate) struct NodeTable<'a> {
     /// Interpolation over the table's observer altitudes.
     pub(crate) taps: &'a Taps,
+    /// Which of [`Self::window`] is the node itself.
+    pub(crate) place_in_window: usize,
     /// ln of the scale, by [`Self::index`].
-    pub(crate) log_scale: &'a [f32],
+    log_scale: &'a [f32],
     /// Shape coefficients, [`Self::basis_count`] a node.
     pub(crate) shape: &'a [f16],
     /// Functions of the table; those of the pack beyond are 0.
@@ -29,9 +34,15 @@ impl<'a> NodeTable<'a> {
         let angle_index = (node.blocking as usize).checked_sub(1);
         let blocked = angle_index.and_then(|angle_index| Some((tables.blocked.as_ref()?, angle_index)));
         let (ring, offset) = (node.ring as usize, node.offset as usize);
+        let axis = match blocked {
+            None => &tables.offset_axis[ring],
+            Some((behind, angle_index)) => &behind.offset_axis[angle_index][ring],
+        };
+        let place_in_window = offset + 1 - axis.bow_node(offset);
         match blocked {
             None => Self {
                 taps: &request.altitude_taps,
+                place_in_window,
                 log_scale: &tables.log_scale,
                 shape: &tables.shape,
                 basis_count: tables.basis_count,
@@ -42,6 +53,7 @@ impl<'a> NodeTable<'a> {
             },
             Some((behind, _)) => Self {
                 taps: &request.blocked_altitude_taps,
+                place_in_window,
                 log_scale: &behind.log_scale,
                 shape: &behind.shape,
                 basis_count: behind.basis_count,
@@ -58,7 +70,15 @@ impl<'a> NodeTable<'a> {
         self.blocked.is_some()
     }
 
-    /// Position in [`Self::log_scale`]; times [`Self::basis_count`] the start in [`Self::shape`].
+    /// ln of the scale at the three nodes that give the bow: [`skyglow_tables::bow`].
+    #[inline(always)]
+    pub(crate) fn window(&self, observer_altitude: usize, lobe: usize, band: usize) -> [f32; WINDOW] {
+        let first = self.index(observer_altitude, lobe, band) - self.place_in_window;
+        // A window lies within its ring's offsets.
+        self.log_scale[first..].first_chunk().copied().unwrap_or_default()
+    }
+
+    /// Place of the node in a table; times [`Self::basis_count`] the start in [`Self::shape`].
     pub(crate) fn index(&self, observer_altitude: usize, lobe: usize, band: usize) -> usize {
         match self.blocked {
             None => self.tables.node_index(observer_altitude, lobe, band, self.ring, self.offset),

@@ -1,13 +1,16 @@
 //! The same tables evaluated in f64 by plain sums, without transforms: what both executors are measured against.
 
 use crate::{
-    node_table::NodeTable,
+    node_table::{NodeTable, WINDOW},
     prepare::{MixNode, Prepared},
     table_set::TableSet,
     twin::{BEND_ALLOWED, BEND_SHARE_ALLOWED, RADIANCE_FLOOR_W_M2_SR},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
-use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
+use skyglow_tables::{
+    bow::{log_scale_between, mixed_bow},
+    resident::{FREQUENCY_COUNT, ResidentTables},
+};
 
 /// Radiance `[band][row][column]`, W m⁻² sr⁻¹, of a prepared request; seconds, not milliseconds.
 pub fn render_f64(request: &Prepared, set: &TableSet) -> Vec<f64> {
@@ -59,7 +62,7 @@ fn render_pack(request: &Prepared, tables: &ResidentTables) -> Vec<f64> {
 
 /// H, `[column slot][band][function]`.
 fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> Vec<f64> {
-    let nodes: Vec<(f64, Vec<f64>)> = (0..BAND_COUNT)
+    let nodes: Vec<ExactNode> = (0..BAND_COUNT)
         .flat_map(|band| request.nodes.iter().map(move |node| (band, node)))
         .map(|(band, node)| mixed_node(request, tables, band, node, basis_count))
         .collect();
@@ -72,8 +75,8 @@ fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> V
                 let (lower, upper) = (at(cell.lower_node), at(cell.upper_node()));
                 let weight = f64::from(cell.upper_weight);
                 let flux_w = f64::from(cell.flux_dnb_w) * f64::from(request.flux_per_dnb_flux[band]);
-                let scale = flux_w * (lower.0 + weight * (upper.0 - lower.0)).exp();
-                for ((sum, low), high) in sums.iter_mut().zip(&lower.1).zip(&upper.1) {
+                let scale = flux_w * lower.log_scale_between(upper, weight).exp();
+                for ((sum, low), high) in sums.iter_mut().zip(&lower.shape).zip(&upper.shape) {
                     *sum += scale * (low + weight * (high - low));
                 }
             }
@@ -82,15 +85,32 @@ fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> V
     columns
 }
 
-/// ln of the mixed scale [m⁻² sr⁻¹ per watt] and the mixed shape of one node in one band: its light is
-/// `exp(scale) · Σ_k shape_k · B_k`, with `basis_count` functions.
+/// A node's altitudes and lobes mixed: its light is `exp(log_scale) · Σ_k shape_k · B_k`.
+#[derive(Clone, Debug)]
+pub struct ExactNode {
+    /// ln of the scale, m⁻² sr⁻¹ per watt.
+    pub log_scale: f64,
+    /// How that bends over the offset: [`skyglow_tables::bow`].
+    pub bow: f64,
+    /// Shape coefficients.
+    pub shape: Vec<f64>,
+}
+
+impl ExactNode {
+    /// ln of the scale between this node and the one above, at `upper_weight` 0..1.
+    pub fn log_scale_between(&self, upper: &Self, upper_weight: f64) -> f64 {
+        log_scale_between([self.log_scale, upper.log_scale], [self.bow, upper.bow], upper_weight)
+    }
+}
+
+/// One node in one band, with `basis_count` functions.
 pub fn mixed_node(
     request: &Prepared,
     tables: &ResidentTables,
     band: usize,
     node: &MixNode,
     basis_count: usize,
-) -> (f64, Vec<f64>) {
+) -> ExactNode {
     let table = NodeTable::of(tables, request, node);
     let taps = table.taps;
     let node = |tap: usize, lobe: usize| table.index(tap, lobe, band);
@@ -98,15 +118,16 @@ pub fn mixed_node(
         taps.indices().iter().zip(taps.weights()).map(|(&tap, weight)| weight * value(tap)).sum()
     };
     let mut log_scale = [f64::NEG_INFINITY; LOBE_COUNT];
-    for (lobe, log_scale) in
-        log_scale.iter_mut().enumerate().filter(|(lobe, _)| request.emission[*lobe] > 0.0)
-    {
-        *log_scale = f64::from(request.emission[lobe]).ln()
-            + blend(&|tap| f64::from(table.log_scale[node(tap, lobe)]));
+    let mut windows = [[0.0; WINDOW]; LOBE_COUNT];
+    for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
+        let place = |place: usize| blend(&|tap| f64::from(table.window(tap, lobe, band)[place]));
+        windows[lobe] = std::array::from_fn(place);
+        log_scale[lobe] = f64::from(request.emission[lobe]).ln() + windows[lobe][table.place_in_window];
     }
     let largest = log_scale.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let amounts = log_scale.map(|log| (log - largest).exp());
     let sum: f64 = amounts.iter().sum();
+    let bow = mixed_bow(amounts.map(|amount| amount / sum), windows);
     let shape = (0..basis_count)
         .map(|k| {
             (0..LOBE_COUNT)
@@ -121,7 +142,7 @@ pub fn mixed_node(
                 .sum()
         })
         .collect();
-    (largest + sum.ln(), shape)
+    ExactNode { log_scale: largest + sum.ln(), bow, shape }
 }
 
 /// The basis itself, `[function][row][column]`, from its spectrum; column 0 looks at the source.

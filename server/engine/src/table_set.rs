@@ -191,12 +191,11 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
     if !ascending(&pack.observer_altitude_m) || !ascending(&pack.ring_distance_m) {
         return Err("an axis is empty or not ascending".into());
     }
-    if pack.offset_count < 2
-        || pack.offset_axis.len() != pack.ring_distance_m.len()
-        || pack.offset_axis.iter().any(|axis| axis.count != pack.offset_count)
+    if pack.offset_axis.len() != pack.ring_distance_m.len()
+        || !pack.offset_axis.iter().all(|axis| is_alike(axis, &pack.offset_axis[0], pack.offset_count))
     {
         return Err(format!(
-            "{} rings do not have {} offsets each",
+            "{} rings do not have {} offsets each, three or more with one bend,",
             pack.offset_axis.len(),
             pack.offset_count
         ));
@@ -226,13 +225,19 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
     pack.blocked.as_ref().map_or(Ok(()), |blocked| check_blocked(pack, blocked))
 }
 
+/// Whether an axis has `count` nodes, enough for a bow, and bends where another does.
+fn is_alike(axis: &OffsetAxis, other: &OffsetAxis, count: usize) -> bool {
+    axis.count == count && count >= 3 && axis.bend_node == other.bend_node
+}
+
 fn check_blocked(pack: &ResidentTables, blocked: &ResidentBlocked) -> Result<(), String> {
     let rings = pack.ring_distance_m.len();
+    let first = blocked.offset_axis.first().and_then(|axes| axes.first());
     let fits = |axes: &Vec<OffsetAxis>| {
-        axes.len() == rings && axes.iter().all(|axis| axis.count == blocked.offset_count)
+        let alike = |axis| first.is_some_and(|first| is_alike(axis, first, blocked.offset_count));
+        axes.len() == rings && axes.iter().all(alike)
     };
-    if blocked.offset_count < 2
-        || blocked.observer_altitude_m.is_empty()
+    if blocked.observer_altitude_m.is_empty()
         || blocked.observer_altitude_m.windows(2).any(|pair| pair[0] >= pair[1])
         || blocked.offset_axis.len() != ResidentBlocked::ANGLE_COUNT
         || !blocked.offset_axis.iter().all(fits)

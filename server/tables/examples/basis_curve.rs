@@ -2,12 +2,17 @@
 //! exact single-source images and from the same images projected on the basis and rounded to half precision. No
 //! interpolation takes part, so this is what the compression alone costs.
 //!
-//! `basis_curve TURBIDITY CACHE|- SIZE,SIZE,…`: with a cache of `multiple_accuracy` all orders of scattering, with `-` the
+//! `basis_curve TURBIDITY CACHE|- SIZE,SIZE,… [store=f32|f16|8bit] [train=GEOMETRIES] [split=DISTANCE_M] [altitudes]`: with
+//! a cache of `multiple_accuracy` all orders of scattering, with `-` the
 //! first. A size is a number of functions, or `MofN`: the first M of a basis fitted with N, as a request for fewer
 //! functions has them. For every size and class the mean and 99th percentile of the relative error over all
-//! directions, and the errors at the zenith and in horizontal illuminance.
+//! directions, and the errors at the zenith and in horizontal illuminance; "any one source" is the mean over sources that
+//! are skies of their own.
+//!
+//! `store` says how coefficients are rounded (8bit: steps of a 127th of the largest of a node), `train` how many geometries
+//! the fit sees, `split` fits one basis for sources nearer than that and one for those farther, `altitudes` one basis for
+//! the observer altitudes of the packs around each class's own, instead of one for all.
 
-use half::f16;
 use rayon::prelude::*;
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Turbidity,
@@ -18,17 +23,19 @@ use skyglow_physics::{
 };
 use skyglow_tables::{
     MultipleTable, PrecomputeOptions, Scattering,
-    fit::{Basis, Projector, dim_factor, sample_weights},
+    fit::{dim_factor, sample_weights},
     images::{HALF_COLUMN_COUNT, PIXEL_COUNT, SourceImages, image_index, images_of},
-    precompute::basis_alone,
 };
 use std::{error::Error, path::Path};
 
 #[path = "basis_curve/classes.rs"]
 mod classes;
 mod kept_fields;
+#[path = "basis_curve/trials.rs"]
+mod trials;
 use classes::{Class, Light};
 use kept_fields::kept_table;
+use trials::{Bases, Trial};
 
 /// Emission mixes that every class is lit with: `[lambert, horizon, oblique]`.
 const MIXES: [(&str, [f64; LOBE_COUNT]); 4] = [
@@ -51,12 +58,16 @@ struct Lit {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let [_, turbidity, cache, sizes] = arguments.as_slice() else {
-        return Err("usage: basis_curve TURBIDITY CACHE|- SIZE,SIZE,…".into());
+    let [_, turbidity, cache, sizes, trial @ ..] = arguments.as_slice() else {
+        return Err(
+            "usage: basis_curve TURBIDITY CACHE|- SIZE,SIZE,… [store=…] [train=…] [split=…] [altitudes]"
+                .into(),
+        );
     };
+    let trial = Trial::of(trial)?;
     let turbidity = Turbidity::new(turbidity.parse()?)?;
     let atmosphere = Atmosphere::new(turbidity);
-    let mut options = PrecomputeOptions::full(turbidity);
+    let mut options = trial.options(PrecomputeOptions::full(turbidity));
     let multiple = if cache == "-" {
         Vec::new()
     } else {
@@ -73,22 +84,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         })
         .collect();
     println!("# mean, 99 %, zenith, horizontal illuminance, all in %");
-    let mut basis: Option<Basis> = None;
+    let mut bases: Option<Bases> = None;
     for size in sizes.split(',') {
         let (used, fitted) = size.split_once("of").unwrap_or((size, size));
         let (used, fitted): (usize, usize) = (used.parse()?, fitted.parse()?);
-        let basis = match &mut basis {
-            Some(basis) if basis.count == fitted => basis,
-            basis => {
-                options.basis_count = fitted;
-                let started = std::time::Instant::now();
-                let new = basis_alone(&options, &multiple)?;
-                println!("# {fitted} functions, fitted in {:.0} s", started.elapsed().as_secs_f64());
-                basis.insert(new)
-            }
+        options.basis_count = fitted;
+        let bases = match &mut bases {
+            Some(bases) if bases.function_count() == fitted => bases,
+            bases => bases.insert(Bases::fit(&trial, &options, &multiple)?),
         };
         for (class, lights) in &scenes {
-            judge(class, lights, basis, used, size)?;
+            judge(class, lights, bases, &trial, used, size)?;
         }
     }
     Ok(())
@@ -110,16 +116,17 @@ fn lit(
 fn judge(
     class: &Class,
     lights: &[Lit],
-    basis: &Basis,
+    bases: &Bases,
+    trial: &Trial,
     used: usize,
     size: &str,
 ) -> Result<(), Box<dyn Error>> {
-    let projector = Projector::new(basis);
     // [light][image][sample]
     let fitted: Vec<Vec<f32>> = lights
         .par_iter()
         .map(|lit| {
             let mut samples = vec![0.0f32; lit.images.shape.len()];
+            let (basis, projector) = bases.of(&lit.light.geometry);
             for lobe in 0..LOBE_COUNT {
                 let shape = |band| &lit.images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
                 let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
@@ -128,8 +135,7 @@ fn judge(
                     .map_err(|error| error.to_string())?;
                 for (band, row) in rows.iter().enumerate() {
                     let out = &mut samples[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
-                    for (k, &c) in row.iter().take(used).enumerate() {
-                        let c = f16::from_f64(c).to_f32();
+                    for (k, c) in trial.stored(row).into_iter().take(used).enumerate() {
                         let function = &basis.functions[k * PIXEL_COUNT..][..PIXEL_COUNT];
                         out.iter_mut().zip(function).for_each(|(out, b)| *out += c * b);
                     }
@@ -139,15 +145,49 @@ fn judge(
         })
         .collect::<Result<_, String>>()?;
     for (name, mix) in MIXES {
-        let truth = sky(lights, mix, |light| &lights[light].images.shape);
-        let fast = sky(lights, mix, |light| &fitted[light]);
-        let to_scale = ZENITH_CD_M2 / luminance_cd_m2(zenith(&truth)).max(f64::MIN_POSITIVE);
+        let judged: Vec<SkyError> = if class.one_by_one() {
+            let alone = |light: usize| {
+                let one = std::slice::from_ref(&lights[light]);
+                let truth = sky(one, mix, |_| &lights[light].images.shape);
+                SkyError::of(&sky(one, mix, |_| &fitted[light]), &truth)
+            };
+            (0..lights.len()).into_par_iter().map(alone).collect()
+        } else {
+            let truth = sky(lights, mix, |light| &lights[light].images.shape);
+            vec![SkyError::of(&sky(lights, mix, |light| &fitted[light]), &truth)]
+        };
+        let directions = judged.iter().flat_map(|error| error.directions.iter().copied());
+        let statistics = ErrorStatistics::of(directions).ok_or("an empty sky")?;
+        let mean = |of: fn(&SkyError) -> f64| judged.iter().map(of).sum::<f64>() / judged.len() as f64;
+        println!(
+            "{size:7} {:28} {name:9} {:7.3} {:8.3} {:8.3} {:8.3}",
+            class.name(),
+            100.0 * statistics.mean,
+            100.0 * statistics.p99,
+            100.0 * mean(|error| error.zenith),
+            100.0 * mean(|error| error.horizontal),
+        );
+    }
+    Ok(())
+}
+
+/// Relative errors of one sky.
+struct SkyError {
+    /// In every direction.
+    directions: Vec<f64>,
+    /// Of the zenith's luminance.
+    zenith: f64,
+    /// Of horizontal illuminance.
+    horizontal: f64,
+}
+
+impl SkyError {
+    /// Of skies `[band][row][column]`.
+    fn of(fast: &[f64], truth: &[f64]) -> Self {
+        let to_scale = ZENITH_CD_M2 / luminance_cd_m2(zenith(truth)).max(f64::MIN_POSITIVE);
         let at = |sky: &[f64], p: usize| -> [f64; BAND_COUNT] {
             std::array::from_fn(|band| to_scale * sky[band * ELEVATION_COUNT * AZIMUTH_COUNT + p].max(0.0))
         };
-        let errors =
-            (0..ELEVATION_COUNT * AZIMUTH_COUNT).map(|p| relative_error(at(&fast, p), at(&truth, p)));
-        let statistics = ErrorStatistics::of(errors).ok_or("an empty sky")?;
         let horizontal = |sky: &[f64]| -> f64 {
             (0..ELEVATION_COUNT * AZIMUTH_COUNT)
                 .map(|p| {
@@ -156,17 +196,15 @@ fn judge(
                 })
                 .sum()
         };
-        let part = |value: f64, truth: f64| 100.0 * (value / truth - 1.0).abs();
-        println!(
-            "{size:7} {:28} {name:9} {:7.3} {:8.3} {:8.3} {:8.3}",
-            class.name(),
-            100.0 * statistics.mean,
-            100.0 * statistics.p99,
-            part(luminance_cd_m2(zenith(&fast)), luminance_cd_m2(zenith(&truth))),
-            part(horizontal(&fast), horizontal(&truth)),
-        );
+        let part = |value: f64, truth: f64| (value / truth.max(f64::MIN_POSITIVE) - 1.0).abs();
+        Self {
+            directions: (0..ELEVATION_COUNT * AZIMUTH_COUNT)
+                .map(|p| relative_error(at(fast, p), at(truth, p)))
+                .collect(),
+            zenith: part(luminance_cd_m2(zenith(fast)), luminance_cd_m2(zenith(truth))),
+            horizontal: part(horizontal(fast), horizontal(truth)),
+        }
     }
-    Ok(())
 }
 
 /// Mean of the highest row, `[band]`.

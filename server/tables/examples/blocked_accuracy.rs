@@ -17,7 +17,7 @@ use skyglow_physics::{
     single_source::{SourceGeometry, cut_radiance_per_watt_of},
 };
 use skyglow_tables::{
-    OffsetAxis, Pack, ResidentTables, images::HALF_COLUMN_COUNT, resident::FREQUENCY_COUNT,
+    OffsetAxis, Pack, ResidentTables, bow::log_scale_at, images::HALF_COLUMN_COUNT, resident::FREQUENCY_COUNT,
 };
 use std::{error::Error, path::Path};
 
@@ -46,18 +46,20 @@ fn coefficients(
     for (band, out) in bands.iter_mut().enumerate() {
         for (lobe, emission) in (0..LOBE_COUNT).zip(lobes).filter(|(_, emission)| *emission > 0.0) {
             // Observers are mixed node by node, then nodes weighed, as an engine does.
-            let mut log_scale = [0.0; 2];
+            let at = |offset: usize| -> f64 {
+                observer_taps.iter().map(|&(o, weight)| weight * node(o, lobe, band, offset).0).sum()
+            };
+            let log_scale = log_scale_at(axis, position, at);
             let mut shape = [vec![0.0; basis_count], vec![0.0; basis_count]];
             for side in 0..2 {
                 for &(observer, weight) in observer_taps {
-                    let (log, coefficients) = node(observer, lobe, band, low + side);
-                    log_scale[side] += weight * log;
+                    let (_, coefficients) = node(observer, lobe, band, low + side);
                     for (sum, c) in shape[side].iter_mut().zip(&coefficients) {
                         *sum += weight * c;
                     }
                 }
             }
-            let scale = emission * (log_scale[0] * (1.0 - upper_weight) + log_scale[1] * upper_weight).exp();
+            let scale = emission * log_scale.exp();
             for (k, out) in out.iter_mut().enumerate() {
                 *out += scale * (shape[0][k] * (1.0 - upper_weight) + shape[1][k] * upper_weight);
             }

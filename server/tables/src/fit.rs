@@ -50,13 +50,13 @@ const DIM_OVER_MEAN: f32 = 1e-4;
 /// ((2⁻¹¹)²/3). Rounding c_k adds Σ_p w_p² B_k(p)² c_k² · variance to the expected squared error: a ridge in
 /// proportion to the diagonal of the normal equations.
 pub const ROUNDING_VARIANCE: f64 = 1e-7;
-/// How much more samples next to the source's azimuth weigh (w, not w²). A whole sky is a sum over many sources: away from
-/// them their errors average out, next to one its own stand alone, and that is where the sky is worst.
-const NEAR_SOURCE_BOOST: f64 = 12.0;
-/// Rows at which that is 1/e: 14° up, above most sources.
-const NEAR_SOURCE_ROW_COUNT: f64 = 10.0;
-/// Columns over which that falls to 1/e.
-const NEAR_SOURCE_COLUMN_COUNT: f64 = 3.0;
+/// How much more samples next to the source's azimuth weigh (w, not w²) when functions are sought, and the rows and columns
+/// at which that is 1/e: 12° up, above most sources. A whole sky is a sum over many sources: away from them their errors
+/// average out, next to one its own stand alone, and that is where the sky is worst.
+const NEAR_SOURCE_OF_FUNCTIONS: [f64; 3] = [16.0, 8.5, 6.0];
+/// The same when an image's coefficients are sought: the functions being there, less weight next to the source spoils less
+/// of the sky away from it.
+const NEAR_SOURCE_OF_COEFFICIENTS: [f64; 3] = [4.0, 10.0, 3.0];
 /// How much more samples overhead weigh: all sources add up there, and what the sky is judged by first is its zenith.
 const ZENITH_BOOST: f64 = 3.0;
 /// Rows from the zenith at which that is 1/e.
@@ -78,19 +78,14 @@ pub struct FitConstants {
     pub shadow_dim: [f64; 2],
     /// Relative variance of a coefficient's rounding.
     pub rounding_variance: f64,
-    /// Extra weight of the lowest row towards the source, and over how many rows and columns it falls to 1/e, of packs made
-    /// before there was `near_source` instead.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub low_row: Option<[f64; 3]>,
     /// Extra weight next to the source's azimuth, and the rows and columns at which it is 1/e.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub near_source: Option<[f64; 3]>,
+    pub near_source: [f64; 3],
+    /// The same when coefficients are sought, where they are not those of the functions.
+    pub near_source_of_coefficients: [f64; 3],
     /// Extra weight overhead, and the rows from the zenith at which it is 1/e.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub zenith: Option<[f64; 2]>,
+    pub zenith: [f64; 2],
     /// Of the raised part of the training set: highest observer, nearest and farthest source [m], steepest source [degrees].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub raised_training: Option<[f64; 4]>,
+    pub raised_training: [f64; 4],
     /// Weight of the `oblique` lobe's images.
     pub oblique_importance: f64,
     /// Highest observer and source of the everyday part of the training set, metres.
@@ -107,10 +102,10 @@ impl FitConstants {
             raised_dim: [RAISED_DIM_FACTOR, RAISED_DEG],
             shadow_dim: [SHADOW_DIM_FACTOR, SHADOW_DEPTH_M],
             rounding_variance: ROUNDING_VARIANCE,
-            low_row: None,
-            near_source: Some([NEAR_SOURCE_BOOST, NEAR_SOURCE_ROW_COUNT, NEAR_SOURCE_COLUMN_COUNT]),
-            zenith: Some([ZENITH_BOOST, ZENITH_ROW_COUNT]),
-            raised_training: Some(crate::training::RAISED_TRAINING),
+            near_source: NEAR_SOURCE_OF_FUNCTIONS,
+            near_source_of_coefficients: NEAR_SOURCE_OF_COEFFICIENTS,
+            zenith: [ZENITH_BOOST, ZENITH_ROW_COUNT],
+            raised_training: crate::training::RAISED_TRAINING,
             oblique_importance: crate::training::OBLIQUE_IMPORTANCE,
             everyday_altitude_m: crate::training::EVERYDAY_ALTITUDE_M,
         }
@@ -126,18 +121,22 @@ pub struct Basis {
     pub functions: Vec<f32>,
 }
 
-/// What a sample's place adds to its weight.
-static PLACE_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
+/// What a sample's place adds to its weight when functions are sought.
+static FUNCTION_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEAR_SOURCE_OF_FUNCTIONS));
+/// What it adds when coefficients are.
+static COEFFICIENT_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEAR_SOURCE_OF_COEFFICIENTS));
+
+fn place_weights([boost, row_count, column_count]: [f64; 3]) -> Vec<f64> {
     (0..PIXEL_COUNT)
         .map(|p| {
             let (row, column) = (p / HALF_COLUMN_COUNT, p % HALF_COLUMN_COUNT);
-            let up = row as f64 / NEAR_SOURCE_ROW_COUNT;
-            let aside = column as f64 / NEAR_SOURCE_COLUMN_COUNT;
+            let up = row as f64 / row_count;
+            let aside = column as f64 / column_count;
             let down = (ELEVATION_COUNT - 1 - row) as f64 / ZENITH_ROW_COUNT;
-            1.0 + NEAR_SOURCE_BOOST * (-up * up - aside).exp() + ZENITH_BOOST * (-down * down).exp()
+            1.0 + boost * (-up * up - aside).exp() + ZENITH_BOOST * (-down * down).exp()
         })
         .collect()
-});
+}
 
 /// How far a source stands above the observer's horizontal plane, as a share 0..1 that is ½ at 6°; 0 for one that does
 /// not. `offset_m` is source altitude − observer altitude.
@@ -166,15 +165,20 @@ pub fn cut_dim_factor(scattering: Scattering, offset_m: f64, distance_m: f64, bl
     }
 }
 
-/// Weights w of one image (over its mean), one a sample, for a source of that [`dim_factor`].
+/// Weights w of one image (over its mean), one a sample, for a source of that [`dim_factor`], when its coefficients are
+/// sought.
 pub fn sample_weights(shape: &[f32], dim_factor: f64) -> Vec<f32> {
+    weights(shape, dim_factor, &COEFFICIENT_WEIGHTS)
+}
+
+fn weights(shape: &[f32], dim_factor: f64, place_weights: &[f64]) -> Vec<f32> {
     let zenith_row = &shape[(ELEVATION_COUNT - 1) * HALF_COLUMN_COUNT..];
     let zenith = zenith_row.iter().sum::<f32>() / zenith_row.len() as f32;
     let dim_over_zenith = DIM_OVER_ZENITH * dim_factor as f32;
     let dim = (dim_over_zenith * zenith).max(DIM_OVER_MEAN);
     shape
         .iter()
-        .zip(PLACE_WEIGHTS.iter())
+        .zip(place_weights)
         .map(|(&x, &place)| (f64::from(x.max(dim)).powf(-WEIGHT_EXPONENT) * place) as f32)
         .collect()
 }
@@ -269,7 +273,7 @@ pub fn fit_basis(
     faer::set_global_parallelism(Par::Seq);
     let shapes: Vec<&[f32]> = images.iter().map(|image| image.shape.as_slice()).collect();
     let weights: Vec<Vec<f32>> =
-        images.par_iter().map(|image| sample_weights(&image.shape, image.dim_factor)).collect();
+        images.par_iter().map(|image| weights(&image.shape, image.dim_factor, &FUNCTION_WEIGHTS)).collect();
     let rms = pixel_rms(&shapes);
     let mut basis = orthonormal(start_by_pca(&shapes, &rms, count), &rms)?;
     advance();

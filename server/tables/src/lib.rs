@@ -5,6 +5,7 @@
 
 pub mod axes;
 mod blocked;
+pub mod bow;
 mod checkpoint;
 pub mod clouds;
 pub mod error;
@@ -19,7 +20,6 @@ pub mod precompute;
 pub mod resident;
 pub mod spectrum;
 mod training;
-mod upgrade;
 
 pub use axes::{OffsetAxis, TableAxes};
 pub use blocked::{BlockedAxes, LaterAxes};
@@ -30,4 +30,3 @@ pub use multiple::{MultipleAxes, MultipleTable};
 pub use pack::{Pack, packs_in};
 pub use precompute::{PrecomputeOptions, Progress, Silent, precompute, precompute_together};
 pub use resident::{ResidentBlocked, ResidentTables};
-pub use upgrade::add_blocked;

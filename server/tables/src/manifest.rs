@@ -15,10 +15,22 @@ use skyglow_physics::{
 
 /// Version of the file format and of what its node numbers mean; a pack of another version is refused.
 pub const FORMAT_VERSION: u32 = 3;
-/// The format before it, which holds the open sky alone: see [`crate::add_blocked`].
-pub(crate) const FORMAT_BEFORE: u32 = 2;
 /// Version of the physical model; raised when the images change.
-pub const MODEL_VERSION: u32 = 1;
+pub const MODEL_VERSION: u32 = 2;
+
+/// What of a manifest decides whether the rest can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) struct Versions {
+    pub(crate) format_version: u32,
+    pub(crate) model_version: u32,
+}
+
+impl Versions {
+    /// Those of this program.
+    pub(crate) fn current() -> Self {
+        Self { format_version: FORMAT_VERSION, model_version: MODEL_VERSION }
+    }
+}
 
 /// Which orders of scattering a pack holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -138,9 +150,8 @@ pub struct Parameters {
     /// Sample points of multiply scattered light.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multiple: Option<MultipleAxes>,
-    /// Constants of the fit; manifests of format 2 do not say them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fit: Option<FitConstants>,
+    /// Constants of the fit.
+    pub fit: FitConstants,
 }
 
 /// What decides a pack's content, before it is made.
@@ -234,7 +245,7 @@ impl PackParameters {
                 fit_iterations: self.fit_iterations,
                 dark_log_scale: DARK_LOG_SCALE,
                 multiple: self.multiple.clone(),
-                fit: Some(self.fit),
+                fit: self.fit,
             },
             measured_error,
             checksum,

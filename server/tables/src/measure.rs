@@ -2,6 +2,7 @@
 //! engine would, against the converged integral.
 
 use crate::{
+    bow::log_scale_at,
     clouds::held_below_clouds_m,
     images::{HALF_COLUMN_COUNT, image_index},
     manifest::{LobeError, MeasuredError},
@@ -28,13 +29,12 @@ fn coefficients(tables: &ResidentTables, observer_altitude_m: f64, offset_m: f64
     for band in 0..BAND_COUNT {
         for lobe in 0..LOBE_COUNT {
             let node = |observer, side| tables.node_index(observer, lobe, band, 0, low + side);
-            let log_scale: f64 = taps
-                .iter()
-                .map(|&(o, w)| {
-                    let value = |side| f64::from(tables.log_scale[node(o, side)]);
-                    w * (value(0) * (1.0 - t) + value(1) * t)
-                })
-                .sum();
+            let at = |offset: usize| -> f64 {
+                let value =
+                    |&(o, w)| w * f64::from(tables.log_scale[tables.node_index(o, lobe, band, 0, offset)]);
+                taps.iter().map(value).sum()
+            };
+            let log_scale = log_scale_at(&tables.offset_axis[0], position, at);
             for k in 0..tables.basis_count {
                 let shape: f64 = taps
                     .iter()

@@ -11,7 +11,7 @@ use crate::{
     clouds::Clouds,
     error::TablesError,
     images::IMAGE_COUNT,
-    manifest::{FORMAT_BEFORE, FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering},
+    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering, Versions},
     packing::{distance_differences, from_distance_differences, shuffle, unshuffle},
     resident::{FREQUENCY_COUNT, ResidentTables},
 };
@@ -135,11 +135,7 @@ impl Pack {
         bytes.extend_from_slice(json);
         let axes = &self.manifest.axes;
         let row = axes.offset_count * self.manifest.basis_count;
-        let shape = if self.manifest.format_version == FORMAT_BEFORE {
-            self.shape.iter().map(|value| value.to_bits()).collect()
-        } else {
-            distance_differences(&self.shape, axes.distance_m.len(), row)
-        };
+        let shape = distance_differences(&self.shape, axes.distance_m.len(), row);
         let mut sections: Vec<(&[u8], usize)> = vec![
             (bytemuck::cast_slice(&self.log_scale), 4),
             (bytemuck::cast_slice(&shape), 2),
@@ -168,15 +164,6 @@ impl Pack {
     /// # Errors
     /// [`TablesError::Refused`] naming the file and what is wrong with it.
     pub fn open(path: &Path) -> Result<Self, TablesError> {
-        Self::read(path, &[FORMAT_VERSION])
-    }
-
-    /// As [`Self::open`] for packs of the format before, too: to make new ones of them.
-    pub(crate) fn open_older(path: &Path) -> Result<Self, TablesError> {
-        Self::read(path, &[FORMAT_BEFORE, FORMAT_VERSION])
-    }
-
-    fn read(path: &Path, formats: &[u32]) -> Result<Self, TablesError> {
         let bytes = std::fs::read(path).map_err(TablesError::io(path))?;
         let refused = |reason: String| TablesError::Refused { path: path.to_owned(), reason };
         if bytes.len() < MAGIC.len() + 8 + HASH_LEN || &bytes[..MAGIC.len()] != MAGIC {
@@ -199,15 +186,17 @@ impl Pack {
             rest = tail;
             Ok(section)
         };
-        let manifest: Manifest = serde_json::from_slice(take("the manifest")?)
-            .map_err(|error| refused(format!("its manifest cannot be read: {error}")))?;
-        if !formats.contains(&manifest.format_version) || manifest.model_version != MODEL_VERSION {
+        let unreadable = |error: serde_json::Error| refused(format!("its manifest cannot be read: {error}"));
+        let json = take("the manifest")?;
+        let versions: Versions = serde_json::from_slice(json).map_err(unreadable)?;
+        if versions != Versions::current() {
             return Err(refused(format!(
                 "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION}; \
                  make it again with `skyglow precompute`",
-                manifest.format_version, manifest.model_version
+                versions.format_version, versions.model_version
             )));
         }
+        let manifest: Manifest = serde_json::from_slice(json).map_err(unreadable)?;
         let axes = &manifest.axes;
         let blocked_is_empty = manifest.blocked.as_ref().is_some_and(|blocked| {
             blocked.observer_altitude_m.is_empty()
@@ -238,13 +227,9 @@ impl Pack {
         };
         let log_scale = bytemuck::pod_collect_to_vec::<u8, _>(&section("log_scale", nodes, 4)?);
         let shape_bytes = section("shape", nodes * manifest.basis_count, 2)?;
-        let shape = if manifest.format_version == FORMAT_BEFORE {
-            bytemuck::pod_collect_to_vec::<u8, f16>(&shape_bytes)
-        } else {
-            let row = manifest.axes.offset_count * manifest.basis_count;
-            let bits = bytemuck::pod_collect_to_vec::<u8, u16>(&shape_bytes);
-            from_distance_differences(bits, manifest.axes.distance_m.len(), row)
-        };
+        let row = manifest.axes.offset_count * manifest.basis_count;
+        let bits = bytemuck::pod_collect_to_vec::<u8, u16>(&shape_bytes);
+        let shape = from_distance_differences(bits, manifest.axes.distance_m.len(), row);
         let spectrum_len = manifest.basis_count * ELEVATION_COUNT * FREQUENCY_COUNT;
         let basis_spectrum =
             bytemuck::pod_collect_to_vec::<u8, _>(&section("basis_spectrum", spectrum_len, 4)?);

@@ -248,7 +248,7 @@ pub fn precompute_together(
 }
 
 /// The last stages, common to new packs and to those that lacked them: sources behind skylines, and the files.
-pub(crate) fn finish(
+fn finish(
     options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
     multiple: &[MultipleTable],
@@ -292,7 +292,7 @@ pub fn basis_alone(options: &PrecomputeOptions, multiple: &[MultipleTable]) -> R
 }
 
 /// Multiply scattered light of every turbidity; empty for the first order alone.
-pub(crate) fn make_multiple(
+fn make_multiple(
     options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
     checkpoints: &[Checkpoint],

@@ -24,7 +24,8 @@ pub struct ResidentTables {
     pub observer_altitude_m: Vec<f64>,
     /// Number of nodes of the offset axis Δ = source altitude − observer altitude (see [`crate::axes`]).
     pub offset_count: usize,
-    /// The offset axis on every ring: fractional node = `offset_axis[ring].position(Δ)`, linear between nodes.
+    /// The offset axis on every ring: fractional node = `offset_axis[ring].position(Δ)`. Between nodes shapes are linear and
+    /// scales as in [`crate::bow`].
     pub offset_axis: Vec<OffsetAxis>,
     /// Ring distances, metres, ascending: the rings of the polar grid.
     pub ring_distance_m: Vec<f64>,

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     prepare::{LitColumn, Prepared, PreparedCell},
-    twin::natural_exp,
+    twin::{log_scale_between, natural_exp},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT};
 
@@ -60,10 +60,11 @@ fn weigh_body<const FUSED: bool>(
     for (cells, weights) in cells.chunks(LANES).zip(weights.chunks_mut(LANES)) {
         let mut scale = [[0f32; 4]; LANES];
         for (cell, scale) in cells.iter().zip(&mut scale) {
-            let [lower, upper] =
-                [cell.lower_node, cell.upper_node()].map(|node| scales[node as usize].log_scale);
+            let [lower, upper] = [cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]);
             for band in 0..4 {
-                scale[band] = lower[band] + (upper[band] - lower[band]) * cell.upper_weight;
+                let log_scale = [lower.log_scale[band], upper.log_scale[band]];
+                scale[band] =
+                    log_scale_between(log_scale, [lower.bow[band], upper.bow[band]], cell.upper_weight);
             }
         }
         for scale in scale.as_flattened_mut() {

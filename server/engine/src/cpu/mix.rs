@@ -4,7 +4,12 @@ use super::{
     dispatch::{Aligned, LANES, dispatch_wide, is_wide},
     work::for_each_part,
 };
-use crate::{node_table::NodeTable, prepare::Prepared, taps::Taps, twin::lobe_shares};
+use crate::{
+    node_table::{NodeTable, WINDOW},
+    prepare::Prepared,
+    taps::Taps,
+    twin::{lobe_shares, mixed_bow},
+};
 use half::f16;
 use skyglow_physics::{BAND_COUNT, LOBE_COUNT};
 use skyglow_tables::resident::ResidentTables;
@@ -14,11 +19,13 @@ pub(crate) const BLOCK: usize = 32;
 /// Nodes that a task mixes.
 const NODES_PER_TASK: usize = 64;
 
-/// Shares of the lobes at a node, and the logarithm of its mixed scale: [`lobe_shares`].
+/// Shares of the lobes at a node, the logarithm of its mixed scale and that one's bow: [`lobe_shares`], [`mixed_bow`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct NodeScales {
     /// ln of the mixed scale in every band, and a 0 that makes it a vector.
     pub(crate) log_scale: [f32; 4],
+    /// How that bends over the offset, as long: [`skyglow_tables::bow`].
+    pub(crate) bow: [f32; 4],
     /// `[band][lobe]`, summing to 1.
     pub(crate) shares: [[f32; LOBE_COUNT]; BAND_COUNT],
 }
@@ -36,53 +43,77 @@ pub(crate) fn mix_scale(
     scales.resize(request.nodes.len(), NodeScales::default());
     for_each_part(side_by_side, scales, NODES_PER_TASK, |task, scales| {
         let nodes = &request.nodes[task * NODES_PER_TASK..][..scales.len()];
-        let mut log_scale = [[[0f32; NODES_PER_TASK]; LOBE_COUNT]; BAND_COUNT];
+        let mut windows = [NodeWindows::default(); BAND_COUNT];
         for (lane, node) in nodes.iter().enumerate() {
             let table = NodeTable::of(tables, request, node);
             let weights = table.taps.weights_f32();
-            for (band, lobes) in log_scale.iter_mut().enumerate() {
+            for (band, windows) in windows.iter_mut().enumerate() {
                 for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
-                    let taps = table.taps.indices().iter().zip(weights);
-                    lobes[lobe][lane] = taps.fold(0.0, |sum, (&tap, weight)| {
-                        sum + weight * table.log_scale[table.index(tap, lobe, band)]
-                    });
+                    let mut window = [0f32; WINDOW];
+                    for (&tap, weight) in table.taps.indices().iter().zip(weights) {
+                        let values = table.window(tap, lobe, band);
+                        window.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+                    }
+                    for (place, value) in window.into_iter().enumerate() {
+                        windows.around[place][lobe][lane] = value;
+                    }
+                    windows.at[lobe][lane] = window[table.place_in_window];
                 }
             }
         }
-        for (band, lobes) in log_scale.iter().enumerate() {
-            let mut shares = [[0f32; NODES_PER_TASK]; 4];
-            share_out(request.emission, lobes, &mut shares);
+        for (band, windows) in windows.iter().enumerate() {
+            let mut mixed = [[0f32; NODES_PER_TASK]; 5];
+            mix_lobes(request.emission, windows, &mut mixed);
             for (lane, scales) in scales.iter_mut().enumerate() {
-                scales.shares[band] = [shares[0][lane], shares[1][lane], shares[2][lane]];
-                scales.log_scale[band] = shares[3][lane];
+                scales.shares[band] = [mixed[0][lane], mixed[1][lane], mixed[2][lane]];
+                (scales.log_scale[band], scales.bow[band]) = (mixed[3][lane], mixed[4][lane]);
             }
         }
     });
 }
 
+/// ln of the lobes' scales at many nodes in one band.
+#[derive(Clone, Copy)]
+pub(crate) struct NodeWindows {
+    /// At the nodes themselves, `[lobe][node]`.
+    at: [[f32; NODES_PER_TASK]; LOBE_COUNT],
+    /// At the three that give the bow, `[place][lobe][node]`.
+    around: [[[f32; NODES_PER_TASK]; LOBE_COUNT]; WINDOW],
+}
+
+impl Default for NodeWindows {
+    fn default() -> Self {
+        let lobes = [[0.0; NODES_PER_TASK]; LOBE_COUNT];
+        Self { at: lobes, around: [lobes; WINDOW] }
+    }
+}
+
 dispatch_wide!(
-    /// [`lobe_shares`] of many nodes, `[value][node]`.
-    share_out, share_out_wide, share_out_body,
+    /// [`lobe_shares`] and [`mixed_bow`] of many nodes, `[value][node]`.
+    mix_lobes, mix_lobes_wide, mix_lobes_body,
     (
         emission: [f32; LOBE_COUNT],
-        log_scale: &[[f32; NODES_PER_TASK]; LOBE_COUNT],
-        shares: &mut [[f32; NODES_PER_TASK]; 4]
+        windows: &NodeWindows,
+        mixed: &mut [[f32; NODES_PER_TASK]; 5]
     )
 );
 
 #[inline(always)]
-fn share_out_body<const FUSED: bool>(
+fn mix_lobes_body<const FUSED: bool>(
     emission: [f32; LOBE_COUNT],
-    log_scale: &[[f32; NODES_PER_TASK]; LOBE_COUNT],
-    shares: &mut [[f32; NODES_PER_TASK]; 4],
+    windows: &NodeWindows,
+    mixed: &mut [[f32; NODES_PER_TASK]; 5],
 ) {
     for lane in 0..NODES_PER_TASK {
-        let [first, second, third, log_sum] =
-            lobe_shares(emission, [log_scale[0][lane], log_scale[1][lane], log_scale[2][lane]]);
-        shares[0][lane] = first;
-        shares[1][lane] = second;
-        shares[2][lane] = third;
-        shares[3][lane] = log_sum;
+        let lobes = |values: &[[f32; NODES_PER_TASK]; LOBE_COUNT]| {
+            [values[0][lane], values[1][lane], values[2][lane]]
+        };
+        let [first, second, third, log_sum] = lobe_shares(emission, lobes(&windows.at));
+        let [below, at, above] = &windows.around;
+        let bow = mixed_bow([first, second, third], [lobes(below), lobes(at), lobes(above)]);
+        for (out, value) in mixed.iter_mut().zip([first, second, third, log_sum, bow]) {
+            out[lane] = value;
+        }
     }
 }
 

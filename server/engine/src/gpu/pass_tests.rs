@@ -125,14 +125,15 @@ impl Rig {
             self.texture(view, width, items.div_ceil(width)).concat()
         };
         let work = &self.executor.workspace;
-        let (shares, logs) = (list(&work.scales, BAND_COUNT * total), list(&work.log_scales, total));
+        let (shares, logs) = (list(&work.scales, BAND_COUNT * total), list(&work.log_scales, 2 * total));
         let (first, count) = (self.first(request).0, self.batch[request].nodes.len());
         let scales = |node: usize| {
             let bands = &shares[BAND_COUNT * node..][..BAND_COUNT];
-            let mut scales = NodeScales { log_scale: logs[node], ..NodeScales::default() };
+            let mut scales =
+                NodeScales { log_scale: logs[2 * node], bow: logs[2 * node + 1], ..NodeScales::default() };
             for (band, [a, b, c, log_scale]) in bands.iter().enumerate() {
                 scales.shares[band] = [*a, *b, *c];
-                assert_eq!(*log_scale, logs[node][band]);
+                assert_eq!(*log_scale, logs[2 * node][band]);
             }
             scales
         };
@@ -248,6 +249,9 @@ fn each_pass_agrees_with_the_cpu_on_the_same_input() {
             scales.iter().flat_map(values).collect()
         };
         assert_close("mix_scale", &flat(&scales), &flat(&expected), 3e-7);
+        let bows = |scales: &[NodeScales]| scales.iter().flat_map(|s| s.bow).collect::<Vec<f32>>();
+        // A difference of logarithms around 30: the rounding of those over a bow of a tenth.
+        assert_close("bows", &bows(&scales), &bows(&expected), 1e-4);
 
         let mut expected = Vec::new();
         mix::mix_shape(tables, prepared, &scales, true, &mut expected);

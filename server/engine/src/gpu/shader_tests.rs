@@ -160,7 +160,9 @@ fn structures_lie_alike_on_both_sides() {
             pack_slot,
             pack_count,
             blocked_octet_count,
-            blocked_offset_count
+            blocked_offset_count,
+            bend_node,
+            blocked_bend_node
         ]
     );
     assert_layout!(

@@ -3,6 +3,7 @@
 use super::layout::{Column, Frame, Node, Request};
 use crate::{plan::RenderPlan, prepare::Prepared, table_set::TableSet, twin::indexing::CELLS_PER_ROW};
 use skyglow_physics::AZIMUTH_COUNT;
+use skyglow_tables::OffsetAxis;
 
 /// The arrays of all requests, one behind the other; node numbers are global.
 #[derive(Default)]
@@ -83,19 +84,24 @@ pub(crate) fn write_list(queue: &wgpu::Queue, texture: &wgpu::Texture, mut list:
 /// The frame of a pack slot; one past the last pack is the blend's.
 pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
     let pack = plan.packs.get(slot);
-    let blocked = pack.and_then(|pack| set.tables()[pack.index].blocked.as_ref());
+    let tables = pack.map(|pack| &set.tables()[pack.index]);
+    let blocked = tables.and_then(|tables| tables.blocked.as_ref());
+    // The same on every ring, and behind every skyline.
+    let bend_node = |axis: Option<&OffsetAxis>| axis.map_or(0, |axis| axis.bend_node) as u32;
     Frame {
         request_count: plan.request_count as u32,
         node_count: plan.node_count as u32,
         cell_count: plan.cell_count as u32,
         basis_count: pack.map_or(0, |pack| pack.basis_count) as u32,
         quad_count: pack.map_or(0, |pack| pack.quad_count) as u32,
-        table_octet_count: pack.map_or(0, |pack| set.tables()[pack.index].basis_count.div_ceil(8)) as u32,
+        table_octet_count: tables.map_or(0, |tables| tables.basis_count.div_ceil(8)) as u32,
         ring_count: set.ring_count() as u32,
         offset_count: set.offset_count() as u32,
         pack_slot: slot as u32,
         pack_count: plan.packs.len() as u32,
         blocked_octet_count: blocked.map_or(0, |blocked| blocked.basis_count.div_ceil(8)) as u32,
         blocked_offset_count: blocked.map_or(0, |blocked| blocked.offset_count) as u32,
+        bend_node: bend_node(tables.and_then(|tables| tables.offset_axis.first())),
+        blocked_bend_node: bend_node(blocked.and_then(|blocked| blocked.offset_axis.first()?.first())),
     }
 }

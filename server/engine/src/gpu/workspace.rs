@@ -101,7 +101,7 @@ impl WorkspaceSize {
         let textures = [
             Self::list_extent(self.cell_count),
             Self::list_extent(BAND_COUNT * self.node_count),
-            Self::list_extent(self.node_count),
+            Self::list_extent(2 * self.node_count),
             self.mixed_extent(),
             self.weights_extent(),
             self.coefficients_extent(),
@@ -167,7 +167,7 @@ impl Workspace {
             columns: buffer("columns", MAX_BATCH * AZIMUTH_COUNT * size_of::<Column>(), input)?,
             twiddles,
             scales: texture("scales", WorkspaceSize::list_extent(BAND_COUNT * size.node_count))?,
-            log_scales: texture("log_scales", WorkspaceSize::list_extent(size.node_count))?,
+            log_scales: texture("log_scales", WorkspaceSize::list_extent(2 * size.node_count))?,
             mixed: texture("mixed", size.mixed_extent())?,
             weights: texture("weights", size.weights_extent())?,
             coefficients: texture("coefficients", size.coefficients_extent())?,

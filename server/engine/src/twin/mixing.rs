@@ -2,6 +2,7 @@
 
 use super::elementary::{natural_exp, natural_log};
 use skyglow_physics::LOBE_COUNT;
+use skyglow_tables::bow::LARGEST_BOW;
 
 /// Shares of the lobes in one node's scale, and the logarithm of the mixed scale:
 /// `[share_0, share_1, share_2, ln Σ a_l]` with a_l = e_l·exp(log_scale_l), share_l = a_l / Σ a.
@@ -20,13 +21,35 @@ pub fn lobe_shares(emission: [f32; LOBE_COUNT], log_scale: [f32; LOBE_COUNT]) ->
     [amounts[0] / sum, amounts[1] / sum, amounts[2] / sum, largest + natural_log(sum)]
 }
 
-/// Weights of a cell's lower and upper node: flux · exp(interpolated log scale), divided between them.
+/// [`skyglow_tables::bow::mixed_bow`] of lobes with `shares`, from ln of their scales `[node][lobe]` below, at and above.
+#[inline(always)]
+pub fn mixed_bow(shares: [f32; LOBE_COUNT], log_scale: [[f32; LOBE_COUNT]; 3]) -> f32 {
+    let [below, at, above] = log_scale;
+    let slope = |lobe: usize| 0.5 * (above[lobe] - below[lobe]);
+    let mean_slope = shares[0] * slope(0) + shares[1] * slope(1) + shares[2] * slope(2);
+    let curved = |lobe: usize| {
+        let apart = slope(lobe) - mean_slope;
+        shares[lobe] * ((below[lobe] - at[lobe]) + (above[lobe] - at[lobe]) + apart * apart)
+    };
+    (curved(0) + curved(1) + curved(2)).max(-LARGEST_BOW as f32).min(LARGEST_BOW as f32)
+}
+
+const SIXTH: f32 = 1.0 / 6.0;
+
+/// [`skyglow_tables::bow::log_scale_between`] of a cell's nodes.
+#[inline(always)]
+pub fn log_scale_between(log_scale: [f32; 2], bow: [f32; 2], upper_weight: f32) -> f32 {
+    let bow = bow[0] + bow[1] + bow[0] * (1.0 - upper_weight) + bow[1] * upper_weight;
+    log_scale[0] + (log_scale[1] - log_scale[0]) * upper_weight
+        - upper_weight * (1.0 - upper_weight) * bow * SIXTH
+}
+
+/// Weights of a cell's lower and upper node: flux · exp(ln of the scale between them), divided between them.
 ///
 /// `flux_w` is the cell's flux in one band; the answer is in the unit of flux × scale, W m⁻² sr⁻¹.
 #[inline(always)]
-pub fn cell_weights(flux_w: f32, lower_log_scale: f32, upper_log_scale: f32, upper_weight: f32) -> [f32; 2] {
-    let log_scale = lower_log_scale + (upper_log_scale - lower_log_scale) * upper_weight;
-    let scale = flux_w * natural_exp(log_scale);
+pub fn cell_weights(flux_w: f32, log_scale: [f32; 2], bow: [f32; 2], upper_weight: f32) -> [f32; 2] {
+    let scale = flux_w * natural_exp(log_scale_between(log_scale, bow, upper_weight));
     [scale * (1.0 - upper_weight), scale * upper_weight]
 }
 
@@ -50,7 +73,7 @@ mod tests {
 
     #[test]
     fn a_cell_on_its_lower_node_gives_it_all() {
-        let [lower, upper] = cell_weights(3.0, -2.0, 5.0, 0.0);
+        let [lower, upper] = cell_weights(3.0, [-2.0, 5.0], [0.3, -0.4], 0.0);
         assert!((lower - 3.0 * (-2f32).exp()).abs() < 1e-6);
         assert_eq!(upper, 0.0);
     }

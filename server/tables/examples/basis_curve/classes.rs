@@ -19,6 +19,8 @@ pub(crate) enum Class {
     Valley,
     /// A coast: everything lies beyond 60 km of sea.
     OverSea,
+    /// Sources of any distance and height for any observer, each judged alone.
+    AnySource,
 }
 
 /// One light.
@@ -46,6 +48,7 @@ impl Class {
             Class::AbovePlain,
             Class::Valley,
             Class::OverSea,
+            Class::AnySource,
         ]
     }
 
@@ -59,12 +62,18 @@ impl Class {
             Class::AbovePlain => "3 000 m above the lit plain",
             Class::Valley => "valley with lit ridges",
             Class::OverSea => "over the sea, 60 km off",
+            Class::AnySource => "any one source",
         }
     }
 
     /// Its lights, the same every time.
     pub(crate) fn lights(self) -> Vec<Light> {
         (0..LIGHT_COUNT).map(|i| self.light(i)).collect()
+    }
+
+    /// Whether each light is a sky of its own.
+    pub(crate) fn one_by_one(self) -> bool {
+        self == Class::AnySource
     }
 
     fn light(self, i: usize) -> Light {
@@ -93,6 +102,11 @@ impl Class {
                 (distance_m, any_column, 500.0 + 0.25 * c * distance_m.min(6_000.0), 500.0, 0.2 + d)
             }
             Class::OverSea => (60_000.0 + 200_000.0 * a, any_column / 2, 400.0 * c * c, 0.0, 0.2 + d),
+            Class::AnySource => {
+                let (distance_m, observer_m) = (250.0 * 1_200f64.powf(a), 6_000.0 * b * b);
+                let highest_m = (0.5 * distance_m).min(6_000.0 - observer_m);
+                (distance_m, 0, observer_m + highest_m - (observer_m + highest_m) * c, observer_m, 1.0)
+            }
         };
         Light {
             geometry: SourceGeometry {

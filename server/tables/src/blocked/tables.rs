@@ -3,6 +3,7 @@
 use super::{ANGLE_COUNT, BlockedAxes, blocking_deg};
 use crate::{
     axes::OffsetAxis,
+    bow::log_scale_at,
     images::IMAGE_COUNT,
     resident::{ResidentBlocked, ResidentTables},
 };
@@ -37,16 +38,20 @@ pub(super) fn open_sample(
     let low = (position as usize).min(open.offset_count - 2);
     let upper_weight = position - low as f64;
     shape.fill(0.0);
-    let mut log_scale = 0.0;
+    let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
+    let log_scale = log_scale_at(&open.offset_axis[ring], position, |offset| {
+        let at = |&(observer, weight): &(usize, f64)| {
+            weight * f64::from(open.log_scale[open.node_index(observer, lobe, band, ring, offset)])
+        };
+        observer_taps.iter().map(at).sum()
+    });
     for &(observer, observer_weight) in observer_taps {
         for (side, side_weight) in [(0, 1.0 - upper_weight), (1, upper_weight)] {
             let weight = observer_weight * side_weight;
             if weight == 0.0 {
                 continue;
             }
-            let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
             let node = open.node_index(observer, lobe, band, ring, low + side);
-            log_scale += weight * f64::from(open.log_scale[node]);
             for (sum, value) in shape.iter_mut().zip(&open.shape[node * open.basis_count..]) {
                 *sum += weight as f32 * value.to_f32();
             }

@@ -7,150 +7,29 @@
 //! it; for Δ > 0 the observer does, and each offset needs a field of its own. In the haze there are more of both: its
 //! optical depth halves within 800 m, and it scatters the light of a near source back from where that stands.
 
+mod axes;
+
 use crate::{
-    clouds::{Clouds, altitudes_below, held_below_clouds_m},
+    clouds::held_below_clouds_m,
     error::TablesError,
     images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
 };
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, CloudBase, ELEVATION_COUNT, LOBE_COUNT,
+    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
     interpolation::lagrange_taps,
-    multiple_scattering::{Resolution, SourceField, SourceSetting, ViewRow},
+    multiple_scattering::{SourceField, SourceSetting, ViewRow},
     panorama::{azimuth_rad, elevation_rad},
     single_source::SourceGeometry,
 };
 
+pub(crate) use axes::bent_offset;
+pub use axes::{FieldResolution, MultipleAxes};
+
 /// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
 const DARKNESS_PER_M2_SR: f64 = 1e-36;
-/// Offsets are interpolated in asinh(Δ/this), metres.
-const OFFSET_SCALE_M: f64 = 150.0;
 /// Nodes that an interpolation uses.
 const TAPS: usize = 4;
-/// Version of the solver of later orders and of how its fields are laid out and interpolated: raised with either, so that no
-/// work in progress is gone on from and nothing is added to a pack that was made otherwise.
-pub(crate) const FIELD_VERSION: u32 = 2;
-
-/// What offsets are interpolated in.
-pub(crate) fn bent_offset(offset_m: f64) -> f64 {
-    (offset_m / OFFSET_SCALE_M).asinh()
-}
-
-/// How finely fields are solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FieldResolution {
-    /// [`Resolution::table`].
-    Table,
-    /// [`Resolution::coarse`], for ratios of fields and for tests.
-    Coarse,
-}
-
-impl FieldResolution {
-    pub(crate) fn resolution(self) -> Resolution {
-        match self {
-            Self::Table => Resolution::table(),
-            Self::Coarse => Resolution::coarse(),
-        }
-    }
-}
-
-/// The sample points of multiply scattered light.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MultipleAxes {
-    /// Version of the fields; 0 of packs that do not say it.
-    #[serde(default)]
-    pub field_version: u32,
-    /// Lambertian albedo of the ground, 0..=1.
-    pub ground_albedo: f64,
-    /// Altitudes ℓ of the ground, metres, ascending. The lowest may lie below the sea: no source does, but packs have
-    /// nodes there for those above to be interpolated with.
-    pub ground_altitude_m: Vec<f64>,
-    /// Offsets Δ, metres, ascending; those above 0 only over grounds from the sea on.
-    pub offset_m: Vec<f64>,
-    /// Further ones above 0 over grounds in the haze, metres.
-    #[serde(default)]
-    pub haze_offset_m: Vec<f64>,
-    /// Highest ground that has those, metres; grounds below the sea have none.
-    #[serde(default)]
-    pub haze_top_m: f64,
-    /// Panorama columns, ascending from 0 to 128.
-    pub column: Vec<usize>,
-    /// How finely the fields are solved.
-    pub field_resolution: FieldResolution,
-}
-
-impl MultipleAxes {
-    /// The axes of the packs that come with the program.
-    pub fn full(ground_albedo: f64) -> Self {
-        Self {
-            field_version: FIELD_VERSION,
-            ground_albedo,
-            ground_altitude_m: vec![-450.0, 0.0, 300.0, 700.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0],
-            offset_m: vec![
-                -6_000.0, -4_000.0, -2_500.0, -1_500.0, -900.0, -500.0, -250.0, -100.0, 0.0, 100.0, 500.0,
-                1_200.0, 3_500.0,
-            ],
-            haze_offset_m: vec![30.0, 220.0],
-            haze_top_m: 1_000.0,
-            column: vec![0, 1, 2, 4, 6, 9, 12, 16, 20, 25, 31, 38, 46, 55, 65, 76, 88, 101, 114, 128],
-            field_resolution: FieldResolution::Table,
-        }
-    }
-
-    /// The same below a layer of cloud.
-    pub fn below(self, clouds: Clouds) -> Self {
-        // Grounds below the sea stay, and so does the sea.
-        let sea = self.ground_altitude_m.partition_point(|&ground_m| ground_m < 0.0);
-        let (below_sea_m, clear_m) = self.ground_altitude_m.split_at(sea);
-        let ground_altitude_m = [below_sea_m, &altitudes_below(clear_m, clouds)].concat();
-        Self { ground_altitude_m, ..self }
-    }
-
-    /// Few points, for tests of everything but accuracy.
-    pub fn coarse(ground_albedo: f64) -> Self {
-        Self {
-            ground_altitude_m: vec![0.0, 3_000.0],
-            offset_m: vec![-2_000.0, 0.0],
-            haze_offset_m: vec![400.0],
-            column: vec![0, 16, 64, 128],
-            field_resolution: FieldResolution::Coarse,
-            ..Self::full(ground_albedo)
-        }
-    }
-
-    /// Offsets over a ground, metres, ascending. Below a cloud sources and observers are held under it, and offsets end
-    /// where they are.
-    fn offsets_over_m(&self, ground: usize, cloud: Option<CloudBase>) -> Vec<f64> {
-        let ground_m = self.ground_altitude_m[ground];
-        // Above 0 the ground is the observer's, and no observer is below the sea.
-        let has_raised = ground_m >= 0.0;
-        let mut offsets: Vec<f64> =
-            self.offset_m.iter().copied().filter(|&offset_m| has_raised || offset_m <= 0.0).collect();
-        if (0.0..=self.haze_top_m).contains(&ground_m) {
-            offsets.extend(&self.haze_offset_m);
-            offsets.sort_by(f64::total_cmp);
-        }
-        for offset_m in &mut offsets {
-            let higher_m = held_below_clouds_m(ground_m + offset_m.abs(), cloud);
-            *offset_m = offset_m.signum() * (higher_m - ground_m).min(offset_m.abs());
-        }
-        offsets.dedup();
-        offsets
-    }
-
-    /// Number of (ground, offset) pairs.
-    pub(crate) fn part_count(&self, cloud: Option<CloudBase>) -> usize {
-        (0..self.ground_altitude_m.len()).map(|ground| self.offsets_over_m(ground, cloud).len()).sum()
-    }
-
-    /// Numbers of the table of one (ground, offset) at `distances` distances.
-    pub(crate) fn part_len(&self, distances: usize) -> usize {
-        distances * ELEVATION_COUNT * self.column.len() * IMAGE_COUNT
-    }
-}
-
 /// ln of the radiance of orders two and more [m⁻² sr⁻¹ per watt] around sources in one atmosphere.
 #[derive(Clone, Debug)]
 pub struct MultipleTable {
@@ -375,7 +254,8 @@ pub(crate) fn view(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_physics::Turbidity;
+    use crate::clouds::Clouds;
+    use skyglow_physics::{Turbidity, multiple_scattering::Resolution};
 
     fn table(distance_m: &[f64]) -> (Atmosphere, MultipleTable) {
         let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
