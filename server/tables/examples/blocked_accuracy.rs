@@ -51,10 +51,10 @@ fn coefficients(
             };
             let log_scale = log_scale_at(axis, position, at);
             let mut shape = [vec![0.0; basis_count], vec![0.0; basis_count]];
-            for side in 0..2 {
+            for (side, shape) in shape.iter_mut().enumerate() {
                 for &(observer, weight) in observer_taps {
                     let (_, coefficients) = node(observer, lobe, band, low + side);
-                    for (sum, c) in shape[side].iter_mut().zip(&coefficients) {
+                    for (sum, c) in shape.iter_mut().zip(&coefficients) {
                         *sum += weight * c;
                     }
                 }

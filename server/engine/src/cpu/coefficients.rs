@@ -61,10 +61,9 @@ fn weigh_body<const FUSED: bool>(
         let mut scale = [[0f32; 4]; LANES];
         for (cell, scale) in cells.iter().zip(&mut scale) {
             let [lower, upper] = [cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]);
-            for band in 0..4 {
+            for (band, scale) in scale.iter_mut().enumerate() {
                 let log_scale = [lower.log_scale[band], upper.log_scale[band]];
-                scale[band] =
-                    log_scale_between(log_scale, [lower.bow[band], upper.bow[band]], cell.upper_weight);
+                *scale = log_scale_between(log_scale, [lower.bow[band], upper.bow[band]], cell.upper_weight);
             }
         }
         for scale in scale.as_flattened_mut() {
