@@ -10,13 +10,15 @@
 use skyglow_bench::{accuracy::zenith_and_horizontal, scenes::grid_under_open_sky};
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_physics::{
-    BAND_COUNT, EmissionMix, GeoPoint, LampPreset, Lobe, Turbidity,
-    error_metric::{ErrorStatistics, relative_error},
-    photometry::natural_sky_luminance_cd_m2,
+    BAND_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity, photometry::natural_sky_luminance_cd_m2,
 };
 use skyglow_scene::{PolarGrid, RING_COUNT, SceneId, SceneStore, ring_distance_m};
 use skyglow_tables::{Pack, Scattering, packs_in};
-use skyglow_tests::{class_scenes::Class, lobe_truth::LobeTruth};
+use skyglow_tests::{
+    class_scenes::Class,
+    lobe_truth::LobeTruth,
+    sky_errors::{SkyErrors, mixes, sky_errors},
+};
 use std::{
     collections::BTreeMap,
     error::Error,
@@ -27,23 +29,11 @@ use std::{
 /// What is wanted of the mean, the 99th percentile, the zenith and the horizontal illuminance, and their names.
 const LIMITS: [(f64, &str); 4] = [(0.01, "mean"), (0.05, "99 %"), (0.005, "zenith"), (0.005, "horizontal")];
 
-/// Mean, 99th percentile, and with their signs zenith and horizontal illuminance.
-type Errors = [f64; 4];
-
 /// What was asked for.
 struct Options {
     basis: Option<usize>,
     data: Option<PathBuf>,
     every: bool,
-}
-
-fn mixes() -> [(&'static str, EmissionMix); 4] {
-    [
-        ("garstang", EmissionMix::garstang()),
-        ("lambert", EmissionMix::lambert()),
-        ("horizon", EmissionMix::only(Lobe::Horizon)),
-        ("oblique", EmissionMix::only(Lobe::Oblique)),
-    ]
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -72,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     files.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
     files.sort();
     println!("# all in %: mean, 99 %, zenith, horizontal illuminance; limits 1, 5, 0.5, 0.5");
-    let mut worst: BTreeMap<(String, &str), Errors> = BTreeMap::new();
+    let mut worst: BTreeMap<(String, &str), SkyErrors> = BTreeMap::new();
     for path in files {
         let truth: LobeTruth = serde_json::from_slice(&std::fs::read(&path)?)?;
         let polar = polar_grid(&truth, options.data.as_deref())?;
@@ -88,7 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!("# the worst over observers and turbidities");
-    let mut classes: BTreeMap<&str, Errors> = BTreeMap::new();
+    let mut classes: BTreeMap<&str, SkyErrors> = BTreeMap::new();
     for ((name, mix), errors) in &worst {
         print_line(name, mix, *errors);
         let kept = classes.entry(name).or_default();
@@ -106,7 +96,7 @@ fn larger(a: f64, b: f64) -> f64 {
     if b.abs() > a.abs() { b } else { a }
 }
 
-fn print_line(name: &str, mix: &str, errors: Errors) {
+fn print_line(name: &str, mix: &str, errors: SkyErrors) {
     let missed: Vec<&str> = LIMITS
         .iter()
         .zip(errors)
@@ -148,7 +138,7 @@ fn errors(
     grid: &PolarGrid,
     emission: EmissionMix,
     basis: Option<usize>,
-) -> Result<Errors, Box<dyn Error>> {
+) -> Result<SkyErrors, Box<dyn Error>> {
     let flux_per_dnb_flux = LampPreset::Mixed.lamp().flux_per_dnb_flux;
     let mut exact = truth.mixed_w_m2_sr(emission, flux_per_dnb_flux);
     let mut grid = grid.clone();
@@ -173,10 +163,5 @@ fn errors(
         .iter()
         .map(|&(row, column)| std::array::from_fn(|b| rendered.panorama.radiance_w_m2_sr(b, row, column)))
         .collect();
-    let each = fast.iter().zip(&exact).map(|(fast, exact)| relative_error(*fast, *exact));
-    let statistics = ErrorStatistics::of(each).ok_or("no directions")?;
-    let [zenith, horizontal] = zenith_and_horizontal(&truth.samples, &fast);
-    let [true_zenith, true_horizontal] = zenith_and_horizontal(&truth.samples, &exact);
-    let off = |value: f64, truth: f64| value / truth - 1.0;
-    Ok([statistics.mean, statistics.p99, off(zenith, true_zenith), off(horizontal, true_horizontal)])
+    Ok(sky_errors(&truth.samples, &fast, &exact).ok_or("no directions")?)
 }

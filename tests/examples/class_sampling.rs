@@ -8,17 +8,19 @@
 use rayon::prelude::*;
 use skyglow_bench::{accuracy::zenith_and_horizontal, scenes::grid_under_open_sky};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, EmissionMix, LOBE_COUNT, LampPreset, Lobe, Turbidity,
-    error_metric::{ErrorStatistics, relative_error},
-    photometry::natural_sky_luminance_cd_m2,
-    single_source::SourceGeometry,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, LOBE_COUNT, LampPreset, Turbidity,
+    photometry::natural_sky_luminance_cd_m2, single_source::SourceGeometry,
 };
 use skyglow_scene::{PolarGrid, ring_distance_m};
 use skyglow_tables::{
     MultipleTable, PrecomputeOptions,
     images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index, images_of},
 };
-use skyglow_tests::{class_scenes::Class, lobe_truth::LobeTruth};
+use skyglow_tests::{
+    class_scenes::Class,
+    lobe_truth::LobeTruth,
+    sky_errors::{mixes, sky_errors},
+};
 use std::{error::Error, path::Path};
 
 #[path = "../../server/tables/examples/kept_fields/mod.rs"]
@@ -95,12 +97,7 @@ fn sky_of_cells(
 
 fn judge(truth: &LobeTruth, sky: &[f64]) -> Result<(), Box<dyn Error>> {
     let flux_per_dnb_flux = LampPreset::Mixed.lamp().flux_per_dnb_flux;
-    for (name, emission) in [
-        ("garstang", EmissionMix::garstang()),
-        ("lambert", EmissionMix::lambert()),
-        ("horizon", EmissionMix::only(Lobe::Horizon)),
-        ("oblique", EmissionMix::only(Lobe::Oblique)),
-    ] {
+    for (name, emission) in mixes() {
         let mut exact = truth.mixed_w_m2_sr(emission, flux_per_dnb_flux);
         let scale = natural_sky_luminance_cd_m2() / zenith_and_horizontal(&truth.samples, &exact)[0];
         exact.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
@@ -112,18 +109,10 @@ fn judge(truth: &LobeTruth, sky: &[f64]) -> Result<(), Box<dyn Error>> {
             .chunks_exact(BAND_COUNT * LOBE_COUNT)
             .map(|images| std::array::from_fn(|band| scale * flux_per_dnb_flux[band] * mixed(images, band)))
             .collect();
-        let each = fast.iter().zip(&exact).map(|(fast, exact)| relative_error(*fast, *exact));
-        let statistics = ErrorStatistics::of(each).ok_or("no directions")?;
-        let [zenith, horizontal] = zenith_and_horizontal(&truth.samples, &fast);
-        let [true_zenith, true_horizontal] = zenith_and_horizontal(&truth.samples, &exact);
+        let errors = sky_errors(&truth.samples, &fast, &exact).ok_or("no directions")?;
+        let [mean, p99, zenith, horizontal] = errors.map(|error| 100.0 * error);
         let sky = format!("{} {:.0} m T {:.2}", truth.name, truth.observer_altitude_m, truth.turbidity);
-        println!(
-            "{sky:36} {name:9} {:7.3} {:8.3} {:+8.3} {:+8.3}",
-            100.0 * statistics.mean,
-            100.0 * statistics.p99,
-            100.0 * (zenith / true_zenith - 1.0),
-            100.0 * (horizontal / true_horizontal - 1.0)
-        );
+        println!("{sky:36} {name:9} {mean:7.3} {p99:8.3} {zenith:+8.3} {horizontal:+8.3}");
     }
     Ok(())
 }

@@ -13,4 +13,5 @@ pub mod lobe_truth;
 pub mod merged_sources;
 pub mod packs;
 pub mod places;
+pub mod sky_errors;
 pub mod tree;
