@@ -40,7 +40,7 @@ struct Group {
     words: &'static str,
     looks: std::ops::Range<usize>,
     limit: f64,
-    /// All samples behind the middle of the walk times this must exceed the limit.
+    /// All samples behind the brightest of the walk times this must exceed the limit: a fault in the dark is none.
     planted: f64,
 }
 
@@ -159,8 +159,9 @@ fn walk_along(report: &mut Report, rig: &Rig, name: &str, walk: impl Iterator<It
             if excess >= worst.0 {
                 worst = (excess, at, look);
             }
-            let middle = walked.len() / 2;
-            walked[middle..].iter_mut().for_each(|value| *value *= group.planted);
+            let brightest = (0..walked.len() - 1).max_by(|&a, &b| walked[a].total_cmp(&walked[b]));
+            let behind = brightest.map_or(0, |brightest| brightest + 1);
+            walked[behind..].iter_mut().for_each(|value| *value *= group.planted);
             planted = planted.min(jump(&walked, &own, LUMINANCE_FLOOR_CD_M2).0);
         }
         let (excess, at, look) = worst;

@@ -4,7 +4,7 @@ use crate::{
     node_table::{NodeTable, WINDOW},
     prepare::{MixNode, Prepared},
     table_set::TableSet,
-    twin::{BEND_ALLOWED, BEND_SHARE_ALLOWED, RADIANCE_FLOOR_W_M2_SR},
+    twin::{BEND_ALLOWED, BEND_SHARE_ALLOWED, DIMMEST_PACK, RADIANCE_FLOOR_W_M2_SR},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
 use skyglow_tables::{
@@ -20,9 +20,11 @@ pub fn render_f64(request: &Prepared, set: &TableSet) -> Vec<f64> {
     if rendered.len() == 1 {
         return rendered.swap_remove(0);
     }
-    let floor = f64::from(RADIANCE_FLOOR_W_M2_SR);
+    let darkness = f64::from(RADIANCE_FLOOR_W_M2_SR);
     (0..Panorama::LEN)
         .map(|sample| {
+            let brightest = rendered.iter().map(|sky| sky[sample]).fold(0.0, f64::max);
+            let floor = darkness.max(f64::from(DIMMEST_PACK) * brightest);
             let log: Vec<f64> = rendered.iter().map(|sky| (sky[sample].max(floor) / floor).ln()).collect();
             let sum = |weights: &[f64]| -> f64 { log.iter().zip(weights).map(|(log, w)| w * log).sum() };
             let around = log.iter().zip(taps.bracket()).filter(|(_, w)| **w > 0.0).map(|(log, _)| *log);
@@ -31,7 +33,8 @@ pub fn render_f64(request: &Prepared, set: &TableSet) -> Vec<f64> {
             let allowed = f64::from(BEND_ALLOWED) + f64::from(BEND_SHARE_ALLOWED) * (high - low);
             let line = sum(taps.bracket());
             let log_ratio = line + (sum(taps.weights()) - line).clamp(-allowed, allowed);
-            if log_ratio <= 0.0 { 0.0 } else { floor * log_ratio.exp() }
+            let blended = floor * log_ratio.exp();
+            if blended <= darkness { 0.0 } else { blended }
         })
         .collect()
 }

@@ -19,9 +19,8 @@ use skyglow_physics::{
 
 /// Highest observer and source altitude of a pack, metres.
 pub const HIGHEST_ALTITUDE_M: f64 = 6_000.0;
-/// Lowest source of a node, metres: the model has none below 0, but interpolation at a low observer reaches for
-/// the next node down.
-const LOWEST_SOURCE_M: f64 = -1_500.0;
+/// Lowest source of a node, metres: the model has none below 0, but a cubic over offsets reaches two nodes further down.
+const LOWEST_SOURCE_M: f64 = -2_000.0;
 
 /// The bend Δ₀ is followed down to about this offset, metres; below, hardly any source is.
 const LOWEST_BEND_M: f64 = -3_000.0;
@@ -111,7 +110,7 @@ impl OffsetAxis {
     }
 }
 
-/// Source altitude of a node, metres, held between −1 500 and 7 500 m.
+/// Source altitude of a node, metres, held between −2 000 and 7 500 m.
 pub(crate) fn held_source_altitude_m(altitude_m: f64) -> f64 {
     altitude_m.clamp(LOWEST_SOURCE_M, HIGHEST_ALTITUDE_M + 1_500.0)
 }
@@ -142,7 +141,7 @@ impl TableAxes {
         Self { distance_m: logarithmic(10), observer_altitude_m: vec![0.0, 6_000.0], offset_count: 4 }
     }
 
-    /// Source altitude of a node, metres; clamped to −1 500 … 7 500 m (nodes outside repeat the last one
+    /// Source altitude of a node, metres; clamped to −2 000 … 7 500 m (nodes outside repeat the last one
     /// inside; no source of the model lies there, but interpolation reaches a little beyond 0 and 6 000 m).
     pub fn source_altitude_m(&self, observer_altitude: usize, distance: usize, offset: usize) -> f64 {
         let axis = OffsetAxis::at_distance(self.distance_m[distance], self.offset_count);

@@ -4,7 +4,8 @@ use super::{dispatch::dispatch_wide, work::for_each_part};
 use crate::{
     taps::Taps,
     twin::{
-        BEND_ALLOWED, BEND_SHARE_ALLOWED, RADIANCE_FLOOR_W_M2_SR, blend_radiance, natural_exp, natural_log,
+        BEND_ALLOWED, BEND_SHARE_ALLOWED, DIMMEST_PACK, RADIANCE_FLOOR_W_M2_SR, blend_radiance, natural_exp,
+        natural_log,
     },
 };
 
@@ -65,7 +66,8 @@ fn blend_lanes(radiance_w_m2_sr: [&[f32; LANES]; 4], weight: [f32; 4], bracket: 
     }
     for (log, samples) in log.iter_mut().zip(radiance_w_m2_sr) {
         for lane in 0..LANES {
-            log[lane] = natural_log(larger(samples[lane], RADIANCE_FLOOR_W_M2_SR) / largest[lane]);
+            let share = larger(samples[lane], RADIANCE_FLOOR_W_M2_SR) / largest[lane];
+            log[lane] = natural_log(larger(share, DIMMEST_PACK));
         }
     }
     let (mut low, mut high) = ([0f32; LANES], [-1e30f32; LANES]);

@@ -214,4 +214,5 @@ fn constants_are_the_same_on_both_sides() {
     assert_eq!(floor as f32, twin::RADIANCE_FLOOR_W_M2_SR);
     assert_eq!(constant(shaders::BLENDING, "BEND_ALLOWED") as f32, twin::BEND_ALLOWED);
     assert_eq!(constant(shaders::BLENDING, "BEND_SHARE_ALLOWED") as f32, twin::BEND_SHARE_ALLOWED);
+    assert_eq!(constant(shaders::BLENDING, "DIMMEST_PACK") as f32, twin::DIMMEST_PACK);
 }

@@ -7,7 +7,7 @@ pub mod fft;
 pub mod indexing;
 pub mod mixing;
 
-pub use blending::{BEND_ALLOWED, BEND_SHARE_ALLOWED, RADIANCE_FLOOR_W_M2_SR, blend_radiance};
+pub use blending::{BEND_ALLOWED, BEND_SHARE_ALLOWED, DIMMEST_PACK, RADIANCE_FLOOR_W_M2_SR, blend_radiance};
 pub use elementary::{natural_exp, natural_log};
 pub use fft::{
     Complex, complex_multiply, pair_from_spectra, radix4_butterfly, split_pair_spectrum, stockham_target,

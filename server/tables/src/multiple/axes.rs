@@ -11,7 +11,7 @@ use skyglow_physics::{CloudBase, ELEVATION_COUNT, multiple_scattering::Resolutio
 const OFFSET_SCALE_M: f64 = 150.0;
 /// Version of the solver of later orders and of how its fields are laid out and interpolated: raised with either, so that no
 /// work in progress is gone on from that was made otherwise.
-const FIELD_VERSION: u32 = 2;
+const FIELD_VERSION: u32 = 3;
 
 /// What offsets are interpolated in.
 pub(crate) fn bent_offset(offset_m: f64) -> f64 {
@@ -46,7 +46,7 @@ pub struct MultipleAxes {
     /// Lambertian albedo of the ground, 0..=1.
     pub ground_albedo: f64,
     /// Altitudes ℓ of the ground, metres, ascending. The lowest may lie below the sea: no source does, but packs have
-    /// nodes there for those above to be interpolated with.
+    /// nodes there for those above to be interpolated with, and an end of the fields before theirs is a kink.
     pub ground_altitude_m: Vec<f64>,
     /// Offsets Δ, metres, ascending; those above 0 only over grounds from the sea on.
     pub offset_m: Vec<f64>,
@@ -68,7 +68,9 @@ impl MultipleAxes {
         Self {
             field_version: FIELD_VERSION,
             ground_albedo,
-            ground_altitude_m: vec![-450.0, 0.0, 300.0, 700.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0],
+            ground_altitude_m: vec![
+                -2_000.0, -1_000.0, -450.0, 0.0, 300.0, 700.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0,
+            ],
             offset_m: vec![
                 -6_000.0, -4_000.0, -2_500.0, -1_500.0, -900.0, -500.0, -250.0, -100.0, 0.0, 100.0, 500.0,
                 1_200.0, 3_500.0,

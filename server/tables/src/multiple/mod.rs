@@ -308,7 +308,7 @@ mod tests {
         let axes = MultipleAxes::full(0.15);
         let bent =
             |ground| axes.offsets_over_m(ground, None).into_iter().map(bent_offset).collect::<Vec<_>>();
-        let (haze, clear) = (bent(1), bent(6));
+        let (haze, clear) = (bent(3), bent(8));
         assert!(haze.len() == clear.len() + axes.haze_offset_m.len());
         assert!(haze.windows(2).all(|pair| pair[0] < pair[1]));
         let level = haze.partition_point(|&node| node < 0.0);
@@ -321,7 +321,7 @@ mod tests {
         }
         let clouds = Clouds::new(1_000, 0.5).unwrap();
         let below = MultipleAxes::full(0.15).below(clouds);
-        assert!(below.ground_altitude_m[0] == -450.0 && below.ground_altitude_m[1] == 0.0);
+        assert!(below.ground_altitude_m[2] == -450.0 && below.ground_altitude_m[3] == 0.0);
         for ground in 0..below.ground_altitude_m.len() {
             let offsets_m = below.offsets_over_m(ground, Some(clouds.base()));
             assert!(offsets_m.windows(2).all(|pair| pair[0] < pair[1]) && offsets_m.contains(&0.0));
