@@ -22,7 +22,7 @@ fn resolution(variant: &str) -> Result<Resolution, String> {
         "layers3" => Resolution { layer_cuts: 3, ..table },
         "rings2" => Resolution { ring_step: 0.1, ..table },
         "degrees" => Resolution { later_degree: 18, azimuths: 24, ..table },
-        "directions" => Resolution { polar_per_hemisphere: 24, ..table },
+        "directions" => Resolution { polar_per_hemisphere: 32, ..table },
         "orders" => Resolution { tolerance: 0.005, ..table },
         "reference" => Resolution::reference(),
         _ => return Err(format!("there is no variant {variant}")),

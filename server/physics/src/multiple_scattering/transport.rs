@@ -36,16 +36,42 @@ pub(super) struct Radiance {
     pub(super) up_flux: Vec<[f64; LANES]>,
 }
 
+/// Ends of the first pieces of a hemisphere, as cosines from the horizon: 2, 7 and 24°.
+const PIECE_ENDS: [f64; 3] = [0.04, 0.12, 0.4];
+/// Fewest zenith angles of a hemisphere that are shared out over pieces, four in each.
+const FEWEST_IN_PIECES: usize = 16;
+
 /// Cosines of zenith angles with weights summing to 2, above and below the horizon of a ground, whose zenith angle has
-/// the cosine `horizon` ≤ 0: there radiance jumps, and nodes crowd on both sides (μ = horizon ± x²), where the haze of a far
-/// source glows. From 1 000 m up the horizon is 1° down: with nodes that crowd at 0 instead, fields 50 to 200 km away in
-/// thick haze were 1.6 to 6.8 % darker than with twice as many, and with these 0.7 to 1.3 %.
+/// the cosine `horizon` ≤ 0: there radiance jumps. The haze over a far source glows in a strip of a degree or two, somewhere
+/// within some degrees of the horizon, so nodes are close there: Gauss's in each of four pieces. Fewer than
+/// [`FEWEST_IN_PIECES`] crowd at the horizon itself, μ = horizon ± x².
+///
+/// At the zenith 20 to 160 km from a source in thick haze (turbidity 6) fields with 12 nodes μ = horizon ± x² are +1.6, +3.2,
+/// +9.5 and −5.1 % off those with 50 in five pieces, with 24 still −2, −3, −2, −2 %; 16 in four −1.6, +0.4, −3.9, −1.5 %. At turbidity
+/// 2.5 −0.1, +1.7, +2.5, −2.3 % and −0.5, +0.6, −1.1, 0.0 %.
 pub(super) fn zenith_nodes(per_hemisphere: usize, horizon: f64) -> Vec<(f64, f64)> {
-    let half = gauss_legendre(per_hemisphere);
     let (below, above) = (1.0 + horizon, 1.0 - horizon);
-    let up = half.iter().map(|&(x, weight)| (horizon + above * x * x, 2.0 * above * x * weight));
-    let down = half.iter().map(|&(x, weight)| (horizon - below * x * x, 2.0 * below * x * weight));
+    let up = hemisphere_nodes(per_hemisphere, above).into_iter().map(|(x, weight)| (horizon + x, weight));
+    let down = hemisphere_nodes(per_hemisphere, below).into_iter().map(|(x, weight)| (horizon - x, weight));
     down.chain(up).collect()
+}
+
+/// Nodes and weights over cosines 0..`size` from the horizon.
+fn hemisphere_nodes(count: usize, size: f64) -> Vec<(f64, f64)> {
+    let pieces = PIECE_ENDS.len() + 1;
+    if count < FEWEST_IN_PIECES || !count.is_multiple_of(pieces) {
+        let squared = |(x, weight): (f64, f64)| (size * x * x, 2.0 * size * x * weight);
+        return gauss_legendre(count).into_iter().map(squared).collect();
+    }
+    let rule = gauss_legendre(count / pieces);
+    // From high up the ground fills little of the sky, and its pieces are as much smaller.
+    let unit = size.min(1.0);
+    let ends: Vec<f64> = [0.0].into_iter().chain(PIECE_ENDS.map(|end| end * unit)).chain([size]).collect();
+    let piece = |ends: &[f64]| -> Vec<(f64, f64)> {
+        let (from, width) = (ends[0], ends[1] - ends[0]);
+        rule.iter().map(|&(x, weight)| (from + width * x, width * weight)).collect()
+    };
+    ends.windows(2).flat_map(piece).collect()
 }
 
 /// Cosine of the zenith angle of the horizon from an altitude, 0 on the ground.
@@ -239,5 +265,47 @@ impl Sky<'_> {
             }
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zenith_angles_integrate_polynomials_over_both_sides_of_any_horizon() {
+        for per_hemisphere in [6, 12, 16, 18, 24] {
+            for horizon in [0.0, -0.02, -0.14] {
+                let nodes = zenith_nodes(per_hemisphere, horizon);
+                assert_eq!(nodes.len(), 2 * per_hemisphere);
+                assert!(nodes.iter().all(|&(cosine, weight)| cosine.abs() < 1.0 && weight > 0.0));
+                assert_eq!(nodes.iter().filter(|node| node.0 < horizon).count(), per_hemisphere);
+                for power in 0..6 {
+                    let integral: f64 = nodes.iter().map(|&(x, weight)| weight * x.powi(power)).sum();
+                    let exact = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
+                    assert!((integral - exact).abs() < 1e-9, "{per_hemisphere} {horizon} {power}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_strip_of_haze_a_degree_high_is_met_wherever_it_glows_near_the_horizon() {
+        let worst = |per_hemisphere: usize| {
+            let errors = (0..40).map(|step| {
+                let middle = 0.003 * f64::from(step);
+                let glow = |x: f64| (-((x - middle) / 0.015).powi(2)).exp();
+                let seen: f64 = zenith_nodes(per_hemisphere, 0.0)
+                    .into_iter()
+                    .filter(|node| node.0 > 0.0)
+                    .map(|(x, weight)| weight * glow(x))
+                    .sum();
+                let exact = crate::quadrature::integrate_adaptive(0.0, 1.0, 1e-9, 0.0, |x| [glow(x)])[0];
+                (seen / exact - 1.0).abs()
+            });
+            errors.fold(0.0, f64::max)
+        };
+        let (squared, pieces) = (worst(12), worst(16));
+        assert!(pieces < 0.25 && squared > 4.0 * pieces, "{squared} {pieces}");
     }
 }

@@ -40,8 +40,7 @@ impl FieldResolution {
 /// The sample points of multiply scattered light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MultipleAxes {
-    /// Version of the fields; 0 of packs that do not say it.
-    #[serde(default)]
+    /// Version of the solver of the fields and of their layout.
     pub field_version: u32,
     /// Lambertian albedo of the ground, 0..=1.
     pub ground_albedo: f64,
