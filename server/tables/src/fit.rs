@@ -80,7 +80,7 @@ pub struct FitConstants {
     pub rounding_variance: f64,
     /// Extra weight next to the source's azimuth, and the rows and columns at which it is 1/e.
     pub near_source: [f64; 3],
-    /// The same when coefficients are sought, where they are not those of the functions.
+    /// The same when coefficients are sought.
     pub near_source_of_coefficients: [f64; 3],
     /// Extra weight overhead, and the rows from the zenith at which it is 1/e.
     pub zenith: [f64; 2],
