@@ -3,19 +3,22 @@
 const RADIANCE_FLOOR_W_M2_SR: f32 = 1e-13;
 const BEND_ALLOWED: f32 = 0.1;
 const BEND_SHARE_ALLOWED: f32 = 0.06;
-const DIMMEST_PACK: f32 = 1e-4;
+const DIMMEST_PACK: f32 = 1e-3;
 
 fn blend_radiance(radiance_w_m2_sr: vec4<f32>, weight: vec4<f32>, bracket: vec4<f32>) -> f32 {
   let floored = max(radiance_w_m2_sr, vec4<f32>(RADIANCE_FLOOR_W_M2_SR));
   let largest = max(max(floored.x, floored.y), max(floored.z, floored.w));
-  let log_ratios = vec4<f32>(
-    natural_log(max(floored.x / largest, DIMMEST_PACK)),
-    natural_log(max(floored.y / largest, DIMMEST_PACK)),
-    natural_log(max(floored.z / largest, DIMMEST_PACK)),
-    natural_log(max(floored.w / largest, DIMMEST_PACK)),
-  );
-  // The two packs around; logarithms are not above 0.
+  // The two packs around.
   let is_around = bracket > vec4<f32>(0.0);
+  let around = select(vec4<f32>(0.0), floored, is_around);
+  let least = DIMMEST_PACK * max(max(around.x, around.y), max(around.z, around.w));
+  let log_ratios = vec4<f32>(
+    natural_log(max(floored.x, least) / largest),
+    natural_log(max(floored.y, least) / largest),
+    natural_log(max(floored.z, least) / largest),
+    natural_log(max(floored.w, least) / largest),
+  );
+  // Logarithms are not above 0.
   let lows = select(vec4<f32>(0.0), log_ratios, is_around);
   let highs = select(vec4<f32>(-1e30), log_ratios, is_around);
   let low = min(min(lows.x, lows.y), min(lows.z, lows.w));

@@ -40,7 +40,8 @@ struct Group {
     words: &'static str,
     looks: std::ops::Range<usize>,
     limit: f64,
-    /// All samples behind the brightest of the walk times this must exceed the limit: a fault in the dark is none.
+    /// All samples behind a lit stand where the truth stands still, times this, must exceed the limit: a fault in the dark, or
+    /// where the truth itself leaps, is none.
     planted: f64,
 }
 
@@ -140,6 +141,16 @@ pub(crate) fn fast_cd_m2(rig: &Rig, stand: Stand, flux_dnb_w: f64) -> Result<Vec
     Ok(LOOKS.iter().map(|&(row, column)| sky.luminance_cd_m2(row, column)).collect())
 }
 
+/// The stand from which the truth changes least to the next, among those at least a hundredth as bright as the brightest.
+fn stillest(own: &[f64], walked: &[f64]) -> usize {
+    let brightest = walked.iter().copied().fold(0.0, f64::max);
+    let step = |at: usize| (own[at] - own[at + 1]).abs() / own[at].max(own[at + 1]).max(f64::MIN_POSITIVE);
+    let widest =
+        |at: usize| (at.saturating_sub(1)..(at + 2).min(own.len() - 1)).map(step).fold(0.0, f64::max);
+    let lit = (0..own.len() - 1).filter(|&at| walked[at] >= 0.01 * brightest);
+    lit.min_by(|&a, &b| widest(a).total_cmp(&widest(b))).unwrap_or_default()
+}
+
 fn walk_along(report: &mut Report, rig: &Rig, name: &str, walk: impl Iterator<Item = Stand>) -> Outcome {
     let (mut walked, mut own, mut stands) = (Vec::new(), Vec::new(), Vec::new());
     for stand in walk {
@@ -159,8 +170,7 @@ fn walk_along(report: &mut Report, rig: &Rig, name: &str, walk: impl Iterator<It
             if excess >= worst.0 {
                 worst = (excess, at, look);
             }
-            let brightest = (0..walked.len() - 1).max_by(|&a, &b| walked[a].total_cmp(&walked[b]));
-            let behind = brightest.map_or(0, |brightest| brightest + 1);
+            let behind = stillest(&own, &walked) + 1;
             walked[behind..].iter_mut().for_each(|value| *value *= group.planted);
             planted = planted.min(jump(&walked, &own, LUMINANCE_FLOOR_CD_M2).0);
         }

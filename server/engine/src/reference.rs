@@ -23,8 +23,9 @@ pub fn render_f64(request: &Prepared, set: &TableSet) -> Vec<f64> {
     let darkness = f64::from(RADIANCE_FLOOR_W_M2_SR);
     (0..Panorama::LEN)
         .map(|sample| {
-            let brightest = rendered.iter().map(|sky| sky[sample]).fold(0.0, f64::max);
-            let floor = darkness.max(f64::from(DIMMEST_PACK) * brightest);
+            let around = rendered.iter().zip(taps.bracket()).filter(|(_, weight)| **weight > 0.0);
+            let brighter = around.map(|(sky, _)| sky[sample]).fold(darkness, f64::max);
+            let floor = darkness.max(f64::from(DIMMEST_PACK) * brighter);
             let log: Vec<f64> = rendered.iter().map(|sky| (sky[sample].max(floor) / floor).ln()).collect();
             let sum = |weights: &[f64]| -> f64 { log.iter().zip(weights).map(|(log, w)| w * log).sum() };
             let around = log.iter().zip(taps.bracket()).filter(|(_, w)| **w > 0.0).map(|(log, _)| *log);

@@ -64,10 +64,16 @@ fn blend_lanes(radiance_w_m2_sr: [&[f32; LANES]; 4], weight: [f32; 4], bracket: 
             largest[lane] = larger(samples[lane], largest[lane]);
         }
     }
+    let mut brighter = [RADIANCE_FLOOR_W_M2_SR; LANES];
+    for (samples, _) in radiance_w_m2_sr.iter().zip(bracket).filter(|(_, bracket)| *bracket > 0.0) {
+        for lane in 0..LANES {
+            brighter[lane] = larger(samples[lane], brighter[lane]);
+        }
+    }
     for (log, samples) in log.iter_mut().zip(radiance_w_m2_sr) {
         for lane in 0..LANES {
-            let share = larger(samples[lane], RADIANCE_FLOOR_W_M2_SR) / largest[lane];
-            log[lane] = natural_log(larger(share, DIMMEST_PACK));
+            let floored = larger(samples[lane], RADIANCE_FLOOR_W_M2_SR);
+            log[lane] = natural_log(larger(floored, DIMMEST_PACK * brighter[lane]) / largest[lane]);
         }
     }
     let (mut low, mut high) = ([0f32; LANES], [-1e30f32; LANES]);

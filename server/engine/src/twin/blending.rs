@@ -14,14 +14,15 @@ pub const BEND_ALLOWED: f32 = 0.1;
 /// See [`BEND_ALLOWED`].
 pub const BEND_SHARE_ALLOWED: f32 = 0.06;
 
-/// Least radiance of a pack over the brightest one's in a direction: a dimmer one counts as this. Where the functions of a
-/// basis cancel a sample is nothing but rounding, of which a logarithm makes anything: between a lit pack and a black one
-/// two executors were 5 % of the row's brightest apart. Air between two packs dims no direction by that much.
-pub const DIMMEST_PACK: f32 = 1e-4;
+/// Least radiance of a pack in a direction, over that of the brighter one of the two around: a dimmer one counts as this. Where
+/// the functions of a basis cancel a sample is nothing but rounding, of which a logarithm makes anything: between a lit pack and
+/// a black one two executors were 5 % of the row's brightest apart. Between neighbouring packs air dims no visible
+/// direction by that much.
+pub const DIMMEST_PACK: f32 = 1e-3;
 
 /// exp Σ_p weight_p · ln max(radiance_p, floor), over the packs with weight (they sum to 1); 0 where that is at or
-/// below the floor, give or take rounding. Logarithms are taken over the largest sample, which keeps them small, and end
-/// at that of [`DIMMEST_PACK`].
+/// below the floor, give or take rounding. Logarithms are taken over the largest sample, which keeps them small;
+/// [`DIMMEST_PACK`] says where they end.
 ///
 /// `bracket` holds the weights of linear interpolation between the two packs around. Where a basis leaves a dim
 /// direction of one of the others black, its logarithm is a pit, and the cubic through it leaps elsewhere, by hundreds:
@@ -30,7 +31,10 @@ pub const DIMMEST_PACK: f32 = 1e-4;
 pub fn blend_radiance(radiance_w_m2_sr: [f32; 4], weight: [f32; 4], bracket: [f32; 4]) -> f32 {
     let floored = radiance_w_m2_sr.map(|radiance| radiance.max(RADIANCE_FLOOR_W_M2_SR));
     let largest = floored[0].max(floored[1]).max(floored[2].max(floored[3]));
-    let log = [0, 1, 2, 3].map(|pack: usize| natural_log((floored[pack] / largest).max(DIMMEST_PACK)));
+    let around = |pack: usize| if bracket[pack] > 0.0 { floored[pack] } else { 0.0 };
+    let brighter = around(0).max(around(1)).max(around(2).max(around(3)));
+    let least = DIMMEST_PACK * brighter;
+    let log = [0, 1, 2, 3].map(|pack: usize| natural_log(floored[pack].max(least) / largest));
     let sum =
         |weight: [f32; 4]| weight[0] * log[0] + weight[1] * log[1] + weight[2] * log[2] + weight[3] * log[3];
     let (mut low, mut high) = (0.0f32, -1e30f32);
@@ -78,9 +82,12 @@ mod tests {
         let blended = |black: f32| blend_radiance([1e-6, black, 0.0, 0.0], half, half);
         // A rounding error of 1e-7 of the row, either way.
         assert_eq!(blended(0.0), blended(1e-13));
-        assert!((blended(0.0) / 1e-8 - 1.0).abs() < 1e-4);
+        assert!((blended(0.0) / 1e-6 - 1e-3f32.sqrt()).abs() < 1e-5);
         // Above the least it counts.
-        assert!(blended(4e-10) > 1.9 * blended(0.0));
+        assert!(blended(4e-9) > 1.9 * blended(0.0));
+        // A pack beyond, however bright, makes none of the two around black.
+        let weight = [-0.1, 0.6, 0.6, -0.1];
+        assert!(blend_radiance([1.0, 1e-8, 2e-8, 1e-9], weight, MIDDLE) < 2e-8);
     }
 
     #[test]
