@@ -11,6 +11,7 @@ pub mod engine;
 pub mod error;
 mod executor;
 mod gpu;
+pub mod influence;
 mod node_norms;
 mod node_table;
 pub mod observatory;
@@ -32,6 +33,7 @@ mod worker;
 
 pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
+pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
 pub use observatory::{Observatory, Observer, ObserverHeight, SiteAnswer, SkyAnswer, SkyRequest};
 pub use packs::{PackKind, ResidentKind, resident_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};

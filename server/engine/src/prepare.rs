@@ -180,7 +180,7 @@ impl Prepared {
                 }
                 ring_axis::positions(&offsets, &mut positions);
                 for (cell, position) in cells.iter().zip(positions) {
-                    if cell.flux_dnb_w <= 0.0 || f64::from(cell.altitude_m) >= highest_source_m {
+                    if !shines(cell, highest_source_m) {
                         continue;
                     }
                     let (node, upper_weight) = node_below(position);
@@ -271,6 +271,11 @@ impl NodeAxes<'_> {
             offset: (within % offsets) as u32,
         }
     }
+}
+
+/// Whether a cell counts: it has light, and that does not shine on clouds from above.
+pub(crate) fn shines(cell: &PolarCell, highest_source_m: f64) -> bool {
+    cell.flux_dnb_w > 0.0 && f64::from(cell.altitude_m) < highest_source_m
 }
 
 /// Node at or below a fractional position, and the weight of the one above it; none within 2e-6 of a node,

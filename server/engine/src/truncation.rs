@@ -185,7 +185,7 @@ pub fn relative_difference(sky: &Panorama, other: &Panorama) -> f64 {
 }
 
 /// ∫B_k·B_l dΩ, `[k][l]`, by Parseval's theorem along azimuth.
-fn gram_matrix(tables: &ResidentTables) -> Vec<f64> {
+pub(crate) fn gram_matrix(tables: &ResidentTables) -> Vec<f64> {
     let count = tables.basis_count;
     let row =
         |k: usize, row: usize| &tables.basis_spectrum[tables.spectrum_index(k, row, 0)..][..FREQUENCY_COUNT];

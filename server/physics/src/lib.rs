@@ -28,6 +28,8 @@ pub mod phase;
 pub mod photometry;
 pub mod quadrature;
 pub mod single_source;
+pub mod sky_curve;
+pub mod sky_measure;
 pub mod sky_quantities;
 pub mod source_pixel;
 
@@ -41,5 +43,7 @@ pub use geometry::{EARTH_RADIUS_M, GeoPoint};
 pub use horizon::Horizon;
 pub use lamp::{Lamp, LampPreset};
 pub use panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama};
+pub use sky_curve::SkyCurve;
+pub use sky_measure::LinearMeasure;
 pub use sky_quantities::{SkyCover, SkyQuantities};
 pub use source_pixel::{PointSource, SourcePixel};

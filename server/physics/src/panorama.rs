@@ -43,6 +43,13 @@ pub fn solid_angle_sr(row: usize) -> f64 {
     std::f64::consts::TAU / AZIMUTH_COUNT as f64 * (high.sin() - low.sin())
 }
 
+/// ∫ sin φ dΩ over the grid cell around any sample in `row`, sr: exact, so that a uniform sky gives E = πL.
+pub fn projected_sr(row: usize) -> f64 {
+    let step = std::f64::consts::FRAC_PI_2 / ELEVATION_COUNT as f64;
+    let (low, high) = (row as f64 * step, (row + 1) as f64 * step);
+    std::f64::consts::TAU / AZIMUTH_COUNT as f64 * 0.5 * (high.sin() * high.sin() - low.sin() * low.sin())
+}
+
 /// Spectral-band radiance of the whole upper hemisphere, W m⁻² sr⁻¹ in each band.
 ///
 /// Shape `[band][row][column]`, band R, G, B; row 0 lowest; column 0 north.

@@ -3,7 +3,8 @@
 use crate::{
     horizon::Horizon,
     panorama::{
-        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad, solid_angle_sr,
+        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad, projected_sr,
+        solid_angle_sr,
     },
     photometry::{
         bortle_class, brightness_mag_arcsec2, luminance_cd_m2, naked_eye_limit_mag,
@@ -156,17 +157,12 @@ impl SkyQuantities {
             (-0.5 * (angle / sigma) * (angle / sigma)).exp()
         }));
         let mean = luminance_cd_m2(weighted_mean_radiance(panorama, horizon, |_| 1.0));
-        // sin φ averaged over the cell is exact for a uniform sky: E = πL.
-        let step = PI / 2.0 / ELEVATION_COUNT as f64;
         let mut horizontal = 0.0;
         // What is hidden is taken from π, so that an open sky gives π itself.
         let mut hidden_projected_sr = 0.0;
         let mut brightest = (0.0, horizon.first_visible_row(0).min(ELEVATION_COUNT - 1), 0);
         for row in 0..ELEVATION_COUNT {
-            let (low, high) = (row as f64 * step, (row + 1) as f64 * step);
-            let projected_sr = std::f64::consts::TAU / AZIMUTH_COUNT as f64
-                * 0.5
-                * (high.sin() * high.sin() - low.sin() * low.sin());
+            let projected_sr = projected_sr(row);
             for column in 0..AZIMUTH_COUNT {
                 if horizon.hides_sample(row, column) {
                     hidden_projected_sr += projected_sr;

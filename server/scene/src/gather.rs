@@ -31,6 +31,39 @@ use std::f64::consts::TAU;
 /// an azimuth column, π/128.
 pub const FAR_BLOCK_RATIO: f64 = std::f64::consts::PI / 128.0;
 
+/// A `far_block_ratio` that takes every pixel by itself.
+pub(crate) const NO_BLOCKS: f64 = -1.0;
+
+/// What gathered light goes into.
+pub(crate) trait LightSink {
+    /// A point of light of a lit pixel, or of a block of several where `pixel` is None; the rest as
+    /// [`PolarAccumulator::add`].
+    fn add(
+        &mut self,
+        pixel: Option<usize>,
+        azimuth_rad: f64,
+        log_distance: f64,
+        altitude_m: f64,
+        blocking: f64,
+        flux_dnb_w: f64,
+    );
+}
+
+impl LightSink for PolarAccumulator {
+    #[inline(always)]
+    fn add(
+        &mut self,
+        _pixel: Option<usize>,
+        azimuth_rad: f64,
+        log_distance: f64,
+        altitude_m: f64,
+        blocking: f64,
+        flux_dnb_w: f64,
+    ) {
+        self.add(azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w);
+    }
+}
+
 /// The light that a scene holds, as the functions of this module need it.
 #[derive(Clone, Copy)]
 pub(crate) struct Light<'a> {
@@ -117,15 +150,11 @@ impl Light<'_> {
         }
     }
 
-    /// Adds all light within 300 km of the observer to `accumulator`. `far_block_ratio` 0 opens every block.
-    pub(crate) fn gather(
-        &self,
-        frame: &LocalFrame,
-        far_block_ratio: f64,
-        accumulator: &mut PolarAccumulator,
-    ) {
+    /// Adds all light within 300 km of the observer to `sink`. `far_block_ratio` 0 opens every block of more than one place,
+    /// [`NO_BLOCKS`] every one.
+    pub(crate) fn gather(&self, frame: &LocalFrame, far_block_ratio: f64, sink: &mut impl LightSink) {
         let (nearest_m, farthest_m) = (chord_m(SPLIT_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
-        let shared = std::cell::RefCell::new(accumulator);
+        let shared = std::cell::RefCell::new(sink);
         let take_block = |level: &Level, index: usize, distance_m: f64| {
             let block = &level.blocks[index];
             let taken = block.radius_m <= far_block_ratio * distance_m
@@ -139,6 +168,7 @@ impl Light<'_> {
                     skylines.blocking(index, turns_from_light(block.direction, frame.up), log_distance)
                 });
                 shared.borrow_mut().add(
+                    None,
                     bearing.azimuth_rad,
                     log_distance,
                     block.altitude_m,
@@ -155,7 +185,7 @@ impl Light<'_> {
             if bearing.distance_m > FARTHEST_SOURCE_M || center.dot(frame.up) <= 0.0 {
                 return;
             }
-            let mut accumulator = shared.borrow_mut();
+            let mut sink = shared.borrow_mut();
             let skylines = known_around(self.skylines, index);
             if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
                 let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
@@ -166,7 +196,7 @@ impl Light<'_> {
                     let blocking = skylines.map_or(0.0, |skylines| {
                         skylines.blocking(index, (back + s.azimuth_rad / TAU).rem_euclid(1.0), log_distance)
                     });
-                    accumulator.add(s.azimuth_rad, log_distance, s.altitude_m, blocking, s.flux_dnb_w);
+                    sink.add(Some(index), s.azimuth_rad, log_distance, s.altitude_m, blocking, s.flux_dnb_w);
                 });
             } else {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
@@ -175,7 +205,7 @@ impl Light<'_> {
                 let blocking = skylines.map_or(0.0, |skylines| {
                     skylines.blocking(index, turns_from_light(center, frame.up), log_distance)
                 });
-                accumulator.add(bearing.azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w);
+                sink.add(Some(index), bearing.azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w);
             }
         };
         self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);

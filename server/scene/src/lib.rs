@@ -23,6 +23,7 @@ mod ground;
 mod ingest;
 mod lattice;
 mod light_pyramid;
+mod light_shares;
 mod lit_pixels;
 mod map_tile;
 mod mask;
@@ -43,6 +44,7 @@ pub use error::SceneError;
 pub use gather::FAR_BLOCK_RATIO;
 pub use ground::Ground;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
+pub use light_shares::{CellShare, LightShares};
 pub use map_tile::{RasterTile, TileLayer};
 pub use metadata::{
     ExamplePlace, GridMetadata, IngestReport, PixelCount, Place, SceneMetadata, TerrainReport,

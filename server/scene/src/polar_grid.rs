@@ -83,8 +83,50 @@ pub(crate) struct PolarAccumulator {
     /// the processor's cache: good to 1e-6.
     blocked: Vec<BlockedCell>,
     flux_dnb_w: f64,
+    axes: PolarAxes,
+}
+
+/// Where positions lie on the grid's axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PolarAxes {
     columns_per_rad: f64,
     rings_per_log: f64,
+}
+
+impl PolarAxes {
+    pub(crate) fn new() -> Self {
+        Self {
+            columns_per_rad: AZIMUTH_COLUMN_COUNT as f64 / std::f64::consts::TAU,
+            rings_per_log: (RING_COUNT - 1) as f64 / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln(),
+        }
+    }
+
+    /// The four places `column × RING_COUNT + ring` around a position with their weights, which sum to 1: linear in azimuth
+    /// and in ln(distance). Arguments as those of [`PolarAccumulator::add`].
+    #[inline(always)]
+    pub(crate) fn shares(&self, azimuth_rad: f64, log_distance: f64) -> [(usize, f64); 4] {
+        let column = azimuth_rad * self.columns_per_rad;
+        let ring = (log_distance * self.rings_per_log).clamp(0.0, (RING_COUNT - 1) as f64);
+        let (first, inner) = (column.floor(), (ring as usize).min(RING_COUNT - 2));
+        let (along, out) = (column - first, ring - inner as f64);
+        let first = first as usize % AZIMUTH_COLUMN_COUNT;
+        let second = (first + 1) % AZIMUTH_COLUMN_COUNT;
+        let (first, second) = (first * RING_COUNT + inner, second * RING_COUNT + inner);
+        [
+            (first, (1.0 - along) * (1.0 - out)),
+            (first + 1, (1.0 - along) * out),
+            (second, along * (1.0 - out)),
+            (second + 1, along * out),
+        ]
+    }
+}
+
+/// The two blocking angles around a place on their axis with their weights, which sum to 1.
+#[inline(always)]
+pub(crate) fn blocking_shares(blocking: f64) -> [(usize, f64); 2] {
+    let lower = (blocking as usize).min(BLOCKING_COUNT - 2);
+    let up = (blocking - lower as f64).min(1.0);
+    [(lower, 1.0 - up), (lower + 1, up)]
 }
 
 impl PolarAccumulator {
@@ -94,8 +136,7 @@ impl PolarAccumulator {
             blocked_at: Vec::new(),
             blocked: Vec::new(),
             flux_dnb_w: 0.0,
-            columns_per_rad: AZIMUTH_COLUMN_COUNT as f64 / std::f64::consts::TAU,
-            rings_per_log: (RING_COUNT - 1) as f64 / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln(),
+            axes: PolarAxes::new(),
         }
     }
 
@@ -113,21 +154,12 @@ impl PolarAccumulator {
         blocking: f64,
         flux_dnb_w: f64,
     ) {
-        let column = azimuth_rad * self.columns_per_rad;
-        let ring = (log_distance * self.rings_per_log).clamp(0.0, (RING_COUNT - 1) as f64);
-        let (first, inner) = (column.floor(), (ring as usize).min(RING_COUNT - 2));
-        let (along, out) = (column - first, ring - inner as f64);
-        let first = first as usize % AZIMUTH_COLUMN_COUNT;
-        let second = (first + 1) % AZIMUTH_COLUMN_COUNT;
-        for (column, weight) in [(first, 1.0 - along), (second, along)] {
-            let (near, far) = (flux_dnb_w * weight * (1.0 - out), flux_dnb_w * weight * out);
-            let at = column * RING_COUNT + inner;
+        for (at, weight) in self.axes.shares(azimuth_rad, log_distance) {
+            let flux_dnb_w = flux_dnb_w * weight;
             if blocking > 0.0 {
-                self.add_blocked(at, altitude_m, blocking, near);
-                self.add_blocked(at + 1, altitude_m, blocking, far);
+                self.add_blocked(at, altitude_m, blocking, flux_dnb_w);
             } else {
-                add_light(&mut self.open[at], near, altitude_m);
-                add_light(&mut self.open[at + 1], far, altitude_m);
+                add_light(&mut self.open[at], flux_dnb_w, altitude_m);
             }
         }
         self.flux_dnb_w += flux_dnb_w;
@@ -135,8 +167,7 @@ impl PolarAccumulator {
 
     /// Adds light to one cell at the two blocking angles around `blocking`, above 0.
     fn add_blocked(&mut self, at: usize, altitude_m: f64, blocking: f64, flux_dnb_w: f64) {
-        let lower = (blocking as usize).min(BLOCKING_COUNT - 2);
-        let up = (blocking - lower as f64).min(1.0);
+        let [(lower, open_weight), (_, up)] = blocking_shares(blocking);
         if self.blocked_at.is_empty() {
             self.blocked_at = vec![0; self.open.len()];
             self.blocked.reserve(self.open.len() / 4);
@@ -146,7 +177,7 @@ impl PolarAccumulator {
             self.blocked_at[at] = self.blocked.len() as u32;
         }
         let BlockedCell(cell) = &mut self.blocked[self.blocked_at[at] as usize - 1];
-        let (low, high) = (flux_dnb_w * (1.0 - up), flux_dnb_w * up);
+        let (low, high) = (flux_dnb_w * open_weight, flux_dnb_w * up);
         if lower == 0 {
             add_light(&mut self.open[at], low, altitude_m);
         } else {

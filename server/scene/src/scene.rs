@@ -2,14 +2,16 @@
 
 use crate::coverage;
 use crate::error::SceneError;
-use crate::gather::{FAR_BLOCK_RATIO, Light};
+use crate::gather::{FAR_BLOCK_RATIO, Light, NO_BLOCKS};
 use crate::grid::Grid;
 use crate::ground::Ground;
 use crate::light_pyramid::LightPyramid;
+use crate::light_shares::{LightShares, ShareCollector};
 use crate::lit_pixels::LitPixels;
 use crate::map_tile::{self, RasterTile, TileLayer};
 use crate::mask::ValidMask;
 use crate::metadata::{Place, SceneMetadata};
+use crate::morton;
 use crate::polar_grid::{PolarAccumulator, PolarGrid};
 use crate::skylines::Skylines;
 use crate::terrain::{Terrain, nearest_wall_m};
@@ -136,11 +138,32 @@ impl Scene {
         far_block_ratio: f64,
     ) -> PolarGrid {
         let mut accumulator = PolarAccumulator::new();
+        self.light_behind(terrain_hides).gather(&LocalFrame::at(place), far_block_ratio, &mut accumulator);
+        accumulator.finish(place, self.coverage(place))
+    }
+
+    /// The same with every pixel by itself, and where the light of each went.
+    pub fn light_shares(&self, place: GeoPoint, terrain_hides: bool) -> LightShares {
+        let mut collector = ShareCollector::new();
+        self.light_behind(terrain_hides).gather(&LocalFrame::at(place), NO_BLOCKS, &mut collector);
+        collector.finish(place, self.coverage(place))
+    }
+
+    /// A lit pixel by its number, 0..`metadata().ingest`'s lit pixels: its column and row on the raster; None beyond.
+    pub fn lit_pixel(&self, number: u32) -> Option<(u32, u32)> {
+        self.pixels.codes.get(number as usize).map(|&code| morton::decode(code))
+    }
+
+    /// The centre of a pixel of the raster.
+    pub fn pixel_center(&self, column: u32, row: u32) -> GeoPoint {
+        GeoPoint::from_vector(self.grid.center(column, row))
+    }
+
+    /// The scene's light, behind the skylines around it where those are known and terrain is to hide.
+    fn light_behind(&self, terrain_hides: bool) -> Light<'_> {
         let skylines =
             self.skylines.as_ref().filter(|skylines| terrain_hides && skylines.blocked_count() > 0);
-        let light = Light { skylines, ..self.light() };
-        light.gather(&LocalFrame::at(place), far_block_ratio, &mut accumulator);
-        accumulator.finish(place, self.coverage(place))
+        Light { skylines, ..self.light() }
     }
 
     /// The part of the 300 km disc around a place for which the raster has data, 0..=1, to about 0.005.

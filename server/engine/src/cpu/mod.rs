@@ -5,7 +5,7 @@ pub(crate) mod blend;
 pub(crate) mod coefficients;
 pub(crate) mod dispatch;
 pub(crate) mod mix;
-mod scratch;
+pub(crate) mod scratch;
 pub(crate) mod transforms;
 mod work;
 
@@ -90,14 +90,37 @@ impl CpuExecutor {
         BatchOutput { radiance_w_m2_sr, passes: clock.into_passes() }
     }
 
+    /// The sky of one pack of a request, and what its passes left.
+    pub(crate) fn render_keeping(&self, request: &Prepared, pack: usize) -> (Vec<f32>, Scratch) {
+        let (mut scratch, mut sky) = (Scratch::default(), Vec::new());
+        self.run_passes(&Item { request, pack }, true, &mut scratch, &mut sky);
+        (sky, scratch)
+    }
+
+    /// The tables of its transforms.
+    pub(crate) fn transforms(&self) -> &Transforms {
+        &self.transforms
+    }
+
     fn render_pack(&self, item: &Item<'_>, side_by_side: bool) -> (Vec<f32>, PassClock) {
+        let (mut scratch, mut sky) = (self.scratch.take(), self.scratch.take_panorama());
+        let clock = self.run_passes(item, side_by_side, &mut scratch, &mut sky);
+        self.scratch.keep(scratch);
+        (sky, clock)
+    }
+
+    fn run_passes(
+        &self,
+        item: &Item<'_>,
+        side_by_side: bool,
+        scratch: &mut Scratch,
+        sky: &mut Vec<f32>,
+    ) -> PassClock {
         let (request, tables) = (item.request, &self.set.tables()[item.pack]);
         let basis_count = request.basis_count.min(tables.basis_count);
         let lit_bands = request.flux_per_dnb_flux.map(|flux| flux > 0.0);
         let mut clock = PassClock::default();
-        let mut scratch = self.scratch.take();
-        let Scratch { scales, mixed, weights, columns, spectra, sums } = &mut scratch;
-        let mut sky = self.scratch.take_panorama();
+        let Scratch { scales, mixed, weights, columns, spectra, sums } = scratch;
         clock.time(Pass::MixScale, || mix::mix_scale(tables, request, side_by_side, scales));
         clock.time(Pass::MixShape, || mix::mix_shape(tables, request, scales, side_by_side, mixed));
         clock.time(Pass::CellWeights, || coefficients::weigh_cells(request, scales, side_by_side, weights));
@@ -110,9 +133,8 @@ impl CpuExecutor {
         clock.time(Pass::BasisSum, || {
             basis_sum::basis_sum(&self.basis[item.pack], spectra, basis_count, side_by_side, sums);
         });
-        clock.time(Pass::InverseFft, || self.transforms.inverse(lit_bands, sums, side_by_side, &mut sky));
-        self.scratch.keep(scratch);
-        (sky, clock)
+        clock.time(Pass::InverseFft, || self.transforms.inverse(lit_bands, sums, side_by_side, sky));
+        clock
     }
 }
 

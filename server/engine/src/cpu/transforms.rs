@@ -74,14 +74,26 @@ impl Transforms {
         side_by_side: bool,
         radiance_w_m2_sr: &mut Vec<f32>,
     ) {
-        radiance_w_m2_sr.resize(Panorama::LEN, 0.0);
-        for_each_part(side_by_side, radiance_w_m2_sr, ROWS_PER_GROUP * AZIMUTH_COUNT, |task, rows| {
+        self.inverse_above(0.0, lit_bands, sums, side_by_side, radiance_w_m2_sr);
+    }
+
+    /// The same, clamped at `least`.
+    pub(crate) fn inverse_above(
+        &self,
+        least: f32,
+        lit_bands: [bool; BAND_COUNT],
+        sums: &[FrequencySums],
+        side_by_side: bool,
+        rows: &mut Vec<f32>,
+    ) {
+        rows.resize(Panorama::LEN, 0.0);
+        for_each_part(side_by_side, rows, ROWS_PER_GROUP * AZIMUTH_COUNT, |task, rows| {
             if !lit_bands[task / ROW_GROUPS] {
                 rows.fill(0.0);
                 return;
             }
             let (rows, _) = rows.as_chunks_mut::<AZIMUTH_COUNT>();
-            transform_rows(&self.twiddles, sums, task / ROW_GROUPS, task % ROW_GROUPS, rows);
+            transform_rows(&self.twiddles, sums, task / ROW_GROUPS, task % ROW_GROUPS, least, rows);
         });
     }
 }
@@ -133,6 +145,7 @@ dispatch_wide!(
         sums: &[FrequencySums],
         band: usize,
         row_group: usize,
+        least: f32,
         rows: &mut [[f32; AZIMUTH_COUNT]]
     )
 );
@@ -143,6 +156,7 @@ fn transform_rows_body<const FUSED: bool>(
     sums: &[FrequencySums],
     band: usize,
     row_group: usize,
+    least: f32,
     rows: &mut [[f32; AZIMUTH_COUNT]],
 ) {
     let Aligned(points) = &mut Aligned([[[0f32; LANES]; 2]; AZIMUTH_COUNT]);
@@ -164,7 +178,7 @@ fn transform_rows_body<const FUSED: bool>(
     for (lane, row) in rows.iter_mut().enumerate() {
         let (part, lane, scale) = if lane < LANES { (0, lane, scale) } else { (1, lane - LANES, -scale) };
         for (sample, point) in row.iter_mut().zip(points.iter()) {
-            *sample = (point[part][lane] * scale).max(0.0);
+            *sample = (point[part][lane] * scale).max(least);
         }
     }
 }

@@ -1,0 +1,151 @@
+//! Linear measures of a sky: Σ weight · luminance over the directions of the panorama grid (model, sections 6 and 7).
+//!
+//! What is linear in the luminance adds up over the sources, so each source has a share of it. All measures speak of the
+//! visible sky, as [`SkyQuantities`](crate::SkyQuantities) does: hidden directions weigh nothing, and means are over those that
+//! are seen.
+
+use crate::{
+    horizon::Horizon,
+    panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, Panorama, elevation_rad, projected_sr, solid_angle_sr},
+    sky_curve::SkyCurve,
+    sky_quantities::ZENITH_CAP_RAD,
+};
+use std::f64::consts::FRAC_PI_2;
+
+/// A weight for every direction of the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearMeasure {
+    /// `[row][column]`; sums to 1 for means (to 0 where nothing is seen of them), in sr for illuminance.
+    weights: Vec<f64>,
+}
+
+impl LinearMeasure {
+    /// Mean luminance of the visible directions within 5° of the zenith, weighted by solid angle, cd m⁻².
+    pub fn zenith(horizon: &Horizon) -> Self {
+        Self::mean_over(horizon, |row, _| FRAC_PI_2 - elevation_rad(row) <= ZENITH_CAP_RAD)
+    }
+
+    /// Mean luminance of the visible sky, cd m⁻².
+    pub fn mean(horizon: &Horizon) -> Self {
+        Self::mean_over(horizon, |_, _| true)
+    }
+
+    /// Mean luminance of the visible directions inside a closed curve (paper Eq. 13–14), cd m⁻².
+    pub fn region(curve: &SkyCurve, horizon: &Horizon) -> Self {
+        let inside = curve.directions_inside();
+        Self::mean_over(horizon, |row, column| inside[row * AZIMUTH_COUNT + column])
+    }
+
+    /// Horizontal illuminance E = ∫ L sin φ dΩ of the visible sky, lux.
+    pub fn horizontal(horizon: &Horizon) -> Self {
+        Self::of_weights(
+            |row, column| {
+                if horizon.hides_sample(row, column) { 0.0 } else { projected_sr(row) }
+            },
+        )
+    }
+
+    fn mean_over(horizon: &Horizon, counts: impl Fn(usize, usize) -> bool) -> Self {
+        let mut measure = Self::of_weights(|row, column| {
+            if counts(row, column) && !horizon.hides_sample(row, column) { solid_angle_sr(row) } else { 0.0 }
+        });
+        let sum: f64 = measure.weights.iter().sum();
+        if sum > 0.0 {
+            measure.weights.iter_mut().for_each(|weight| *weight /= sum);
+        }
+        measure
+    }
+
+    fn of_weights(weight: impl Fn(usize, usize) -> f64) -> Self {
+        let weight = &weight;
+        let rows =
+            (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| weight(row, column)));
+        Self { weights: rows.collect() }
+    }
+
+    /// The weights, `[row][column]`, none below 0.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Whether no direction counts: the curve holds no grid direction, or terrain hides all of them.
+    pub fn is_empty(&self) -> bool {
+        self.weights.iter().all(|weight| *weight == 0.0)
+    }
+
+    /// The measure of a panorama of artificial light.
+    pub fn of(&self, panorama: &Panorama) -> f64 {
+        self.weights
+            .iter()
+            .enumerate()
+            .filter(|(_, weight)| **weight > 0.0)
+            .map(|(at, weight)| weight * panorama.luminance_cd_m2(at / AZIMUTH_COUNT, at % AZIMUTH_COUNT))
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{panorama::Direction, sky_quantities::SkyQuantities};
+    use proptest::prelude::*;
+
+    fn sky(seed: u32) -> Panorama {
+        let sample =
+            |i: usize| ((i as u32).wrapping_mul(2_654_435_761).wrapping_add(seed) >> 8) as f32 * 1e-13;
+        Panorama::from_samples((0..Panorama::LEN).map(sample).collect()).unwrap()
+    }
+
+    fn hills() -> Horizon {
+        let elevation = |column: usize| (column as f64 * 0.11).sin().max(0.0) * 0.6;
+        Horizon::new((0..AZIMUTH_COUNT).map(elevation).collect()).unwrap()
+    }
+
+    #[test]
+    fn measures_are_the_quantities_that_are_reported() {
+        for horizon in [Horizon::flat(), hills()] {
+            let mut panorama = sky(5);
+            horizon.darken(&mut panorama);
+            let reported = SkyQuantities::of_visible(&panorama, &horizon);
+            for (measure, value) in [
+                (LinearMeasure::zenith(&horizon), reported.zenith_luminance_cd_m2),
+                (LinearMeasure::mean(&horizon), reported.mean_luminance_cd_m2),
+                (LinearMeasure::horizontal(&horizon), reported.horizontal_illuminance_lx),
+            ] {
+                assert!((measure.of(&panorama) / value - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_sky_all_hidden_has_no_measure() {
+        let walls = Horizon::new(vec![FRAC_PI_2; AZIMUTH_COUNT]).unwrap();
+        assert!(LinearMeasure::mean(&walls).is_empty() && LinearMeasure::zenith(&walls).is_empty());
+        assert_eq!(LinearMeasure::mean(&walls).of(&sky(1)), 0.0);
+        assert!(!LinearMeasure::mean(&hills()).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn measures_are_linear_and_a_uniform_sky_has_its_own_luminance(
+            seeds in prop::array::uniform2(any::<u32>()), factor in 0.1f32..10.0, east in 0.2f64..6.0,
+        ) {
+            let curve = SkyCurve::new(
+                [(0.0, 0.1), (0.3, 0.1), (0.3, 0.9), (0.0, 0.9)]
+                    .map(|(azimuth, elevation_rad)| Direction { azimuth_rad: east + azimuth, elevation_rad })
+                    .to_vec(),
+            )
+            .unwrap();
+            let measure = LinearMeasure::region(&curve, &Horizon::flat());
+            let [a, b] = seeds.map(sky);
+            let mut sum = a.clone();
+            for (sum, other) in sum.samples_mut().iter_mut().zip(b.samples()) {
+                *sum += factor * other;
+            }
+            let wanted = measure.of(&a) + f64::from(factor) * measure.of(&b);
+            prop_assert!((measure.of(&sum) / wanted - 1.0).abs() < 1e-6);
+            let uniform = Panorama::from_samples(vec![1e-7; Panorama::LEN]).unwrap();
+            prop_assert!((measure.of(&uniform) / uniform.luminance_cd_m2(0, 0) - 1.0).abs() < 1e-9);
+        }
+    }
+}
