@@ -1,9 +1,10 @@
 //! Made-up tables and grids: smooth, positive, fast to make. For tests and benches, never for a sky that anyone
 //! is shown.
 
+use crate::request::RenderRequest;
 use half::f16;
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, GeoPoint, LOBE_COUNT,
+    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, EmissionMix, GeoPoint, LOBE_COUNT, Turbidity,
     blocking::{BLOCKING_ANGLES_DEG, BLOCKING_COUNT},
 };
 use skyglow_scene::{PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
@@ -211,6 +212,20 @@ fn basis_spectrum(turbidity: f64, basis_count: usize) -> Vec<f32> {
         }
     }
     spectrum
+}
+
+/// A request for the sky of a grid: first order, clear, the eye between the tables' altitudes.
+pub fn request(polar: PolarGrid, turbidity: Turbidity) -> RenderRequest {
+    RenderRequest {
+        polar: Arc::new(polar),
+        observer_altitude_m: 1661.0,
+        turbidity,
+        scattering: Scattering::Single,
+        cloud_base_m: None,
+        emission: EmissionMix::garstang(),
+        flux_per_dnb_flux: [0.4, 0.6, 0.2],
+        basis: None,
+    }
 }
 
 /// A grid without light.

@@ -220,9 +220,8 @@ fn integral_sr(tables: &ResidentTables, k: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::{DeviceChoice, Engine, EngineConfig, synthetic};
-    use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_physics::Turbidity;
     use skyglow_scene::PolarGrid;
-    use skyglow_tables::Scattering;
 
     fn engine() -> Engine {
         let tables = synthetic::table_set_with_skylines(&[2.0, 3.0], 40);
@@ -230,16 +229,7 @@ mod tests {
     }
 
     fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
-        RenderRequest {
-            polar: Arc::new(polar),
-            observer_altitude_m: 1661.0,
-            turbidity: Turbidity::new(turbidity).unwrap(),
-            scattering: Scattering::Single,
-            cloud_base_m: None,
-            emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: [0.4, 0.6, 0.2],
-            basis: None,
-        }
+        synthetic::request(polar, Turbidity::new(turbidity).unwrap())
     }
 
     #[test]

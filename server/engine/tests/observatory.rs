@@ -3,8 +3,7 @@
 
 mod common;
 
-use common::engine;
-use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
+use common::{engine, store_town_on, town};
 use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, EngineError, Observatory, ObserverHeight, SkyRequest, synthetic,
 };
@@ -18,37 +17,6 @@ use std::path::Path;
 /// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, and ground at 1000 m.
 fn store_town(data_dir: &Path, calibration: f64) {
     store_town_on(data_dir, calibration, &|_, _| 1000.25);
-}
-
-/// The same on another ground, metres by row and column.
-fn store_town_on(data_dir: &Path, calibration: f64, ground_m: &dyn Fn(usize, usize) -> f32) {
-    let write = |name: &str, value: &dyn Fn(usize, usize) -> f32| {
-        let path = data_dir.join(name);
-        let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
-        let mut dataset = driver.create_with_band_type::<f32, _>(&path, 40, 40, 1).unwrap();
-        dataset.set_geo_transform(&[36.4, 0.01, 0.0, -1.2, 0.0, -0.01]).unwrap();
-        dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
-        let values = (0..40 * 40).map(|pixel| value(pixel / 40, pixel % 40)).collect();
-        let mut band = dataset.rasterband(1).unwrap();
-        band.write((0, 0), (40, 40), &mut Buffer::new((40, 40), values)).unwrap();
-        dataset.close().unwrap();
-        path
-    };
-    let near = |a: usize| (19..22).contains(&a);
-    let options = IngestOptions {
-        terrain: vec![write("terrain.tif", ground_m)],
-        id: Some(town()),
-        calibration,
-        replace: true,
-        ..IngestOptions::new(write("lights.tif", &|row, column| {
-            if near(row) && near(column) { 25.5 } else { 0.0 }
-        }))
-    };
-    ingest(&SceneStore::new(data_dir), &options, &mut |_| {}).unwrap();
-}
-
-fn town() -> SceneId {
-    SceneId::parse("town").unwrap()
 }
 
 fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeight) -> SkyRequest {

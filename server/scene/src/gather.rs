@@ -19,12 +19,12 @@ use crate::grid::Grid;
 use crate::light_pyramid::{Level, LightPyramid};
 use crate::lit_pixels::LitPixels;
 use crate::morton;
-use crate::polar_grid::{PolarAccumulator, log_distance};
+use crate::polar_grid::{PlacedLight, PolarAccumulator, log_distance};
 use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::geometry::{Bearing, LocalFrame};
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
-use skyglow_physics::{EARTH_RADIUS_M, SourcePixel};
+use skyglow_physics::{EARTH_RADIUS_M, PointSource, SourcePixel};
 use std::f64::consts::TAU;
 
 /// Largest distance of a pixel from its block's centre, relative to the block's distance from the observer:
@@ -36,31 +36,15 @@ pub(crate) const NO_BLOCKS: f64 = -1.0;
 
 /// What gathered light goes into.
 pub(crate) trait LightSink {
-    /// A point of light of a lit pixel, or of a block of several where `pixel` is None; the rest as
-    /// [`PolarAccumulator::add`].
-    fn add(
-        &mut self,
-        pixel: Option<usize>,
-        azimuth_rad: f64,
-        log_distance: f64,
-        altitude_m: f64,
-        blocking: f64,
-        flux_dnb_w: f64,
-    );
+    /// Takes a point of light of a lit pixel, or of a block of several where `pixel` is None. All points of a pixel come one
+    /// after the other.
+    fn take(&mut self, pixel: Option<usize>, light: PlacedLight);
 }
 
 impl LightSink for PolarAccumulator {
     #[inline(always)]
-    fn add(
-        &mut self,
-        _pixel: Option<usize>,
-        azimuth_rad: f64,
-        log_distance: f64,
-        altitude_m: f64,
-        blocking: f64,
-        flux_dnb_w: f64,
-    ) {
-        self.add(azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w);
+    fn take(&mut self, _pixel: Option<usize>, light: PlacedLight) {
+        self.add(light);
     }
 }
 
@@ -167,14 +151,10 @@ impl Light<'_> {
                 let blocking = known_around(skylines, index).map_or(0.0, |skylines| {
                     skylines.blocking(index, turns_from_light(block.direction, frame.up), log_distance)
                 });
-                shared.borrow_mut().add(
-                    None,
-                    bearing.azimuth_rad,
-                    log_distance,
-                    block.altitude_m,
-                    blocking,
-                    block.flux_dnb_w,
-                );
+                let azimuth_rad = bearing.azimuth_rad;
+                let (altitude_m, flux_dnb_w) = (block.altitude_m, block.flux_dnb_w);
+                let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
+                shared.borrow_mut().take(None, light);
             }
             taken
         };
@@ -196,7 +176,9 @@ impl Light<'_> {
                     let blocking = skylines.map_or(0.0, |skylines| {
                         skylines.blocking(index, (back + s.azimuth_rad / TAU).rem_euclid(1.0), log_distance)
                     });
-                    sink.add(Some(index), s.azimuth_rad, log_distance, s.altitude_m, blocking, s.flux_dnb_w);
+                    let PointSource { azimuth_rad, altitude_m, flux_dnb_w, .. } = s;
+                    let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
+                    sink.take(Some(index), light);
                 });
             } else {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
@@ -205,7 +187,9 @@ impl Light<'_> {
                 let blocking = skylines.map_or(0.0, |skylines| {
                     skylines.blocking(index, turns_from_light(center, frame.up), log_distance)
                 });
-                sink.add(Some(index), bearing.azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w);
+                let azimuth_rad = bearing.azimuth_rad;
+                let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
+                sink.take(Some(index), light);
             }
         };
         self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);

@@ -2,7 +2,7 @@
 
 use crate::gather::LightSink;
 use crate::polar_grid::{
-    AZIMUTH_COLUMN_COUNT, PolarAccumulator, PolarAxes, PolarGrid, RING_COUNT, blocking_shares,
+    AZIMUTH_COLUMN_COUNT, PlacedLight, PolarAccumulator, PolarAxes, PolarGrid, RING_COUNT, blocking_shares,
 };
 use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
@@ -62,57 +62,35 @@ impl LightShares {
     }
 }
 
-/// A share on its way: its pixel, the number of its place on the grid, and its light.
-struct Pending {
-    pixel: u32,
-    slot: u32,
-    flux_dnb_w: f32,
-}
-
-/// Light shares being gathered.
+/// Light shares being gathered, in the order in which pixels are visited.
 pub(crate) struct ShareCollector {
     accumulator: PolarAccumulator,
     axes: PolarAxes,
-    pending: Vec<Pending>,
-    altitudes_m: Vec<(u32, f32)>,
+    /// Number of each pixel, its altitude, and where its shares begin.
+    visited: Vec<(u32, f32, u32)>,
+    /// Shares with the numbers of their places on the grid in place of their cells'.
+    shares: Vec<CellShare>,
 }
 
+/// Number of a place on the grid.
 fn slot(at: usize, blocking: usize) -> u32 {
     (at * BLOCKING_COUNT + blocking) as u32
 }
 
 impl LightSink for ShareCollector {
-    fn add(
-        &mut self,
-        pixel: Option<usize>,
-        azimuth_rad: f64,
-        log_distance: f64,
-        altitude_m: f64,
-        blocking: f64,
-        flux_dnb_w: f64,
-    ) {
-        self.accumulator.add(azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w);
+    fn take(&mut self, pixel: Option<usize>, light: PlacedLight) {
+        self.accumulator.add(light);
         // Blocks are not taken where pixels are asked for.
         let Some(pixel) = pixel.map(|pixel| pixel as u32) else { return };
-        if self.altitudes_m.last().is_none_or(|(last, _)| *last != pixel) {
-            self.altitudes_m.push((pixel, altitude_m as f32));
+        if self.visited.last().is_none_or(|(last, ..)| *last != pixel) {
+            self.visited.push((pixel, light.altitude_m as f32, self.shares.len() as u32));
         }
-        for (at, weight) in self.axes.shares(azimuth_rad, log_distance) {
-            let mut push = |blocking: usize, flux_dnb_w: f64| {
+        for (at, weight) in self.axes.shares(light.azimuth_rad, light.log_distance) {
+            for (angle, part) in blocking_shares(light.blocking) {
+                let flux_dnb_w = (light.flux_dnb_w * weight * part) as f32;
                 if flux_dnb_w > 0.0 {
-                    self.pending.push(Pending {
-                        pixel,
-                        slot: slot(at, blocking),
-                        flux_dnb_w: flux_dnb_w as f32,
-                    });
+                    self.shares.push(CellShare { cell: slot(at, angle), flux_dnb_w });
                 }
-            };
-            if blocking > 0.0 {
-                for (angle, part) in blocking_shares(blocking) {
-                    push(angle, flux_dnb_w * weight * part);
-                }
-            } else {
-                push(0, flux_dnb_w * weight);
             }
         }
     }
@@ -120,16 +98,12 @@ impl LightSink for ShareCollector {
 
 impl ShareCollector {
     pub(crate) fn new() -> Self {
-        Self {
-            accumulator: PolarAccumulator::new(),
-            axes: PolarAxes::new(),
-            pending: Vec::new(),
-            altitudes_m: Vec::new(),
-        }
+        let (visited, shares) = (Vec::new(), Vec::new());
+        Self { accumulator: PolarAccumulator::new(), axes: PolarAxes::new(), visited, shares }
     }
 
-    /// Sorts the shares by pixel and names their cells.
-    pub(crate) fn finish(mut self, observer: GeoPoint, coverage: f64) -> LightShares {
+    /// Orders pixels by their number and names the cells of their shares.
+    pub(crate) fn finish(self, observer: GeoPoint, coverage: f64) -> LightShares {
         let polar = self.accumulator.finish(observer, coverage);
         let mut cell_of = vec![u32::MAX; AZIMUTH_COLUMN_COUNT * RING_COUNT * BLOCKING_COUNT];
         for (column, range) in polar.azimuth_start.windows(2).enumerate() {
@@ -139,24 +113,25 @@ impl ShareCollector {
                 cell_of[slot(at, of.blocking as usize) as usize] = cell;
             }
         }
-        // The walk visits a pixel's pieces one after another, and pixels in no order.
-        self.pending.sort_by_key(|share| share.pixel);
-        self.altitudes_m.sort_by_key(|(pixel, _)| *pixel);
-        let (mut pixels, mut starts) = (Vec::with_capacity(self.altitudes_m.len()), Vec::new());
-        let mut shares = Vec::with_capacity(self.pending.len());
-        for share in &self.pending {
-            if pixels.last() != Some(&share.pixel) {
-                pixels.push(share.pixel);
-                starts.push(shares.len() as u32);
-            }
-            let cell = cell_of[share.slot as usize];
-            // What f32 made 0 on its way into the grid is no light.
-            if cell != u32::MAX {
-                shares.push(CellShare { cell, flux_dnb_w: share.flux_dnb_w });
-            }
+        let ends = self.visited.iter().skip(1).map(|(.., start)| *start).chain([self.shares.len() as u32]);
+        let mut visited: Vec<(u32, f32, std::ops::Range<usize>)> = self
+            .visited
+            .iter()
+            .zip(ends)
+            .map(|(&(pixel, altitude_m, start), end)| (pixel, altitude_m, start as usize..end as usize))
+            .collect();
+        visited.sort_unstable_by_key(|(pixel, ..)| *pixel);
+        let mut starts = vec![0];
+        let mut shares = Vec::with_capacity(self.shares.len());
+        for (.., range) in &visited {
+            let placed = self.shares[range.clone()].iter();
+            let named = placed.map(|share| CellShare { cell: cell_of[share.cell as usize], ..*share });
+            // A flux that f32 holds may still be too little for the f32 of a cell behind a skyline.
+            shares.extend(named.filter(|share| share.cell != u32::MAX));
+            starts.push(shares.len() as u32);
         }
-        starts.push(shares.len() as u32);
-        let altitude_m = self.altitudes_m.into_iter().map(|(_, altitude_m)| altitude_m).collect();
+        let pixels = visited.iter().map(|(pixel, ..)| *pixel).collect();
+        let altitude_m = visited.iter().map(|(_, altitude_m, _)| *altitude_m).collect();
         LightShares { polar, pixels, starts, shares, altitude_m }
     }
 }

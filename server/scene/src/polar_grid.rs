@@ -65,8 +65,13 @@ impl PolarGrid {
     pub fn of_sources(observer: GeoPoint, sources: impl IntoIterator<Item = (PointSource, f64)>) -> Self {
         let mut accumulator = PolarAccumulator::new();
         for (source, blocking) in sources.into_iter().filter(|(s, _)| s.distance_m <= FARTHEST_SOURCE_M) {
-            let at = log_distance(source.distance_m);
-            accumulator.add(source.azimuth_rad, at, source.altitude_m, blocking, source.flux_dnb_w);
+            accumulator.add(PlacedLight {
+                azimuth_rad: source.azimuth_rad,
+                log_distance: log_distance(source.distance_m),
+                altitude_m: source.altitude_m,
+                blocking,
+                flux_dnb_w: source.flux_dnb_w,
+            });
         }
         accumulator.finish(observer, 1.0)
     }
@@ -86,6 +91,22 @@ pub(crate) struct PolarAccumulator {
     axes: PolarAxes,
 }
 
+/// A point of light where it belongs on the grid's axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedLight {
+    /// Radians clockwise from north, 0..=2π.
+    pub(crate) azimuth_rad: f64,
+    /// As [`log_distance`] has it, clamped to the rings.
+    pub(crate) log_distance: f64,
+    /// Metres above the sphere.
+    pub(crate) altitude_m: f64,
+    /// The place of its skyline on the axis of blocking angles, 0..=7: the node and the weight that
+    /// [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added; 0 is the open sky.
+    pub(crate) blocking: f64,
+    /// Upward flux, DNB watts.
+    pub(crate) flux_dnb_w: f64,
+}
+
 /// Where positions lie on the grid's axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PolarAxes {
@@ -102,7 +123,7 @@ impl PolarAxes {
     }
 
     /// The four places `column × RING_COUNT + ring` around a position with their weights, which sum to 1: linear in azimuth
-    /// and in ln(distance). Arguments as those of [`PolarAccumulator::add`].
+    /// and in ln(distance). Arguments as in [`PlacedLight`].
     #[inline(always)]
     pub(crate) fn shares(&self, azimuth_rad: f64, log_distance: f64) -> [(usize, f64); 4] {
         let column = azimuth_rad * self.columns_per_rad;
@@ -142,27 +163,17 @@ impl PolarAccumulator {
 
     /// Spreads a point of light over the two nearest columns and the two nearest rings, linearly in azimuth
     /// and in ln(distance), and over the two nearest blocking angles, so that flux and mean position stay.
-    ///
-    /// * `azimuth_rad` 0..=2π, `log_distance` as [`log_distance`] has it (clamped).
-    /// * `blocking`: the place of its skyline on the axis of blocking angles, 0..=7: the node and the weight that
-    ///   [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added; 0 is the open sky.
-    pub(crate) fn add(
-        &mut self,
-        azimuth_rad: f64,
-        log_distance: f64,
-        altitude_m: f64,
-        blocking: f64,
-        flux_dnb_w: f64,
-    ) {
-        for (at, weight) in self.axes.shares(azimuth_rad, log_distance) {
-            let flux_dnb_w = flux_dnb_w * weight;
-            if blocking > 0.0 {
-                self.add_blocked(at, altitude_m, blocking, flux_dnb_w);
+    #[inline(always)]
+    pub(crate) fn add(&mut self, light: PlacedLight) {
+        for (at, weight) in self.axes.shares(light.azimuth_rad, light.log_distance) {
+            let flux_dnb_w = light.flux_dnb_w * weight;
+            if light.blocking > 0.0 {
+                self.add_blocked(at, light.altitude_m, light.blocking, flux_dnb_w);
             } else {
-                add_light(&mut self.open[at], flux_dnb_w, altitude_m);
+                add_light(&mut self.open[at], flux_dnb_w, light.altitude_m);
             }
         }
-        self.flux_dnb_w += flux_dnb_w;
+        self.flux_dnb_w += light.flux_dnb_w;
     }
 
     /// Adds light to one cell at the two blocking angles around `blocking`, above 0.
@@ -266,7 +277,13 @@ mod tests {
         ) {
             let distance_m = 250.0 * 1200f64.powf(log);
             let mut accumulator = PolarAccumulator::new();
-            accumulator.add(azimuth, log_distance(distance_m), altitude, blocking, 3.0);
+            accumulator.add(PlacedLight {
+                azimuth_rad: azimuth,
+                log_distance: log_distance(distance_m),
+                altitude_m: altitude,
+                blocking,
+                flux_dnb_w: 3.0,
+            });
             let grid = accumulator.finish(GeoPoint::from_rad_unchecked(0.0, 0.0), 1.0);
             let (mut flux, mut east, mut north, mut ring, mut skyline) = (0.0, 0.0, 0.0, 0.0, 0.0);
             for column in 0..AZIMUTH_COLUMN_COUNT {

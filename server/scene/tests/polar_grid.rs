@@ -94,6 +94,51 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_light_of_every_pixel_is_found_in_the_cells_it_went_to(world in 0usize..5, x in -0.1f64..1.1, y in 0.0f64..1.1) {
+        let (raster, scene) = &worlds()[world];
+        let g = raster.geotransform;
+        let longitude = (g[0] + g[1] * x * raster.size.0 as f64 + 540.0).rem_euclid(360.0) - 180.0;
+        let observer = place((g[3] + g[5] * y * raster.size.1 as f64).clamp(-90.0, 90.0), longitude);
+        let shares = scene.light_shares(observer, false);
+        // The grid is that of every pixel by itself.
+        let alone = scene.polar_grid_with_ratio(observer, false, 0.0);
+        prop_assert!((shares.polar.flux_dnb_w - alone.flux_dnb_w).abs() <= 1e-9 * alone.flux_dnb_w);
+        prop_assert_eq!(shares.polar.cells.len(), alone.cells.len());
+        let mut of_cells = vec![0f64; shares.polar.cells.len()];
+        prop_assert!(shares.pixels().windows(2).all(|pair| pair[0] < pair[1]));
+        let frame = LocalFrame::at(observer);
+        for (position, &pixel) in shares.pixels().iter().enumerate() {
+            let (column, row) = scene.lit_pixel(pixel).unwrap();
+            let value = raster.values[row as usize * raster.size.0 + column as usize];
+            prop_assert!(value > 0.0);
+            let distance_m = frame.bearing_to(scene.pixel_center(column, row).unit_vector()).distance_m;
+            prop_assert!(distance_m <= 300_000.0);
+            let mut flux = 0.0;
+            for share in shares.shares(position) {
+                of_cells[share.cell as usize] += f64::from(share.flux_dnb_w);
+                flux += f64::from(share.flux_dnb_w);
+                let ring_m = ring_distance_m(shares.polar.cells[share.cell as usize].ring as usize);
+                // Pieces of a near pixel are where they are; a far one lies between its rings.
+                prop_assert!(distance_m < 5_000.0 || (ring_m / distance_m).ln().abs() < 0.0372);
+            }
+            let (north, south) = (g[3] + f64::from(row) * g[5], g[3] + f64::from(row + 1) * g[5]);
+            let area_m2 = EARTH_RADIUS_M.powi(2)
+                * g[1].to_radians()
+                * (north.to_radians().sin() - south.to_radians().sin());
+            let wanted = upward_flux_dnb_w(f64::from(value as f32), area_m2);
+            prop_assert!((flux / wanted - 1.0).abs() < 1e-5, "{flux} {wanted}");
+        }
+        for (sum, cell) in of_cells.iter().zip(&shares.polar.cells) {
+            let flux = f64::from(cell.flux_dnb_w);
+            prop_assert!((sum - flux).abs() < 1e-5 * flux, "{sum} {flux}");
+        }
+    }
+}
+
 #[test]
 fn a_pixel_more_is_seen_in_the_flux() {
     let (raster, scene) = &worlds()[0];

@@ -170,22 +170,12 @@ impl Executor for CpuExecutor {
 mod tests {
     use super::*;
     use crate::{device::warm_up_requests, request::RenderRequest, synthetic};
-    use skyglow_physics::{EmissionMix, Turbidity};
-    use skyglow_tables::Scattering;
-    use std::sync::Arc;
+    use skyglow_physics::Turbidity;
 
     fn prepared(set: &TableSet, basis: usize) -> Prepared {
-        let request = RenderRequest {
-            polar: Arc::new(synthetic::polar_grid_with_skylines(7, 3000)),
-            observer_altitude_m: 1661.0,
-            turbidity: Turbidity::new(2.0).unwrap(),
-            scattering: Scattering::Single,
-            cloud_base_m: None,
-            emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: [0.4, 0.6, 0.2],
-            basis: Some(basis),
-        };
-        Prepared::new(&request, set).unwrap()
+        let polar = synthetic::polar_grid_with_skylines(7, 3000);
+        let request = synthetic::request(polar, Turbidity::new(2.0).unwrap());
+        Prepared::new(&RenderRequest { basis: Some(basis), ..request }, set).unwrap()
     }
 
     fn render(executor: &CpuExecutor, request: &Prepared, baseline: bool) -> Vec<f32> {

@@ -6,7 +6,7 @@ use crate::{
         CpuExecutor,
         coefficients::ColumnBlock,
         dispatch::{dispatch_wide, multiply_add},
-        mix::{BLOCK, MixedNode, NodeScales},
+        mix::{BLOCK, MixedNode, NodeScales, mix_scale, mix_shape},
         scratch::Scratch,
     },
     error::EngineError,
@@ -171,19 +171,21 @@ impl InfluenceSolver {
             let gram = self.grams[pack]
                 .get_or_init(|| gram_matrix(tables).into_iter().map(|value| value as f32).collect());
             let basis_count = request.basis_count.min(tables.basis_count);
-            let (_, scratch) = self.executor.render_keeping(request, pack);
+            // The nodes alone: a norm knows no azimuth, and no sky is needed.
+            let (mut scales, mut mixed) = (Vec::new(), Vec::new());
+            mix_scale(tables, request, true, &mut scales);
+            mix_shape(tables, request, &scales, true, &mut mixed);
             let nodes = request.nodes.len();
             logs.par_iter_mut().zip(&request.cells).for_each(|(logs, cell)| {
-                let scales = scales_of(cell, &scratch.scales);
+                let of_cell = scales_of(cell, &scales);
                 let ends = [cell.lower_node, cell.upper_node()].map(|node| node as usize);
                 let at = |upper_weight: f32| -> f64 {
-                    let scale = scales.scale(request.flux_per_dnb_flux, upper_weight);
+                    let scale = of_cell.scale(request.flux_per_dnb_flux, upper_weight);
                     let share = [1.0 - upper_weight, upper_weight];
                     let coefficient = |k: usize| -> f32 {
                         let of_band = |band: Band| {
                             let b = band.index();
-                            let shape =
-                                |end: usize| scratch.mixed[k / BLOCK * nodes + ends[end]].0[b][k % BLOCK];
+                            let shape = |end: usize| mixed[k / BLOCK * nodes + ends[end]].0[b][k % BLOCK];
                             let shape = share[0] * shape(0) + share[1] * shape(1);
                             band.luminous_efficacy_lm_w() as f32 * scale[b] * shape
                         };

@@ -4,10 +4,9 @@ use crate::{
 };
 use proptest::prelude::*;
 use skyglow_physics::{
-    Direction, EmissionMix, Horizon, LinearMeasure, Panorama, SkyCurve, Turbidity, panorama::solid_angle_sr,
+    Direction, Horizon, LinearMeasure, Panorama, SkyCurve, Turbidity, panorama::solid_angle_sr,
 };
 use skyglow_scene::PolarGrid;
-use skyglow_tables::Scattering;
 use std::sync::{Arc, LazyLock};
 
 static SOLVER: LazyLock<InfluenceSolver> = LazyLock::new(|| InfluenceSolver::new(SET.clone()));
@@ -16,16 +15,8 @@ static SET: LazyLock<Arc<TableSet>> = LazyLock::new(|| {
 });
 
 fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
-    RenderRequest {
-        polar: Arc::new(polar),
-        observer_altitude_m: 640.0,
-        turbidity: Turbidity::new(turbidity).unwrap(),
-        scattering: Scattering::Single,
-        cloud_base_m: None,
-        emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: [0.4, 0.6, 0.2],
-        basis: None,
-    }
+    let request = synthetic::request(polar, Turbidity::new(turbidity).unwrap());
+    RenderRequest { observer_altitude_m: 640.0, ..request }
 }
 
 fn exact_sky(request: &RenderRequest) -> Panorama {

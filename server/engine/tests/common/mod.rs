@@ -1,11 +1,11 @@
 //! What the engine's integration tests share.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest, synthetic};
-use skyglow_physics::{EmissionMix, Turbidity};
-use skyglow_scene::PolarGrid;
-use skyglow_tables::Scattering;
-use std::sync::Arc;
+use skyglow_physics::Turbidity;
+use skyglow_scene::{IngestOptions, PolarGrid, SceneId, SceneStore, ingest};
+use std::path::Path;
 
 /// An engine on made-up packs.
 pub(crate) fn engine(device: DeviceChoice, turbidities: &[f64], basis_count: usize) -> Engine {
@@ -15,16 +15,8 @@ pub(crate) fn engine(device: DeviceChoice, turbidities: &[f64], basis_count: usi
 
 /// A request for that light and turbidity, with an observer between the tables' altitudes.
 pub(crate) fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
-    RenderRequest {
-        polar: Arc::new(polar),
-        observer_altitude_m: 1661.0,
-        turbidity: Turbidity::new(turbidity).unwrap(),
-        scattering: Scattering::Single,
-        cloud_base_m: None,
-        emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: [0.408, 0.642, 0.186],
-        basis: None,
-    }
+    let request = synthetic::request(polar, Turbidity::new(turbidity).unwrap());
+    RenderRequest { flux_per_dnb_flux: [0.408, 0.642, 0.186], ..request }
 }
 
 /// Largest |got − exact| / max(|exact|, floor) over the samples; the floor is a thousandth of the mean.
@@ -35,4 +27,37 @@ pub(crate) fn largest_error(got: &[f32], exact: &[f64]) -> f64 {
         .zip(exact)
         .map(|(got, exact)| (f64::from(*got) - exact).abs() / exact.abs().max(floor))
         .fold(0.0, f64::max)
+}
+
+/// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, on a ground in metres by row and
+/// column.
+pub(crate) fn store_town_on(data_dir: &Path, calibration: f64, ground_m: &dyn Fn(usize, usize) -> f32) {
+    let write = |name: &str, value: &dyn Fn(usize, usize) -> f32| {
+        let path = data_dir.join(name);
+        let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
+        let mut dataset = driver.create_with_band_type::<f32, _>(&path, 40, 40, 1).unwrap();
+        dataset.set_geo_transform(&[36.4, 0.01, 0.0, -1.2, 0.0, -0.01]).unwrap();
+        dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
+        let values = (0..40 * 40).map(|pixel| value(pixel / 40, pixel % 40)).collect();
+        let mut band = dataset.rasterband(1).unwrap();
+        band.write((0, 0), (40, 40), &mut Buffer::new((40, 40), values)).unwrap();
+        dataset.close().unwrap();
+        path
+    };
+    let near = |a: usize| (19..22).contains(&a);
+    let options = IngestOptions {
+        terrain: vec![write("terrain.tif", ground_m)],
+        id: Some(town()),
+        calibration,
+        replace: true,
+        ..IngestOptions::new(write("lights.tif", &|row, column| {
+            if near(row) && near(column) { 25.5 } else { 0.0 }
+        }))
+    };
+    ingest(&SceneStore::new(data_dir), &options, &mut |_| {}).unwrap();
+}
+
+/// Its id.
+pub(crate) fn town() -> SceneId {
+    SceneId::parse("town").unwrap()
 }
