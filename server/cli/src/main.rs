@@ -96,6 +96,7 @@ mod tests {
                 "packs",
                 "panorama",
                 "sky",
+                "influence",
                 "reference",
                 "bench",
                 "config"

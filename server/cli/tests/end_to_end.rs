@@ -337,3 +337,44 @@ fn a_taken_port_and_missing_packs_are_said_at_once() {
         skyglow(&["serve", "--listen", "127.0.0.1:0", "--data", data, "--no-demo", "--packs", data]);
     assert!(refused.expect_status(1).stderr.contains("no table packs"), "packs");
 }
+
+#[test]
+fn the_command_line_writes_the_influences_of_the_api() {
+    let server = server();
+    let ground = Ground::get();
+    let (data, packs) = (ground.data(), ground.packs());
+    let file = |name: &str| ground.folder.join(name);
+    let write = |output: &std::path::Path, more: &[&str]| {
+        let place = ["--scene", "demo", "--lat", "46.17", "--lon", "8.79", "--data", text(&data)];
+        let engine = ["--packs", text(&packs), "--device", "lavapipe"];
+        skyglow(&[&["influence", "-o", text(output)], &place[..], &engine[..], more].concat())
+    };
+    for end in ["json", "geojson", "csv", "tif"] {
+        let output = file(&format!("influence.{end}"));
+        write(&output, &["--measure", "horizontal"]).expect_status(0);
+        let answered = server.get(&format!("/api/v1/scenes/demo/influence.{end}?{PLACE}&measure=horizontal"));
+        assert_eq!(answered.status, 200);
+        assert!(std::fs::read(&output).unwrap() == answered.body, "{end}");
+    }
+    let boundary = file("half.geojson");
+    std::fs::write(
+        &boundary,
+        r#"{"type": "Polygon", "coordinates": [[[4, 40], [8.79, 40], [8.79, 50], [4, 50], [4, 40]]]}"#,
+    )
+    .unwrap();
+    let output = file("influence-of-the-west.json");
+    write(&output, &["--boundary", text(&boundary)]).expect_status(0);
+    let written: Value = serde_json::from_slice(&std::fs::read(&output).unwrap()).unwrap();
+    let share = number(&written["boundary"], "share");
+    assert!(share > 0.05 && share < 0.95, "{share}");
+    for (arguments, word) in [
+        (vec!["--measure", "brightness"], "measure"),
+        (vec!["--region", "1,2;3,4"], "region"),
+        (vec!["--limit", "20000"], "limit"),
+    ] {
+        let refused = write(&file("none.json"), &arguments).expect_status(2);
+        assert!(refused.stderr.contains(word), "{}", refused.stderr);
+    }
+    write(&file("influence.xlsx"), &[]).expect_status(2);
+    assert!(!file("none.json").exists());
+}

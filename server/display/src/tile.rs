@@ -18,6 +18,9 @@ const TINTS: [(f32, [f32; 3]); 8] = [
     (6000.0, [250.0, 250.0, 250.0]),
 ];
 
+/// Factor from the brightest colour of an influence tile to where colours end.
+pub const INFLUENCE_SPAN: f64 = 1e4;
+
 /// A square tile of upward radiance [nW cm⁻² sr⁻¹], `[y][x]`: dark is transparent, light runs through the
 /// `inferno` map's brighter part on a logarithmic scale.
 ///
@@ -29,8 +32,35 @@ pub fn radiance_tile_png(
     size_px: u32,
     notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
-    let (dark, bright) = RADIANCE_RANGE_NW_CM2_SR;
-    let table: Vec<[u8; 4]> = crate::Colormap::Inferno
+    let range = RADIANCE_RANGE_NW_CM2_SR;
+    logarithmic_tile_png(radiance_nw_cm2_sr, has_data, size_px, crate::Colormap::Inferno, range, notes)
+}
+
+/// A square tile of influences in any unit, `[y][x]`: from a ten-thousandth of `most` to `most` through the `viridis` map's
+/// brighter part on a logarithmic scale; less is transparent.
+///
+/// # Errors
+/// [`DisplayError::Encoding`] when the lengths are not `size_px²`.
+pub fn influence_tile_png(
+    influence: &[f32],
+    has_data: &[bool],
+    size_px: u32,
+    most: f64,
+    notes: &Notes,
+) -> Result<Vec<u8>, DisplayError> {
+    let range = (most / INFLUENCE_SPAN, most);
+    logarithmic_tile_png(influence, has_data, size_px, crate::Colormap::Viridis, range, notes)
+}
+
+fn logarithmic_tile_png(
+    values: &[f32],
+    has_data: &[bool],
+    size_px: u32,
+    colormap: crate::Colormap,
+    (dark, bright): (f64, f64),
+    notes: &Notes,
+) -> Result<Vec<u8>, DisplayError> {
+    let table: Vec<[u8; 4]> = colormap
         .table()
         .into_iter()
         .enumerate()
@@ -39,12 +69,12 @@ pub fn radiance_tile_png(
             [r, g, b, (255.0 * (0.25 + 0.75 * t.sqrt())).round() as u8]
         })
         .collect();
-    paint(radiance_nw_cm2_sr, has_data, size_px, notes, |index| {
-        let radiance = f64::from(radiance_nw_cm2_sr[index]);
-        if radiance.is_nan() || radiance <= dark {
+    paint(values, has_data, size_px, notes, |index| {
+        let value = f64::from(values[index]);
+        if value.is_nan() || value <= dark {
             return [0; 4];
         }
-        let t = 0.15 + 0.85 * ((radiance / dark).ln() / (bright / dark).ln()).min(1.0);
+        let t = 0.15 + 0.85 * ((value / dark).ln() / (bright / dark).ln()).min(1.0);
         table[(t * 255.0) as usize]
     })
 }
@@ -135,6 +165,22 @@ mod tests {
         let missing = decode(&radiance_tile_png(&values, &[false; 4], 2, &Notes::default()).unwrap());
         assert!(missing.pixels().all(|p| p.0[3] == 0));
         assert!(radiance_tile_png(&values, &[true; 4], 3, &Notes::default()).is_err());
+    }
+
+    #[test]
+    fn influences_are_coloured_by_their_part_of_the_most() {
+        let values = [0.0, 0.9e-4, 1e-2, 1.0];
+        for unit in [1.0, 1e-9] {
+            let values = values.map(|value| value * unit as f32);
+            let tile = decode(&influence_tile_png(&values, &[true; 4], 2, unit, &Notes::default()).unwrap());
+            let pixels: Vec<[u8; 4]> = tile.pixels().map(|pixel| pixel.0).collect();
+            assert_eq!((pixels[0][3], pixels[1][3]), (0, 0));
+            let green = |pixel: [u8; 4]| pixel[1];
+            assert!(pixels[2][3] > 0 && green(pixels[3]) > green(pixels[2]));
+        }
+        // Without any influence nothing is coloured.
+        let dark = decode(&influence_tile_png(&[0.0; 4], &[true; 4], 2, 0.0, &Notes::default()).unwrap());
+        assert!(dark.pixels().all(|pixel| pixel.0[3] == 0));
     }
 
     #[test]

@@ -130,6 +130,11 @@ impl Engine {
         self.set.tables()
     }
 
+    /// The same, checked to fit together.
+    pub(crate) fn table_set(&self) -> Arc<TableSet> {
+        Arc::clone(&self.set)
+    }
+
     /// Renders one sky. Never blocks the calling task.
     ///
     /// # Errors

@@ -122,6 +122,9 @@ pub enum EngineError {
     /// The device failed, and failed again after it was made anew.
     #[error(transparent)]
     Device(#[from] DeviceFault),
+    /// A curve on the sky that holds no direction of the panorama grid, or hidden ones alone.
+    #[error("the curve holds no visible direction of the sky; directions are 1.4 degrees apart")]
+    EmptyRegion,
     /// The place lies off the scene's raster.
     #[error(
         "{latitude_deg}, {longitude_deg} lies outside scene \"{scene}\" (west, south, east, north: {bounds:?} degrees)"

@@ -34,7 +34,10 @@ mod worker;
 pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
-pub use observatory::{Observatory, Observer, ObserverHeight, SiteAnswer, SkyAnswer, SkyRequest};
+pub use observatory::{
+    InfluenceMap, InfluenceRequest, Measure, Observatory, Observer, ObserverHeight, Part, RING_EDGES_M,
+    SECTOR_COUNT, SiteAnswer, SkyAnswer, SkyRequest,
+};
 pub use packs::{PackKind, ResidentKind, resident_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};
 pub use stats::EngineStats;

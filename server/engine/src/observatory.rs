@@ -1,5 +1,12 @@
 //! From a place in a scene to its sky: the layer that the command line and the HTTP interface share.
 
+mod influence;
+mod influence_summary;
+
+pub use influence::{InfluenceMap, InfluenceRequest, Measure};
+pub use influence_summary::{Part, RING_EDGES_M, SECTOR_COUNT};
+
+use self::influence::InfluenceDesk;
 use crate::{
     engine::Engine,
     error::EngineError,
@@ -28,6 +35,7 @@ pub struct Observatory {
     engine: Engine,
     shelf: Arc<SceneShelf>,
     manifests: Vec<Manifest>,
+    influences: InfluenceDesk,
 }
 
 /// Where the observer's eye is.
@@ -137,7 +145,7 @@ impl Observatory {
     /// Puts an engine before the scenes of a data folder; `manifests` are those of the engine's packs.
     pub fn new(engine: Engine, manifests: Vec<Manifest>, data_dir: &Path, open_scene_count: usize) -> Self {
         let shelf = Arc::new(SceneShelf::new(SceneStore::new(data_dir), open_scene_count));
-        Self { engine, shelf, manifests }
+        Self { engine, shelf, manifests, influences: InfluenceDesk::new() }
     }
 
     /// The engine: readiness, counters, what it runs on.
@@ -256,8 +264,12 @@ struct View {
 impl View {
     /// `hides_lights`: whether the packs know skylines; else no light is put behind one.
     fn of(shelf: &SceneShelf, request: &SkyRequest, hides_lights: bool) -> Result<Self, EngineError> {
+        let scene = scene_around(shelf, &request.scene, request.place)?;
+        Ok(Self::in_scene(scene, request, hides_lights))
+    }
+
+    fn in_scene(scene: Arc<Scene>, request: &SkyRequest, hides_lights: bool) -> Self {
         let place = request.place;
-        let scene = scene_around(shelf, &request.scene, place)?;
         let ground = scene.ground(place);
         let altitude_m = match request.observer_height {
             ObserverHeight::AboveGround(height_m) => ground.altitude_m() + height_m,
@@ -275,7 +287,7 @@ impl View {
             let start = Instant::now();
             (scene.horizon(place, observer.altitude_m), start.elapsed())
         });
-        Ok(Self { scene, polar, observer, horizon })
+        Self { scene, polar, observer, horizon }
     }
 
     /// What is to be rendered; with a tolerance, the fewest functions that it allows, and the bound of what they miss.

@@ -36,6 +36,17 @@ impl RingAxis {
         position(size, per_step, self.bend_node, self.last_node)
     }
 
+    /// d(position)/dΔ, m⁻¹; 0 where the axis holds the position at one of its ends.
+    pub(crate) fn position_per_m(&self, offset_m: f32) -> f32 {
+        let position = self.position(offset_m);
+        if position <= 0.0 || position >= self.last_node {
+            return 0.0;
+        }
+        let (size, per_step) = self.seen_from_bend(offset_m);
+        let per_scale_m = if per_step < 0.0 { -self.per_scale_below_m } else { self.per_scale_above_m };
+        per_step * per_scale_m / (size * size + 1.0).sqrt()
+    }
+
     /// |Δ − Δ₀|/L and ±1/step, negative below the bend.
     #[inline(always)]
     fn seen_from_bend(&self, offset_m: f32) -> (f32, f32) {
@@ -123,5 +134,18 @@ mod tests {
             |turned| together.iter().zip(alone(turned)).filter(|(a, b)| a.to_bits() != *b).count();
         assert_eq!(differing(0), 0);
         assert!(differing(1) > OFFSETS_AT_ONCE / 2);
+    }
+    #[test]
+    fn the_slope_of_an_axis_is_what_its_positions_differ_by() {
+        for distance_m in [300.0, 9_000.0, 250_000.0] {
+            let axis = RingAxis::of(&OffsetAxis::at_distance(distance_m, 23));
+            for offset_m in (-6_000..6_000).step_by(97).map(|offset_m| offset_m as f32) {
+                let apart = axis.position(offset_m + 5.0) - axis.position(offset_m - 5.0);
+                let slope = axis.position_per_m(offset_m);
+                let bends = (offset_m - axis.bend_m).abs() < 5.0;
+                assert!(bends || (10.0 * slope - apart).abs() < 0.02 * apart.abs() + 2e-5, "{slope} {apart}");
+            }
+            assert_eq!(axis.position_per_m(1e6), 0.0);
+        }
     }
 }

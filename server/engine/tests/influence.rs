@@ -3,12 +3,17 @@
 
 mod common;
 
-use common::{request, store_town_on, town};
+use common::{engine, request, store_scene, store_town_on, town};
 use skyglow_engine::{
-    InfluenceSolver, MeasureOfCells, RenderRequest, TableSet, influence_of_pixels, synthetic,
+    DeviceChoice, EngineError, InfluenceMap, InfluenceRequest, InfluenceSolver, Measure, MeasureOfCells,
+    Observatory, ObserverHeight, Part, RenderRequest, SkyRequest, TableSet, influence_of_pixels, synthetic,
 };
-use skyglow_physics::{GeoPoint, Horizon, LinearMeasure, source_pixel::point_sources};
-use skyglow_scene::{PolarGrid, SceneStore};
+use skyglow_physics::{
+    Direction, EmissionMix, GeoPoint, Horizon, LampPreset, LinearMeasure, SkyCurve, Turbidity,
+    source_pixel::point_sources,
+};
+use skyglow_scene::{Boundary, PolarGrid, SceneStore};
+use skyglow_tables::Scattering;
 use std::sync::Arc;
 
 #[test]
@@ -27,7 +32,7 @@ fn pixels_add_up_to_the_sky_and_each_counts_as_if_it_were_alone() {
         assert_eq!(shares.len(), 9);
         let pixels = scene.source_pixels_within(here, 300_000.0);
         for turbidity in [2.5, 2.0] {
-            let asked = request(shares.polar.clone(), turbidity);
+            let asked = request(PolarGrid::clone(&shares.polar), turbidity);
             for measure in &measures {
                 let of_grid = |polar: PolarGrid| -> (Vec<_>, f64) {
                     let asked = RenderRequest { polar: Arc::new(polar), ..asked.clone() };
@@ -36,8 +41,8 @@ fn pixels_add_up_to_the_sky_and_each_counts_as_if_it_were_alone() {
                     let sum = cells.iter().zip(fluxes).map(|(cell, flux)| cell.per_dnb_w * flux).sum();
                     (cells, sum)
                 };
-                let (cells, sky) = of_grid(shares.polar.clone());
-                let influence = influence_of_pixels(&shares, &cells);
+                let (cells, sky) = of_grid(PolarGrid::clone(&shares.polar));
+                let influence = influence_of_pixels(&shares, &cells, None);
                 let sum: f64 = influence.iter().map(|value| f64::from(*value)).sum();
                 assert!((sum / sky - 1.0).abs() < 1e-5, "{sum:e} {sky:e}");
                 // Between packs a light counts by what it adds to the others', which is not what it gives alone.
@@ -55,4 +60,119 @@ fn pixels_add_up_to_the_sky_and_each_counts_as_if_it_were_alone() {
             }
         }
     }
+}
+
+fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyRequest {
+    SkyRequest {
+        scene: town(),
+        place: GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap(),
+        observer_height: ObserverHeight::AboveGround(2.0),
+        turbidity: Turbidity::new(turbidity).unwrap(),
+        scattering: Scattering::Single,
+        cloud_base_m: None,
+        lamp: LampPreset::Mixed.lamp(),
+        emission: EmissionMix::garstang(),
+        basis: None,
+        tolerance: None,
+        terrain_hides: true,
+    }
+}
+
+fn curve(corners_deg: &[(f64, f64)]) -> SkyCurve {
+    let corner = |&(azimuth_deg, elevation_deg): &(f64, f64)| Direction {
+        azimuth_rad: azimuth_deg.to_radians(),
+        elevation_rad: elevation_deg.to_radians(),
+    };
+    SkyCurve::new(corners_deg.iter().map(corner).collect()).unwrap()
+}
+
+/// An observatory over a scene of 80 × 80 pixels, hilly and lit unevenly: far lights are taken by blocks.
+fn observatory(folder: &std::path::Path) -> Observatory {
+    let ground_m = |row: usize, column: usize| 300.0 + 40.0 * ((row * 7 + column * 13) % 23) as f32;
+    let light = |row: usize, column: usize| ((row * 31 + column * 17) % 19) as f32 * 0.7;
+    store_scene(folder, 80, [36.4, -1.2, 0.01], 1.0, &ground_m, &light);
+    Observatory::new(engine(DeviceChoice::Cpu, &[1.5, 2.5, 3.5], 24), Vec::new(), folder, 1)
+}
+
+fn sum(parts: &[Part]) -> f64 {
+    parts.iter().map(|part| part.influence).sum()
+}
+
+#[test]
+fn influences_add_up_to_the_panoramas_own_value_and_so_do_their_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let region = curve(&[(340.0, 5.0), (20.0, 5.0), (0.0, 60.0)]);
+    for turbidity in [2.5, 3.1] {
+        let sky = sky(turbidity, -1.23, 36.43);
+        let answer = observatory.sky_blocking(&sky).unwrap();
+        let of_region = LinearMeasure::region(&region, &answer.horizon);
+        for (measure, wanted) in [
+            (Measure::Zenith, answer.quantities.zenith_luminance_cd_m2),
+            (Measure::Mean, answer.quantities.mean_luminance_cd_m2),
+            (Measure::Horizontal, answer.quantities.horizontal_illuminance_lx),
+            (Measure::Region(region.clone()), of_region.of(&answer.rendered.panorama)),
+        ] {
+            let map = observatory.influence(&InfluenceRequest { sky: sky.clone(), measure }).unwrap();
+            assert_eq!((map.coverage, map.basis_count), (answer.coverage, 24));
+            assert!((map.flux_dnb_w / answer.flux_dnb_w - 1.0).abs() < 1e-12);
+            assert!(map.influence().iter().all(|value| value.is_finite()));
+            let total = map.total();
+            assert!(
+                (total.influence / wanted - 1.0).abs() < 1e-4,
+                "{turbidity} {}",
+                total.influence / wanted
+            );
+            assert!((sum(&map.rings()) / wanted - 1.0).abs() < 1e-4);
+            assert!((sum(&map.sectors()) / wanted - 1.0).abs() < 1e-4);
+            assert_eq!(total.pixels, map.pixels().len() as u64);
+            assert!((total.flux_dnb_w / answer.flux_dnb_w - 1.0).abs() < 1e-5);
+        }
+    }
+}
+
+/// Whether a pixel's centre lies in a box: west, south, east, north.
+fn is_in(map: &InfluenceMap, position: usize, [west, south, east, north]: [f64; 4]) -> bool {
+    let (latitude, longitude) = (map.place(position).latitude_deg(), map.place(position).longitude_deg());
+    (west..east).contains(&longitude) && (south..north).contains(&latitude)
+}
+
+#[test]
+fn the_most_influential_pixels_come_first_and_a_boundary_holds_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let ask = InfluenceRequest { sky: sky(2.5, -1.5, 36.8), measure: Measure::Zenith };
+    let map = observatory.influence(&ask).unwrap();
+    let all = map.most(usize::MAX);
+    assert!(all.windows(2).all(|pair| map.influence()[pair[0]] >= map.influence()[pair[1]]));
+    assert_eq!((map.most(7).as_slice(), map.most(0).len()), (&all[..7], 0));
+    assert_eq!(map.most_of_one(), f64::from(map.influence()[all[0]]));
+    assert!(map.pixels()[all[0]].distance_m < 10_000.0);
+    let inside = [36.603, -1.597, 36.901, -1.403];
+    let [w, s, e, n] = inside;
+    let square = vec![vec![vec![[w, s], [e, s], [e, n], [w, n], [w, s]]]];
+    let part = map.within(&Boundary::new(&square).unwrap());
+    let positions: Vec<usize> =
+        (0..map.pixels().len()).filter(|&position| is_in(&map, position, inside)).collect();
+    let wanted: f64 = positions.iter().map(|&position| f64::from(map.influence()[position])).sum();
+    assert_eq!(part.pixels, positions.len() as u64);
+    assert!((part.influence / wanted - 1.0).abs() < 1e-9);
+    assert!(part.influence > 0.3 * map.total().influence && part.influence < map.total().influence);
+}
+
+#[test]
+fn a_region_without_a_visible_direction_is_refused_and_a_norm_is_that_of_the_light_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    // Between two rows of directions.
+    let sliver = curve(&[(10.0, 45.1), (11.0, 45.1), (10.5, 45.2)]);
+    let ask = InfluenceRequest { sky: sky(2.5, -1.5, 36.8), measure: Measure::Region(sliver) };
+    assert!(matches!(observatory.influence(&ask), Err(EngineError::EmptyRegion)));
+    let outside = InfluenceRequest { sky: sky(2.5, 1.5, 36.8), measure: Measure::Norm };
+    assert!(matches!(observatory.influence(&outside), Err(EngineError::OutsideScene { .. })));
+    let map = observatory.influence(&InfluenceRequest { measure: Measure::Norm, ..ask }).unwrap();
+    assert!(map.influence().iter().all(|value| value.is_finite() && *value > 0.0));
+    // Norms of lights are no parts of the norm of all: together they are more.
+    let whole = observatory.sky_blocking(&sky(2.5, -1.5, 36.8)).unwrap();
+    assert!(map.total().influence > whole.quantities.mean_luminance_cd_m2 * std::f64::consts::TAU.sqrt());
 }

@@ -1,4 +1,4 @@
-//! Formats of a panorama, and which one an Accept header prefers.
+//! Formats of the answers that come in several, and which one an Accept header prefers.
 
 use crate::parameters::{GridParameters, PanoramaParameters, Parameter, ParameterSet, RasterParameters};
 
@@ -56,10 +56,67 @@ impl Format {
     }
 }
 
-/// The format that an Accept header (RFC 9110) prefers; None where it takes none. No header takes anything.
+/// A format of a map of influences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InfluenceFormat {
+    /// JSON: the most influential pixels and totals.
+    Json,
+    /// GeoTIFF of all pixels.
+    Tiff,
+    /// GeoJSON of the most influential pixels.
+    GeoJson,
+    /// CSV of the most influential pixels.
+    Csv,
+}
+
+/// All media types of influences, for the refusal.
+pub const INFLUENCES_OFFERED: &str = "application/json, image/tiff, application/geo+json or text/csv";
+
+impl InfluenceFormat {
+    /// In the order preferred where a client does not care.
+    const ALL: [InfluenceFormat; 4] =
+        [InfluenceFormat::Json, InfluenceFormat::GeoJson, InfluenceFormat::Csv, InfluenceFormat::Tiff];
+
+    /// Its media type.
+    pub const fn media_type(self) -> &'static str {
+        match self {
+            InfluenceFormat::Json => "application/json",
+            InfluenceFormat::Tiff => "image/tiff",
+            InfluenceFormat::GeoJson => "application/geo+json",
+            InfluenceFormat::Csv => "text/csv",
+        }
+    }
+
+    /// The end of its URL.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            InfluenceFormat::Json => "json",
+            InfluenceFormat::Tiff => "tif",
+            InfluenceFormat::GeoJson => "geojson",
+            InfluenceFormat::Csv => "csv",
+        }
+    }
+
+    /// Whether it lists the most influential pixels instead of showing all.
+    pub const fn is_list(self) -> bool {
+        !matches!(self, InfluenceFormat::Tiff)
+    }
+}
+
+/// The format of a panorama that an Accept header (RFC 9110) prefers; None where it takes none. No header takes anything.
 pub fn negotiate(accept: &str) -> Option<Format> {
+    preferred(accept, &Format::ALL, Format::media_type)
+}
+
+/// The same for influences.
+pub fn negotiate_influence(accept: &str) -> Option<InfluenceFormat> {
+    preferred(accept, &InfluenceFormat::ALL, InfluenceFormat::media_type)
+}
+
+/// The preferred one of some formats, which are in the order of those who do not care.
+fn preferred<F: Copy>(accept: &str, formats: &[F], media_type: impl Fn(F) -> &'static str) -> Option<F> {
     if accept.trim().is_empty() {
-        return Some(Format::Png);
+        return formats.first().copied();
     }
     let ranges: Vec<(String, f64)> = accept
         .split(',')
@@ -73,11 +130,12 @@ pub fn negotiate(accept: &str) -> Option<Format> {
             Some((range, if quality.is_nan() { 0.0 } else { quality.clamp(0.0, 1.0) }))
         })
         .collect();
-    let mut best: Option<(Format, f64)> = None;
-    for format in Format::ALL {
-        let (kind, _) = format.media_type().split_once('/').unwrap_or_default();
+    let mut best: Option<(F, f64)> = None;
+    for &format in formats {
+        let media_type = media_type(format);
+        let (kind, _) = media_type.split_once('/').unwrap_or_default();
         // The most specific range that covers the format decides.
-        let quality = [format.media_type().to_owned(), format!("{kind}/*"), "*/*".to_owned()]
+        let quality = [media_type.to_owned(), format!("{kind}/*"), "*/*".to_owned()]
             .iter()
             .find_map(|covering| ranges.iter().find(|(range, _)| range == covering))
             .map_or(0.0, |(_, quality)| *quality);
@@ -108,6 +166,20 @@ mod tests {
             ("text/html,application/xhtml+xml,image/avif,image/webp,*/*;q=0.8", Some(Format::WebP)),
         ] {
             assert_eq!(negotiate(accept), format, "{accept}");
+        }
+    }
+
+    #[test]
+    fn influences_are_json_unless_another_is_preferred() {
+        for (accept, format) in [
+            ("", Some(InfluenceFormat::Json)),
+            ("*/*", Some(InfluenceFormat::Json)),
+            ("text/*", Some(InfluenceFormat::Csv)),
+            ("application/geo+json, application/json;q=0.9", Some(InfluenceFormat::GeoJson)),
+            ("image/tiff", Some(InfluenceFormat::Tiff)),
+            ("image/png", None),
+        ] {
+            assert_eq!(negotiate_influence(accept), format, "{accept}");
         }
     }
 }

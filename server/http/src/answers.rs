@@ -1,6 +1,7 @@
 //! The JSON answers and their schemas.
 
 mod assumptions;
+mod influence;
 mod panorama;
 mod scene;
 mod service;
@@ -8,6 +9,9 @@ mod site;
 mod sky;
 
 pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, sky_warnings};
+pub use influence::{
+    InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
+};
 pub use panorama::{Light, PanoramaAnswer, PanoramaGrid};
 pub use scene::{GridAnswer, PlaceAnswer, SceneAnswer, SceneReference};
 pub use service::{AtmosphereAnswer, HealthAnswer, TileJson};

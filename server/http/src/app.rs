@@ -4,7 +4,7 @@ use crate::{
     config::HttpConfig,
     error::ApiError,
     layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
-    routes::{atmospheres, docs, health, panorama, problems, scenes, site, sky, tiles, viewer},
+    routes::{atmospheres, docs, health, influence, panorama, problems, scenes, site, sky, tiles, viewer},
     source::SkySource,
     state::AppState,
 };
@@ -38,6 +38,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
     ),
     tags(
         (name = "sky", description = "The sky of a place"),
+        (name = "influence", description = "Which lights cause the sky of a place"),
         (name = "scenes", description = "Rasters of light with their terrain and places"),
         (name = "tiles", description = "Map tiles"),
         (name = "atmospheres", description = "Resident table packs"),
@@ -60,6 +61,11 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(panorama::get_panorama_tif))
         .routes(routes!(panorama::get_panorama_json))
         .routes(routes!(sky::get_sky))
+        .routes(routes!(influence::get_influence, influence::post_influence))
+        .routes(routes!(influence::get_influence_json, influence::post_influence_json))
+        .routes(routes!(influence::get_influence_tif, influence::post_influence_tif))
+        .routes(routes!(influence::get_influence_geojson, influence::post_influence_geojson))
+        .routes(routes!(influence::get_influence_csv, influence::post_influence_csv))
         .routes(routes!(tiles::get_tilejson))
         .routes(routes!(atmospheres::list_atmospheres))
         .routes(routes!(docs::get_openapi))

@@ -19,7 +19,7 @@ pub struct HttpConfig {
     pub request_burst: u32,
     /// Longest time for the answers under way when the server is told to end, seconds.
     pub drain_timeout_s: f64,
-    /// Bytes of rendered skies that are kept for the next request.
+    /// Bytes of rendered skies that are kept for the next request, and as many of maps of influences.
     pub cache_bytes: u64,
     /// Where clients reach the server, such as `https://sky.example.org`, for the links inside answers;
     /// without it the request's Host header says so.
@@ -31,7 +31,7 @@ impl Default for HttpConfig {
         Self {
             concurrent_requests: 128,
             request_timeout_s: 30.0,
-            body_limit_bytes: 64 * 1024,
+            body_limit_bytes: 2 * 1024 * 1024,
             requests_per_second: 100.0,
             request_burst: 1000,
             drain_timeout_s: 10.0,

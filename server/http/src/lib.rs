@@ -12,6 +12,7 @@ pub mod config;
 pub mod drawing;
 pub mod error;
 pub mod etag;
+pub mod influence_file;
 pub mod kind_facts;
 pub mod layers;
 pub mod listener;

@@ -4,10 +4,13 @@ use crate::{
     answers::AtmosphereAnswer,
     kind_facts::KindFacts,
     parameters::{BASIS, SCATTERING, TURBIDITY},
-    source::{BoxFuture, EyeHeight, RenderedSky, SiteFacts, SkyQuery, SkySource, SourceError, SourceFacts},
+    source::{
+        BoxFuture, Circumstances, EyeHeight, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SkySource,
+        SourceError, SourceFacts,
+    },
 };
 use skyglow_engine::{
-    EngineError, EngineStats, Observatory, PackKind, ResidentKind,
+    EngineError, EngineStats, InfluenceMap, InfluenceRequest, Observatory, PackKind, ResidentKind,
     observatory::{ObserverHeight, SkyRequest},
 };
 use skyglow_physics::GeoPoint;
@@ -91,6 +94,7 @@ impl From<EngineError> for SourceError {
                 resident: resident.iter().map(PackKind::to_string).collect::<Vec<_>>().join(", "),
             },
             EngineError::OutsideScene { bounds, .. } => SourceError::OutsideScene { bounds },
+            EngineError::EmptyRegion => SourceError::EmptyRegion,
             EngineError::Scene(error) => error.into(),
             // The rest is about starting an engine, or a defect.
             other => SourceError::Broken(other.to_string()),
@@ -105,6 +109,26 @@ impl From<SceneError> for SourceError {
             SceneError::InvalidTile { .. } => SourceError::UnknownTile(error.to_string()),
             other => SourceError::Broken(other.to_string()),
         }
+    }
+}
+
+/// A sky as the engine is asked for it.
+fn sky_request(query: &SkyQuery) -> SkyRequest {
+    SkyRequest {
+        scene: query.scene.clone(),
+        place: query.place,
+        observer_height: match query.eye_height {
+            EyeHeight::AboveGround(height_m) => ObserverHeight::AboveGround(height_m),
+            EyeHeight::AboveSea(altitude_m) => ObserverHeight::AboveSea(altitude_m),
+        },
+        turbidity: query.turbidity,
+        scattering: query.scattering,
+        cloud_base_m: query.cloud_base_m,
+        lamp: query.lamp,
+        emission: query.emission,
+        basis: query.basis,
+        tolerance: query.tolerance,
+        terrain_hides: query.terrain_hides,
     }
 }
 
@@ -180,37 +204,28 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.tile(id, layer, address, size_px)?)
     }
 
+    fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError> {
+        let request = InfluenceRequest { sky: sky_request(&query.sky), measure: query.measure.clone() };
+        Ok(self.observatory.influence(&request)?)
+    }
+
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {
         Box::pin(async move {
-            let request = SkyRequest {
-                scene: query.scene.clone(),
-                place: query.place,
-                observer_height: match query.eye_height {
-                    EyeHeight::AboveGround(height_m) => ObserverHeight::AboveGround(height_m),
-                    EyeHeight::AboveSea(altitude_m) => ObserverHeight::AboveSea(altitude_m),
-                },
-                turbidity: query.turbidity,
-                scattering: query.scattering,
-                cloud_base_m: query.cloud_base_m,
-                lamp: query.lamp,
-                emission: query.emission,
-                basis: query.basis,
-                tolerance: query.tolerance,
-                terrain_hides: query.terrain_hides,
-            };
-            let answer = self.observatory.sky(request).await?;
+            let answer = self.observatory.sky(sky_request(&query)).await?;
             let horizon_time = answer.horizon_time.map(|time| ("horizon", 1e6 * time.as_secs_f64()));
             let passes = answer.rendered.passes.iter().map(|pass| (pass.name, pass.microseconds));
             Ok(RenderedSky {
-                altitude_m: answer.observer.altitude_m,
-                ground: answer.observer.ground,
+                circumstances: Circumstances {
+                    altitude_m: answer.observer.altitude_m,
+                    ground: answer.observer.ground,
+                    coverage: answer.coverage,
+                    calibration: answer.calibration,
+                    local_optical_depth: answer.local_optical_depth,
+                    flux_dnb_w: answer.flux_dnb_w,
+                    basis_count: answer.rendered.basis_count,
+                    basis_error_bound: answer.basis_error_bound,
+                },
                 quantities: answer.quantities,
-                coverage: answer.coverage,
-                calibration: answer.calibration,
-                local_optical_depth: answer.local_optical_depth,
-                flux_dnb_w: answer.flux_dnb_w,
-                basis_count: answer.rendered.basis_count,
-                basis_error_bound: answer.basis_error_bound,
                 passes: horizon_time.into_iter().chain(passes).collect(),
                 horizon: answer.horizon,
                 panorama: answer.rendered.panorama,

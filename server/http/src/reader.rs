@@ -51,14 +51,14 @@ impl Reader {
         code: Mistake,
         message: Option<String>,
     ) {
+        let message = message.unwrap_or_else(|| code.words().to_owned());
+        self.fail_field(FieldError { parameter: parameter.to_owned(), value, allowed, message, code });
+    }
+
+    /// Notes a mistake in something that is no query parameter.
+    pub fn fail_field(&mut self, error: FieldError) {
         if self.errors.len() < MOST_ERRORS {
-            self.errors.push(FieldError {
-                parameter: parameter.to_owned(),
-                value,
-                allowed,
-                message: message.unwrap_or_else(|| code.words().to_owned()),
-                code,
-            });
+            self.errors.push(error);
         }
     }
 

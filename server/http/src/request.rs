@@ -1,10 +1,13 @@
 //! Typed requests from query strings.
 
+pub mod geojson;
+mod influence;
 mod sky;
 #[cfg(test)]
 mod tests;
 mod view;
 
+pub use influence::{InfluenceAsk, InfluenceBody, influence};
 pub use view::View;
 
 use self::{

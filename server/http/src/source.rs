@@ -5,10 +5,10 @@ use crate::{
     answers::AtmosphereAnswer,
     error::ApiError,
     kind_facts::KindFacts,
-    parameters::{ALTITUDE, CLOUDS, HEIGHT},
+    parameters::{ALTITUDE, CLOUDS, HEIGHT, REGION},
     problem::Mistake,
 };
-use skyglow_engine::EngineStats;
+use skyglow_engine::{EngineStats, InfluenceMap, Measure};
 use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{Ground, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
 use skyglow_tables::Scattering;
@@ -78,15 +78,9 @@ pub struct SkyQuery {
     pub terrain_hides: bool,
 }
 
-/// A rendered sky.
-#[derive(Clone, Debug)]
-pub struct RenderedSky {
-    /// Radiance of artificial light, 0 below the horizon.
-    pub panorama: Panorama,
-    /// Below it terrain hides the sky; flat where nothing does.
-    pub horizon: Horizon,
-    /// The reported quantities.
-    pub quantities: SkyQuantities,
+/// What the numbers of an answer depend on that nobody asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Circumstances {
     /// Observer's altitude, metres above sea level.
     pub altitude_m: f64,
     /// The ground there.
@@ -103,8 +97,46 @@ pub struct RenderedSky {
     pub basis_count: usize,
     /// Where a tolerance was given: bound of the relative difference to the sky of all functions.
     pub basis_error_bound: Option<f64>,
+}
+
+impl Circumstances {
+    /// Those of a map of influences.
+    pub fn of_influences(map: &InfluenceMap) -> Self {
+        Self {
+            altitude_m: map.observer.altitude_m,
+            ground: map.observer.ground,
+            coverage: map.coverage,
+            calibration: map.scene().calibration,
+            local_optical_depth: map.local_optical_depth,
+            flux_dnb_w: map.flux_dnb_w,
+            basis_count: map.basis_count,
+            basis_error_bound: map.basis_error_bound,
+        }
+    }
+}
+
+/// A rendered sky.
+#[derive(Clone, Debug)]
+pub struct RenderedSky {
+    /// Radiance of artificial light, 0 below the horizon.
+    pub panorama: Panorama,
+    /// Below it terrain hides the sky; flat where nothing does.
+    pub horizon: Horizon,
+    /// The reported quantities.
+    pub quantities: SkyQuantities,
+    /// What its numbers depend on.
+    pub circumstances: Circumstances,
     /// Name and time [µs] of each pass, for the batch it was in; before them `horizon`, where one was computed.
     pub passes: Vec<(&'static str, f64)>,
+}
+
+/// A map of influences asked for. Its `Debug` form is its identity in ETags and the cache.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InfluenceQuery {
+    /// The sky that lights are to have their part in.
+    pub sky: SkyQuery,
+    /// What of it.
+    pub measure: Measure,
 }
 
 /// What is at a place.
@@ -170,6 +202,9 @@ pub enum SourceError {
         /// What is resident.
         resident: String,
     },
+    /// A curve on the sky without a visible direction in it.
+    #[error("the curve holds no visible direction of the sky")]
+    EmptyRegion,
     /// No such tile.
     #[error("{0}")]
     UnknownTile(String),
@@ -277,6 +312,13 @@ impl From<SourceError> for ApiError {
                 Mistake::NotResident.words().to_owned(),
                 Mistake::NotResident,
             ),
+            SourceError::EmptyRegion => ApiError::parameter(
+                REGION.name,
+                "the curve".to_owned(),
+                "a curve around some of the visible sky; directions are 1.4 degrees apart".to_owned(),
+                "it holds no visible direction of the sky".to_owned(),
+                Mistake::NotAllowed,
+            ),
             SourceError::UnknownTile(reason) => ApiError::UnknownTile { reason },
             SourceError::Busy => ApiError::Busy { retry_after_s: 1 },
             SourceError::Down(reason) => {
@@ -334,6 +376,11 @@ pub trait SkySource: Send + Sync + 'static {
         address: (u8, u32, u32),
         size_px: u32,
     ) -> Result<RasterTile, SourceError>;
+    /// Finds what each light does to a sky; takes up to a second of all cores.
+    ///
+    /// # Errors
+    /// As [`Self::site`], an altitude out of range, and [`SourceError::EmptyRegion`].
+    fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError>;
     /// Renders a sky.
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>>;
 }

@@ -5,9 +5,10 @@ use crate::{
     error::ApiError,
     etag::ETag,
     metrics::Metrics,
-    source::{RenderedSky, SkyQuery, SkySource, SourceError},
+    source::{InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
 };
 use moka::future::Cache;
+use skyglow_engine::InfluenceMap;
 use skyglow_physics::Panorama;
 use std::sync::{Arc, OnceLock};
 use tokio::sync::Semaphore;
@@ -23,6 +24,8 @@ pub struct AppState {
     pub metrics: Arc<Metrics>,
     /// Skies rendered lately, by what decides them.
     skies: Cache<String, Arc<RenderedSky>>,
+    /// Maps of influences found lately, by what decides them.
+    influences: Cache<String, Arc<InfluenceMap>>,
     /// Places for heavy work.
     cores: Arc<Semaphore>,
     /// The OpenAPI document, set once when the routes are known.
@@ -36,6 +39,8 @@ impl AppState {
     /// The state over a source.
     pub fn new(source: Arc<dyn SkySource>, config: HttpConfig) -> Self {
         let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
+        let weigh = |_: &String, map: &Arc<InfluenceMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
+        let influences = Cache::builder().max_capacity(config.cache_bytes).weigher(weigh).build();
         let metrics = Arc::new(Metrics::new(source.clone()));
         let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
         Self {
@@ -43,6 +48,7 @@ impl AppState {
             config: Arc::new(config),
             metrics,
             skies,
+            influences,
             cores: Arc::new(Semaphore::new(2 * cores)),
             openapi: Arc::default(),
         }
@@ -98,5 +104,19 @@ impl AppState {
             .try_get_with_by_ref(key, async move { source.sky(query).await.map(Arc::new) })
             .await
             .map_err(|error| SourceError::clone(&error))
+    }
+    /// The influences of a query, found once for all who ask at the same time, kept for a while.
+    ///
+    /// # Errors
+    /// As [`SkySource::influence`].
+    pub async fn influence(
+        &self,
+        key: &str,
+        query: Arc<InfluenceQuery>,
+    ) -> Result<Arc<InfluenceMap>, ApiError> {
+        let find = self.heavy(move |source| {
+            source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky))
+        });
+        self.influences.try_get_with_by_ref(key, find).await.map_err(|error| ApiError::clone(&error))
     }
 }

@@ -73,6 +73,12 @@ impl LinearMeasure {
         self.weights.iter().all(|weight| *weight == 0.0)
     }
 
+    /// Solid angle of the directions that count, sr.
+    pub fn solid_angle_sr(&self) -> f64 {
+        let counting = self.weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
+        counting.map(|(at, _)| solid_angle_sr(at / AZIMUTH_COUNT)).sum()
+    }
+
     /// The measure of a panorama of artificial light.
     pub fn of(&self, panorama: &Panorama) -> f64 {
         self.weights
@@ -89,6 +95,7 @@ mod tests {
     use super::*;
     use crate::{panorama::Direction, sky_quantities::SkyQuantities};
     use proptest::prelude::*;
+    use std::f64::consts::TAU;
 
     fn sky(seed: u32) -> Panorama {
         let sample =
@@ -123,6 +130,7 @@ mod tests {
         assert!(LinearMeasure::mean(&walls).is_empty() && LinearMeasure::zenith(&walls).is_empty());
         assert_eq!(LinearMeasure::mean(&walls).of(&sky(1)), 0.0);
         assert!(!LinearMeasure::mean(&hills()).is_empty());
+        assert!((LinearMeasure::mean(&Horizon::flat()).solid_angle_sr() / TAU - 1.0).abs() < 1e-12);
     }
 
     proptest! {

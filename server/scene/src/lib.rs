@@ -13,6 +13,7 @@
 //! was measured.
 
 mod blocked_sources;
+mod boundary;
 mod coverage;
 mod demo;
 mod error;
@@ -29,6 +30,7 @@ mod map_tile;
 mod mask;
 mod metadata;
 mod morton;
+mod pixel_raster;
 mod polar_grid;
 mod scene;
 mod scene_id;
@@ -39,16 +41,18 @@ mod store;
 mod stored;
 mod terrain;
 
+pub use boundary::{Boundary, BoundaryError, MOST_BOUNDARY_CORNERS, Position};
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use error::SceneError;
 pub use gather::FAR_BLOCK_RATIO;
 pub use ground::Ground;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
-pub use light_shares::{CellShare, LightShares};
-pub use map_tile::{RasterTile, TileLayer};
+pub use light_shares::{CellShare, LightShares, LitPixel};
+pub use map_tile::{PixelNumbers, RasterTile, TileLayer};
 pub use metadata::{
     ExamplePlace, GridMetadata, IngestReport, PixelCount, Place, SceneMetadata, TerrainReport,
 };
+pub use pixel_raster::{RasterError, RasterWords};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 pub use scene::Scene;
 pub use scene_id::SceneId;

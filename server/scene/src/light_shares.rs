@@ -2,10 +2,15 @@
 
 use crate::gather::LightSink;
 use crate::polar_grid::{
-    AZIMUTH_COLUMN_COUNT, PlacedLight, PolarAccumulator, PolarAxes, PolarGrid, RING_COUNT, blocking_shares,
+    AZIMUTH_COLUMN_COUNT, PlacedLight, PolarAccumulator, PolarAxes, PolarCell, PolarGrid, RING_COUNT,
+    blocking_shares,
 };
+use glam::DVec3;
+use rayon::prelude::*;
 use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
+use skyglow_physics::geometry::LocalFrame;
+use std::sync::Arc;
 
 /// A part of a pixel's light in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,18 +21,31 @@ pub struct CellShare {
     pub flux_dnb_w: f32,
 }
 
+/// A lit pixel as an observer has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LitPixel {
+    /// Its number, as [`Scene::column_and_row`](crate::Scene::column_and_row) takes it.
+    pub number: u32,
+    /// Altitude, metres.
+    pub altitude_m: f32,
+    /// Upward flux, DNB watts, calibration included.
+    pub flux_dnb_w: f32,
+    /// Distance of its centre along the ground, metres.
+    pub distance_m: f32,
+    /// Azimuth of its centre, clockwise from north, 0..2π.
+    pub azimuth_rad: f32,
+}
+
 /// The light around an observer by cells and by pixels. Every pixel is taken by itself, far ones too.
 #[derive(Clone, Debug)]
 pub struct LightShares {
     /// The light by azimuth and distance.
-    pub polar: PolarGrid,
-    /// Lit pixels within reach, as [`Scene::lit_pixel`](crate::Scene::lit_pixel) numbers them, ascending.
-    pixels: Vec<u32>,
+    pub polar: Arc<PolarGrid>,
+    /// Ascending by number.
+    pixels: Arc<[LitPixel]>,
     /// Where each pixel's shares begin, and where the last one's end.
     starts: Vec<u32>,
     shares: Vec<CellShare>,
-    /// Their altitudes, metres.
-    altitude_m: Vec<f32>,
 }
 
 impl LightShares {
@@ -41,14 +59,14 @@ impl LightShares {
         self.pixels.is_empty()
     }
 
-    /// The lit pixels, ascending.
-    pub fn pixels(&self) -> &[u32] {
+    /// The lit pixels within 300 km, ascending by number.
+    pub fn pixels(&self) -> &[LitPixel] {
         &self.pixels
     }
 
-    /// Altitude of pixel `position` of [`Self::pixels`], metres.
-    pub fn altitude_m(&self, position: usize) -> f32 {
-        self.altitude_m[position]
+    /// The same, to keep without the rest.
+    pub fn shared_pixels(&self) -> Arc<[LitPixel]> {
+        Arc::clone(&self.pixels)
     }
 
     /// Where the light of pixel `position` of [`Self::pixels`] went; a cell may come more than once.
@@ -58,16 +76,26 @@ impl LightShares {
 
     /// Bytes held.
     pub fn byte_count(&self) -> usize {
-        12 * self.pixels.len() + 8 * self.shares.len() + 16 * self.polar.cells.len()
+        let of_pixels = self.pixels.len() * (size_of::<LitPixel>() + size_of::<u32>());
+        let of_cells = self.polar.cells.len() * size_of::<PolarCell>();
+        of_pixels + self.shares.len() * size_of::<CellShare>() + of_cells
     }
+}
+
+/// A pixel being gathered.
+struct Visited {
+    number: u32,
+    altitude_m: f32,
+    flux_dnb_w: f64,
+    /// Where its shares begin.
+    first_share: u32,
 }
 
 /// Light shares being gathered, in the order in which pixels are visited.
 pub(crate) struct ShareCollector {
     accumulator: PolarAccumulator,
     axes: PolarAxes,
-    /// Number of each pixel, its altitude, and where its shares begin.
-    visited: Vec<(u32, f32, u32)>,
+    visited: Vec<Visited>,
     /// Shares with the numbers of their places on the grid in place of their cells'.
     shares: Vec<CellShare>,
 }
@@ -81,9 +109,15 @@ impl LightSink for ShareCollector {
     fn take(&mut self, pixel: Option<usize>, light: PlacedLight) {
         self.accumulator.add(light);
         // Blocks are not taken where pixels are asked for.
-        let Some(pixel) = pixel.map(|pixel| pixel as u32) else { return };
-        if self.visited.last().is_none_or(|(last, ..)| *last != pixel) {
-            self.visited.push((pixel, light.altitude_m as f32, self.shares.len() as u32));
+        let Some(number) = pixel.map(|pixel| pixel as u32) else { return };
+        match self.visited.last_mut() {
+            Some(last) if last.number == number => last.flux_dnb_w += light.flux_dnb_w,
+            _ => self.visited.push(Visited {
+                number,
+                altitude_m: light.altitude_m as f32,
+                flux_dnb_w: light.flux_dnb_w,
+                first_share: self.shares.len() as u32,
+            }),
         }
         for (at, weight) in self.axes.shares(light.azimuth_rad, light.log_distance) {
             for (angle, part) in blocking_shares(light.blocking) {
@@ -102,8 +136,16 @@ impl ShareCollector {
         Self { accumulator: PolarAccumulator::new(), axes: PolarAxes::new(), visited, shares }
     }
 
-    /// Orders pixels by their number and names the cells of their shares.
-    pub(crate) fn finish(self, observer: GeoPoint, coverage: f64) -> LightShares {
+    /// Orders pixels by their number, sees where they are, and names the cells of their shares.
+    ///
+    /// * `center`: the centre of a lit pixel by its number, as a unit vector.
+    pub(crate) fn finish(
+        self,
+        observer: GeoPoint,
+        frame: &LocalFrame,
+        coverage: f64,
+        center: impl Fn(u32) -> DVec3 + Sync,
+    ) -> LightShares {
         let polar = self.accumulator.finish(observer, coverage);
         let mut cell_of = vec![u32::MAX; AZIMUTH_COLUMN_COUNT * RING_COUNT * BLOCKING_COUNT];
         for (column, range) in polar.azimuth_start.windows(2).enumerate() {
@@ -113,25 +155,33 @@ impl ShareCollector {
                 cell_of[slot(at, of.blocking as usize) as usize] = cell;
             }
         }
-        let ends = self.visited.iter().skip(1).map(|(.., start)| *start).chain([self.shares.len() as u32]);
-        let mut visited: Vec<(u32, f32, std::ops::Range<usize>)> = self
-            .visited
-            .iter()
-            .zip(ends)
-            .map(|(&(pixel, altitude_m, start), end)| (pixel, altitude_m, start as usize..end as usize))
-            .collect();
-        visited.sort_unstable_by_key(|(pixel, ..)| *pixel);
+        let ends = self.visited.iter().skip(1).map(|next| next.first_share).chain([self.shares.len() as u32]);
+        let mut visited: Vec<(&Visited, u32)> = self.visited.iter().zip(ends).collect();
+        visited.sort_unstable_by_key(|(visited, _)| visited.number);
         let mut starts = vec![0];
         let mut shares = Vec::with_capacity(self.shares.len());
-        for (.., range) in &visited {
-            let placed = self.shares[range.clone()].iter();
+        for (visited, end) in &visited {
+            let placed = self.shares[visited.first_share as usize..*end as usize].iter();
             let named = placed.map(|share| CellShare { cell: cell_of[share.cell as usize], ..*share });
             // A flux that f32 holds may still be too little for the f32 of a cell behind a skyline.
             shares.extend(named.filter(|share| share.cell != u32::MAX));
             starts.push(shares.len() as u32);
         }
-        let pixels = visited.iter().map(|(pixel, ..)| *pixel).collect();
-        let altitude_m = visited.iter().map(|(_, altitude_m, _)| *altitude_m).collect();
-        LightShares { polar, pixels, starts, shares, altitude_m }
+        let pixel = |(visited, _): &(&Visited, u32)| {
+            let bearing = frame.bearing_to(center(visited.number));
+            LitPixel {
+                number: visited.number,
+                altitude_m: visited.altitude_m,
+                flux_dnb_w: visited.flux_dnb_w as f32,
+                distance_m: bearing.distance_m as f32,
+                azimuth_rad: bearing.azimuth_rad as f32,
+            }
+        };
+        LightShares {
+            pixels: visited.par_iter().map(pixel).collect(),
+            polar: Arc::new(polar),
+            starts,
+            shares,
+        }
     }
 }

@@ -1,6 +1,7 @@
-//! Web-Mercator map tiles of radiance and elevation, as numbers and a mask.
+//! Web-Mercator map tiles of radiance, elevation and numbers of lit pixels, as numbers and a mask.
 
 use crate::error::SceneError;
+use crate::morton;
 use crate::scene::Scene;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
@@ -24,12 +25,44 @@ pub struct RasterTile {
     pub size_px: u32,
 }
 
+/// A number for each of some lit pixels, so kept that the sum over any block of the raster is two look-ups.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PixelNumbers {
+    /// Numbers of the pixels ([`Scene::column_and_row`]), ascending.
+    pixels: Vec<u32>,
+    /// Sum of the values before each, and of all at the end.
+    running: Vec<f64>,
+}
+
+impl PixelNumbers {
+    /// Of lit pixels, ascending by their number.
+    pub fn new(values: impl Iterator<Item = (u32, f32)>) -> Self {
+        let (mut pixels, mut running, mut sum) = (Vec::new(), vec![0.0], 0.0);
+        for (pixel, value) in values {
+            debug_assert!(pixels.last().is_none_or(|last| *last < pixel));
+            sum += f64::from(value);
+            pixels.push(pixel);
+            running.push(sum);
+        }
+        Self { pixels, running }
+    }
+
+    /// Sum over lit pixels `first..end`.
+    fn sum(&self, first: u32, end: u32) -> f64 {
+        let [first, end] = [first, end].map(|pixel| self.pixels.partition_point(|known| *known < pixel));
+        self.running[end] - self.running[first]
+    }
+
+    /// Bytes held for each pixel.
+    pub const BYTES_PER_PIXEL: usize = size_of::<u32>() + size_of::<f64>();
+}
+
 /// Deepest zoom level: a pixel of 256-pixel tiles is then a centimetre.
 const DEEPEST_ZOOM: u8 = 24;
 /// Largest tile, pixels a side.
 const LARGEST_PX: u32 = 1024;
 
-/// Samples the scene at the pixels of tile z/x/y.
+/// Samples a layer of the scene at the pixels of tile z/x/y.
 pub(crate) fn sample(
     scene: &Scene,
     layer: TileLayer,
@@ -37,6 +70,39 @@ pub(crate) fn sample(
     x: u32,
     y: u32,
     size_px: u32,
+) -> Result<RasterTile, SceneError> {
+    let radiance = |level: u32, column: u32, row: u32| radiance_sum(scene, level, column, row);
+    sample_with((z, x, y), size_px, |window, column, row| match layer {
+        TileLayer::Radiance => mean_of_pixels(scene, window, column, row, radiance),
+        TileLayer::Elevation => {
+            scene.terrain.overview_m(window.place(column, row, 2, 2), window.resolution_m(row))
+        }
+    })
+}
+
+/// Samples numbers of lit pixels: the mean over the valid pixels under a tile's pixel, dark ones counting 0.
+pub(crate) fn sample_pixels(
+    scene: &Scene,
+    numbers: &PixelNumbers,
+    z: u8,
+    x: u32,
+    y: u32,
+    size_px: u32,
+) -> Result<RasterTile, SceneError> {
+    let codes = &scene.pixels.codes;
+    let sum = |level: u32, column: u32, row: u32| {
+        let block = morton::encode(column, row);
+        let [first, end] =
+            [block, block + 1].map(|block| codes.partition_point(|code| code >> (2 * level) < block) as u32);
+        numbers.sum(first, end)
+    };
+    sample_with((z, x, y), size_px, |window, column, row| mean_of_pixels(scene, window, column, row, sum))
+}
+
+fn sample_with(
+    (z, x, y): (u8, u32, u32),
+    size_px: u32,
+    value: impl Fn(&Window, usize, usize) -> Option<f64>,
 ) -> Result<RasterTile, SceneError> {
     let refuse = |reason| Err(SceneError::InvalidTile { z, x, y, size_px, reason });
     if z > DEEPEST_ZOOM {
@@ -53,13 +119,7 @@ pub(crate) fn sample(
     let mut tile = RasterTile { values: vec![0.0; count], has_data: vec![false; count], size_px };
     for row in 0..size_px as usize {
         for column in 0..size_px as usize {
-            let value = match layer {
-                TileLayer::Radiance => mean_radiance(scene, &window, column, row),
-                TileLayer::Elevation => {
-                    scene.terrain.overview_m(window.place(column, row, 2, 2), window.resolution_m(row))
-                }
-            };
-            if let Some(value) = value {
+            if let Some(value) = value(&window, column, row) {
                 let index = row * size_px as usize + column;
                 (tile.values[index], tile.has_data[index]) = (value as f32, true);
             }
@@ -106,31 +166,47 @@ impl Window {
     }
 }
 
-/// Mean radiance under the map pixel: of the pixel there when zoomed in; zoomed out of the four
-/// pyramid blocks around its quarters' middles, which are larger than those quarters, so that no lone
-/// light falls between samples.
-fn mean_radiance(scene: &Scene, window: &Window, column: usize, row: usize) -> Option<f64> {
+/// Mean under the map pixel of what pixels have: of the pixel there when zoomed in; zoomed out of the four blocks
+/// around its quarters' middles, which are larger than those quarters, so that no lone light falls between samples.
+///
+/// * `sum`: over the pixels of a block of 2^level × 2^level at block coordinates (column, row).
+fn mean_of_pixels(
+    scene: &Scene,
+    window: &Window,
+    column: usize,
+    row: usize,
+    sum: impl Fn(u32, u32, u32) -> f64,
+) -> Option<f64> {
     let ratio = window.resolution_m(row) / scene.metadata.pixel_size_m;
     if ratio <= 1.0 {
-        return scene.radiance_nw_cm2_sr(window.place(column, row, 2, 2));
+        let (column, row) = scene.grid.pixel_at(window.place(column, row, 2, 2))?;
+        let value = sum(0, column, row);
+        // A lit pixel is valid; it need not be looked up.
+        return (value > 0.0 || scene.mask.is_valid(column, row)).then_some(value);
     }
     let level = (0.5 * ratio).log2().ceil().max(0.0) as u32;
-    let (mut sum, mut valid) = (0.0, 0.0);
+    let (mut total, mut valid) = (0.0, 0.0);
     for (east, south) in [(1, 1), (3, 1), (1, 3), (3, 3)] {
         let Some((column, row)) = scene.grid.pixel_at(window.place(column, row, east, south)) else {
             continue;
         };
         let (block_column, block_row) = (column >> level, row >> level);
         valid += f64::from(scene.mask.valid_in_block(level, block_column, block_row));
-        sum += if level == 0 {
-            scene.pixels.radiance_at(column, row).map_or(0.0, f64::from)
-        } else if level as usize <= scene.pyramid.top() {
-            let block = scene.pyramid.level(level as usize).block_at(block_column, block_row);
-            block.map_or(0.0, |b| b.radiance_sum_nw_cm2_sr)
-        } else {
-            let top = scene.pyramid.top();
-            if top == 0 { 0.0 } else { scene.pyramid.level(top).blocks[0].radiance_sum_nw_cm2_sr }
-        };
+        total += sum(level, block_column, block_row);
     }
-    (valid > 0.0).then(|| sum / valid)
+    (valid > 0.0).then(|| total / valid)
+}
+
+/// Sum of radiances in a block, nW cm⁻² sr⁻¹.
+fn radiance_sum(scene: &Scene, level: u32, column: u32, row: u32) -> f64 {
+    if level == 0 {
+        return scene.pixels.radiance_at(column, row).map_or(0.0, f64::from);
+    }
+    let top = scene.pyramid.top();
+    let block = match level as usize {
+        level if level <= top => scene.pyramid.level(level).block_at(column, row),
+        _ if top == 0 => None,
+        _ => scene.pyramid.level(top).blocks.first(),
+    };
+    block.map_or(0.0, |block| block.radiance_sum_nw_cm2_sr)
 }

@@ -8,7 +8,7 @@ use crate::ground::Ground;
 use crate::light_pyramid::LightPyramid;
 use crate::light_shares::{LightShares, ShareCollector};
 use crate::lit_pixels::LitPixels;
-use crate::map_tile::{self, RasterTile, TileLayer};
+use crate::map_tile::{self, PixelNumbers, RasterTile, TileLayer};
 use crate::mask::ValidMask;
 use crate::metadata::{Place, SceneMetadata};
 use crate::morton;
@@ -145,13 +145,28 @@ impl Scene {
     /// The same with every pixel by itself, and where the light of each went.
     pub fn light_shares(&self, place: GeoPoint, terrain_hides: bool) -> LightShares {
         let mut collector = ShareCollector::new();
-        self.light_behind(terrain_hides).gather(&LocalFrame::at(place), NO_BLOCKS, &mut collector);
-        collector.finish(place, self.coverage(place))
+        let frame = LocalFrame::at(place);
+        self.light_behind(terrain_hides).gather(&frame, NO_BLOCKS, &mut collector);
+        collector.finish(place, &frame, self.coverage(place), |number| {
+            let (column, row) = morton::decode(self.pixels.codes[number as usize]);
+            self.grid.center(column, row)
+        })
     }
 
-    /// A lit pixel by its number, 0..`metadata().ingest`'s lit pixels: its column and row on the raster; None beyond.
-    pub fn lit_pixel(&self, number: u32) -> Option<(u32, u32)> {
-        self.pixels.codes.get(number as usize).map(|&code| morton::decode(code))
+    /// Column and row on the raster of a lit pixel by its number, as [`LightShares`] names it.
+    ///
+    /// # Panics
+    /// For a number that no lit pixel has.
+    pub fn column_and_row(&self, number: u32) -> (u32, u32) {
+        morton::decode(self.pixels.codes[number as usize])
+    }
+
+    /// The raster's radiance of a lit pixel by its number, nW cm⁻² sr⁻¹, without the calibration.
+    ///
+    /// # Panics
+    /// For a number that no lit pixel has.
+    pub fn lit_radiance_nw_cm2_sr(&self, number: u32) -> f32 {
+        self.pixels.radiance_nw_cm2_sr[number as usize]
     }
 
     /// The centre of a pixel of the raster.
@@ -190,6 +205,21 @@ impl Scene {
         size_px: u32,
     ) -> Result<RasterTile, SceneError> {
         map_tile::sample(self, layer, z, x, y, size_px)
+    }
+
+    /// [`Self::tile`] of numbers that lit pixels have.
+    ///
+    /// # Errors
+    /// As [`Self::tile`].
+    pub fn pixels_tile(
+        &self,
+        numbers: &PixelNumbers,
+        z: u8,
+        x: u32,
+        y: u32,
+        size_px: u32,
+    ) -> Result<RasterTile, SceneError> {
+        map_tile::sample_pixels(self, numbers, z, x, y, size_px)
     }
 
     fn light(&self) -> Light<'_> {

@@ -6,7 +6,7 @@ mod common;
 
 use common::{Bench, STEP, TestRaster, place};
 use skyglow_physics::GeoPoint;
-use skyglow_scene::{RasterTile, Scene, TileLayer};
+use skyglow_scene::{PixelNumbers, RasterTile, Scene, TileLayer};
 
 /// Tile column and row of a place, with fractions.
 fn mercator(at: GeoPoint, z: u8) -> (f64, f64) {
@@ -92,4 +92,29 @@ fn tiles_that_do_not_exist_are_refused() {
         assert!(scene.tile(TileLayer::Radiance, z, x, y, size).is_err(), "{z} {x} {y} {size}");
     }
     assert_eq!(scene.tile(TileLayer::Radiance, 0, 0, 0, 64).unwrap().values.len(), 64 * 64);
+}
+
+#[test]
+fn numbers_of_lit_pixels_are_shown_as_their_radiances_are() {
+    let bench = Bench::new();
+    let mut raster = TestRaster::scattered(400, 300);
+    raster.no_data = Some(-9.0);
+    raster.values[..400 * 40].fill(-9.0);
+    let scene = bench.scene(&raster);
+    let lit = u32::try_from(scene.metadata().lit_pixels).unwrap();
+    let numbers = PixelNumbers::new((0..lit).map(|number| (number, scene.lit_radiance_nw_cm2_sr(number))));
+    let none = PixelNumbers::new(std::iter::empty());
+    let middle = place(-1.6, 37.8);
+    for z in [2, 6, 8, 9, 10, 11, 13] {
+        let (x, y) = mercator(middle, z);
+        let radiance = tile_at(&scene, TileLayer::Radiance, middle, z);
+        let tile = scene.pixels_tile(&numbers, z, x as u32, y as u32, 256).unwrap();
+        assert_eq!(tile.has_data, radiance.has_data);
+        let largest = radiance.values.iter().copied().fold(0f32, f32::max);
+        let apart = tile.values.iter().zip(&radiance.values).map(|(a, b)| (a - b).abs()).fold(0f32, f32::max);
+        assert!(largest > 0.0 && apart <= 1e-6 * largest, "zoom {z}: {apart}");
+        let dark = scene.pixels_tile(&none, z, x as u32, y as u32, 256).unwrap();
+        assert!(dark.has_data == radiance.has_data && dark.values.iter().all(|value| *value == 0.0));
+    }
+    assert!(scene.pixels_tile(&numbers, 3, 8, 0, 256).is_err());
 }

@@ -109,14 +109,17 @@ proptest! {
         prop_assert!((shares.polar.flux_dnb_w - alone.flux_dnb_w).abs() <= 1e-9 * alone.flux_dnb_w);
         prop_assert_eq!(shares.polar.cells.len(), alone.cells.len());
         let mut of_cells = vec![0f64; shares.polar.cells.len()];
-        prop_assert!(shares.pixels().windows(2).all(|pair| pair[0] < pair[1]));
+        prop_assert!(shares.pixels().windows(2).all(|pair| pair[0].number < pair[1].number));
         let frame = LocalFrame::at(observer);
-        for (position, &pixel) in shares.pixels().iter().enumerate() {
-            let (column, row) = scene.lit_pixel(pixel).unwrap();
+        for (position, pixel) in shares.pixels().iter().enumerate() {
+            let (column, row) = scene.column_and_row(pixel.number);
             let value = raster.values[row as usize * raster.size.0 + column as usize];
             prop_assert!(value > 0.0);
-            let distance_m = frame.bearing_to(scene.pixel_center(column, row).unit_vector()).distance_m;
+            let bearing = frame.bearing_to(scene.pixel_center(column, row).unit_vector());
+            let distance_m = bearing.distance_m;
             prop_assert!(distance_m <= 300_000.0);
+            prop_assert!((f64::from(pixel.distance_m) - distance_m).abs() <= 1e-6 * distance_m);
+            prop_assert!((f64::from(pixel.azimuth_rad) - bearing.azimuth_rad).abs() < 1e-6);
             let mut flux = 0.0;
             for share in shares.shares(position) {
                 of_cells[share.cell as usize] += f64::from(share.flux_dnb_w);
@@ -131,6 +134,7 @@ proptest! {
                 * (north.to_radians().sin() - south.to_radians().sin());
             let wanted = upward_flux_dnb_w(f64::from(value as f32), area_m2);
             prop_assert!((flux / wanted - 1.0).abs() < 1e-5, "{flux} {wanted}");
+            prop_assert!((f64::from(pixel.flux_dnb_w) / wanted - 1.0).abs() < 1e-5);
         }
         for (sum, cell) in of_cells.iter().zip(&shares.polar.cells) {
             let flux = f64::from(cell.flux_dnb_w);

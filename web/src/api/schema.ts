@@ -114,6 +114,63 @@ export type HealthAnswer = {
   status: string;
 };
 
+/** Which lights within 300 km cause a measure of a sky: the most influential pixels, and all by distance and direction. */
+export type InfluenceAnswer = Assumptions & ({
+  boundary?: PartAnswer | null;
+  /** Lit pixels within 300 km. */
+  lit_pixels: number;
+  /** `norm`, `zenith`, `mean`, `horizontal` or `region`. */
+  measure: string;
+  /** The most influential pixels, the most first. */
+  pixels: InfluentialPixel[];
+  /** Solid angle of the visible directions in the region, sr; null for other measures. */
+  region_sr?: number | null;
+  /** All lights by distance. */
+  rings: RingAnswer[];
+  /** All lights by azimuth. */
+  sectors: SectorAnswer[];
+  /** Sum over all lights. For every measure but `norm` it is the sky's own value of it. */
+  total: number;
+  /** Unit of influences: `cd m-2`, `lx`, or `cd m-2 sr0.5` of the norm. */
+  unit: string;
+});
+
+/** What a body may say beside the query. */
+export type InfluenceBody = {
+  /** An area, as a GeoJSON Polygon or MultiPolygon, or a Feature or FeatureCollection of such: how much of the measure comes from inside it. */
+  boundary?: Record<string, unknown> | null;
+  /** A closed curve on the sky, corner by corner as `[azimuth_deg, elevation_deg]`; instead of the query's `region`. */
+  region?: number[][] | null;
+};
+
+/** A lit pixel and its part. */
+export type InfluentialPixel = {
+  /** Azimuth of the centre from the observer, degrees clockwise from north. */
+  azimuth_deg: number;
+  /** Column on the scene's raster, from 0 in the west. */
+  column: number;
+  /** Parts of this pixel and all before it in the list. */
+  cumulative_share: number;
+  /** Distance of the centre along the ground, metres. */
+  distance_m: number;
+  /** Upward flux, DNB watts, calibration included. */
+  flux_dnb_w: number;
+  /** What the pixel does to the measure, in `unit`. */
+  influence: number;
+  /** Centre, degrees north. */
+  latitude_deg: number;
+  /** Centre, degrees east. */
+  longitude_deg: number;
+  /** The raster's radiance, nW cm⁻² sr⁻¹, without the calibration. */
+  radiance_nw_cm2_sr: number;
+  /** Place in the list, from 1. */
+  rank: number;
+  /** Row, from 0 in the north. */
+  row: number;
+  /** Its part of `total`. */
+  share: number;
+};
+
 /** A lamp. */
 export type LampAnswer = {
   /** Flux in R, G, B per flux weighted by the satellite's response. A satellite sees no blue: the lamp is an assumption. */
@@ -172,6 +229,18 @@ export type PanoramaGrid = {
   elevation_first_deg: number;
   /** Degrees from row to row. */
   elevation_step_deg: number;
+};
+
+/** Some lights together. */
+export type PartAnswer = {
+  /** Their upward flux, DNB watts, calibration included. */
+  flux_dnb_w: number;
+  /** Sum of their influences, in `unit`. */
+  influence: number;
+  /** Number of lit pixels. */
+  pixels: number;
+  /** Their part of `total`. */
+  share: number;
 };
 
 /** A named place. */
@@ -238,6 +307,14 @@ export type QuantitiesAnswer = {
   zenith_total_luminance_cd_m2: number;
 };
 
+/** Lights at some distance. */
+export type RingAnswer = PartAnswer & {
+  /** Nearest, metres. */
+  distance_from_m: number;
+  /** Farthest, metres. */
+  distance_to_m: number;
+};
+
 /** A scene. */
 export type SceneAnswer = {
   /** Whom to credit. */
@@ -282,6 +359,16 @@ export type SceneReference = {
   illustrative: boolean;
   /** Hash over all that it holds. */
   version: string;
+};
+
+/** Lights in some direction. */
+export type SectorAnswer = PartAnswer & {
+  /** First azimuth, degrees clockwise from north. */
+  azimuth_from_deg: number;
+  /** Last azimuth, degrees; below the first where the sector passes north. */
+  azimuth_to_deg: number;
+  /** `N`, `NE`, … `NW`. */
+  name: string;
 };
 
 /** What is at a place. */
@@ -370,6 +457,214 @@ export interface Gets {
     };
     query: Record<string, never>;
     answer: SceneAnswer;
+  };
+  /** Which lights cause the sky of a place, in the format that the Accept header prefers: JSON, GeoTIFF, GeoJSON or CSV. */
+  "/api/v1/scenes/{scene}/influence": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    answer: InfluenceAnswer;
+  };
+  /** The most influential pixels as a table; what they depend on stands in the JSON alone. */
+  "/api/v1/scenes/{scene}/influence.csv": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    answer: Blob;
+  };
+  /** The most influential pixels as GeoJSON points. */
+  "/api/v1/scenes/{scene}/influence.geojson": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    answer: Blob;
+  };
+  /** Which lights cause the sky of a place: the most influential pixels, and all by distance and azimuth. */
+  "/api/v1/scenes/{scene}/influence.json": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    answer: InfluenceAnswer;
+  };
+  /** What every lit pixel does, as GeoTIFF on the scene's own grid: one float32 band; pixels without light or beyond 300 km are no data. */
+  "/api/v1/scenes/{scene}/influence.tif": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+    };
+    answer: Blob;
   };
   /** The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for that format are errors. */
   "/api/v1/scenes/{scene}/panorama": {
@@ -762,23 +1057,54 @@ export interface Gets {
     };
     answer: SkyAnswer;
   };
-  /** Describes a layer of tiles (TileJSON 3.0). */
+  /** Describes a layer of tiles (TileJSON 3.0). That of `influence` takes the parameters below, needs the place, and hands all of them on to its tiles. */
   "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json": {
     path: {
       /** The scene's id */
       scene: string;
-      /** `radiance` or `elevation` */
+      /** `radiance`, `elevation` or `influence` */
       layer: string;
     };
-    query: Record<string, never>;
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat?: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon?: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+    };
     answer: TileJson;
   };
-  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading. */
+  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading; `influence` on a logarithmic scale from a ten-thousandth of the most influential pixel to that pixel. Only `influence` takes the parameters below, and needs the place. */
   "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png": {
     path: {
       /** The scene's id */
       scene: string;
-      /** `radiance` or `elevation` */
+      /** `radiance`, `elevation` or `influence` */
       layer: string;
       /** Zoom level */
       z: number;
@@ -787,7 +1113,38 @@ export interface Gets {
       /** Row, from the north */
       y: number;
     };
-    query: Record<string, never>;
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat?: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon?: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+    };
     answer: Blob;
   };
   /** Answers while the server lives. */

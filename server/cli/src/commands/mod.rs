@@ -2,6 +2,7 @@
 
 mod bench;
 mod config;
+mod influence;
 mod ingest;
 mod packs;
 mod panorama;
@@ -35,6 +36,7 @@ pub(crate) enum Command {
     Packs(packs::Packs),
     Panorama(panorama::Panorama),
     Sky(sky::Sky),
+    Influence(influence::Influence),
     Reference(reference::Reference),
     Bench(bench::Bench),
     Config(config::Config),
@@ -51,6 +53,7 @@ impl Command {
             Command::Packs(command) => command.run(),
             Command::Panorama(command) => command.run(),
             Command::Sky(command) => command.run(),
+            Command::Influence(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Bench(command) => command.run(),
             Command::Config(command) => command.run(),
@@ -73,7 +76,7 @@ fn rendered(source: &dyn SkySource, sky: SkyQuery) -> Result<(Assumptions, Rende
     let runtime = tokio::runtime::Builder::new_current_thread().build().map_err(Failure::work)?;
     let rendered =
         runtime.block_on(source.sky(sky.clone())).map_err(|error| query::failure(&error.of_sky(&sky)))?;
-    Ok((Assumptions::new(&sky, &site.scene, &rendered, source.facts()), rendered))
+    Ok((Assumptions::new(&sky, &site.scene, &rendered.circumstances, source.facts()), rendered))
 }
 
 /// A turbidity of the model, from text.

@@ -12,7 +12,7 @@ use skyglow_http::{
     answers::{Assumptions, PanoramaAnswer},
     parameters::ReferenceParameters,
     request,
-    source::{RenderedSky, SkyQuery, SourceError},
+    source::{Circumstances, RenderedSky, SkyQuery, SourceError},
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Horizon, SkyCover,
@@ -133,19 +133,21 @@ impl Reference {
             quantities: SkyQuantities::under(SkyCover::with_clouds(clouds.is_some()), &panorama, &horizon),
             panorama,
             horizon,
-            altitude_m,
-            ground,
-            coverage: scene.coverage(query.place),
-            calibration: scene.metadata().calibration,
-            local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
-            flux_dnb_w: sources.iter().map(|blocked| blocked.source.flux_dnb_w).sum(),
-            basis_count: 0,
-            basis_error_bound: None,
+            circumstances: Circumstances {
+                altitude_m,
+                ground,
+                coverage: scene.coverage(query.place),
+                calibration: scene.metadata().calibration,
+                local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
+                flux_dnb_w: sources.iter().map(|blocked| blocked.source.flux_dnb_w).sum(),
+                basis_count: 0,
+                basis_error_bound: None,
+            },
             passes: Vec::new(),
         };
         // Skylines come from the terrain itself, also where the scene was stored without them.
         let metadata = SceneMetadata { light_skylines: scene.metadata().terrain, ..scene.metadata().clone() };
-        let mut assumptions = Assumptions::new(&query, &metadata, &sky, &facts);
+        let mut assumptions = Assumptions::new(&query, &metadata, &sky.circumstances, &facts);
         let is_sample = self.directions.0.len() < ALL;
         if is_sample {
             assumptions.warnings.push(format!(

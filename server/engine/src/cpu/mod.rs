@@ -90,11 +90,14 @@ impl CpuExecutor {
         BatchOutput { radiance_w_m2_sr, passes: clock.into_passes() }
     }
 
-    /// The sky of one pack of a request, and what its passes left.
-    pub(crate) fn render_keeping(&self, request: &Prepared, pack: usize) -> (Vec<f32>, Scratch) {
-        let (mut scratch, mut sky) = (Scratch::default(), Vec::new());
-        self.run_passes(&Item { request, pack }, true, &mut scratch, &mut sky);
-        (sky, scratch)
+    /// The sky of one pack of a request.
+    pub(crate) fn sky(&self, request: &Prepared, pack: usize) -> Vec<f32> {
+        self.render_pack(&Item { request, pack }, true).0
+    }
+
+    /// Buffers of its passes, to be given back.
+    pub(crate) fn scratch(&self) -> &ScratchPool {
+        &self.scratch
     }
 
     /// The tables of its transforms.

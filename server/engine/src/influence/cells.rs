@@ -4,6 +4,7 @@ use super::{correlation::correlate, sensitivity::sensitivities};
 use crate::{
     cpu::{
         CpuExecutor,
+        blend::blend,
         coefficients::ColumnBlock,
         dispatch::{dispatch_wide, multiply_add},
         mix::{BLOCK, MixedNode, NodeScales, mix_scale, mix_shape},
@@ -17,15 +18,15 @@ use crate::{
     twin::log_scale_between,
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Band, LinearMeasure};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Band, LinearMeasure, Panorama};
 use std::sync::{Arc, OnceLock};
 
 /// Partial sums side by side in a product of two rows of functions.
 const LANES: usize = 8;
+/// Cells that a task works on.
+const CELLS_AT_ONCE: usize = 1024;
 /// Step in the weight of the upper node over which slopes are differences.
 const SLOPE_STEP: f32 = 0.02;
-/// Step in altitude over which the place on an axis is differenced, metres.
-const ALTITUDE_STEP_M: f32 = 10.0;
 /// Steepest slope of ln(measure) over altitude in use, m⁻¹: next to the ground of a near lamp a step of the axis is metres.
 const STEEPEST_PER_M: f64 = 0.02;
 
@@ -48,6 +49,15 @@ pub struct CellInfluence {
     pub log_slope_per_m: f32,
 }
 
+/// What cells do to a sky.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellsInSky {
+    /// By their place in the grid.
+    pub cells: Vec<CellInfluence>,
+    /// The sky's own value of a linear measure; None for the norm.
+    pub of_sky: Option<f64>,
+}
+
 /// Finds influences, on the processor; what it needs of a pack for norms it computes once.
 pub struct InfluenceSolver {
     set: Arc<TableSet>,
@@ -65,13 +75,38 @@ impl std::fmt::Debug for InfluenceSolver {
 struct CellScales<'a>([&'a NodeScales; 2]);
 
 impl CellScales<'_> {
+    /// Σ_b scale·shape of products with a measure, `[lower, upper][band]`, and its slope over the weight of the upper node.
+    fn times(
+        &self,
+        flux_per_dnb_flux: [f32; BAND_COUNT],
+        upper_weight: f32,
+        products: &[[f32; BAND_COUNT]; 2],
+    ) -> Slope {
+        let mut sum = Slope::default();
+        let steps = steps_around(upper_weight);
+        for band in 0..BAND_COUNT {
+            let log_scale = |weight: f32| self.log_scale(band, weight);
+            let scale = flux_per_dnb_flux[band] * log_scale(upper_weight).exp();
+            let [lower, upper] = products.map(|product| product[band]);
+            let shape = (1.0 - upper_weight) * lower + upper_weight * upper;
+            sum.value += f64::from(scale * shape);
+            if let Some((low, high)) = steps {
+                let log_slope = (log_scale(high) - log_scale(low)) / (high - low);
+                sum.slope += f64::from(scale * (log_slope * shape + upper - lower));
+            }
+        }
+        sum
+    }
+
+    fn log_scale(&self, band: usize, upper_weight: f32) -> f32 {
+        let log_scale = self.0.map(|scales| scales.log_scale[band]);
+        let bow = self.0.map(|scales| scales.bow[band]);
+        log_scale_between(log_scale, bow, upper_weight)
+    }
+
     /// s_b·scale of every band at a weight of the upper node, W m⁻² sr⁻¹ per DNB watt.
     fn scale(&self, flux_per_dnb_flux: [f32; BAND_COUNT], upper_weight: f32) -> [f32; BAND_COUNT] {
-        std::array::from_fn(|band| {
-            let log_scale = self.0.map(|scales| scales.log_scale[band]);
-            let bow = self.0.map(|scales| scales.bow[band]);
-            flux_per_dnb_flux[band] * log_scale_between(log_scale, bow, upper_weight).exp()
-        })
+        std::array::from_fn(|band| flux_per_dnb_flux[band] * self.log_scale(band, upper_weight).exp())
     }
 }
 
@@ -91,24 +126,56 @@ impl InfluenceSolver {
         request: &RenderRequest,
         measure: MeasureOfCells<'_>,
     ) -> Result<Vec<CellInfluence>, EngineError> {
+        Ok(self.cells_in_sky(request, request, measure)?.cells)
+    }
+
+    /// The same in the sky of another request, which may gather the same light in another way: where a direction is black, and
+    /// between turbidities, what a cell adds depends on what is there already.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`] of either.
+    pub fn cells_in_sky(
+        &self,
+        request: &RenderRequest,
+        sky: &RenderRequest,
+        measure: MeasureOfCells<'_>,
+    ) -> Result<CellsInSky, EngineError> {
         let prepared = Prepared::new(request, &self.set)?;
-        let mut found = vec![CellInfluence::default(); request.polar.cells.len()];
+        let mut cells = vec![CellInfluence::default(); request.polar.cells.len()];
+        let mut of_sky = None;
         if prepared.is_dark() {
-            return Ok(found);
+            return Ok(CellsInSky { cells, of_sky: Some(0.0) });
         }
-        let of_cells = match measure {
-            MeasureOfCells::Linear(measure) => self.linear(&prepared, measure),
-            MeasureOfCells::Norm => self.norms(&prepared),
-        };
         // Cells that shine on clouds from above are in the grid and not among those prepared.
         let highest_source_m = request.kind().cloud_altitude_m();
-        let places = (0..found.len()).filter(|&at| shines(&request.polar.cells[at], highest_source_m));
-        for ((at, influence), cell) in places.zip(of_cells).zip(&prepared.cells) {
-            let per_m = self.upper_weight_per_m(request, &prepared, at, cell);
-            let slope = (influence.slope * per_m).clamp(-STEEPEST_PER_M, STEEPEST_PER_M);
-            found[at] = CellInfluence { per_dnb_w: influence.value, log_slope_per_m: slope as f32 };
+        let places: Vec<u32> = (0u32..)
+            .zip(&request.polar.cells)
+            .filter(|(_, cell)| shines(cell, highest_source_m))
+            .map(|(at, _)| at)
+            .collect();
+        let mut of_cells = vec![Slope::default(); prepared.cells.len()];
+        match measure {
+            MeasureOfCells::Linear(measure) => {
+                let sky = Prepared::new(sky, &self.set)?;
+                of_sky = Some(self.linear(&prepared, &sky, measure, &mut of_cells));
+            }
+            MeasureOfCells::Norm => self.norms(&prepared, &mut of_cells),
         }
-        Ok(found)
+        let found: Vec<CellInfluence> = (places.par_iter().zip(&of_cells).zip(&prepared.cells))
+            .with_min_len(CELLS_AT_ONCE)
+            .map(|((&at, of_cell), cell)| {
+                let per_m = self.upper_weight_per_m(request, &prepared, at as usize, cell);
+                let slope = (of_cell.log_slope() * f64::from(per_m)).clamp(-STEEPEST_PER_M, STEEPEST_PER_M);
+                CellInfluence { per_dnb_w: of_cell.value, log_slope_per_m: slope as f32 }
+            })
+            .collect();
+        if found.len() == cells.len() {
+            return Ok(CellsInSky { cells: found, of_sky });
+        }
+        for (at, cell) in places.into_iter().zip(found) {
+            cells[at as usize] = cell;
+        }
+        Ok(CellsInSky { cells, of_sky })
     }
 
     /// d(place on the offset axis)/d(altitude) of a cell, m⁻¹.
@@ -118,7 +185,7 @@ impl InfluenceSolver {
         prepared: &Prepared,
         at: usize,
         cell: &PreparedCell,
-    ) -> f64 {
+    ) -> f32 {
         let node = prepared.nodes[cell.lower_node as usize];
         let ring = node.ring as usize;
         let axis = match (node.blocking, self.set.blocked()) {
@@ -126,86 +193,161 @@ impl InfluenceSolver {
             (blocking, Some(blocked)) => blocked.axis(blocking as usize, ring),
         };
         let offset_m = request.polar.cells[at].altitude_m - request.observer_altitude_m.max(0.0) as f32;
-        let apart = axis.position(offset_m + ALTITUDE_STEP_M) - axis.position(offset_m - ALTITUDE_STEP_M);
-        f64::from(apart / (2.0 * ALTITUDE_STEP_M))
+        axis.position_per_m(offset_m)
     }
 
-    fn linear(&self, request: &Prepared, measure: &LinearMeasure) -> Vec<Slope> {
-        let packs = request.turbidity_taps.indices();
-        let rendered: Vec<(Vec<f32>, Scratch)> =
-            packs.par_iter().map(|&pack| self.executor.render_keeping(request, pack)).collect();
-        let (skies, kept): (Vec<Vec<f32>>, Vec<Scratch>) = rendered.into_iter().unzip();
-        let weights = sensitivities(&skies, &request.turbidity_taps, measure);
-        let mut sum = vec![Slope::default(); request.cells.len()];
-        for ((&pack, scratch), weights) in packs.iter().zip(&kept).zip(&weights) {
+    /// Adds up what cells do, and gives the sky's own value.
+    fn linear(&self, request: &Prepared, sky: &Prepared, measure: &LinearMeasure, sum: &mut [Slope]) -> f64 {
+        let taps = &request.turbidity_taps;
+        let skies: Vec<Vec<f32>> = match sky.is_dark() {
+            true => vec![vec![0.0; Panorama::LEN]; taps.indices().len()],
+            false => taps.indices().par_iter().map(|&pack| self.executor.sky(sky, pack)).collect(),
+        };
+        let weights = sensitivities(&skies, taps, measure);
+        for (&pack, weights) in taps.indices().iter().zip(&weights) {
             let tables = &self.set.tables()[pack];
             let basis_count = request.basis_count.min(tables.basis_count);
             let correlated = correlate(self.executor.transforms(), tables, basis_count, weights);
-            let products = products(request, &scratch.mixed, &correlated);
-            sum.par_iter_mut().zip(&request.cells).zip(&products).for_each(|((sum, cell), products)| {
-                let scales = scales_of(cell, &scratch.scales);
-                let at = |upper_weight: f32| -> f64 {
-                    let scale = scales.scale(request.flux_per_dnb_flux, upper_weight);
-                    let bands = 0..BAND_COUNT;
-                    let of_band = |band: usize| {
-                        let shape =
-                            (1.0 - upper_weight) * products[0][band] + upper_weight * products[1][band];
-                        f64::from(scale[band]) * f64::from(shape)
-                    };
-                    bands.map(of_band).sum()
-                };
-                sum.add_at(cell.upper_weight, at);
+            let mut scratch = self.executor.scratch().take();
+            let Scratch { scales, mixed, .. } = &mut scratch;
+            mix_scale(tables, request, true, scales);
+            mix_shape(tables, request, scales, true, mixed);
+            let products = products(request, mixed, &correlated);
+            let cells = sum.par_iter_mut().zip(&request.cells).zip(&products).with_min_len(CELLS_AT_ONCE);
+            cells.for_each(|((sum, cell), products)| {
+                sum.add(scales_of(cell, scales).times(
+                    request.flux_per_dnb_flux,
+                    cell.upper_weight,
+                    products,
+                ));
             });
+            self.executor.scratch().keep(scratch);
         }
-        for sum in &mut sum {
-            sum.slope = if sum.value > 0.0 { sum.slope / sum.value } else { 0.0 };
-        }
-        sum
+        let sources: Vec<&[f32]> = skies.iter().map(Vec::as_slice).collect();
+        let blended = if let [own] = sources.as_slice() { own.to_vec() } else { blend(&sources, taps, true) };
+        Panorama::from_samples(blended).map_or(0.0, |sky| measure.of(&sky))
     }
 
-    fn norms(&self, request: &Prepared) -> Vec<Slope> {
+    fn norms(&self, request: &Prepared, logs: &mut [Slope]) {
         let taps = &request.turbidity_taps;
-        let mut logs = vec![Slope::default(); request.cells.len()];
         for (&pack, weight) in taps.indices().iter().zip(taps.weights()) {
             let tables = &self.set.tables()[pack];
             let gram = self.grams[pack]
                 .get_or_init(|| gram_matrix(tables).into_iter().map(|value| value as f32).collect());
             let basis_count = request.basis_count.min(tables.basis_count);
             // The nodes alone: a norm knows no azimuth, and no sky is needed.
-            let (mut scales, mut mixed) = (Vec::new(), Vec::new());
-            mix_scale(tables, request, true, &mut scales);
-            mix_shape(tables, request, &scales, true, &mut mixed);
-            let nodes = request.nodes.len();
-            logs.par_iter_mut().zip(&request.cells).for_each(|(logs, cell)| {
-                let of_cell = scales_of(cell, &scales);
-                let ends = [cell.lower_node, cell.upper_node()].map(|node| node as usize);
-                let at = |upper_weight: f32| -> f64 {
-                    let scale = of_cell.scale(request.flux_per_dnb_flux, upper_weight);
-                    let share = [1.0 - upper_weight, upper_weight];
-                    let coefficient = |k: usize| -> f32 {
-                        let of_band = |band: Band| {
-                            let b = band.index();
-                            let shape = |end: usize| mixed[k / BLOCK * nodes + ends[end]].0[b][k % BLOCK];
-                            let shape = share[0] * shape(0) + share[1] * shape(1);
-                            band.luminous_efficacy_lm_w() as f32 * scale[b] * shape
-                        };
-                        Band::ALL.into_iter().map(of_band).sum()
-                    };
-                    let coefficients: Vec<f32> = (0..basis_count).map(coefficient).collect();
-                    quadratic_form(&coefficients, gram, tables.basis_count).max(0.0).sqrt()
-                };
-                let mut norm = Slope::default();
-                norm.add_at(cell.upper_weight, at);
-                logs.value += weight * norm.value.max(f64::MIN_POSITIVE).ln();
-                logs.slope += weight * if norm.value > 0.0 { norm.slope / norm.value } else { 0.0 };
+            let mut scratch = self.executor.scratch().take();
+            let Scratch { scales, mixed, .. } = &mut scratch;
+            mix_scale(tables, request, true, scales);
+            mix_shape(tables, request, scales, true, mixed);
+            let of_pack =
+                NormsOfPack { request, scales, mixed, gram, basis_count, stride: tables.basis_count };
+            logs.par_iter_mut().zip(&request.cells).with_min_len(64).for_each(|(log, cell)| {
+                let norm = of_pack.norm(cell);
+                log.value += weight * norm.value.max(f64::MIN_POSITIVE).ln();
+                log.slope += weight * norm.log_slope();
             });
+            self.executor.scratch().keep(scratch);
         }
-        logs.into_iter().map(|log| Slope { value: log.value.exp(), slope: log.slope }).collect()
+        for log in logs {
+            log.value = log.value.exp();
+            log.slope *= log.value;
+        }
     }
 }
 
-/// A value per DNB watt, and how it changes with the place on the offset axis: as a difference while it is added up, then over
-/// the value.
+/// What the norms of cells in one pack are computed from.
+struct NormsOfPack<'a> {
+    request: &'a Prepared,
+    scales: &'a [NodeScales],
+    mixed: &'a [MixedNode],
+    /// `[function][function]`, `stride` to a row.
+    gram: &'a [f32],
+    stride: usize,
+    basis_count: usize,
+}
+
+/// Most functions that a pack may have.
+const MOST_FUNCTIONS: usize = 256;
+/// Coefficients of luminance, those beyond the basis 0.
+type Coefficients = [f32; MOST_FUNCTIONS];
+
+impl NormsOfPack<'_> {
+    /// √(cᵀ·gram·c) of a cell, and how it changes with its place on the offset axis: (gram·c)·dc/norm.
+    fn norm(&self, cell: &PreparedCell) -> Slope {
+        let (mut here, mut times) = ([0f32; MOST_FUNCTIONS], [0f32; MOST_FUNCTIONS]);
+        self.coefficients(cell, cell.upper_weight, &mut here);
+        times_gram(self.gram, self.stride, self.basis_count, &here, &mut times);
+        let dot = |other: &Coefficients| -> f64 {
+            let products = times[..self.basis_count].iter().zip(other);
+            products.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
+        };
+        let norm = dot(&here).max(0.0).sqrt();
+        let mut slope = 0.0;
+        if let Some((low, high)) = steps_around(cell.upper_weight)
+            && norm > 0.0
+        {
+            let (mut below, mut above) = ([0f32; MOST_FUNCTIONS], [0f32; MOST_FUNCTIONS]);
+            self.coefficients(cell, low, &mut below);
+            self.coefficients(cell, high, &mut above);
+            slope = (dot(&above) - dot(&below)) / (f64::from(high - low) * norm);
+        }
+        Slope { value: norm, slope }
+    }
+
+    fn coefficients(&self, cell: &PreparedCell, upper_weight: f32, coefficients: &mut Coefficients) {
+        let nodes = self.request.nodes.len();
+        let scale = scales_of(cell, self.scales).scale(self.request.flux_per_dnb_flux, upper_weight);
+        let ends = [cell.lower_node, cell.upper_node()].map(|node| node as usize);
+        let blocks = coefficients[..self.basis_count].chunks_mut(BLOCK);
+        for (nodes, coefficients) in self.mixed.chunks_exact(nodes).zip(blocks) {
+            for band in Band::ALL {
+                let b = band.index();
+                let factor = band.luminous_efficacy_lm_w() as f32 * scale[b];
+                let factors = [factor * (1.0 - upper_weight), factor * upper_weight];
+                let [lower, upper] = ends.map(|end| &nodes[end].0[b]);
+                for ((sum, lower), upper) in coefficients.iter_mut().zip(lower).zip(upper) {
+                    *sum += factors[0] * lower + factors[1] * upper;
+                }
+            }
+        }
+    }
+}
+
+dispatch_wide!(
+    /// gram·c.
+    times_gram, times_gram_wide, times_gram_body,
+    (gram: &[f32], stride: usize, basis_count: usize, coefficients: &Coefficients, product: &mut Coefficients)
+);
+
+#[inline(always)]
+fn times_gram_body<const FUSED: bool>(
+    gram: &[f32],
+    stride: usize,
+    basis_count: usize,
+    coefficients: &Coefficients,
+    product: &mut Coefficients,
+) {
+    // It is symmetric: rows are columns, and a few functions at a time stay in registers.
+    for first in (0..basis_count).step_by(BLOCK) {
+        let mut sums = [0f32; BLOCK];
+        let width = BLOCK.min(stride - first);
+        for (row, coefficient) in gram.chunks_exact(stride).zip(&coefficients[..basis_count]) {
+            if width == BLOCK {
+                for (sum, value) in sums.iter_mut().zip(&row[first..first + BLOCK]) {
+                    *sum = multiply_add::<FUSED>(*coefficient, *value, *sum);
+                }
+            } else {
+                for (sum, value) in sums.iter_mut().zip(&row[first..]) {
+                    *sum = multiply_add::<FUSED>(*coefficient, *value, *sum);
+                }
+            }
+        }
+        product[first..first + width].copy_from_slice(&sums[..width]);
+    }
+}
+
+/// A value per DNB watt, and how it changes with the place on the offset axis.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slope {
     value: f64,
@@ -213,29 +355,25 @@ struct Slope {
 }
 
 impl Slope {
-    /// Adds what `at` gives at a weight of the upper node.
-    fn add_at(&mut self, upper_weight: f32, at: impl Fn(f32) -> f64) {
-        self.value += at(upper_weight);
-        // Right on a node there is no other beside it.
-        if upper_weight > 0.0 {
-            let (low, high) = ((upper_weight - SLOPE_STEP).max(0.0), (upper_weight + SLOPE_STEP).min(1.0));
-            self.slope += (at(high) - at(low)) / f64::from(high - low);
-        }
+    fn add(&mut self, other: Self) {
+        self.value += other.value;
+        self.slope += other.slope;
     }
+
+    /// d ln(value)/d(place); 0 where the value is not above 0.
+    fn log_slope(self) -> f64 {
+        if self.value > 0.0 { self.slope / self.value } else { 0.0 }
+    }
+}
+
+/// The weights that a slope is a difference between; None right on a node, which has no other beside it.
+fn steps_around(upper_weight: f32) -> Option<(f32, f32)> {
+    let ends = ((upper_weight - SLOPE_STEP).max(0.0), (upper_weight + SLOPE_STEP).min(1.0));
+    (upper_weight > 0.0).then_some(ends)
 }
 
 fn scales_of<'a>(cell: &PreparedCell, scales: &'a [NodeScales]) -> CellScales<'a> {
     CellScales([cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]))
-}
-
-/// cᵀ·gram·c.
-fn quadratic_form(coefficients: &[f32], gram: &[f32], stride: usize) -> f64 {
-    let count = coefficients.len();
-    let row = |k: usize| -> f64 {
-        let product: f32 = gram[k * stride..][..count].iter().zip(coefficients).map(|(g, c)| g * c).sum();
-        f64::from(product) * f64::from(coefficients[k])
-    };
-    (0..count).map(row).sum()
 }
 
 /// Σ_k shape_k·G_k of both nodes of every cell, `[cell][lower, upper][band]`.
@@ -254,20 +392,22 @@ fn products(request: &Prepared, mixed: &[MixedNode], correlated: &[ColumnBlock])
     }
     pieces.into_par_iter().with_min_len(4).for_each(|(column, products)| {
         let cells = &request.cells[column.first_cell as usize..column.end_cell as usize];
-        for (nodes, columns) in mixed.chunks_exact(node_count).zip(correlated.chunks_exact(AZIMUTH_COUNT)) {
-            add_products(cells, nodes, &columns[column.azimuth as usize], products);
-        }
+        let blocks: Vec<(&[MixedNode], &ColumnBlock)> = mixed
+            .chunks_exact(node_count)
+            .zip(correlated.chunks_exact(AZIMUTH_COUNT))
+            .map(|(nodes, columns)| (nodes, &columns[column.azimuth as usize]))
+            .collect();
+        add_products(cells, &blocks, products);
     });
     products
 }
 
 dispatch_wide!(
-    /// Adds the products of one column's cells in one block of functions.
+    /// The products of one column's cells, over all blocks of functions.
     add_products, add_products_wide, add_products_body,
     (
         cells: &[PreparedCell],
-        nodes: &[MixedNode],
-        correlated: &ColumnBlock,
+        blocks: &[(&[MixedNode], &ColumnBlock)],
         products: &mut [[[f32; BAND_COUNT]; 2]]
     )
 );
@@ -275,23 +415,24 @@ dispatch_wide!(
 #[inline(always)]
 fn add_products_body<const FUSED: bool>(
     cells: &[PreparedCell],
-    nodes: &[MixedNode],
-    correlated: &ColumnBlock,
+    blocks: &[(&[MixedNode], &ColumnBlock)],
     products: &mut [[[f32; BAND_COUNT]; 2]],
 ) {
     for (cell, products) in cells.iter().zip(products) {
         for (node, products) in [cell.lower_node, cell.upper_node()].into_iter().zip(products) {
-            let node = &nodes[node as usize].0;
-            for band in 0..BAND_COUNT {
-                let mut sums = [0f32; LANES];
-                for first in (0..BLOCK).step_by(LANES) {
-                    for lane in 0..LANES {
-                        let (a, b) = (node[band][first + lane], correlated.0[band][first + lane]);
-                        sums[lane] = multiply_add::<FUSED>(a, b, sums[lane]);
+            let mut sums = [[0f32; LANES]; BAND_COUNT];
+            for (nodes, correlated) in blocks {
+                let node = &nodes[node as usize].0;
+                for band in 0..BAND_COUNT {
+                    for first in (0..BLOCK).step_by(LANES) {
+                        for lane in 0..LANES {
+                            let (a, b) = (node[band][first + lane], correlated.0[band][first + lane]);
+                            sums[band][lane] = multiply_add::<FUSED>(a, b, sums[band][lane]);
+                        }
                     }
                 }
-                products[band] += sums.iter().sum::<f32>();
             }
+            *products = sums.map(|lanes| lanes.iter().sum());
         }
     }
 }

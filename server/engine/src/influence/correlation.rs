@@ -7,11 +7,14 @@ use crate::cpu::{
     mix::BLOCK,
     transforms::{FUNCTIONS_PER_GROUP, Transforms},
 };
+use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
 /// Functions that one inverse transform takes: a panorama's rows stand for them.
 const FUNCTIONS_AT_ONCE: usize = ELEVATION_COUNT;
+/// Functions that a task multiplies.
+const FUNCTIONS_PER_TASK: usize = 16;
 
 /// G in the layout of mixed nodes, `[block of functions][azimuth]`, `[band][function]` each; functions beyond `basis_count`
 /// are 0. `weights` are `[band][row][column]`.
@@ -30,7 +33,7 @@ pub(super) fn correlate(
     for first in (0..basis_count).step_by(FUNCTIONS_AT_ONCE) {
         let count = (basis_count - first).min(FUNCTIONS_AT_ONCE);
         let sums = products(tables, &spectra, first, count);
-        transforms.inverse_above(f32::NEG_INFINITY, [true; BAND_COUNT], &sums, false, &mut rows);
+        transforms.inverse_above(f32::NEG_INFINITY, [true; BAND_COUNT], &sums, true, &mut rows);
         for band in 0..BAND_COUNT {
             for function in 0..count {
                 let row = &rows[Panorama::index(band, function, 0)..][..AZIMUTH_COUNT];
@@ -60,7 +63,7 @@ fn weight_spectra(transforms: &Transforms, weights: &[f32]) -> WeightSpectra {
         }
     }
     let mut groups = Vec::new();
-    transforms.forward([true; BAND_COUNT], &columns, ELEVATION_COUNT, false, &mut groups);
+    transforms.forward([true; BAND_COUNT], &columns, ELEVATION_COUNT, true, &mut groups);
     let mut spectra = vec![[[0f32; FREQUENCY_COUNT]; 2]; BAND_COUNT * ELEVATION_COUNT];
     for band in 0..BAND_COUNT {
         for row in 0..ELEVATION_COUNT {
@@ -82,22 +85,28 @@ fn products(
     first: usize,
     count: usize,
 ) -> Vec<FrequencySums> {
-    let mut sums = vec![Aligned([[[0f32; ELEVATION_COUNT]; 2]; BAND_COUNT]); FREQUENCY_COUNT];
-    for (band, of_band) in spectra.chunks_exact(ELEVATION_COUNT).enumerate() {
-        for function in 0..count {
-            let mut product = [[0f32; FREQUENCY_COUNT]; 2];
-            for (row, weights) in of_band.iter().enumerate().filter(|(_, weights)| is_lit(weights)) {
-                let basis = &tables.basis_spectrum[tables.spectrum_index(first + function, row, 0)..];
-                for (product, weights) in product.iter_mut().zip(weights) {
-                    for ((sum, weight), basis) in product.iter_mut().zip(weights).zip(basis) {
-                        *sum += weight * basis;
-                    }
+    let pairs: Vec<(usize, usize)> =
+        (0..BAND_COUNT).flat_map(|band| (0..count).map(move |function| (band, function))).collect();
+    let product = |&(band, function): &(usize, usize)| {
+        let mut product = [[0f32; FREQUENCY_COUNT]; 2];
+        let of_band = &spectra[band * ELEVATION_COUNT..][..ELEVATION_COUNT];
+        for (row, weights) in of_band.iter().enumerate().filter(|(_, weights)| is_lit(weights)) {
+            let basis = &tables.basis_spectrum[tables.spectrum_index(first + function, row, 0)..];
+            for (product, weights) in product.iter_mut().zip(weights) {
+                for ((sum, weight), basis) in product.iter_mut().zip(weights).zip(basis) {
+                    *sum += weight * basis;
                 }
             }
-            for (part, product) in product.iter().enumerate() {
-                for (sums, value) in sums.iter_mut().zip(product) {
-                    sums.0[band][part][function] = *value;
-                }
+        }
+        product
+    };
+    let products: Vec<[[f32; FREQUENCY_COUNT]; 2]> =
+        pairs.par_iter().with_min_len(FUNCTIONS_PER_TASK).map(product).collect();
+    let mut sums = vec![Aligned([[[0f32; ELEVATION_COUNT]; 2]; BAND_COUNT]); FREQUENCY_COUNT];
+    for ((band, function), product) in pairs.into_iter().zip(products) {
+        for (part, product) in product.iter().enumerate() {
+            for (sums, value) in sums.iter_mut().zip(product) {
+                sums.0[band][part][function] = *value;
             }
         }
     }

@@ -15,7 +15,7 @@ mod correlation;
 mod pixels;
 mod sensitivity;
 
-pub use cells::{CellInfluence, InfluenceSolver, MeasureOfCells};
+pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
 pub use pixels::influence_of_pixels;
 
 #[cfg(test)]

@@ -1,70 +1,111 @@
 //! From what cells do to what pixels do.
 
 use super::CellInfluence;
+use crate::cpu::dispatch::{dispatch_wide, multiply_add};
 use rayon::prelude::*;
-use skyglow_scene::LightShares;
+use skyglow_scene::{LightShares, PolarCell};
 
 /// Largest power of e by which a pixel's light counts for more or less than its cell's for standing higher or lower.
 const LARGEST_LOG_FACTOR: f32 = 2.0;
 /// Pixels that a task works on.
 const PIXELS_PER_TASK: usize = 16_384;
 
+/// What the pixels of a cell need of it.
+#[derive(Clone, Copy, Default)]
+#[repr(C, align(16))]
+pub(crate) struct CellLine {
+    /// s.
+    slope_per_m: f32,
+    /// −s·h̄.
+    at_sea: f32,
+    /// The measure per DNB watt at h̄.
+    per_dnb_w: f32,
+}
+
 /// The measure of every pixel, in the measure's unit, by position in [`LightShares::pixels`].
 ///
-/// A cell's measure is divided among its pixels by their flux in it times e^{s·(h − h̄)}, s being the cell's logarithmic slope and h̄ its
-/// mean altitude: so pixels stand at their own altitudes, and still add up to the cell.
-pub fn influence_of_pixels(shares: &LightShares, cells: &[CellInfluence]) -> Vec<f32> {
-    let factor = |position: usize, cell: usize| {
-        let slope = cells[cell].log_slope_per_m;
-        let above_m = shares.altitude_m(position) - shares.polar.cells[cell].altitude_m;
-        (slope * above_m).clamp(-LARGEST_LOG_FACTOR, LARGEST_LOG_FACTOR).exp()
+/// Of a cell's measure per watt a pixel has that of its flux in it times e^{s·(h − h̄)}, s being the cell's logarithmic slope and h̄ its
+/// mean altitude: pixels stand at their own altitudes.
+///
+/// * `of_sky`: what all of them are to add up to; None for what comes out. A sky takes the light of a cell at its mean altitude,
+///   and far light by blocks of pixels: it differs from the sum over pixels, each where it is, by some 1e-3 at most of places, and
+///   that much of each is given or taken away.
+pub fn influence_of_pixels(shares: &LightShares, cells: &[CellInfluence], of_sky: Option<f64>) -> Vec<f32> {
+    let of_cells = cells.iter().zip(&shares.polar.cells);
+    let line = |(of, cell): (&CellInfluence, &PolarCell)| CellLine {
+        slope_per_m: of.log_slope_per_m,
+        at_sea: -of.log_slope_per_m * cell.altitude_m,
+        per_dnb_w: of.per_dnb_w as f32,
     };
-    let count = shares.len();
-    let tasks = count.div_ceil(PIXELS_PER_TASK);
-    let range = |task: usize| task * PIXELS_PER_TASK..((task + 1) * PIXELS_PER_TASK).min(count);
-    // Σ flux · factor of every cell.
-    let weighed: Vec<f32> = (0..tasks)
-        .into_par_iter()
-        .fold(
-            || vec![0f32; cells.len()],
-            |mut sums, task| {
-                for position in range(task) {
-                    for share in shares.shares(position) {
-                        sums[share.cell as usize] += share.flux_dnb_w * factor(position, share.cell as usize);
-                    }
-                }
-                sums
-            },
-        )
-        .reduce(
-            || vec![0f32; cells.len()],
-            |mut sums, more| {
-                sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-                sums
-            },
-        );
-    let per_weighed: Vec<f32> = weighed
-        .iter()
-        .zip(cells)
-        .zip(&shares.polar.cells)
-        .map(
-            |((sum, of), cell)| {
-                if *sum > 0.0 { (of.per_dnb_w * f64::from(cell.flux_dnb_w)) as f32 / sum } else { 0.0 }
-            },
-        )
-        .collect();
-    let mut influence = vec![0f32; count];
-    influence.par_chunks_mut(PIXELS_PER_TASK).enumerate().for_each(|(task, influence)| {
-        for (position, influence) in range(task).zip(influence) {
-            *influence = shares
-                .shares(position)
-                .iter()
-                .map(|share| {
-                    let cell = share.cell as usize;
-                    share.flux_dnb_w * factor(position, cell) * per_weighed[cell]
-                })
-                .sum();
-        }
-    });
+    let lines: Vec<CellLine> = of_cells.map(line).collect();
+    let mut influence = vec![0f32; shares.len()];
+    let sum: f64 = influence
+        .par_chunks_mut(PIXELS_PER_TASK)
+        .enumerate()
+        .map(|(task, influence)| {
+            add_shares(shares, &lines, task * PIXELS_PER_TASK, influence);
+            influence.iter().copied().map(f64::from).sum::<f64>()
+        })
+        .sum();
+    if let Some(of_sky) = of_sky
+        && sum > 0.0
+    {
+        let scale = (of_sky / sum) as f32;
+        influence.par_chunks_mut(PIXELS_PER_TASK).flatten().for_each(|influence| *influence *= scale);
+    }
     influence
+}
+
+dispatch_wide!(
+    /// Fills in the influence of pixels from `first` on.
+    add_shares, add_shares_wide, add_shares_body,
+    (shares: &LightShares, lines: &[CellLine], first: usize, influence: &mut [f32])
+);
+
+#[inline(always)]
+fn add_shares_body<const FUSED: bool>(
+    shares: &LightShares,
+    lines: &[CellLine],
+    first: usize,
+    influence: &mut [f32],
+) {
+    let pixels = &shares.pixels()[first..];
+    for (at, (influence, pixel)) in influence.iter_mut().zip(pixels).enumerate() {
+        let mut sum = 0.0;
+        for share in shares.shares(first + at) {
+            let line = &lines[share.cell as usize];
+            let here = share.flux_dnb_w * line.per_dnb_w;
+            sum = multiply_add::<FUSED>(here, factor::<FUSED>(line, pixel.altitude_m), sum);
+        }
+        *influence = sum;
+    }
+}
+
+/// e^{s·(h − h̄)}, the exponent held within ±2; to 4e-6.
+#[inline(always)]
+fn factor<const FUSED: bool>(cell: &CellLine, altitude_m: f32) -> f32 {
+    let exponent = multiply_add::<FUSED>(cell.slope_per_m, altitude_m, cell.at_sea);
+    let x = 0.125 * exponent.max(-LARGEST_LOG_FACTOR).min(LARGEST_LOG_FACTOR);
+    // (e^{x/8})^8: a library's exponential takes a third of the whole.
+    let add = multiply_add::<FUSED>;
+    let root = add(x, add(x, add(x, add(x, add(x, 1.0 / 120.0, 1.0 / 24.0), 1.0 / 6.0), 0.5), 1.0), 1.0);
+    let square = root * root;
+    let fourth = square * square;
+    fourth * fourth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_powers_of_e_and_held_within_two() {
+        for step in -400i16..=400 {
+            let cell = CellLine { slope_per_m: 0.01, at_sea: -10.0, per_dnb_w: 1.0 };
+            let exponent = 0.01 * f32::from(step);
+            let wanted = f64::from(exponent).clamp(-2.0, 2.0).exp();
+            let got = f64::from(factor::<false>(&cell, 1000.0 + f32::from(step)));
+            assert!((got / wanted - 1.0).abs() < 1e-5, "{exponent} {got} {wanted}");
+        }
+    }
 }

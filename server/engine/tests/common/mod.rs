@@ -32,27 +32,39 @@ pub(crate) fn largest_error(got: &[f32], exact: &[f64]) -> f64 {
 /// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, on a ground in metres by row and
 /// column.
 pub(crate) fn store_town_on(data_dir: &Path, calibration: f64, ground_m: &dyn Fn(usize, usize) -> f32) {
+    let near = |a: usize| (19..22).contains(&a);
+    let light = |row, column| if near(row) && near(column) { 25.5 } else { 0.0 };
+    store_scene(data_dir, 40, [36.4, -1.2, 0.01], calibration, ground_m, &light);
+}
+
+/// Stores a square scene under the town's id: pixels a side; west and north edge and pixel in degrees; altitude and radiance by
+/// row and column.
+pub(crate) fn store_scene(
+    data_dir: &Path,
+    side: usize,
+    [west_deg, north_deg, step_deg]: [f64; 3],
+    calibration: f64,
+    ground_m: &dyn Fn(usize, usize) -> f32,
+    radiance_nw_cm2_sr: &dyn Fn(usize, usize) -> f32,
+) {
     let write = |name: &str, value: &dyn Fn(usize, usize) -> f32| {
         let path = data_dir.join(name);
         let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
-        let mut dataset = driver.create_with_band_type::<f32, _>(&path, 40, 40, 1).unwrap();
-        dataset.set_geo_transform(&[36.4, 0.01, 0.0, -1.2, 0.0, -0.01]).unwrap();
+        let mut dataset = driver.create_with_band_type::<f32, _>(&path, side, side, 1).unwrap();
+        dataset.set_geo_transform(&[west_deg, step_deg, 0.0, north_deg, 0.0, -step_deg]).unwrap();
         dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
-        let values = (0..40 * 40).map(|pixel| value(pixel / 40, pixel % 40)).collect();
+        let values = (0..side * side).map(|pixel| value(pixel / side, pixel % side)).collect();
         let mut band = dataset.rasterband(1).unwrap();
-        band.write((0, 0), (40, 40), &mut Buffer::new((40, 40), values)).unwrap();
+        band.write((0, 0), (side, side), &mut Buffer::new((side, side), values)).unwrap();
         dataset.close().unwrap();
         path
     };
-    let near = |a: usize| (19..22).contains(&a);
     let options = IngestOptions {
         terrain: vec![write("terrain.tif", ground_m)],
         id: Some(town()),
         calibration,
         replace: true,
-        ..IngestOptions::new(write("lights.tif", &|row, column| {
-            if near(row) && near(column) { 25.5 } else { 0.0 }
-        }))
+        ..IngestOptions::new(write("lights.tif", radiance_nw_cm2_sr))
     };
     ingest(&SceneStore::new(data_dir), &options, &mut |_| {}).unwrap();
 }

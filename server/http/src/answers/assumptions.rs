@@ -1,7 +1,7 @@
 //! What every number of a sky depends on.
 
 use super::{SceneReference, site::ground_warning};
-use crate::source::{EyeHeight, RenderedSky, SkyQuery, SourceFacts, rounded};
+use crate::source::{Circumstances, EyeHeight, SkyQuery, SourceFacts, rounded};
 use serde::Serialize;
 use skyglow_physics::{EmissionMix, Lamp, Lobe};
 use skyglow_scene::{Ground, SceneMetadata};
@@ -111,8 +111,8 @@ pub struct Assumptions {
 }
 
 impl Assumptions {
-    /// Those of a rendered sky.
-    pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &RenderedSky, facts: &SourceFacts) -> Self {
+    /// Those of a sky.
+    pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &Circumstances, facts: &SourceFacts) -> Self {
         let kind = facts.kind(query);
         Self {
             scene: scene.into(),

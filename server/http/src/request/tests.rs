@@ -6,7 +6,7 @@ use skyglow_display::{PictureOptions, Projection};
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
 use skyglow_tables::{Clouds, Scattering};
 
-fn facts() -> SourceFacts {
+pub(super) fn facts() -> SourceFacts {
     SourceFacts {
         executor: "cpu".into(),
         adapter: "none".into(),

@@ -4,6 +4,7 @@ pub mod atmospheres;
 pub mod docs;
 mod frame;
 pub mod health;
+pub mod influence;
 pub mod panorama;
 pub mod problems;
 pub mod scenes;

@@ -117,7 +117,8 @@ async fn answer(
         return Ok(response);
     }
     let rendered = asked.render(&state).await?;
-    let warnings = sky_warnings(&asked.query, &asked.scene, rendered.ground, state.source.facts());
+    let warnings =
+        sky_warnings(&asked.query, &asked.scene, rendered.circumstances.ground, state.source.facts());
     let worker = (state.clone(), asked, rendered.clone());
     let body = state
         .heavy(move |_| {

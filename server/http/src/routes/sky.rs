@@ -93,7 +93,7 @@ impl AskedSky {
 
     /// What the numbers depend on.
     pub fn assumptions(&self, state: &AppState, rendered: &RenderedSky) -> Assumptions {
-        Assumptions::new(&self.query, &self.scene, rendered, state.source.facts())
+        Assumptions::new(&self.query, &self.scene, &rendered.circumstances, state.source.facts())
     }
 }
 

@@ -1,13 +1,17 @@
 //! Web Mercator map tiles.
 
+use super::influence::AskedInfluence;
 use crate::{
-    answers::TileJson,
+    accept::InfluenceFormat,
+    answers::{TileJson, measure_name},
     error::ApiError,
     etag::ETag,
     listener::Ends,
+    parameters::OptionalInfluenceParameters,
     problem::{Problem, echo},
-    request::{no_parameters, scene_id},
+    request::{influence, no_parameters, scene_id},
     respond::{Caching, Keep},
+    source::SourceError,
     state::AppState,
 };
 use axum::{
@@ -19,9 +23,10 @@ use axum::{
 use skyglow_display::{
     Notes,
     notes::ILLUSTRATIVE,
-    tile::{elevation_tile_png, radiance_tile_png},
+    tile::{INFLUENCE_SPAN, elevation_tile_png, influence_tile_png, radiance_tile_png},
 };
-use skyglow_scene::{SceneMetadata, TileLayer};
+use skyglow_engine::Measure;
+use skyglow_scene::{SceneId, SceneMetadata, TileLayer};
 use std::net::{Ipv6Addr, SocketAddr};
 use utoipa::OpenApi;
 
@@ -35,34 +40,51 @@ const PIXEL_0_M: f64 = std::f64::consts::TAU * skyglow_physics::EARTH_RADIUS_M /
 #[openapi(paths(get_tile))]
 pub struct TileDocument;
 
-fn layer(name: &str) -> Result<TileLayer, ApiError> {
+/// What a map tile shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Layer {
+    /// What the scene has everywhere.
+    Scene(TileLayer),
+    /// What lights do to the sky of a place, which the query names.
+    Influence,
+}
+
+fn layer(name: &str) -> Result<Layer, ApiError> {
     match name {
-        "radiance" => Ok(TileLayer::Radiance),
-        "elevation" => Ok(TileLayer::Elevation),
+        "radiance" => Ok(Layer::Scene(TileLayer::Radiance)),
+        "elevation" => Ok(Layer::Scene(TileLayer::Elevation)),
+        "influence" => Ok(Layer::Influence),
         other => Err(ApiError::UnknownTile {
-            reason: format!("the layers are radiance and elevation, not \"{}\"", echo(other)),
+            reason: format!("the layers are radiance, elevation and influence, not \"{}\"", echo(other)),
         }),
     }
 }
 
+/// Zoom level, column and row.
+type Address = (u8, u32, u32);
+
 /// A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with
-/// hypsometric tints and shading.
+/// hypsometric tints and shading; `influence` on a logarithmic scale from a ten-thousandth of the most influential pixel to that
+/// pixel. Only `influence` takes the parameters below, and needs the place.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png",
     tag = "tiles",
     params(
         ("scene" = String, Path, description = "The scene's id"),
-        ("layer" = String, Path, description = "`radiance` or `elevation`"),
+        ("layer" = String, Path, description = "`radiance`, `elevation` or `influence`"),
         ("z" = u8, Path, description = "Zoom level"),
         ("x" = u32, Path, description = "Column, from 180° west"),
         ("y" = u32, Path, description = "Row, from the north"),
+        OptionalInfluenceParameters,
     ),
     responses(
         (status = 200, description = "The tile", body = Vec<u8>, content_type = "image/png"),
         (status = 304, description = "The client has this answer already"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene, layer or tile", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene, layer or tile, or the place lies outside the scene", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_tile(
@@ -73,20 +95,31 @@ pub async fn get_tile(
 ) -> Result<Response<Body>, ApiError> {
     let id = scene_id(&scene)?;
     let layer = layer(&layer_name)?;
-    no_parameters(query.as_deref())?;
     let address = address(&z, &x, &file).ok_or_else(|| ApiError::UnknownTile {
         reason: "a tile's address ends in z/x/y.png with whole numbers".to_owned(),
     })?;
+    match layer {
+        Layer::Scene(layer) => {
+            no_parameters(query.as_deref())?;
+            scene_tile(&state, id, layer, &layer_name, address, &headers).await
+        }
+        Layer::Influence => influence_tile(&state, id, query.as_deref(), address, &headers).await,
+    }
+}
+
+async fn scene_tile(
+    state: &AppState,
+    id: SceneId,
+    layer: TileLayer,
+    layer_name: &str,
+    address: Address,
+    headers: &HeaderMap,
+) -> Result<Response<Body>, ApiError> {
     let wanted = id.clone();
     let scene = state.blocking(move |source| Ok(source.scene(&wanted)?)).await?;
-    let caching = Caching {
-        etag: ETag::of(&["tile", &scene.version, &layer_name, &format!("{address:?}")]),
-        keep: Keep::Minutes,
-        vary: None,
-    };
-    // An address that does not exist has no tag to match.
-    let exists = address.0 <= 24 && address.1 >> address.0 == 0 && address.2 >> address.0 == 0;
-    if let Some(response) = caching.not_modified(&headers).filter(|_| exists) {
+    let etag = ETag::of(&["tile", &scene.version, layer_name, &format!("{address:?}")]);
+    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
     }
     let notes = Notes::new(&description(layer, scene.illustrative), "");
@@ -106,8 +139,42 @@ pub async fn get_tile(
     Ok(caching.ok("image/png", png))
 }
 
+/// All tiles of one map are cut from one computation.
+async fn influence_tile(
+    state: &AppState,
+    id: SceneId,
+    query: Option<&str>,
+    address: Address,
+    headers: &HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let ask = influence(query, None, id, state.source.facts(), InfluenceFormat::Tiff)?;
+    let measure = ask.query.measure.clone();
+    let asked = AskedInfluence::prepare(state, ask.query).await?;
+    let etag = ETag::of(&["tile", &asked.key, &format!("{address:?}")]);
+    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
+        return Ok(response);
+    }
+    let map = asked.find(state).await?;
+    let notes = Notes::new(&influence_description(&measure, map.scene().illustrative), "");
+    let png = state
+        .heavy(move |_| {
+            let tile =
+                map.tile(address, TILE_PX).map_err(|error| ApiError::from(SourceError::from(error)))?;
+            influence_tile_png(&tile.values, &tile.has_data, TILE_PX, map.most_of_one(), &notes)
+                .map_err(ApiError::internal)
+        })
+        .await?;
+    Ok(caching.ok("image/png", png))
+}
+
+/// An address that does not exist has no tag to match.
+fn exists((z, x, y): Address) -> bool {
+    z <= 24 && x >> z == 0 && y >> z == 0
+}
+
 /// Zoom level, column and row.
-fn address(z: &str, x: &str, file: &str) -> Option<(u8, u32, u32)> {
+fn address(z: &str, x: &str, file: &str) -> Option<Address> {
     Some((z.parse().ok()?, x.parse().ok()?, file.strip_suffix(".png")?.parse().ok()?))
 }
 
@@ -119,14 +186,16 @@ fn pixel_m(z: u8, y: u32) -> f64 {
     PIXEL_0_M / rows / mercator.cosh()
 }
 
-/// Describes a layer of tiles (TileJSON 3.0).
+/// Describes a layer of tiles (TileJSON 3.0). That of `influence` takes the parameters below, needs the place, and hands all of
+/// them on to its tiles.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json",
     tag = "tiles",
     params(
         ("scene" = String, Path, description = "The scene's id"),
-        ("layer" = String, Path, description = "`radiance` or `elevation`"),
+        ("layer" = String, Path, description = "`radiance`, `elevation` or `influence`"),
+        OptionalInfluenceParameters,
     ),
     responses(
         (status = 200, description = "The description", body = TileJson),
@@ -143,12 +212,24 @@ pub async fn get_tilejson(
     headers: HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
     let id = scene_id(&scene)?;
-    let layer = layer(&layer_name)?;
-    no_parameters(query.as_deref())?;
+    let shown = match layer(&layer_name)? {
+        Layer::Scene(layer) => {
+            no_parameters(query.as_deref())?;
+            Shown::Scene(layer)
+        }
+        Layer::Influence => {
+            let facts = state.source.facts();
+            let ask = influence(query.as_deref(), None, id.clone(), facts, InfluenceFormat::Tiff)?;
+            let measure = ask.query.measure.clone();
+            // A place outside the scene is refused here and not by every tile.
+            AskedInfluence::prepare(&state, ask.query).await?;
+            Shown::Influence(measure, query.unwrap_or_default())
+        }
+    };
     let scene = state.blocking(move |source| Ok(source.scene(&id)?)).await?;
     let reached = connection.and_then(|Extension(ConnectInfo(ends))| ends.server);
     let base = base_url(state.config.public_url.as_deref(), &headers, reached);
-    let document = tilejson(&scene, layer, &layer_name, &base);
+    let document = tilejson(&scene, &shown, &layer_name, &base);
     crate::respond::json_by_content(&headers, Keep::Revalidate, &document)
 }
 
@@ -196,22 +277,45 @@ fn description(layer: TileLayer, illustrative: bool) -> String {
     if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows.to_owned() }
 }
 
-fn tilejson(scene: &SceneMetadata, layer: TileLayer, name: &str, base: &str) -> TileJson {
+/// What is said of a layer of influences.
+fn influence_description(measure: &Measure, illustrative: bool) -> String {
+    let shows = format!(
+        "Influence of the lights on the sky of a place ({}), 1/{INFLUENCE_SPAN:.0} of the most influential pixel to all of it on \
+         a logarithmic scale; less is transparent",
+        measure_name(measure)
+    );
+    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows }
+}
+
+/// A layer with what its tiles must be asked with.
+enum Shown {
+    Scene(TileLayer),
+    /// The measure, and the query as it came.
+    Influence(Measure, String),
+}
+
+fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> TileJson {
     let [west, south, east, north] = scene.bounds;
     // Across the antimeridian the eastern edge is counted on.
     let width_deg = if west > east { east + 360.0 - west } else { east - west };
     let centre_deg = (west + 0.5 * width_deg + 180.0).rem_euclid(360.0) - 180.0;
     let finest = (PIXEL_0_M / scene.pixel_size_m.max(1.0)).log2().ceil().clamp(4.0, 16.0);
     // Terrain is usually finer than the lights.
-    let maxzoom = finest as u8 + if layer == TileLayer::Elevation { 2 } else { 0 };
+    let maxzoom = finest as u8 + if matches!(shown, Shown::Scene(TileLayer::Elevation)) { 2 } else { 0 };
+    let (description, query) = match shown {
+        Shown::Scene(layer) => (description(*layer, scene.illustrative), String::new()),
+        Shown::Influence(measure, query) => {
+            (influence_description(measure, scene.illustrative), format!("?{query}"))
+        }
+    };
     TileJson {
         tilejson: "3.0.0".to_owned(),
         name: format!("{}: {name}", scene.title),
-        description: description(layer, scene.illustrative),
+        description,
         attribution: scene.attribution.clone(),
         version: "1.0.0".to_owned(),
         scheme: "xyz".to_owned(),
-        tiles: vec![format!("{base}/api/v1/scenes/{}/tiles/{name}/{{z}}/{{x}}/{{y}}.png", scene.id)],
+        tiles: vec![format!("{base}/api/v1/scenes/{}/tiles/{name}/{{z}}/{{x}}/{{y}}.png{query}", scene.id)],
         minzoom: 0,
         maxzoom,
         bounds: if west > east { [-180.0, south, 180.0, north] } else { scene.bounds },

@@ -1,11 +1,13 @@
 //! A program behind the interface that does as it is told.
 
-use skyglow_engine::EngineStats;
+use skyglow_engine::{EngineStats, InfluenceMap};
 use skyglow_http::{
     SkySource,
     answers::AtmosphereAnswer,
     kind_facts::KindFacts,
-    source::{BoxFuture, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts},
+    source::{
+        BoxFuture, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
+    },
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
@@ -168,14 +170,16 @@ impl Fake {
             quantities: SkyQuantities::of_visible(&panorama, &horizon),
             panorama,
             horizon,
-            altitude_m,
-            ground: self.ground(),
-            coverage: 0.75,
-            calibration: 1.0,
-            local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
-            flux_dnb_w: 1e6,
-            basis_count: query.basis.unwrap_or(if query.tolerance.is_some() { 16 } else { 64 }),
-            basis_error_bound: query.tolerance.map(|tolerance| 0.5 * tolerance),
+            circumstances: Circumstances {
+                altitude_m,
+                ground: self.ground(),
+                coverage: 0.75,
+                calibration: 1.0,
+                local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
+                flux_dnb_w: 1e6,
+                basis_count: query.basis.unwrap_or(if query.tolerance.is_some() { 16 } else { 64 }),
+                basis_error_bound: query.tolerance.map(|tolerance| 0.5 * tolerance),
+            },
             passes: vec![("coefficients", 900.0), ("basis sum", 80.0)],
         })
     }
@@ -275,6 +279,12 @@ impl SkySource for Fake {
             has_data: vec![true; count],
             size_px,
         })
+    }
+
+    /// Influences need the light of a real scene: `whole.rs` asks for them.
+    fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError> {
+        self.known(&query.sky.scene)?;
+        Err(SourceError::Down("a made-up program knows no influences".into()))
     }
 
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {

@@ -24,11 +24,22 @@ fn base() -> &'static (Runtime, String) {
 
 /// Status of a path sent as it is, without a client library that would tidy it up.
 fn status(path: &str) -> u16 {
+    sent(&format!("GET {path} HTTP/1.1\r\nhost: x\r\nconnection: close\r\n\r\n"))
+}
+
+/// Status of a body sent to a path.
+fn posted(path: &str, body: &str) -> u16 {
+    let length = body.len();
+    sent(&format!(
+        "POST {path} HTTP/1.1\r\nhost: x\r\nconnection: close\r\ncontent-length: {length}\r\n\r\n{body}"
+    ))
+}
+
+fn sent(request: &str) -> u16 {
     let (runtime, base) = base();
     runtime.block_on(async {
         use tokio::io::{AsyncReadExt, AsyncWriteExt};
         let mut stream = tokio::net::TcpStream::connect(base.trim_start_matches("http://")).await.unwrap();
-        let request = format!("GET {path} HTTP/1.1\r\nhost: x\r\nconnection: close\r\n\r\n");
         stream.write_all(request.as_bytes()).await.unwrap();
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).await.unwrap();
@@ -42,7 +53,7 @@ fn name() -> impl Strategy<Value = String> {
         4 => prop::sample::select(vec![
             "lat", "lon", "height", "altitude", "turbidity", "scattering", "lamp", "emission", "basis", "clouds",
             "terrain", "tolerance", "sky", "scenario", "projection", "azimuth", "elevation", "fov", "style",
-            "colormap", "scale", "min", "max", "exposure", "width", "height_px", "legend",
+            "colormap", "scale", "min", "max", "exposure", "width", "height_px", "legend", "measure", "limit", "region",
         ]).prop_map(str::to_owned),
         1 => "[a-z%&=+;\\[\\]]{0,8}",
     ]
@@ -77,6 +88,11 @@ fn value() -> impl Strategy<Value = String> {
             "%00",
             "%",
             "garstang",
+            "norm",
+            "region",
+            "1,2;3,4;5,60",
+            "0,90;0,90;0,90",
+            ";;;",
         ])
         .prop_map(str::to_owned),
         "[!-~&&[^# ]]{0,20}",
@@ -93,7 +109,7 @@ proptest! {
 
     #[test]
     fn no_query_yields_a_500(
-        resource in prop::sample::select(vec!["sky", "site", "panorama.json", "panorama", "places"]),
+        resource in prop::sample::select(vec!["sky", "site", "panorama.json", "panorama", "places", "influence", "influence.tif"]),
         pairs in prop::collection::vec((name(), value()), 0..6),
         with_place in any::<bool>(),
     ) {
@@ -105,6 +121,22 @@ proptest! {
         let path = format!("/api/v1/scenes/demo/{resource}?{}", query.join("&"));
         let status = status(&path);
         prop_assert!(is_fine(status), "{status} for {path}");
+    }
+
+    #[test]
+    fn no_body_yields_a_500(
+        body in prop_oneof![
+            "\\PC{0,60}",
+            prop::collection::vec((prop::num::f64::ANY, -10.0f64..100.0), 0..6)
+                .prop_map(|corners| format!("{{\"region\": {:?}}}", corners.iter().map(|c| [c.0, c.1]).collect::<Vec<_>>())),
+            prop::collection::vec((-400.0f64..400.0, -100.0f64..100.0), 0..6).prop_map(|corners| format!(
+                "{{\"boundary\": {{\"type\": \"Polygon\", \"coordinates\": [{:?}]}}}}",
+                corners.iter().map(|c| [c.0, c.1]).collect::<Vec<_>>()
+            )),
+        ],
+    ) {
+        let status = posted("/api/v1/scenes/demo/influence?lat=-1.2&lon=36.8", &body);
+        prop_assert!(is_fine(status), "{status} for {body}");
     }
 
     #[test]

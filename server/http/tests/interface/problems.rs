@@ -116,7 +116,7 @@ async fn unknown_scenes_paths_and_methods_are_problems_too() {
         let (status, kind, _) = problem(&server, path).await;
         assert_eq!((status, kind.as_str()), (404, "/problems/unknown-scene"), "{path}");
     }
-    for path in ["/api/v1/nothing", "/api/v1/scenes/demo/influence", "/wp-login.php", "/assets/none.js"] {
+    for path in ["/api/v1/nothing", "/api/v1/scenes/demo/influences", "/wp-login.php", "/assets/none.js"] {
         let (status, kind, _) = problem(&server, path).await;
         assert_eq!((status, kind.as_str()), (404, "/problems/not-found"), "{path}");
     }

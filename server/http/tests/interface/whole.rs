@@ -98,6 +98,9 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
 
     let (_, open) = whole.json(&format!("/api/v1/scenes/demo/panorama.json?{place}&terrain=off")).await;
     a_tolerance_is_kept(&whole, &place, &open).await;
+    influences_are_those_of_the_sky(&whole, &place, &sky).await;
+    influences_come_as_files_and_tiles(&whole, &place, (lat, lon)).await;
+    bodies_are_answered_or_refused(&whole, &place, &sky).await;
 
     let (status, problem) = whole.json("/api/v1/scenes/demo/sky?lat=80&lon=0").await;
     assert_eq!((status, &problem["bounds"]), (404, &scene["bounds"]));
@@ -153,4 +156,158 @@ async fn a_tolerance_is_kept(whole: &Whole, place: &str, all: &Value) {
     }
     assert_eq!((counts[0], counts[2]), ((8, true), (24, false)), "{counts:?}");
     assert!(counts[1].0 >= counts[0].0, "{counts:?}");
+}
+
+async fn influences_are_those_of_the_sky(whole: &Whole, place: &str, sky: &Value) {
+    let number = |value: &Value| value.as_f64().unwrap();
+    for (measure, of_sky) in [
+        ("zenith", "zenith_luminance_cd_m2"),
+        ("mean", "mean_luminance_cd_m2"),
+        ("horizontal", "horizontal_illuminance_lx"),
+    ] {
+        let path = format!("/api/v1/scenes/demo/influence.json?{place}&measure={measure}&limit=5");
+        let (status, answer) = whole.json(&path).await;
+        assert_eq!((status, &answer["measure"]), (200, &json!(measure)), "{answer}");
+        let total = number(&answer["total"]);
+        assert!((total / number(&sky["sky"][of_sky]) - 1.0).abs() < 1e-4, "{measure}");
+        for parts in ["rings", "sectors"] {
+            let shares = answer[parts].as_array().unwrap().iter().map(|part| number(&part["share"]));
+            assert!((shares.sum::<f64>() - 1.0).abs() < 1e-6, "{measure} {parts}");
+        }
+        let pixels = answer["pixels"].as_array().unwrap();
+        assert_eq!(pixels.len(), 5);
+        assert!(pixels.windows(2).all(|pair| number(&pair[0]["influence"]) >= number(&pair[1]["influence"])));
+        let last = number(&pixels[4]["cumulative_share"]);
+        let sum: f64 = pixels.iter().map(|pixel| number(&pixel["share"])).sum();
+        assert!((last - sum).abs() < 1e-12 && last > 0.0 && last <= 1.0);
+        // Every number comes with what it depends on.
+        for name in ["observer", "lamp", "emission", "calibration", "coverage", "local_optical_depth"] {
+            assert_eq!(answer[name], sky[name], "{name}");
+        }
+    }
+    let (_, one) = whole.json(&format!("/api/v1/scenes/demo/influence?{place}&limit=1")).await;
+    let pixel = &one["pixels"][0];
+    let at = format!("lat={}&lon={}", pixel["latitude_deg"], pixel["longitude_deg"]);
+    let (_, site) = whole.json(&format!("/api/v1/scenes/demo/site?{at}")).await;
+    assert_eq!(site["radiance_nw_cm2_sr"], pixel["radiance_nw_cm2_sr"]);
+    assert_eq!((&one["measure"], &one["unit"]), (&json!("zenith"), &json!("cd m-2")));
+}
+
+async fn influences_come_as_files_and_tiles(whole: &Whole, place: &str, (lat, lon): (f64, f64)) {
+    let path = format!("/api/v1/scenes/demo/influence.tif?{place}");
+    let answer = whole.get(&path).await;
+    assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, "image/tiff"));
+    assert!(header(&answer, "server-timing").contains("cells;dur="));
+    let tag = header(&answer, "etag").to_owned();
+    let bytes = answer.bytes().await.unwrap();
+    let mut raster = tiff::decoder::Decoder::new(std::io::Cursor::new(bytes)).unwrap();
+    let (_, scene) = whole.json("/api/v1/scenes/demo").await;
+    let size = (scene["grid"]["width"].as_u64().unwrap(), scene["grid"]["height"].as_u64().unwrap());
+    assert_eq!(raster.dimensions().map(|(w, h)| (u64::from(w), u64::from(h))).unwrap(), size);
+    let again = whole.client.get(format!("{}{path}", whole.base)).header("if-none-match", tag);
+    assert_eq!(again.send().await.unwrap().status(), 304);
+
+    let list =
+        whole.get(&format!("/api/v1/scenes/demo/influence.csv?{place}&limit=3")).await.text().await.unwrap();
+    let lines: Vec<&str> = list.lines().collect();
+    assert_eq!(lines.len(), 4);
+    assert!(
+        lines[0].starts_with("rank,latitude_deg,") && lines[0].contains(",influence_cd_m_2,"),
+        "{}",
+        lines[0]
+    );
+    assert!(lines.iter().all(|line| line.split(',').count() == 12));
+    let accepting = whole.client.get(format!("{}/api/v1/scenes/demo/influence?{place}", whole.base));
+    let points = accepting.header("accept", "application/geo+json").send().await.unwrap();
+    assert_eq!(
+        (header(&points, "vary"), header(&points, "content-type")),
+        ("accept, accept-encoding", "application/geo+json")
+    );
+    let points: Value = points.json().await.unwrap();
+    assert_eq!(
+        (&points["type"], points["features"].as_array().unwrap().len()),
+        (&json!("FeatureCollection"), 100)
+    );
+    let first = &points["features"][0];
+    assert_eq!(first["geometry"]["coordinates"][0], first["properties"]["longitude_deg"]);
+
+    let query = format!("{place}&measure=region&region=350,10;10,10;0,50");
+    let (status, tilejson) =
+        whole.json(&format!("/api/v1/scenes/demo/tiles/influence/tilejson.json?{query}")).await;
+    assert_eq!(status, 200, "{tilejson}");
+    let n = 256.0;
+    let x = ((lon + 180.0) / 360.0 * n).floor();
+    let y = ((1.0 - lat.to_radians().tan().asinh() / std::f64::consts::PI) / 2.0 * n).floor();
+    let url = tilejson["tiles"][0].as_str().unwrap();
+    assert!(url.ends_with(&query));
+    let url = url.replace("{z}", "8").replace("{x}", &x.to_string()).replace("{y}", &y.to_string());
+    let answer = whole.client.get(url).send().await.unwrap();
+    assert_eq!(answer.status(), 200);
+    let tile = image::load_from_memory(&answer.bytes().await.unwrap()).unwrap().into_rgba8();
+    let shown = tile.pixels().filter(|pixel| pixel.0[3] > 0).count();
+    assert!(shown > 0 && shown < tile.pixels().count(), "{shown}");
+    let (status, problem) = whole.json("/api/v1/scenes/demo/tiles/influence/tilejson.json").await;
+    assert_eq!((status, &problem["errors"][0]["parameter"]), (400, &json!("lat")));
+    let (status, _) = whole.json(&format!("/api/v1/scenes/demo/tiles/radiance/tilejson.json?{place}")).await;
+    assert_eq!(status, 400);
+}
+
+async fn bodies_are_answered_or_refused(whole: &Whole, place: &str, sky: &Value) {
+    let post = async |end: &str, body: String| -> (u16, Value) {
+        let request = whole.client.post(format!("{}/api/v1/scenes/demo/influence{end}{place}", whole.base));
+        let answer = request.header("content-type", "application/json").body(body).send().await.unwrap();
+        (answer.status().as_u16(), answer.json().await.unwrap())
+    };
+    let world = json!({"type": "Polygon", "coordinates": [[[-180, -90], [180, -90], [180, 90], [-180, 90], [-180, -90]]]});
+    let feature = json!({"type": "Feature", "properties": {}, "geometry": world});
+    for boundary in [world, feature] {
+        let (status, answer) = post("?", json!({"boundary": boundary}).to_string()).await;
+        assert_eq!(status, 200, "{answer}");
+        assert!((answer["boundary"]["share"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{}", answer["boundary"]);
+        assert_eq!(answer["boundary"]["pixels"], answer["lit_pixels"]);
+    }
+    // A cap around the zenith as wide as that of the measure: the same directions.
+    let cap: Vec<[f64; 2]> = (0..60).map(|k| [6.0 * f64::from(k), 85.0]).collect();
+    let (status, answer) = post(".json?", json!({ "region": cap }).to_string()).await;
+    assert_eq!((status, &answer["measure"]), (200, &json!("region")), "{answer}");
+    let zenith = sky["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap();
+    assert!((answer["total"].as_f64().unwrap() / zenith - 1.0).abs() < 0.02);
+    assert!(answer["region_sr"].as_f64().unwrap() > 0.02);
+
+    let vertices =
+        |count: usize| (0..count).map(|k| format!("[{}, 45]", k % 90)).collect::<Vec<_>>().join(",");
+    let ring = |ring: &str| format!(r#"{{"boundary": {{"type": "Polygon", "coordinates": [[{ring}]]}}}}"#);
+    for (name, end, body, status, parameter) in [
+        ("no JSON", "?", "{".to_owned(), 400, "body"),
+        ("NaN", "?", r#"{"region": [[NaN, 1], [2, 3], [4, 5]]}"#.to_owned(), 400, "body"),
+        ("two corners", "?", r#"{"region": [[1, 1], [2, 3]]}"#.to_owned(), 400, "region"),
+        ("a sliver", "?", r#"{"region": [[10, 45.1], [11, 45.1], [10.5, 45.2]]}"#.to_owned(), 400, "region"),
+        ("an open ring", "?", ring("[7, 46], [8, 46], [8, 47]"), 400, "boundary"),
+        ("an empty polygon", "?", ring(""), 400, "boundary"),
+        ("60 000 corners", "?", ring(&vertices(60_000)), 400, "boundary"),
+        (
+            "a point",
+            "?",
+            r#"{"boundary": {"type": "Point", "coordinates": [7, 46]}}"#.to_owned(),
+            400,
+            "boundary",
+        ),
+        ("a boundary for a raster", ".tif?", ring("[7, 46], [8, 46], [8, 47], [7, 46]"), 400, "boundary"),
+    ] {
+        let (got, problem) = post(end, body).await;
+        assert_eq!(
+            (got, &problem["errors"][0]["parameter"]),
+            (status, &json!(parameter)),
+            "{name}: {problem}"
+        );
+    }
+    for (name, body) in [("10^6 corners", ring(&vertices(1_000_000))), ("100 MB", " ".repeat(100 << 20))] {
+        let request = whole.client.post(format!("{}/api/v1/scenes/demo/influence?{place}", whole.base));
+        // The server may stop reading and close before all is sent.
+        match request.body(body).send().await {
+            Ok(answer) => assert_eq!(answer.status(), 413, "{name}"),
+            Err(error) => assert!(error.is_request() || error.is_body(), "{name}: {error}"),
+        }
+        assert_eq!(whole.get("/healthz").await.status(), 200);
+    }
 }

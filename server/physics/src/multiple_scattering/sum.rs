@@ -79,6 +79,34 @@ struct Tables {
     cut: LogTable<BAND_COUNT>,
 }
 
+/// The tables of some sources and directions.
+struct Solved {
+    /// Elevations of the directions, ascending, radians.
+    rows: Vec<f64>,
+    tables: Tables,
+    /// ln of the light that each source still sends out.
+    log_sent: Vec<f64>,
+}
+
+impl Solved {
+    fn row(&self, direction: &Direction) -> usize {
+        self.rows.partition_point(|&elevation| elevation < direction.elevation_rad)
+    }
+
+    /// Radiance that a source shows, W m⁻² sr⁻¹ for a lamp with as much light in every band as the satellite saw.
+    fn radiance(
+        &self,
+        index: usize,
+        blocked: &BlockedSource,
+        row: usize,
+        direction: &Direction,
+    ) -> [f64; BAND_COUNT] {
+        let (source, log_sent) = (&blocked.source, self.log_sent[index]);
+        let log = self.tables.log_radiance(row, index, source, log_sent, direction.azimuth_rad);
+        log.map(|log| source.flux_dnb_w * log.exp())
+    }
+}
+
 impl MultipleSum {
     /// Radiance [W m⁻² sr⁻¹] of orders two and more at each direction, every source under an open sky: the part that
     /// [`crate::direct_sum::direct_sum`] leaves out. `flux_per_dnb_flux` is the lamp's s_b.
@@ -114,26 +142,65 @@ impl MultipleSum {
         if sources.is_empty() {
             return Ok(vec![[0.0; BAND_COUNT]; directions.len()]);
         }
-        let mut rows: Vec<f64> = directions.iter().map(|direction| direction.elevation_rad).collect();
-        rows.sort_by(f64::total_cmp);
-        rows.dedup();
-        let tables =
-            self.solve(Nodes::new(&sources, self.observer_altitude_m, &self.density), &rows, advance)?;
-        let log_sent: Vec<f64> = sources.iter().map(|blocked| self.log_sent(blocked.blocking_rad)).collect();
+        let solved = self.solved(&sources, directions, advance)?;
         Ok(directions
             .par_iter()
             .map(|direction| {
-                let row = rows.partition_point(|&elevation| elevation < direction.elevation_rad);
+                let row = solved.row(direction);
                 let mut sum = [0.0; BAND_COUNT];
-                for (index, BlockedSource { source, .. }) in sources.iter().enumerate() {
-                    let log = tables.log_radiance(row, index, source, log_sent[index], direction.azimuth_rad);
+                for index in 0..sources.len() {
+                    let radiance = solved.radiance(index, &sources[index], row, direction);
                     for band in 0..BAND_COUNT {
-                        sum[band] += source.flux_dnb_w * flux_per_dnb_flux[band] * log[band].exp();
+                        sum[band] += flux_per_dnb_flux[band] * radiance[band];
                     }
                 }
                 sum
             })
             .collect())
+    }
+
+    /// As [`Self::radiance`], of each source alone: `[source][direction]`. The fields are solved once for all of them. Under clouds
+    /// sources above their base are left out, and the others move up in the list.
+    ///
+    /// # Errors
+    /// As [`Self::radiance`].
+    pub fn radiance_of_each(
+        &self,
+        sources: &[PointSource],
+        flux_per_dnb_flux: [f64; BAND_COUNT],
+        directions: &[Direction],
+    ) -> Result<Vec<Vec<[f64; BAND_COUNT]>>, PhysicsError> {
+        let open: Vec<BlockedSource> = sources.iter().copied().map(BlockedSource::open).collect();
+        let sources = self.lit(&open);
+        if sources.is_empty() {
+            return Ok(Vec::new());
+        }
+        let solved = self.solved(&sources, directions, &|| ())?;
+        let of_one = |index: usize| -> Vec<[f64; BAND_COUNT]> {
+            let seen = directions.iter().map(|direction| {
+                let row = solved.row(direction);
+                let radiance = solved.radiance(index, &sources[index], row, direction);
+                std::array::from_fn(|band| flux_per_dnb_flux[band] * radiance[band])
+            });
+            seen.collect()
+        };
+        Ok((0..sources.len()).into_par_iter().map(of_one).collect())
+    }
+
+    /// Solves what sources need to be seen in some directions.
+    fn solved(
+        &self,
+        sources: &[BlockedSource],
+        directions: &[Direction],
+        advance: &(dyn Fn() + Sync),
+    ) -> Result<Solved, PhysicsError> {
+        let mut rows: Vec<f64> = directions.iter().map(|direction| direction.elevation_rad).collect();
+        rows.sort_by(f64::total_cmp);
+        rows.dedup();
+        let nodes = Nodes::new(sources, self.observer_altitude_m, &self.density);
+        let tables = self.solve(nodes, &rows, advance)?;
+        let log_sent = sources.iter().map(|blocked| self.log_sent(blocked.blocking_rad)).collect();
+        Ok(Solved { rows, tables, log_sent })
     }
 
     /// How many fields a sum over some sources solves.

@@ -37,6 +37,23 @@ fn cut(sources: &[BlockedSource]) -> Vec<[f64; BAND_COUNT]> {
 }
 
 #[test]
+fn the_light_of_each_source_adds_up_to_that_of_all() {
+    let sources: Vec<PointSource> = [(100.0, 2_000.0), (700.0, 9_000.0), (1_500.0, 40_000.0)]
+        .map(|(altitude_m, distance_m)| behind(0.0, altitude_m, distance_m).source)
+        .to_vec();
+    let density = SumDensity::default();
+    let all = sum(&density, &sources, &looks());
+    let each = settled(&density).radiance_of_each(&sources, [1.0; BAND_COUNT], &looks()).unwrap();
+    assert_eq!(each.len(), sources.len());
+    for (look, all) in all.iter().enumerate() {
+        for band in 0..BAND_COUNT {
+            let together: f64 = each.iter().map(|one| one[look][band]).sum();
+            assert!((together / all[band] - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
 fn halving_its_steps_hardly_moves_the_sum() {
     let sources: Vec<PointSource> = (0..40)
         .map(|i| {

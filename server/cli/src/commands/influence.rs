@@ -1,0 +1,96 @@
+//! `skyglow influence`: which lights cause the sky of a place, to a file.
+
+use crate::{
+    failure::Failure,
+    flags::ProgramFlags,
+    query::{self, QueryFlags},
+};
+use clap::Args;
+use serde_json::json;
+use skyglow_http::{
+    accept::InfluenceFormat,
+    answers::Assumptions,
+    influence_file::encode_influences,
+    parameters::InfluenceParameters,
+    request::{self, InfluenceAsk},
+    source::{Circumstances, SourceFacts},
+};
+use skyglow_scene::SceneId;
+use std::path::PathBuf;
+
+/// Find which lights cause the sky of a place and write them as raster, points or table
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  skyglow influence --scene demo --lat 46.17 --lon 8.79 --measure zenith -o influence.tif"
+)]
+pub(crate) struct Influence {
+    /// The scene's id
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
+    scene: SceneId,
+    /// File to write; its ending says the format: .tif for all pixels, .json, .geojson or .csv for the most influential
+    #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
+    output: Output,
+    /// GeoJSON file of an area: the .json says how much comes from inside it
+    #[arg(long, env = "SKYGLOW_BOUNDARY", value_name = "FILE")]
+    boundary: Option<PathBuf>,
+    #[command(flatten)]
+    query: QueryFlags<InfluenceParameters>,
+    #[command(flatten)]
+    program: ProgramFlags,
+}
+
+#[derive(Clone, Debug)]
+struct Output {
+    path: PathBuf,
+    format: InfluenceFormat,
+}
+
+fn output(text: &str) -> Result<Output, String> {
+    let path = PathBuf::from(text);
+    let format = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("json") => InfluenceFormat::Json,
+        Some("tif" | "tiff") => InfluenceFormat::Tiff,
+        Some("geojson") => InfluenceFormat::GeoJson,
+        Some("csv") => InfluenceFormat::Csv,
+        _ => return Err("the ending must be .json, .tif, .geojson or .csv".to_owned()),
+    };
+    Ok(Output { path, format })
+}
+
+impl Influence {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let body = self.body()?;
+        self.ask(body.as_deref(), &self.program.facts())?;
+        let source = self.program.source()?;
+        let ask = self.ask(body.as_deref(), source.facts())?;
+        let sky = &ask.query.sky;
+        let map = source.influence(&ask.query).map_err(|error| query::failure(&error.of_sky(sky)))?;
+        let circumstances = Circumstances::of_influences(&map);
+        let assumptions = Assumptions {
+            executor: "cpu".to_owned(),
+            ..Assumptions::new(sky, map.scene(), &circumstances, source.facts())
+        };
+        // A raster or a table is not read for them.
+        for warning in &assumptions.warnings {
+            tracing::warn!("{warning}");
+        }
+        let bytes = encode_influences(assumptions, &map, &ask, self.output.format).map_err(Failure::work)?;
+        let path = &self.output.path;
+        std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))
+    }
+
+    fn ask(&self, body: Option<&[u8]>, facts: &SourceFacts) -> Result<InfluenceAsk, Failure> {
+        let (query, scene) = (Some(self.query.query()), self.scene.clone());
+        request::influence(query, body, scene, facts, self.output.format).map_err(|e| query::failure(&e))
+    }
+
+    /// The boundary as the API's body has it.
+    fn body(&self) -> Result<Option<Vec<u8>>, Failure> {
+        let Some(path) = &self.boundary else { return Ok(None) };
+        let text = std::fs::read(path).map_err(|error| Failure::file(path, error))?;
+        let boundary: serde_json::Value = serde_json::from_slice(&text)
+            .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+        serde_json::to_vec(&json!({ "boundary": boundary })).map(Some).map_err(Failure::work)
+    }
+}

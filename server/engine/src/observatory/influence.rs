@@ -1,0 +1,240 @@
+//! From a place in a scene to what each of its lights does to the sky there.
+
+use super::{Observatory, Observer, ObserverHeight, SkyRequest, View, scene_around};
+use crate::{
+    error::EngineError,
+    influence::{InfluenceSolver, MeasureOfCells, influence_of_pixels},
+    packs::PackKind,
+    request::RenderRequest,
+};
+use moka::sync::Cache;
+use skyglow_physics::{Atmosphere, BAND_COUNT, Horizon, LinearMeasure, SkyCurve};
+use skyglow_scene::{LightShares, LitPixel, PixelNumbers, PolarGrid, RasterTile, Scene, SceneMetadata};
+use std::{
+    sync::{Arc, OnceLock},
+    time::{Duration, Instant},
+};
+
+/// Bytes of light by cells and pixels that are kept for the next map from the same place.
+const KEPT_LIGHT_BYTES: u64 = 256 << 20;
+
+/// A measure of the sky that every light has a part in (model, section 7).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measure {
+    /// ‖luminance image of the light alone‖ over the open upper hemisphere, cd m⁻² sr^½. Parts do not add up to that of the sky.
+    Norm,
+    /// Mean luminance within 5° of the zenith, cd m⁻².
+    Zenith,
+    /// Mean luminance of the visible sky, cd m⁻².
+    Mean,
+    /// Horizontal illuminance, lx.
+    Horizontal,
+    /// Mean luminance of the visible sky inside a closed curve, cd m⁻².
+    Region(SkyCurve),
+}
+
+impl Measure {
+    /// The weights of the directions; None for the norm, which is not linear.
+    fn weights(&self, horizon: &Horizon) -> Option<LinearMeasure> {
+        Some(match self {
+            Measure::Norm => return None,
+            Measure::Zenith => LinearMeasure::zenith(horizon),
+            Measure::Mean => LinearMeasure::mean(horizon),
+            Measure::Horizontal => LinearMeasure::horizontal(horizon),
+            Measure::Region(curve) => LinearMeasure::region(curve, horizon),
+        })
+    }
+
+    /// Its unit, in ASCII.
+    pub const fn unit(&self) -> &'static str {
+        match self {
+            Measure::Norm => "cd m-2 sr0.5",
+            Measure::Zenith | Measure::Mean | Measure::Region(_) => "cd m-2",
+            Measure::Horizontal => "lx",
+        }
+    }
+}
+
+/// One map of influences asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InfluenceRequest {
+    /// The sky that lights are to have their part in.
+    pub sky: SkyRequest,
+    /// What of it.
+    pub measure: Measure,
+}
+
+/// What every lit pixel within 300 km does to a measure of the sky at a place.
+#[derive(Clone, Debug)]
+pub struct InfluenceMap {
+    scene: Arc<Scene>,
+    pixels: Arc<[LitPixel]>,
+    influence: Vec<f32>,
+    /// Made when the first map tile is asked for.
+    sums: OnceLock<PixelNumbers>,
+    /// Where.
+    pub observer: Observer,
+    /// Covered share of the 300 km disc, 0..=1.
+    pub coverage: f64,
+    /// Upward flux within 300 km, DNB watts, calibration included.
+    pub flux_dnb_w: f64,
+    /// Vertical optical depth above the observer in R, G, B.
+    pub local_optical_depth: [f64; BAND_COUNT],
+    /// Basis functions used.
+    pub basis_count: usize,
+    /// Where a tolerance was given, the bound of the difference to the sky of all functions.
+    pub basis_error_bound: Option<f64>,
+    /// Solid angle of the grid's directions that a region holds, visible ones, sr; None for other measures.
+    pub region_sr: Option<f64>,
+    /// How long each step took.
+    pub steps: Vec<(&'static str, Duration)>,
+}
+
+impl InfluenceMap {
+    /// The scene as it was.
+    pub fn scene(&self) -> &SceneMetadata {
+        self.scene.metadata()
+    }
+
+    /// The scene, open.
+    pub fn open_scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The lit pixels within 300 km, ascending by their number.
+    pub fn pixels(&self) -> &[LitPixel] {
+        &self.pixels
+    }
+
+    /// What each of [`Self::pixels`] does, in the measure's unit. Where a dark direction hangs on rounding one may be below 0.
+    pub fn influence(&self) -> &[f32] {
+        &self.influence
+    }
+
+    /// A map tile of the mean influence of the pixels under a tile's pixel, dark ones counting 0.
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`] for a tile that does not exist.
+    pub fn tile(&self, (z, x, y): (u8, u32, u32), size_px: u32) -> Result<RasterTile, EngineError> {
+        let numbers = || self.pixels.iter().zip(&self.influence).map(|(pixel, value)| (pixel.number, *value));
+        let sums = self.sums.get_or_init(|| PixelNumbers::new(numbers()));
+        Ok(self.scene.pixels_tile(sums, z, x, y, size_px)?)
+    }
+
+    /// Bytes that a cache keeps with it; the scene is kept elsewhere.
+    pub fn byte_count(&self) -> usize {
+        let of_sums = PixelNumbers::BYTES_PER_PIXEL * self.pixels.len();
+        size_of_val(&*self.pixels) + size_of_val(self.influence.as_slice()) + of_sums
+    }
+}
+
+/// What decides the light around an eye: scene and version, place, eye, and what hides it.
+type SeenKey = (String, [u64; 3], [bool; 3]);
+
+/// The light around an eye, the same for every measure, lamp and air.
+#[derive(Clone, Debug)]
+struct Seen {
+    polar: Arc<PolarGrid>,
+    observer: Observer,
+    horizon: Option<(Horizon, Duration)>,
+    lights: Arc<LightShares>,
+}
+
+/// What finding influences needs beside the engine.
+pub(super) struct InfluenceDesk {
+    solver: OnceLock<InfluenceSolver>,
+    seen: Cache<SeenKey, Seen>,
+}
+
+impl std::fmt::Debug for InfluenceDesk {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("InfluenceDesk").field("seen", &self.seen.entry_count()).finish_non_exhaustive()
+    }
+}
+
+impl InfluenceDesk {
+    pub(super) fn new() -> Self {
+        let weigh = |_: &SeenKey, seen: &Seen| u32::try_from(seen.lights.byte_count()).unwrap_or(u32::MAX);
+        Self {
+            solver: OnceLock::new(),
+            seen: Cache::builder().max_capacity(KEPT_LIGHT_BYTES).weigher(weigh).build(),
+        }
+    }
+
+    fn seen(&self, scene: &Arc<Scene>, request: &SkyRequest, hides_lights: bool) -> Seen {
+        let place = request.place;
+        let (is_above_sea, eye_m) = match request.observer_height {
+            ObserverHeight::AboveGround(height_m) => (false, height_m),
+            ObserverHeight::AboveSea(altitude_m) => (true, altitude_m),
+        };
+        let key = (
+            scene.metadata().version.clone(),
+            [place.latitude_rad().to_bits(), place.longitude_rad().to_bits(), eye_m.to_bits()],
+            [is_above_sea, request.terrain_hides, hides_lights],
+        );
+        self.seen.get_with(key, || {
+            let View { polar, observer, horizon, .. } =
+                View::in_scene(Arc::clone(scene), request, hides_lights);
+            let lights = Arc::new(scene.light_shares(place, request.terrain_hides && hides_lights));
+            Seen { polar, observer, horizon, lights }
+        })
+    }
+}
+
+impl Observatory {
+    /// Basis functions of the packs of a kind.
+    fn basis_count(&self, kind: PackKind) -> usize {
+        let kinds = &self.engine.info().kinds;
+        kinds.iter().find(|resident| resident.kind == kind).map_or(0, |resident| resident.basis_count)
+    }
+
+    /// What every lit pixel does to a measure of a sky: found on the processor, without the engine's queue. Takes
+    /// milliseconds to a second; reads files. Not for asynchronous threads.
+    ///
+    /// # Errors
+    /// As [`Self::sky`], and [`EngineError::EmptyRegion`].
+    pub fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceMap, EngineError> {
+        let sky = &request.sky;
+        let mut steps = Vec::new();
+        let mut clock = Instant::now();
+        let mut step = |name: &'static str| {
+            steps.push((name, clock.elapsed()));
+            clock = Instant::now();
+        };
+        let scene = scene_around(&self.shelf, &sky.scene, sky.place)?;
+        let Seen { polar, observer, horizon, lights } =
+            self.influences.seen(&scene, sky, self.hides_lights(sky.kind()));
+        step("light");
+        let view = View { scene, polar, observer, horizon };
+        let (of_sky, basis_error_bound) = view.render_request(sky, &self.engine.basis_chooser())?;
+        // The sky takes far light by blocks; here every pixel is by itself, so that those of a cell are what it was made of.
+        let of_pixels = RenderRequest { polar: Arc::clone(&lights.polar), ..of_sky.clone() };
+        let open = Horizon::default();
+        let weights = request.measure.weights(view.horizon.as_ref().map_or(&open, |(horizon, _)| horizon));
+        let is_region = matches!(request.measure, Measure::Region(_));
+        if is_region && weights.as_ref().is_some_and(LinearMeasure::is_empty) {
+            return Err(EngineError::EmptyRegion);
+        }
+        let solver = self.influences.solver.get_or_init(|| InfluenceSolver::new(self.engine.table_set()));
+        let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
+        let found = solver.cells_in_sky(&of_pixels, &of_sky, of_cells)?;
+        step("cells");
+        let influence = influence_of_pixels(&lights, &found.cells, found.of_sky);
+        step("pixels");
+        Ok(InfluenceMap {
+            observer: view.observer,
+            coverage: view.polar.coverage,
+            flux_dnb_w: view.polar.flux_dnb_w,
+            local_optical_depth: Atmosphere::new(sky.turbidity)
+                .vertical_optical_depth(view.observer.altitude_m),
+            basis_count: of_sky.basis.unwrap_or_else(|| self.basis_count(sky.kind())),
+            basis_error_bound,
+            region_sr: weights.filter(|_| is_region).map(|weights| weights.solid_angle_sr()),
+            scene: view.scene,
+            pixels: lights.shared_pixels(),
+            influence,
+            sums: OnceLock::new(),
+            steps,
+        })
+    }
+}

@@ -1,0 +1,189 @@
+//! Which lights cause the sky of a place.
+
+use super::sky::{AskedSky, put_warnings};
+use crate::{
+    accept::{INFLUENCES_OFFERED, InfluenceFormat, negotiate_influence},
+    answers::{Assumptions, InfluenceAnswer},
+    error::ApiError,
+    etag::ETag,
+    influence_file::encode_influences,
+    parameters::{InfluenceParameters, InfluenceRasterParameters},
+    problem::Problem,
+    request::{InfluenceAsk, InfluenceBody, influence, scene_id},
+    respond::{Caching, Keep},
+    source::{Circumstances, InfluenceQuery},
+    state::AppState,
+};
+use axum::{
+    body::{Body, Bytes},
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, HeaderValue, Response, header},
+};
+use skyglow_engine::InfluenceMap;
+use std::sync::Arc;
+
+/// Influences that may be found: the place is in the scene, the scene's version is known.
+#[derive(Clone, Debug)]
+pub struct AskedInfluence {
+    query: Arc<InfluenceQuery>,
+    sky: AskedSky,
+    /// What decides the map, as text for ETags.
+    pub key: String,
+}
+
+impl AskedInfluence {
+    /// Looks up the scene and checks the place; finds nothing yet.
+    ///
+    /// # Errors
+    /// As [`AskedSky::prepare`].
+    pub async fn prepare(state: &AppState, query: InfluenceQuery) -> Result<Self, ApiError> {
+        let sky = AskedSky::prepare(state, query.sky.clone()).await?;
+        let key = ETag::of(&["influence", &sky.key, &format!("{:?}", query.measure)]).header();
+        Ok(Self { query: Arc::new(query), sky, key })
+    }
+
+    /// Finds the influences, or takes those found before.
+    ///
+    /// # Errors
+    /// As [`AskedSky::render`], and a region without a visible direction.
+    pub async fn find(&self, state: &AppState) -> Result<Arc<InfluenceMap>, ApiError> {
+        state.influence(&self.key, self.query.clone()).await
+    }
+
+    /// What the numbers depend on. They are always found on the processor.
+    fn assumptions(&self, state: &AppState, map: &InfluenceMap) -> Assumptions {
+        let facts = state.source.facts();
+        let circumstances = Circumstances::of_influences(map);
+        let assumptions = Assumptions::new(&self.sky.query, &self.sky.scene, &circumstances, facts);
+        Assumptions { executor: "cpu".to_owned(), ..assumptions }
+    }
+}
+
+macro_rules! formats {
+    ($($get:ident, $post:ident, $end:literal, $format:expr, $parameters:ident, $body:ty, $media_type:literal, $doc:literal;)*) => {$(
+        #[doc = $doc]
+        #[utoipa::path(
+            get,
+            path = concat!("/api/v1/scenes/{scene}/influence", $end),
+            tag = "influence",
+            params(("scene" = String, Path, description = "The scene's id"), $parameters),
+            responses(
+                (status = 200, description = "The influences", body = $body, content_type = $media_type, headers(
+                    ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
+                    ("server-timing" = String, description = "Milliseconds that each step of finding the map took, when it was found"),
+                )),
+                (status = 304, description = "The client has this answer already; nothing was computed"),
+                (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+                (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+                (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
+                (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+                (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+            )
+        )]
+        pub async fn $get(
+            State(state): State<AppState>,
+            Path(scene): Path<String>,
+            RawQuery(query): RawQuery,
+            headers: HeaderMap,
+        ) -> Result<Response<Body>, ApiError> {
+            answer(state, &scene, query.as_deref(), None, &headers, $format).await
+        }
+
+        #[doc = concat!($doc, " A body may give the region, and a boundary whose part is summed up in JSON.")]
+        #[utoipa::path(
+            post,
+            path = concat!("/api/v1/scenes/{scene}/influence", $end),
+            tag = "influence",
+            params(("scene" = String, Path, description = "The scene's id"), $parameters),
+            request_body = InfluenceBody,
+            responses(
+                (status = 200, description = "The influences", body = $body, content_type = $media_type),
+                (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
+                (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+                (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
+                (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
+                (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+                (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+            )
+        )]
+        pub async fn $post(
+            State(state): State<AppState>,
+            Path(scene): Path<String>,
+            RawQuery(query): RawQuery,
+            headers: HeaderMap,
+            body: Bytes,
+        ) -> Result<Response<Body>, ApiError> {
+            answer(state, &scene, query.as_deref(), Some(&body), &headers, $format).await
+        }
+    )*};
+}
+
+formats! {
+    get_influence, post_influence, "", None, InfluenceParameters, InfluenceAnswer, "application/json",
+        "Which lights cause the sky of a place, in the format that the Accept header prefers: JSON, GeoTIFF, GeoJSON or CSV.";
+    get_influence_json, post_influence_json, ".json", Some(InfluenceFormat::Json), InfluenceParameters, InfluenceAnswer, "application/json",
+        "Which lights cause the sky of a place: the most influential pixels, and all by distance and azimuth.";
+    get_influence_tif, post_influence_tif, ".tif", Some(InfluenceFormat::Tiff), InfluenceRasterParameters, Vec<u8>, "image/tiff",
+        "What every lit pixel does, as GeoTIFF on the scene's own grid: one float32 band; pixels without light or beyond 300 km are no data.";
+    get_influence_geojson, post_influence_geojson, ".geojson", Some(InfluenceFormat::GeoJson), InfluenceParameters, serde_json::Value, "application/geo+json",
+        "The most influential pixels as GeoJSON points.";
+    get_influence_csv, post_influence_csv, ".csv", Some(InfluenceFormat::Csv), InfluenceParameters, String, "text/csv",
+        "The most influential pixels as a table; what they depend on stands in the JSON alone.";
+}
+
+/// `format`: None where the Accept header decides.
+async fn answer(
+    state: AppState,
+    scene: &str,
+    query: Option<&str>,
+    body: Option<&[u8]>,
+    headers: &HeaderMap,
+    format: Option<InfluenceFormat>,
+) -> Result<Response<Body>, ApiError> {
+    let vary = format.is_none().then_some("accept");
+    let accepted = || {
+        let accept = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
+        let preferred = negotiate_influence(&accept.collect::<Vec<_>>().join(","));
+        preferred.ok_or(ApiError::NotAcceptable { offered: INFLUENCES_OFFERED })
+    };
+    let format = format.map_or_else(accepted, Ok)?;
+    let ask = influence(query, body, scene_id(scene)?, state.source.facts(), format)?;
+    let asked = AskedInfluence::prepare(&state, ask.query.clone()).await?;
+    let listed = format.is_list().then_some((ask.limit, &ask.boundary));
+    let etag = ETag::of(&[&asked.key, format.extension(), &format!("{listed:?}")]);
+    let caching = Caching { etag, keep: Keep::Minutes, vary };
+    if body.is_none()
+        && let Some(response) = caching.not_modified(headers)
+    {
+        return Ok(response);
+    }
+    let map = asked.find(&state).await?;
+    let assumptions = asked.assumptions(&state, &map);
+    let warnings = assumptions.warnings.clone();
+    let times = server_timing(&map);
+    let bytes = encoded(&state, assumptions, map, ask, format).await?;
+    let mut response = caching.ok(format.media_type(), bytes);
+    put_warnings(&mut response, &warnings);
+    if let Ok(times) = HeaderValue::from_str(&times) {
+        response.headers_mut().insert("server-timing", times);
+    }
+    Ok(response)
+}
+
+async fn encoded(
+    state: &AppState,
+    assumptions: Assumptions,
+    map: Arc<InfluenceMap>,
+    ask: InfluenceAsk,
+    format: InfluenceFormat,
+) -> Result<Vec<u8>, ApiError> {
+    let encode = move |_: &_| encode_influences(assumptions, &map, &ask, format).map_err(ApiError::internal);
+    state.heavy(encode).await
+}
+
+/// How long finding a map took, step by step.
+fn server_timing(map: &InfluenceMap) -> String {
+    let step =
+        |(name, time): &(&str, std::time::Duration)| format!("{name};dur={:.3}", 1e3 * time.as_secs_f64());
+    map.steps.iter().map(step).collect::<Vec<_>>().join(", ")
+}

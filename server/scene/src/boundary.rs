@@ -1,0 +1,290 @@
+//! Areas on the ground, such as a municipality: polygons in longitude and latitude as GeoJSON has them (RFC 7946).
+
+use skyglow_physics::GeoPoint;
+use thiserror::Error;
+
+/// Most corners of all rings of a boundary together.
+pub const MOST_BOUNDARY_CORNERS: usize = 50_000;
+/// Longitudes beyond ±180° count on around the Earth, up to here, degrees.
+const FARTHEST_LONGITUDE_DEG: f64 = 360.0;
+/// Entries of sides in bands of latitude, for each side, at most.
+const ENTRIES_PER_SIDE: usize = 8;
+
+/// Longitude and latitude, degrees.
+pub type Position = [f64; 2];
+
+/// Why polygons bound no area.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BoundaryError {
+    /// No polygon, a polygon without rings, or a ring without corners.
+    #[error("it is empty: at least one polygon with an outer ring is needed")]
+    Empty,
+    /// More corners than are taken.
+    #[error("{count} corners, at most {MOST_BOUNDARY_CORNERS} are taken")]
+    TooManyCorners {
+        /// Corners given.
+        count: usize,
+    },
+    /// A corner that is no place.
+    #[error("longitude {}, latitude {} is no place", position[0], position[1])]
+    NoPlace {
+        /// The corner.
+        position: Position,
+    },
+    /// A ring whose last corner is not its first.
+    #[error("a ring is open: its last corner must be its first")]
+    Open,
+    /// A ring with fewer than three corners, or all of them on a line.
+    #[error("a ring encloses no area")]
+    Flat,
+    /// A side that crosses the antimeridian by jumping from one end of the longitudes to the other.
+    #[error(
+        "a side spans {span_deg} degrees of longitude: cut the polygon at the antimeridian, or count longitudes on beyond 180"
+    )]
+    Jump {
+        /// Degrees of longitude from corner to corner.
+        span_deg: f64,
+    },
+}
+
+/// An area bounded by polygons; a place in any of them is inside.
+///
+/// Sides are straight in longitude and latitude. Holes are outside; where rings of one polygon overlap, an even number of rings
+/// around a place leaves it outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    polygons: Vec<Polygon>,
+}
+
+impl Boundary {
+    /// From polygons of closed rings, the outer one first.
+    ///
+    /// # Errors
+    /// [`BoundaryError`].
+    pub fn new(polygons: &[Vec<Vec<Position>>]) -> Result<Self, BoundaryError> {
+        let count: usize = polygons.iter().flatten().map(Vec::len).sum();
+        if count > MOST_BOUNDARY_CORNERS {
+            return Err(BoundaryError::TooManyCorners { count });
+        }
+        if polygons.is_empty() {
+            return Err(BoundaryError::Empty);
+        }
+        let polygons = polygons.iter().map(|rings| Polygon::new(rings)).collect::<Result<_, _>>()?;
+        Ok(Self { polygons })
+    }
+
+    /// Whether a place is inside. Places right on a side may fall either way.
+    pub fn holds(&self, place: GeoPoint) -> bool {
+        let (longitude_deg, latitude_deg) = (place.longitude_deg(), place.latitude_deg());
+        self.polygons.iter().any(|polygon| {
+            [-360.0, 0.0, 360.0].iter().any(|turn_deg| polygon.holds(longitude_deg + turn_deg, latitude_deg))
+        })
+    }
+}
+
+/// One polygon: its sides, found by latitude.
+#[derive(Clone, Debug, PartialEq)]
+struct Polygon {
+    west_deg: f64,
+    east_deg: f64,
+    south_deg: f64,
+    north_deg: f64,
+    sides: Vec<[Position; 2]>,
+    /// Sides of band b of latitude are `in_band[band_start[b]..band_start[b + 1]]`.
+    band_start: Vec<u32>,
+    in_band: Vec<u32>,
+}
+
+impl Polygon {
+    fn new(rings: &[Vec<Position>]) -> Result<Self, BoundaryError> {
+        if rings.is_empty() {
+            return Err(BoundaryError::Empty);
+        }
+        rings.iter().try_for_each(|ring| check(ring))?;
+        let sides: Vec<[Position; 2]> =
+            rings.iter().flat_map(|ring| ring.windows(2).map(|pair| [pair[0], pair[1]])).collect();
+        let corners = || sides.iter().map(|side| side[0]);
+        let least = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
+        let most = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let mut polygon = Self {
+            west_deg: least(0),
+            east_deg: most(0),
+            south_deg: least(1),
+            north_deg: most(1),
+            sides,
+            band_start: Vec::new(),
+            in_band: Vec::new(),
+        };
+        polygon.sort_into_bands();
+        Ok(polygon)
+    }
+
+    /// As many bands as there are sides, or fewer where sides reach over many.
+    fn sort_into_bands(&mut self) {
+        let spanned = |count: usize| -> usize {
+            self.sides
+                .iter()
+                .map(|side| self.bands_of(side, count))
+                .map(|(first, last)| last - first + 1)
+                .sum()
+        };
+        let mut count = self.sides.len().max(1);
+        while count > 1 && spanned(count) > ENTRIES_PER_SIDE * self.sides.len() {
+            count /= 2;
+        }
+        let mut bands: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (number, side) in self.sides.iter().enumerate() {
+            let (first, last) = self.bands_of(side, count);
+            bands[first..=last].iter_mut().for_each(|band| band.push(number as u32));
+        }
+        self.band_start = std::iter::once(0)
+            .chain(bands.iter().scan(0, |end, band| {
+                *end += band.len() as u32;
+                Some(*end)
+            }))
+            .collect();
+        self.in_band = bands.concat();
+    }
+
+    fn band_at(&self, latitude_deg: f64, count: usize) -> usize {
+        let part = (latitude_deg - self.south_deg) / (self.north_deg - self.south_deg);
+        ((part * count as f64) as usize).min(count - 1)
+    }
+
+    fn bands_of(&self, side: &[Position; 2], count: usize) -> (usize, usize) {
+        let [a, b] = side.map(|corner| self.band_at(corner[1], count));
+        (a.min(b), a.max(b))
+    }
+
+    fn holds(&self, longitude_deg: f64, latitude_deg: f64) -> bool {
+        let inside = |low: f64, value: f64, high: f64| low <= value && value <= high;
+        if !inside(self.west_deg, longitude_deg, self.east_deg)
+            || !inside(self.south_deg, latitude_deg, self.north_deg)
+        {
+            return false;
+        }
+        let band = self.band_at(latitude_deg, self.band_start.len() - 1);
+        let numbers = self.band_start[band] as usize..self.band_start[band + 1] as usize;
+        let crosses_east = |number: &&u32| {
+            let [a, b] = self.sides[**number as usize];
+            (a[1] > latitude_deg) != (b[1] > latitude_deg)
+                && longitude_deg < a[0] + (latitude_deg - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        };
+        self.in_band[numbers].iter().filter(crosses_east).count() % 2 == 1
+    }
+}
+
+/// Refuses a ring that bounds nothing.
+fn check(ring: &[Position]) -> Result<(), BoundaryError> {
+    let (Some(first), Some(last)) = (ring.first(), ring.last()) else { return Err(BoundaryError::Empty) };
+    let is_place = |[longitude_deg, latitude_deg]: &Position| {
+        longitude_deg.abs() <= FARTHEST_LONGITUDE_DEG && latitude_deg.abs() <= 90.0
+    };
+    if let Some(&position) = ring.iter().find(|position| !is_place(position)) {
+        return Err(BoundaryError::NoPlace { position });
+    }
+    if first != last {
+        return Err(BoundaryError::Open);
+    }
+    // Whole turns are sides along the edges of a map of the world.
+    let jumps = ring.windows(2).map(|pair| (pair[1][0] - pair[0][0]).abs());
+    if let Some(span_deg) = jumps.into_iter().find(|&span_deg| span_deg > 180.0 && span_deg != 360.0) {
+        return Err(BoundaryError::Jump { span_deg });
+    }
+    let origin = ring[0];
+    let twice_area = |pair: &[Position]| {
+        let [a, b] = [pair[0], pair[1]].map(|corner| [corner[0] - origin[0], corner[1] - origin[1]]);
+        (a[0] * b[1] - b[0] * a[1]).abs()
+    };
+    if ring.windows(2).map(twice_area).fold(0.0, f64::max) == 0.0 { Err(BoundaryError::Flat) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn boundary(polygons: &[&[&[Position]]]) -> Result<Boundary, BoundaryError> {
+        let polygons: Vec<Vec<Vec<Position>>> =
+            polygons.iter().map(|rings| rings.iter().map(|ring| ring.to_vec()).collect()).collect();
+        Boundary::new(&polygons)
+    }
+
+    fn holds(boundary: &Boundary, longitude_deg: f64, latitude_deg: f64) -> bool {
+        boundary.holds(GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
+    }
+
+    fn square(west: f64, south: f64, side: f64) -> [Position; 5] {
+        let (east, north) = (west + side, south + side);
+        [[west, south], [east, south], [east, north], [west, north], [west, south]]
+    }
+
+    #[test]
+    fn a_hole_is_outside_and_a_second_polygon_inside() {
+        let area =
+            boundary(&[&[&square(7.0, 46.0, 1.0), &square(7.25, 46.25, 0.5)], &[&square(9.0, 46.0, 0.1)]])
+                .unwrap();
+        assert!(holds(&area, 7.1, 46.5) && holds(&area, 9.05, 46.05));
+        assert!(!holds(&area, 7.5, 46.5) && !holds(&area, 8.5, 46.5) && !holds(&area, 7.5, 45.9));
+    }
+
+    #[test]
+    fn longitudes_count_on_across_the_antimeridian_and_the_world_is_one_square() {
+        let fiji = boundary(&[&[&square(177.0, -19.0, 4.0)]]).unwrap();
+        assert!(holds(&fiji, 178.0, -17.0) && holds(&fiji, -179.5, -17.0) && !holds(&fiji, -178.5, -17.0));
+        let west = boundary(&[&[&square(-181.0, -19.0, 2.0)]]).unwrap();
+        assert!(holds(&west, 179.5, -18.0) && holds(&west, -179.5, -18.0) && !holds(&west, 178.0, -18.0));
+        let world = boundary(&[&[&[
+            [-180.0, -90.0],
+            [180.0, -90.0],
+            [180.0, 90.0],
+            [-180.0, 90.0],
+            [-180.0, -90.0],
+        ]]])
+        .unwrap();
+        assert!(holds(&world, 0.0, 0.0) && holds(&world, 179.9, -80.0));
+    }
+
+    #[test]
+    fn what_bounds_no_area_is_refused_and_said_why() {
+        let refused = |polygons: &[&[&[Position]]]| boundary(polygons).unwrap_err();
+        assert_eq!(refused(&[]), BoundaryError::Empty);
+        assert_eq!(refused(&[&[]]), BoundaryError::Empty);
+        assert_eq!(refused(&[&[&[]]]), BoundaryError::Empty);
+        assert_eq!(refused(&[&[&square(7.0, 46.0, 1.0)[..4]]]), BoundaryError::Open);
+        assert_eq!(refused(&[&[&[[7.0, 46.0], [8.0, 47.0], [7.0, 46.0]]]]), BoundaryError::Flat);
+        assert_eq!(refused(&[&[&[[7.0, 46.0]]]]), BoundaryError::Flat);
+        assert!(matches!(refused(&[&[&square(f64::NAN, 46.0, 1.0)]]), BoundaryError::NoPlace { .. }));
+        assert!(matches!(refused(&[&[&square(7.0, 89.5, 1.0)]]), BoundaryError::NoPlace { .. }));
+        let jump = [[179.0, 0.0], [-179.0, 0.0], [-179.0, 1.0], [179.0, 1.0], [179.0, 0.0]];
+        assert_eq!(refused(&[&[&jump]]), BoundaryError::Jump { span_deg: 358.0 });
+        let many = vec![[7.0, 46.0]; MOST_BOUNDARY_CORNERS + 1];
+        assert!(matches!(refused(&[&[&many]]), BoundaryError::TooManyCorners { .. }));
+    }
+
+    proptest! {
+        #[test]
+        fn bands_change_nothing(
+            ring in prop::collection::vec((5.0f64..9.0, 44.0f64..48.0), 3..60),
+            places in prop::collection::vec((4.5f64..9.5, 43.5f64..48.5), 40),
+        ) {
+            let mut ring: Vec<Position> = ring.into_iter().map(|(x, y)| [x, y]).collect();
+            ring.push(ring[0]);
+            let area = boundary(&[&[&ring]]).unwrap();
+            for (x, y) in places {
+                let crossings = ring.windows(2).filter(|pair| {
+                    let [a, b] = [pair[0], pair[1]];
+                    (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+                });
+                // Degrees go through radians and back.
+                let near = |pair: &[Position]| {
+                    let [a, b] = [pair[0], pair[1]];
+                    let cross = (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
+                    cross.abs() < 1e-9
+                };
+                prop_assume!(!ring.windows(2).any(near) && ring.iter().all(|corner| (corner[1] - y).abs() > 1e-9));
+                prop_assert_eq!(holds(&area, x, y), crossings.count() % 2 == 1);
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! A number for each lit pixel, as a GeoTIFF on the scene's own grid.
+
+use crate::morton;
+use crate::scene::Scene;
+use gdal::raster::{Buffer, RasterCreationOptions};
+use gdal::spatial_ref::SpatialRef;
+use gdal::{DriverManager, Metadata, vsi};
+use std::sync::atomic::{AtomicU64, Ordering};
+use thiserror::Error;
+
+/// Side of a tile of the file, pixels, as a power of two.
+const TILE_SHIFT: u32 = 8;
+
+/// GDAL could not write a raster.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("a GeoTIFF could not be written: {0}")]
+pub struct RasterError(String);
+
+impl From<gdal::errors::GdalError> for RasterError {
+    fn from(error: gdal::errors::GdalError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// What a raster of pixels says of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct RasterWords<'a> {
+    /// What the numbers are: the band's description.
+    pub description: &'a str,
+    /// Their unit.
+    pub unit: &'a str,
+    /// Names and texts that go into the file's metadata.
+    pub notes: &'a [(&'a str, &'a str)],
+}
+
+/// A file in memory, gone when this is.
+struct MemoryFile(String);
+
+impl MemoryFile {
+    fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(format!("/vsimem/skyglow-pixels-{}.tif", NEXT.fetch_add(1, Ordering::Relaxed)))
+    }
+}
+
+impl Drop for MemoryFile {
+    fn drop(&mut self) {
+        // It is not there after its bytes were taken.
+        drop(vsi::unlink_mem_file(&self.0));
+    }
+}
+
+impl Scene {
+    /// Numbers of lit pixels as a GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated in tiles of 256; all
+    /// other pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
+    ///
+    /// * `numbers`: of lit pixels ([`Self::column_and_row`]), ascending; `values` beside them.
+    ///
+    /// # Errors
+    /// [`RasterError`], only by a defect or for want of memory.
+    pub fn pixels_geotiff(
+        &self,
+        numbers: &[u32],
+        values: &[f32],
+        words: &RasterWords<'_>,
+    ) -> Result<Vec<u8>, RasterError> {
+        let file = MemoryFile::new();
+        let grid = &self.metadata.grid;
+        let driver = DriverManager::get_driver_by_name("GTiff")?;
+        let options = RasterCreationOptions::from_iter([
+            "COMPRESS=DEFLATE",
+            "PREDICTOR=3",
+            "TILED=YES",
+            "SPARSE_OK=TRUE",
+            "BIGTIFF=IF_SAFER",
+        ]);
+        let size = (grid.width as usize, grid.height as usize);
+        let mut dataset =
+            driver.create_with_band_type_with_options::<f32, _>(&file.0, size.0, size.1, 1, &options)?;
+        dataset.set_geo_transform(&grid.geotransform)?;
+        dataset.set_spatial_ref(&SpatialRef::from_wkt(&grid.crs_wkt)?)?;
+        for (name, text) in words.notes {
+            dataset.set_metadata_item(name, text, "")?;
+        }
+        let mut band = dataset.rasterband(1)?;
+        band.set_no_data_value(Some(f64::NAN))?;
+        band.set_description(words.description)?;
+        band.set_metadata_item("UNITTYPE", words.unit, "")?;
+        // Pixels of a tile are one run of codes.
+        let tile_of = |number: u32| self.pixels.codes[number as usize] >> (2 * TILE_SHIFT);
+        let mut first = 0;
+        for run in numbers.chunk_by(|a, b| tile_of(*a) == tile_of(*b)) {
+            let side = 1u32 << TILE_SHIFT;
+            let (tile_column, tile_row) = morton::decode(tile_of(run[0]));
+            let (west, north) = (tile_column * side, tile_row * side);
+            let (width, height) =
+                (side.min(grid.width - west) as usize, side.min(grid.height - north) as usize);
+            let mut tile = vec![f32::NAN; width * height];
+            for (number, value) in run.iter().zip(&values[first..]) {
+                let (column, row) = morton::decode(self.pixels.codes[*number as usize]);
+                tile[(row - north) as usize * width + (column - west) as usize] = *value;
+            }
+            first += run.len();
+            let mut buffer = Buffer::new((width, height), tile);
+            band.write((west as isize, north as isize), (width, height), &mut buffer)?;
+        }
+        dataset.close()?;
+        Ok(vsi::get_vsi_mem_file_bytes_owned(&file.0)?)
+    }
+}
