@@ -3,6 +3,7 @@
 //! Arguments: folder of packs; pixels a side of a made-up square of lights of 463 m, all of them lit (1000); rounds (20).
 //! On the processor; the place is in the middle. The first map finds the light, the others have it.
 
+#[allow(clippy::unwrap_used, reason = "what the tests set a scene up with stops at the first error")]
 #[path = "../tests/common/mod.rs"]
 mod common;
 

@@ -170,8 +170,28 @@ fn a_region_without_a_visible_direction_is_refused_and_a_norm_is_that_of_the_lig
     assert!(matches!(observatory.influence(&ask), Err(EngineError::EmptyRegion)));
     let outside = InfluenceRequest { sky: sky(2.5, 1.5, 36.8), measure: Measure::Norm };
     assert!(matches!(observatory.influence(&outside), Err(EngineError::OutsideScene { .. })));
-    let map = observatory.influence(&InfluenceRequest { measure: Measure::Norm, ..ask }).unwrap();
+    let map = observatory.influence(&InfluenceRequest { measure: Measure::Norm, ..ask.clone() }).unwrap();
     assert!(map.influence().iter().all(|value| value.is_finite() && *value > 0.0));
+    // Norms are those of pixels alone: near ones are wide, far ones points.
+    let scene = SceneStore::new(folder.path()).open(&town()).unwrap();
+    let pixels = scene.source_pixels_within(sky(2.5, -1.5, 36.8).place, 300_000.0);
+    let solver = InfluenceSolver::new(Arc::new(TableSet::new(synthetic::table_set(&[2.5], 24)).unwrap()));
+    let mut nearest: Vec<usize> = (0..pixels.len()).collect();
+    nearest.sort_by(|a, b| map.pixels()[*a].distance_m.total_cmp(&map.pixels()[*b].distance_m));
+    for &position in nearest.iter().take(40).step_by(3).chain(nearest.iter().skip(100).step_by(500)) {
+        let sources = point_sources(ask.sky.place, std::slice::from_ref(&pixels[position]));
+        let polar = PolarGrid::of_sources(ask.sky.place, sources.into_iter().map(|source| (source, 0.0)));
+        let alone = RenderRequest {
+            polar: Arc::new(polar),
+            observer_altitude_m: map.observer.altitude_m,
+            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+            emission: EmissionMix::garstang(),
+            ..request(synthetic::dark_grid(), 2.5)
+        };
+        let error = f64::from(map.influence()[position]) / solver.norm(&alone).unwrap() - 1.0;
+        let pixel = map.pixels()[position];
+        assert!(error.abs() < if pixel.distance_m < 5_000.0 { 1e-3 } else { 0.03 }, "{pixel:?} {error}");
+    }
     // Norms of lights are no parts of the norm of all: together they are more.
     let whole = observatory.sky_blocking(&sky(2.5, -1.5, 36.8)).unwrap();
     assert!(map.total().influence > whole.quantities.mean_luminance_cd_m2 * std::f64::consts::TAU.sqrt());

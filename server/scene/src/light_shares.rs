@@ -74,6 +74,32 @@ impl LightShares {
         &self.shares[self.starts[position] as usize..self.starts[position + 1] as usize]
     }
 
+    /// The light of pixel `position` of [`Self::pixels`] alone, at the pixel's own altitude.
+    pub fn alone(&self, position: usize) -> PolarGrid {
+        let pixel = self.pixels[position];
+        // Cells are numbered by column, then by ring and angle; pieces of a pixel may share one.
+        let mut shares = self.shares(position).to_vec();
+        shares.sort_unstable_by_key(|share| share.cell);
+        shares.dedup_by(|next, kept| {
+            let is_same = next.cell == kept.cell;
+            kept.flux_dnb_w += if is_same { next.flux_dnb_w } else { 0.0 };
+            is_same
+        });
+        let first_of = |start: &u32| shares.partition_point(|share| share.cell < *start) as u32;
+        let cells = shares.iter().map(|share| PolarCell {
+            flux_dnb_w: share.flux_dnb_w,
+            altitude_m: pixel.altitude_m,
+            ..self.polar.cells[share.cell as usize]
+        });
+        PolarGrid {
+            observer: self.polar.observer,
+            azimuth_start: self.polar.azimuth_start.iter().map(first_of).collect(),
+            cells: cells.collect(),
+            flux_dnb_w: f64::from(pixel.flux_dnb_w),
+            coverage: self.polar.coverage,
+        }
+    }
+
     /// Bytes held.
     pub fn byte_count(&self) -> usize {
         let of_pixels = self.pixels.len() * (size_of::<LitPixel>() + size_of::<u32>());

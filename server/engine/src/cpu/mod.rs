@@ -90,9 +90,9 @@ impl CpuExecutor {
         BatchOutput { radiance_w_m2_sr, passes: clock.into_passes() }
     }
 
-    /// The sky of one pack of a request.
-    pub(crate) fn sky(&self, request: &Prepared, pack: usize) -> Vec<f32> {
-        self.render_pack(&Item { request, pack }, true).0
+    /// The sky of one pack of a request; with all cores where `side_by_side`.
+    pub(crate) fn sky(&self, request: &Prepared, pack: usize, side_by_side: bool) -> Vec<f32> {
+        self.render_pack(&Item { request, pack }, side_by_side).0
     }
 
     /// Buffers of its passes, to be given back.

@@ -14,11 +14,14 @@ use crate::{
     prepare::{LitColumn, Prepared, PreparedCell, shines},
     request::RenderRequest,
     table_set::TableSet,
+    taps::Taps,
     truncation::gram_matrix,
     twin::log_scale_between,
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Band, LinearMeasure, Panorama};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, Band, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr,
+};
 use std::sync::{Arc, OnceLock};
 
 /// Partial sums side by side in a product of two rows of functions.
@@ -178,6 +181,28 @@ impl InfluenceSolver {
         Ok(CellsInSky { cells, of_sky })
     }
 
+    /// The norm of the sky of a request, as [`MeasureOfCells::Norm`] has it of a cell's.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn norm(&self, request: &RenderRequest) -> Result<f64, EngineError> {
+        let prepared = Prepared::new(request, &self.set)?;
+        if prepared.is_dark() {
+            return Ok(0.0);
+        }
+        let taps = &prepared.turbidity_taps;
+        let skies: Vec<Vec<f32>> =
+            taps.indices().iter().map(|&pack| self.executor.sky(&prepared, pack, false)).collect();
+        let square = |row: usize, column: usize, sky: &Panorama| {
+            solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2)
+        };
+        Ok(blended(skies, taps, false).map_or(0.0, |sky| {
+            let directions =
+                (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| (row, column)));
+            directions.map(|(row, column)| square(row, column, &sky)).sum::<f64>().sqrt()
+        }))
+    }
+
     /// d(place on the offset axis)/d(altitude) of a cell, m⁻¹.
     fn upper_weight_per_m(
         &self,
@@ -201,7 +226,7 @@ impl InfluenceSolver {
         let taps = &request.turbidity_taps;
         let skies: Vec<Vec<f32>> = match sky.is_dark() {
             true => vec![vec![0.0; Panorama::LEN]; taps.indices().len()],
-            false => taps.indices().par_iter().map(|&pack| self.executor.sky(sky, pack)).collect(),
+            false => taps.indices().par_iter().map(|&pack| self.executor.sky(sky, pack, true)).collect(),
         };
         let weights = sensitivities(&skies, taps, measure);
         for (&pack, weights) in taps.indices().iter().zip(&weights) {
@@ -223,9 +248,7 @@ impl InfluenceSolver {
             });
             self.executor.scratch().keep(scratch);
         }
-        let sources: Vec<&[f32]> = skies.iter().map(Vec::as_slice).collect();
-        let blended = if let [own] = sources.as_slice() { own.to_vec() } else { blend(&sources, taps, true) };
-        Panorama::from_samples(blended).map_or(0.0, |sky| measure.of(&sky))
+        blended(skies, taps, true).map_or(0.0, |sky| measure.of(&sky))
     }
 
     fn norms(&self, request: &Prepared, logs: &mut [Slope]) {
@@ -254,6 +277,15 @@ impl InfluenceSolver {
             log.slope *= log.value;
         }
     }
+}
+
+/// The sky between those of packs.
+fn blended(mut skies: Vec<Vec<f32>>, taps: &Taps, side_by_side: bool) -> Option<Panorama> {
+    let samples = match skies.len() {
+        1 => skies.swap_remove(0),
+        _ => blend(&skies.iter().map(Vec::as_slice).collect::<Vec<_>>(), taps, side_by_side),
+    };
+    Panorama::from_samples(samples)
 }
 
 /// What the norms of cells in one pack are computed from.

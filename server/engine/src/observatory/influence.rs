@@ -8,7 +8,10 @@ use crate::{
     request::RenderRequest,
 };
 use moka::sync::Cache;
-use skyglow_physics::{Atmosphere, BAND_COUNT, Horizon, LinearMeasure, SkyCurve};
+use rayon::prelude::*;
+use skyglow_physics::{
+    Atmosphere, BAND_COUNT, Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M,
+};
 use skyglow_scene::{LightShares, LitPixel, PixelNumbers, PolarGrid, RasterTile, Scene, SceneMetadata};
 use std::{
     sync::{Arc, OnceLock},
@@ -219,8 +222,12 @@ impl Observatory {
         let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
         let found = solver.cells_in_sky(&of_pixels, &of_sky, of_cells)?;
         step("cells");
-        let influence = influence_of_pixels(&lights, &found.cells, found.of_sky);
+        let mut influence = influence_of_pixels(&lights, &found.cells, found.of_sky);
         step("pixels");
+        if request.measure == Measure::Norm {
+            near_norms(solver, &of_sky, &lights, &mut influence)?;
+            step("near pixels");
+        }
         Ok(InfluenceMap {
             observer: view.observer,
             coverage: view.polar.coverage,
@@ -237,4 +244,26 @@ impl Observatory {
             steps,
         })
     }
+}
+
+/// Norms of the pixels that are wider than a point: those of their parts would add up to too much, for parts that shine on
+/// different directions do not make each other brighter. Each is rendered alone.
+fn near_norms(
+    solver: &InfluenceSolver,
+    sky: &RenderRequest,
+    lights: &LightShares,
+    influence: &mut [f32],
+) -> Result<(), EngineError> {
+    let near: Vec<usize> = (lights.pixels().iter().enumerate())
+        .filter(|(_, pixel)| f64::from(pixel.distance_m) <= SPLIT_WITHIN_M)
+        .map(|(position, _)| position)
+        .collect();
+    let norm = |&position: &usize| {
+        solver.norm(&RenderRequest { polar: Arc::new(lights.alone(position)), ..sky.clone() })
+    };
+    let norms: Vec<f64> = near.par_iter().map(norm).collect::<Result<_, _>>()?;
+    for (position, norm) in near.into_iter().zip(norms) {
+        influence[position] = norm as f32;
+    }
+    Ok(())
 }

@@ -148,8 +148,8 @@ impl MultipleSum {
             .map(|direction| {
                 let row = solved.row(direction);
                 let mut sum = [0.0; BAND_COUNT];
-                for index in 0..sources.len() {
-                    let radiance = solved.radiance(index, &sources[index], row, direction);
+                for (index, source) in sources.iter().enumerate() {
+                    let radiance = solved.radiance(index, source, row, direction);
                     for band in 0..BAND_COUNT {
                         sum[band] += flux_per_dnb_flux[band] * radiance[band];
                     }
@@ -176,15 +176,15 @@ impl MultipleSum {
             return Ok(Vec::new());
         }
         let solved = self.solved(&sources, directions, &|| ())?;
-        let of_one = |index: usize| -> Vec<[f64; BAND_COUNT]> {
+        let of_one = |(index, source): (usize, &BlockedSource)| -> Vec<[f64; BAND_COUNT]> {
             let seen = directions.iter().map(|direction| {
                 let row = solved.row(direction);
-                let radiance = solved.radiance(index, &sources[index], row, direction);
+                let radiance = solved.radiance(index, source, row, direction);
                 std::array::from_fn(|band| flux_per_dnb_flux[band] * radiance[band])
             });
             seen.collect()
         };
-        Ok((0..sources.len()).into_par_iter().map(of_one).collect())
+        Ok(sources.par_iter().enumerate().map(of_one).collect())
     }
 
     /// Solves what sources need to be seen in some directions.
