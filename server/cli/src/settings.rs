@@ -67,7 +67,7 @@ pub(crate) struct Layer {
     /// Longest time for one answer, seconds; then 503 [default: 30]
     #[arg(long, env = "SKYGLOW_REQUEST_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) request_timeout_s: Option<f64>,
-    /// Longest request body, bytes; then 413 [default: 65536]
+    /// Longest request body, bytes; then 413 [default: 2097152]
     #[arg(long, env = "SKYGLOW_BODY_LIMIT_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) body_limit_bytes: Option<usize>,
     /// Requests a second from one client on average, 0 for no limit; more are answered 429 [default: 100]
@@ -82,6 +82,9 @@ pub(crate) struct Layer {
     /// Bytes of computed skies that are kept for the next request [default: 67108864]
     #[arg(long, env = "SKYGLOW_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) cache_bytes: Option<u64>,
+    /// Bytes of maps of influences that are kept for the next request and for map tiles [default: 268435456]
+    #[arg(long, env = "SKYGLOW_INFLUENCE_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) influence_cache_bytes: Option<u64>,
     /// Where clients reach the server, for links in answers [default: as the request's Host header says]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,

@@ -36,7 +36,7 @@ pub fn radiance_tile_png(
     logarithmic_tile_png(radiance_nw_cm2_sr, has_data, size_px, crate::Colormap::Inferno, range, notes)
 }
 
-/// A square tile of influences in any unit, `[y][x]`: from a ten-thousandth of `most` to `most` through the `viridis` map's
+/// A square tile of influences in any unit, `[y][x]`: from a ten-thousandth of `most` to `most` and beyond through the `viridis` map's
 /// brighter part on a logarithmic scale; less is transparent.
 ///
 /// # Errors

@@ -97,6 +97,11 @@ impl InfluenceFormat {
         }
     }
 
+    /// Whether it says what some lights do together.
+    pub const fn has_room_for_sums(self) -> bool {
+        matches!(self, InfluenceFormat::Json | InfluenceFormat::GeoJson)
+    }
+
     /// Whether it lists the most influential pixels instead of showing all.
     pub const fn is_list(self) -> bool {
         !matches!(self, InfluenceFormat::Tiff)

@@ -19,8 +19,10 @@ pub struct HttpConfig {
     pub request_burst: u32,
     /// Longest time for the answers under way when the server is told to end, seconds.
     pub drain_timeout_s: f64,
-    /// Bytes of rendered skies that are kept for the next request, and as many of maps of influences.
+    /// Bytes of rendered skies that are kept for the next request.
     pub cache_bytes: u64,
+    /// Bytes of maps of influences that are kept for the next request and for map tiles; a map of a million lights takes 36 MB.
+    pub influence_cache_bytes: u64,
     /// Where clients reach the server, such as `https://sky.example.org`, for the links inside answers;
     /// without it the request's Host header says so.
     pub public_url: Option<String>,
@@ -36,6 +38,7 @@ impl Default for HttpConfig {
             request_burst: 1000,
             drain_timeout_s: 10.0,
             cache_bytes: 64 * 1024 * 1024,
+            influence_cache_bytes: 256 * 1024 * 1024,
             public_url: None,
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::{
     accept::InfluenceFormat,
-    answers::{Assumptions, InfluenceAnswer, InfluentialPixel, influential_pixels, measure_name},
+    answers::{Assumptions, InfluenceAnswer, InfluentialPixel, PartAnswer, influential_pixels, measure_name},
     request::InfluenceAsk,
 };
 use serde::Serialize;
@@ -42,7 +42,7 @@ pub fn encode_influences(
             let answer = InfluenceAnswer::new(assumptions, map, measure, ask.limit, ask.boundary.as_ref());
             Ok(serde_json::to_vec(&answer)?)
         }
-        InfluenceFormat::GeoJson => geojson(assumptions, map, measure, ask.limit),
+        InfluenceFormat::GeoJson => geojson(assumptions, map, ask),
         InfluenceFormat::Csv => csv_table(map, measure, ask.limit),
         InfluenceFormat::Tiff => geotiff(&assumptions, map, measure),
     }
@@ -52,9 +52,9 @@ pub fn encode_influences(
 fn geojson(
     assumptions: Assumptions,
     map: &InfluenceMap,
-    measure: &Measure,
-    limit: usize,
+    ask: &InfluenceAsk,
 ) -> Result<Vec<u8>, InfluenceFileError> {
+    let measure = &ask.query.measure;
     let total = map.total().influence;
     let feature = |pixel: InfluentialPixel| -> Result<Value, serde_json::Error> {
         let coordinates = [pixel.longitude_deg, pixel.latitude_deg];
@@ -65,13 +65,14 @@ fn geojson(
         }))
     };
     let features: Vec<Value> =
-        influential_pixels(map, total, limit).into_iter().map(feature).collect::<Result<_, _>>()?;
+        influential_pixels(map, total, ask.limit).into_iter().map(feature).collect::<Result<_, _>>()?;
     #[derive(Serialize)]
     struct Collection<'a> {
         r#type: &'a str,
         measure: &'a str,
         unit: &'a str,
         total: f64,
+        boundary: Option<PartAnswer>,
         assumptions: Assumptions,
         features: Vec<Value>,
     }
@@ -80,6 +81,7 @@ fn geojson(
         measure: measure_name(measure),
         unit: measure.unit(),
         total,
+        boundary: ask.boundary.as_ref().map(|boundary| PartAnswer::new(map.within(boundary), total)),
         assumptions,
         features,
     })?)
@@ -87,8 +89,11 @@ fn geojson(
 
 /// A row for each pixel; the column of influences carries their unit in its name.
 fn csv_table(map: &InfluenceMap, measure: &Measure, limit: usize) -> Result<Vec<u8>, InfluenceFileError> {
-    let influence =
-        format!("influence_{}", measure.unit().replace([' ', '-'], "_").replace("__", "_").replace('.', "_"));
+    let influence = match measure {
+        Measure::Norm => "influence_cd_m2_sr0_5",
+        Measure::Horizontal => "influence_lx",
+        Measure::Zenith | Measure::Mean | Measure::Region(_) => "influence_cd_m2",
+    };
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([
         "rank",
@@ -100,7 +105,7 @@ fn csv_table(map: &InfluenceMap, measure: &Measure, limit: usize) -> Result<Vec<
         "azimuth_deg",
         "radiance_nw_cm2_sr",
         "flux_dnb_w",
-        influence.as_str(),
+        influence,
         "share",
         "cumulative_share",
     ])?;

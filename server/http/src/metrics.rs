@@ -25,6 +25,7 @@ pub struct Metrics {
     durations: Family<Labels, Histogram>,
     refused: Family<Labels, Counter>,
     panics: Counter,
+    influences: Counter,
     in_flight: Gauge,
 }
 
@@ -39,7 +40,12 @@ impl Metrics {
         let durations =
             Family::<Labels, Histogram>::new_with_constructor(|| Histogram::new(BUCKETS_S.iter().copied()));
         let refused = Family::<Labels, Counter>::default();
-        let (panics, in_flight) = (Counter::default(), Gauge::default());
+        let (panics, influences, in_flight) = (Counter::default(), Counter::default(), Gauge::default());
+        registry.register(
+            "influence_maps",
+            "Maps of influences found; other answers and tiles were cut from those",
+            influences.clone(),
+        );
         registry.register("http_requests", "Requests answered, by route and status", requests.clone());
         registry.register_with_unit(
             "http_request_duration",
@@ -51,7 +57,7 @@ impl Metrics {
         registry.register("http_panics", "Requests that ran into a defect", panics.clone());
         registry.register("http_in_flight", "Requests under way", in_flight.clone());
         registry.register_collector(Box::new(SourceCollector(source)));
-        Self { registry, requests, durations, refused, panics, in_flight }
+        Self { registry, requests, durations, refused, panics, influences, in_flight }
     }
 
     /// Counts an answered request.
@@ -69,6 +75,11 @@ impl Metrics {
     /// Counts a request that was turned away.
     pub fn count_refused(&self, reason: &'static str) {
         self.refused.get_or_create(&vec![("reason", reason.to_owned())]).inc();
+    }
+
+    /// Counts a map of influences that was found.
+    pub fn count_influences(&self) {
+        self.influences.inc();
     }
 
     /// Counts a panic.

@@ -141,12 +141,12 @@ parameters! {
     SKY = "sky", Kind::Choice(&["artificial", "total"]), "artificial", false;
     /// Id of a scenario or plan (not supported yet).
     SCENARIO = "scenario", Kind::Text { allowed: "not to be given yet" }, "", false;
-    /// What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`.
+    /// What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`.
     MEASURE = "measure", Kind::Choice(&["norm", "zenith", "mean", "horizontal", "region"]), "", false;
     /// Number of the most influential pixels that are listed.
     LIMIT = "limit", Kind::Integer { minimum: 0, maximum: 10_000 }, "100", false;
     /// A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself.
-    REGION = "region", Kind::Text { allowed: "3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60" }, "", false;
+    REGION = "region", Kind::Text { allowed: "3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60" }, "", false;
     /// Projection: fisheye is zenithal equidistant with north up and east left.
     PROJECTION = "projection", Kind::Choice(&["equirectangular", "fisheye", "perspective"]), "equirectangular", false;
     /// Azimuth of the centre of a perspective, clockwise from north.

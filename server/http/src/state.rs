@@ -7,10 +7,13 @@ use crate::{
     metrics::Metrics,
     source::{InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
 };
-use moka::future::Cache;
+use moka::{future::Cache, policy::EvictionPolicy};
 use skyglow_engine::InfluenceMap;
 use skyglow_physics::Panorama;
-use std::sync::{Arc, OnceLock};
+use std::{
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
 use tokio::sync::Semaphore;
 
 /// The shared state.
@@ -26,12 +29,18 @@ pub struct AppState {
     skies: Cache<String, Arc<RenderedSky>>,
     /// Maps of influences found lately, by what decides them.
     influences: Cache<String, Arc<InfluenceMap>>,
+    /// Places for finding influences, which takes all cores, and memory with the scene's lights.
+    finding: Arc<Semaphore>,
     /// Places for heavy work.
     cores: Arc<Semaphore>,
     /// The OpenAPI document, set once when the routes are known.
     pub openapi: Arc<OnceLock<String>>,
 }
 
+/// How long a map of influences is kept that nobody asks for.
+const INFLUENCES_KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
+/// Maps of influences that are found at a time; the others wait.
+const MAPS_AT_ONCE: usize = 2;
 /// Bytes that a cached sky takes, about.
 const SKY_BYTES: u64 = 4 * Panorama::LEN as u64 + 2048;
 
@@ -40,7 +49,13 @@ impl AppState {
     pub fn new(source: Arc<dyn SkySource>, config: HttpConfig) -> Self {
         let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
         let weigh = |_: &String, map: &Arc<InfluenceMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
-        let influences = Cache::builder().max_capacity(config.cache_bytes).weigher(weigh).build();
+        let influences = Cache::builder()
+            .max_capacity(config.influence_cache_bytes)
+            .weigher(weigh)
+            .eviction_policy(EvictionPolicy::lru())
+            // A map holds its scene, which may be gone from disk.
+            .time_to_idle(INFLUENCES_KEPT_WHILE_IDLE)
+            .build();
         let metrics = Arc::new(Metrics::new(source.clone()));
         let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
         Self {
@@ -49,6 +64,7 @@ impl AppState {
             metrics,
             skies,
             influences,
+            finding: Arc::new(Semaphore::new(MAPS_AT_ONCE)),
             cores: Arc::new(Semaphore::new(2 * cores)),
             openapi: Arc::default(),
         }
@@ -105,6 +121,12 @@ impl AppState {
             .await
             .map_err(|error| SourceError::clone(&error))
     }
+
+    /// Forgets influences that were found in another version of a scene than the one they were asked of.
+    pub async fn forget_influence(&self, key: &str) {
+        self.influences.invalidate(key).await;
+    }
+
     /// The influences of a query, found once for all who ask at the same time, kept for a while.
     ///
     /// # Errors
@@ -114,9 +136,16 @@ impl AppState {
         key: &str,
         query: Arc<InfluenceQuery>,
     ) -> Result<Arc<InfluenceMap>, ApiError> {
-        let find = self.heavy(move |source| {
-            source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky))
-        });
+        let find = async move {
+            let place = self.finding.clone().acquire_owned().await.map_err(ApiError::internal)?;
+            self.metrics.count_influences();
+            self.blocking(move |source| {
+                let map = source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky));
+                drop(place);
+                map
+            })
+            .await
+        };
         self.influences.try_get_with_by_ref(key, find).await.map_err(|error| ApiError::clone(&error))
     }
 }

@@ -15,10 +15,11 @@ use crate::{
     panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad},
 };
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Most corners of a curve.
-pub const MOST_CORNERS: usize = 2_000;
+pub const MOST_CORNERS: usize = 1_000;
 
 /// Corners nearer than this are the same, radians.
 const SAME_CORNER_RAD: f64 = 1e-9;
@@ -83,7 +84,7 @@ impl SkyCurve {
             azimuth_rad: azimuth_rad(at % AZIMUTH_COUNT),
             elevation_rad: elevation_rad(at / AZIMUTH_COUNT),
         };
-        (0..ELEVATION_COUNT * AZIMUTH_COUNT).map(|at| self.holds(direction(at))).collect()
+        (0..ELEVATION_COUNT * AZIMUTH_COUNT).into_par_iter().map(|at| self.holds(direction(at))).collect()
     }
 }
 

@@ -7,8 +7,11 @@ use thiserror::Error;
 pub const MOST_BOUNDARY_CORNERS: usize = 50_000;
 /// Longitudes beyond ±180° count on around the Earth, up to here, degrees.
 const FARTHEST_LONGITUDE_DEG: f64 = 360.0;
-/// Entries of sides in bands of latitude, for each side, at most.
-const ENTRIES_PER_SIDE: usize = 8;
+/// Bands of latitude that sides are sorted into, at most.
+const MOST_BANDS: usize = 4096;
+/// Sides that a place may have to be compared with, in the mean over the bands: coasts have tens, and thousands would take a
+/// million lights minutes.
+const MOST_SIDES_A_BAND: usize = 1000;
 
 /// Longitude and latitude, degrees.
 pub type Position = [f64; 2];
@@ -24,6 +27,14 @@ pub enum BoundaryError {
     TooManyCorners {
         /// Corners given.
         count: usize,
+    },
+    /// Sides that cross so many others' latitudes that the area could not be told quickly.
+    #[error(
+        "it is too intricate: {sides} sides lie at the same latitude, in the mean, at most {MOST_SIDES_A_BAND} are taken"
+    )]
+    TooIntricate {
+        /// Sides in a band of latitude, in the mean.
+        sides: usize,
     },
     /// A corner that is no place.
     #[error("longitude {}, latitude {} is no place", position[0], position[1])]
@@ -53,7 +64,15 @@ pub enum BoundaryError {
 /// around a place leaves it outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Boundary {
-    polygons: Vec<Polygon>,
+    west_deg: f64,
+    east_deg: f64,
+    south_deg: f64,
+    north_deg: f64,
+    /// Sides of all polygons, each with its polygon's number, polygon by polygon.
+    sides: Vec<(u32, [Position; 2])>,
+    /// Sides of band b of latitude are `in_band[band_start[b]..band_start[b + 1]]`, ascending.
+    band_start: Vec<u32>,
+    in_band: Vec<u32>,
 }
 
 impl Boundary {
@@ -66,47 +85,19 @@ impl Boundary {
         if count > MOST_BOUNDARY_CORNERS {
             return Err(BoundaryError::TooManyCorners { count });
         }
-        if polygons.is_empty() {
+        if polygons.is_empty() || polygons.iter().any(Vec::is_empty) {
             return Err(BoundaryError::Empty);
         }
-        let polygons = polygons.iter().map(|rings| Polygon::new(rings)).collect::<Result<_, _>>()?;
-        Ok(Self { polygons })
-    }
-
-    /// Whether a place is inside. Places right on a side may fall either way.
-    pub fn holds(&self, place: GeoPoint) -> bool {
-        let (longitude_deg, latitude_deg) = (place.longitude_deg(), place.latitude_deg());
-        self.polygons.iter().any(|polygon| {
-            [-360.0, 0.0, 360.0].iter().any(|turn_deg| polygon.holds(longitude_deg + turn_deg, latitude_deg))
-        })
-    }
-}
-
-/// One polygon: its sides, found by latitude.
-#[derive(Clone, Debug, PartialEq)]
-struct Polygon {
-    west_deg: f64,
-    east_deg: f64,
-    south_deg: f64,
-    north_deg: f64,
-    sides: Vec<[Position; 2]>,
-    /// Sides of band b of latitude are `in_band[band_start[b]..band_start[b + 1]]`.
-    band_start: Vec<u32>,
-    in_band: Vec<u32>,
-}
-
-impl Polygon {
-    fn new(rings: &[Vec<Position>]) -> Result<Self, BoundaryError> {
-        if rings.is_empty() {
-            return Err(BoundaryError::Empty);
-        }
-        rings.iter().try_for_each(|ring| check(ring))?;
-        let sides: Vec<[Position; 2]> =
-            rings.iter().flat_map(|ring| ring.windows(2).map(|pair| [pair[0], pair[1]])).collect();
-        let corners = || sides.iter().map(|side| side[0]);
+        polygons.iter().flatten().try_for_each(|ring| check(ring))?;
+        let sides: Vec<(u32, [Position; 2])> = (0u32..)
+            .zip(polygons)
+            .flat_map(|(polygon, rings)| rings.iter().map(move |ring| (polygon, ring)))
+            .flat_map(|(polygon, ring)| ring.windows(2).map(move |pair| (polygon, [pair[0], pair[1]])))
+            .collect();
+        let corners = || sides.iter().map(|(_, side)| side[0]);
         let least = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
         let most = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
-        let mut polygon = Self {
+        let mut boundary = Self {
             west_deg: least(0),
             east_deg: most(0),
             south_deg: least(1),
@@ -115,35 +106,38 @@ impl Polygon {
             band_start: Vec::new(),
             in_band: Vec::new(),
         };
-        polygon.sort_into_bands();
-        Ok(polygon)
+        boundary.sort_into_bands()?;
+        Ok(boundary)
     }
 
-    /// As many bands as there are sides, or fewer where sides reach over many.
-    fn sort_into_bands(&mut self) {
-        let spanned = |count: usize| -> usize {
-            self.sides
-                .iter()
-                .map(|side| self.bands_of(side, count))
-                .map(|(first, last)| last - first + 1)
-                .sum()
+    /// Whether a place is inside. Places right on a side may fall either way.
+    pub fn holds(&self, place: GeoPoint) -> bool {
+        let (longitude_deg, latitude_deg) = (place.longitude_deg(), place.latitude_deg());
+        [-360.0, 0.0, 360.0].iter().any(|turn_deg| self.holds_at(longitude_deg + turn_deg, latitude_deg))
+    }
+
+    fn sort_into_bands(&mut self) -> Result<(), BoundaryError> {
+        let count = self.sides.len().clamp(1, MOST_BANDS);
+        let bands = |side: &[Position; 2]| {
+            let [a, b] = side.map(|corner| self.band_at(corner[1], count));
+            a.min(b)..=a.max(b)
         };
-        let mut count = self.sides.len().max(1);
-        while count > 1 && spanned(count) > ENTRIES_PER_SIDE * self.sides.len() {
-            count /= 2;
+        let entries: usize = self.sides.iter().map(|(_, side)| bands(side).count()).sum();
+        let sides = entries / count;
+        if sides > MOST_SIDES_A_BAND {
+            return Err(BoundaryError::TooIntricate { sides });
         }
-        let mut bands: Vec<Vec<u32>> = vec![Vec::new(); count];
-        for (number, side) in self.sides.iter().enumerate() {
-            let (first, last) = self.bands_of(side, count);
-            bands[first..=last].iter_mut().for_each(|band| band.push(number as u32));
+        let mut in_bands: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for (number, (_, side)) in (0u32..).zip(&self.sides) {
+            in_bands[bands(side)].iter_mut().for_each(|band| band.push(number));
         }
-        self.band_start = std::iter::once(0)
-            .chain(bands.iter().scan(0, |end, band| {
-                *end += band.len() as u32;
-                Some(*end)
-            }))
-            .collect();
-        self.in_band = bands.concat();
+        let ends = in_bands.iter().scan(0, |end, band| {
+            *end += band.len() as u32;
+            Some(*end)
+        });
+        self.band_start = std::iter::once(0).chain(ends).collect();
+        self.in_band = in_bands.concat();
+        Ok(())
     }
 
     fn band_at(&self, latitude_deg: f64, count: usize) -> usize {
@@ -151,12 +145,7 @@ impl Polygon {
         ((part * count as f64) as usize).min(count - 1)
     }
 
-    fn bands_of(&self, side: &[Position; 2], count: usize) -> (usize, usize) {
-        let [a, b] = side.map(|corner| self.band_at(corner[1], count));
-        (a.min(b), a.max(b))
-    }
-
-    fn holds(&self, longitude_deg: f64, latitude_deg: f64) -> bool {
+    fn holds_at(&self, longitude_deg: f64, latitude_deg: f64) -> bool {
         let inside = |low: f64, value: f64, high: f64| low <= value && value <= high;
         if !inside(self.west_deg, longitude_deg, self.east_deg)
             || !inside(self.south_deg, latitude_deg, self.north_deg)
@@ -165,12 +154,19 @@ impl Polygon {
         }
         let band = self.band_at(latitude_deg, self.band_start.len() - 1);
         let numbers = self.band_start[band] as usize..self.band_start[band + 1] as usize;
-        let crosses_east = |number: &&u32| {
-            let [a, b] = self.sides[**number as usize];
+        let crosses_east = |side: &[Position; 2]| {
+            let [a, b] = side;
             (a[1] > latitude_deg) != (b[1] > latitude_deg)
                 && longitude_deg < a[0] + (latitude_deg - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
         };
-        self.in_band[numbers].iter().filter(crosses_east).count() % 2 == 1
+        let polygons = self.in_band[numbers].chunk_by(|a, b| self.polygon(*a) == self.polygon(*b));
+        polygons.into_iter().any(|sides| {
+            sides.iter().filter(|number| crosses_east(&self.sides[**number as usize].1)).count() % 2 == 1
+        })
+    }
+
+    fn polygon(&self, side: u32) -> u32 {
+        self.sides[side as usize].0
     }
 }
 
@@ -246,6 +242,16 @@ mod tests {
     }
 
     #[test]
+    fn polygons_that_overlap_do_not_cut_each_other_out() {
+        let (a, b) = (square(7.0, 46.0, 1.0), square(7.5, 46.5, 1.0));
+        let area = boundary(&[&[&a], &[&b]]).unwrap();
+        assert!(holds(&area, 7.75, 46.75) && holds(&area, 7.2, 46.2) && holds(&area, 8.4, 47.4));
+        assert!(!holds(&area, 7.2, 47.2) && !holds(&area, 8.2, 46.2));
+        // As two rings of one polygon they do.
+        assert!(!holds(&boundary(&[&[&a, &b]]).unwrap(), 7.75, 46.75));
+    }
+
+    #[test]
     fn what_bounds_no_area_is_refused_and_said_why() {
         let refused = |polygons: &[&[&[Position]]]| boundary(polygons).unwrap_err();
         assert_eq!(refused(&[]), BoundaryError::Empty);
@@ -258,6 +264,10 @@ mod tests {
         assert!(matches!(refused(&[&[&square(7.0, 89.5, 1.0)]]), BoundaryError::NoPlace { .. }));
         let jump = [[179.0, 0.0], [-179.0, 0.0], [-179.0, 1.0], [179.0, 1.0], [179.0, 0.0]];
         assert_eq!(refused(&[&[&jump]]), BoundaryError::Jump { span_deg: 358.0 });
+        let mut comb: Vec<Position> =
+            (0..20_000).map(|tooth| [7.0 + 1e-4 * f64::from(tooth), 46.0 + f64::from(tooth % 2)]).collect();
+        comb.push(comb[0]);
+        assert!(matches!(refused(&[&[&comb]]), BoundaryError::TooIntricate { sides: 19_000.. }));
         let many = vec![[7.0, 46.0]; MOST_BOUNDARY_CORNERS + 1];
         assert!(matches!(refused(&[&[&many]]), BoundaryError::TooManyCorners { .. }));
     }

@@ -2,9 +2,10 @@
 
 use crate::morton;
 use crate::scene::Scene;
-use gdal::raster::{Buffer, RasterCreationOptions};
+use gdal::raster::{Buffer, RasterBand, RasterCreationOptions};
 use gdal::spatial_ref::SpatialRef;
 use gdal::{DriverManager, Metadata, vsi};
+use std::ffi::CString;
 use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
@@ -31,6 +32,19 @@ pub struct RasterWords<'a> {
     pub unit: &'a str,
     /// Names and texts that go into the file's metadata.
     pub notes: &'a [(&'a str, &'a str)],
+}
+
+/// The unit of a band, which the bindings can read and not write.
+fn set_unit(band: &RasterBand<'_>, unit: &str) -> Result<(), RasterError> {
+    let unit = CString::new(unit).map_err(|error| RasterError(error.to_string()))?;
+    #[expect(unsafe_code, reason = "the safe bindings have no such call")]
+    // SAFETY: the band is open while it is borrowed, and the text ends in 0 and is copied by the callee.
+    let result = unsafe { gdal_sys::GDALSetRasterUnitType(band.c_rasterband(), unit.as_ptr()) };
+    if result == gdal_sys::CPLErr::CE_None {
+        Ok(())
+    } else {
+        Err(RasterError("the unit was refused".to_owned()))
+    }
 }
 
 /// A file in memory, gone when this is.
@@ -85,7 +99,7 @@ impl Scene {
         let mut band = dataset.rasterband(1)?;
         band.set_no_data_value(Some(f64::NAN))?;
         band.set_description(words.description)?;
-        band.set_metadata_item("UNITTYPE", words.unit, "")?;
+        set_unit(&band, words.unit)?;
         // Pixels of a tile are one run of codes.
         let tile_of = |number: u32| self.pixels.codes[number as usize] >> (2 * TILE_SHIFT);
         let mut first = 0;

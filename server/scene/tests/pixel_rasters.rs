@@ -26,7 +26,7 @@ fn read_back(scene: &Scene, bytes: Vec<u8>, name: &str) -> Vec<f32> {
     assert_eq!(dataset.metadata_item("ASSUMPTIONS", "").as_deref(), Some("{\"a\": \"<b>\"}"));
     let band = dataset.rasterband(1).unwrap();
     assert!(band.no_data_value().unwrap().is_nan());
-    assert_eq!(band.description().unwrap(), "what it is");
+    assert_eq!((band.description().unwrap().as_str(), band.unit().as_str()), ("what it is", "cd m-2"));
     let values = band.read_as::<f32>((0, 0), size, size, None).unwrap();
     values.data().to_vec()
 }

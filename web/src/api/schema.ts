@@ -147,7 +147,7 @@ export type InfluenceBody = {
 export type InfluentialPixel = {
   /** Azimuth of the centre from the observer, degrees clockwise from north. */
   azimuth_deg: number;
-  /** Column on the scene's raster, from 0 in the west. */
+  /** Column on the scene's raster, from 0, as its geotransform counts. */
   column: number;
   /** Parts of this pixel and all before it in the list. */
   cumulative_share: number;
@@ -165,7 +165,7 @@ export type InfluentialPixel = {
   radiance_nw_cm2_sr: number;
   /** Place in the list, from 1. */
   rank: number;
-  /** Row, from 0 in the north. */
+  /** Row, the same way. */
   row: number;
   /** Its part of `total`. */
   share: number;
@@ -413,12 +413,16 @@ export type TileJson = {
   minzoom: number;
   /** The layer. */
   name: string;
+  /** What the darkest and the brightest colour stand for, logarithmic between; null where colours are tints. */
+  range?: number[] | null;
   /** `xyz`. */
   scheme: string;
   /** `3.0.0`. */
   tilejson: string;
   /** URL templates with `{z}`, `{x}`, `{y}`. */
   tiles: string[];
+  /** Unit of what the colours stand for. */
+  unit: string;
   /** The scene's version. */
   version: string;
 };
@@ -491,9 +495,9 @@ export interface Gets {
       tolerance?: number;
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
-      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
       region?: string;
       /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
       limit?: number;
@@ -533,9 +537,9 @@ export interface Gets {
       tolerance?: number;
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
-      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
       region?: string;
       /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
       limit?: number;
@@ -575,9 +579,9 @@ export interface Gets {
       tolerance?: number;
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
-      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
       region?: string;
       /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
       limit?: number;
@@ -617,9 +621,9 @@ export interface Gets {
       tolerance?: number;
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
-      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
       region?: string;
       /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
       limit?: number;
@@ -659,9 +663,9 @@ export interface Gets {
       tolerance?: number;
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
-      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
       region?: string;
     };
     answer: Blob;
@@ -1092,14 +1096,14 @@ export interface Gets {
       tolerance?: number;
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
-      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
       region?: string;
     };
     answer: TileJson;
   };
-  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading; `influence` on a logarithmic scale from a ten-thousandth of the most influential pixel to that pixel. Only `influence` takes the parameters below, and needs the place. */
+  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading; `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential pixel; TileJSON says from what to what. Only `influence` takes the parameters below, and needs the place. */
   "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png": {
     path: {
       /** The scene's id */
@@ -1140,9 +1144,9 @@ export interface Gets {
       tolerance?: number;
       /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
       scenario?: string;
-      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
-      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 2000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
       region?: string;
     };
     answer: Blob;

@@ -13,7 +13,7 @@ use skyglow_http::{
     influence_file::encode_influences,
     parameters::InfluenceParameters,
     request::{self, InfluenceAsk},
-    source::{Circumstances, SourceFacts},
+    source::SourceFacts,
 };
 use skyglow_scene::SceneId;
 use std::path::PathBuf;
@@ -66,11 +66,7 @@ impl Influence {
         let ask = self.ask(body.as_deref(), source.facts())?;
         let sky = &ask.query.sky;
         let map = source.influence(&ask.query).map_err(|error| query::failure(&error.of_sky(sky)))?;
-        let circumstances = Circumstances::of_influences(&map);
-        let assumptions = Assumptions {
-            executor: "cpu".to_owned(),
-            ..Assumptions::new(sky, map.scene(), &circumstances, source.facts())
-        };
+        let assumptions = Assumptions::of_influences(&ask.query, &map, source.facts());
         // A raster or a table is not read for them.
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");

@@ -28,9 +28,13 @@ pub(crate) struct CellLine {
 /// mean altitude: pixels stand at their own altitudes.
 ///
 /// * `of_sky`: what all of them are to add up to; None for what comes out. A sky takes the light of a cell at its mean altitude,
-///   and far light by blocks of pixels: it differs from the sum over pixels, each where it is, by some 1e-3 at most of places, and
-///   that much of each is given or taken away.
-pub fn influence_of_pixels(shares: &LightShares, cells: &[CellInfluence], of_sky: Option<f64>) -> Vec<f32> {
+///   and far light by blocks of pixels: it differs from the sum over pixels, each where it is, by 1e-3 or so, and all are
+///   multiplied by the second number, which makes up for that.
+pub fn influence_of_pixels(
+    shares: &LightShares,
+    cells: &[CellInfluence],
+    of_sky: Option<f64>,
+) -> (Vec<f32>, f64) {
     let of_cells = cells.iter().zip(&shares.polar.cells);
     let line = |(of, cell): (&CellInfluence, &PolarCell)| CellLine {
         slope_per_m: of.log_slope_per_m,
@@ -39,21 +43,21 @@ pub fn influence_of_pixels(shares: &LightShares, cells: &[CellInfluence], of_sky
     };
     let lines: Vec<CellLine> = of_cells.map(line).collect();
     let mut influence = vec![0f32; shares.len()];
-    let sum: f64 = influence
+    // Added up in order: the same request is to give the same bits.
+    let sums: Vec<f64> = influence
         .par_chunks_mut(PIXELS_PER_TASK)
         .enumerate()
         .map(|(task, influence)| {
             add_shares(shares, &lines, task * PIXELS_PER_TASK, influence);
             influence.iter().copied().map(f64::from).sum::<f64>()
         })
-        .sum();
-    if let Some(of_sky) = of_sky
-        && sum > 0.0
-    {
-        let scale = (of_sky / sum) as f32;
-        influence.par_chunks_mut(PIXELS_PER_TASK).flatten().for_each(|influence| *influence *= scale);
+        .collect();
+    let sum: f64 = sums.iter().sum();
+    let scale = of_sky.map_or(1.0, |of_sky| if sum > 0.0 { of_sky / sum } else { 1.0 });
+    if scale != 1.0 {
+        influence.par_iter_mut().for_each(|influence| *influence *= scale as f32);
     }
-    influence
+    (influence, scale)
 }
 
 dispatch_wide!(

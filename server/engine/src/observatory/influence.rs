@@ -21,6 +21,11 @@ use std::{
 /// Bytes of light by cells and pixels that are kept for the next map from the same place.
 const KEPT_LIGHT_BYTES: u64 = 256 << 20;
 
+/// How long light around an eye is kept that nobody asks for.
+const KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
+/// Bytes that what is kept takes where there is no light: nothing weighs nothing.
+const BYTES_AT_LEAST: usize = 8 << 10;
+
 /// A measure of the sky that every light has a part in (model, section 7).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
@@ -89,6 +94,9 @@ pub struct InfluenceMap {
     pub basis_error_bound: Option<f64>,
     /// Solid angle of the grid's directions that a region holds, visible ones, sr; None for other measures.
     pub region_sr: Option<f64>,
+    /// What influences were multiplied by to add up to the sky's own value: 1 but for what far light taken by blocks and cells
+    /// at mean altitudes make of it.
+    pub scale: f64,
     /// How long each step took.
     pub steps: Vec<(&'static str, Duration)>,
 }
@@ -127,7 +135,7 @@ impl InfluenceMap {
     /// Bytes that a cache keeps with it; the scene is kept elsewhere.
     pub fn byte_count(&self) -> usize {
         let of_sums = PixelNumbers::BYTES_PER_PIXEL * self.pixels.len();
-        size_of_val(&*self.pixels) + size_of_val(self.influence.as_slice()) + of_sums
+        BYTES_AT_LEAST + size_of_val(&*self.pixels) + size_of_val(self.influence.as_slice()) + of_sums
     }
 }
 
@@ -157,10 +165,17 @@ impl std::fmt::Debug for InfluenceDesk {
 
 impl InfluenceDesk {
     pub(super) fn new() -> Self {
-        let weigh = |_: &SeenKey, seen: &Seen| u32::try_from(seen.lights.byte_count()).unwrap_or(u32::MAX);
+        let weigh = |_: &SeenKey, seen: &Seen| {
+            let of_grid = size_of_val(seen.polar.cells.as_slice());
+            u32::try_from(BYTES_AT_LEAST + of_grid + seen.lights.byte_count()).unwrap_or(u32::MAX)
+        };
         Self {
             solver: OnceLock::new(),
-            seen: Cache::builder().max_capacity(KEPT_LIGHT_BYTES).weigher(weigh).build(),
+            seen: Cache::builder()
+                .max_capacity(KEPT_LIGHT_BYTES)
+                .weigher(weigh)
+                .time_to_idle(KEPT_WHILE_IDLE)
+                .build(),
         }
     }
 
@@ -222,7 +237,7 @@ impl Observatory {
         let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
         let found = solver.cells_in_sky(&of_pixels, &of_sky, of_cells)?;
         step("cells");
-        let mut influence = influence_of_pixels(&lights, &found.cells, found.of_sky);
+        let (mut influence, scale) = influence_of_pixels(&lights, &found.cells, found.of_sky);
         step("pixels");
         if request.measure == Measure::Norm {
             near_norms(solver, &of_sky, &lights, &mut influence)?;
@@ -240,6 +255,7 @@ impl Observatory {
             scene: view.scene,
             pixels: lights.shared_pixels(),
             influence,
+            scale,
             sums: OnceLock::new(),
             steps,
         })

@@ -14,6 +14,9 @@ pub const RING_EDGES_M: [f64; 11] = [
 /// Sectors of azimuth; the first is centred on north.
 pub const SECTOR_COUNT: usize = 8;
 
+/// Pixels that all have the brightest colour of a map.
+const OUTSHINING_COUNT: usize = 32;
+
 /// What some of the lights do together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
@@ -85,9 +88,10 @@ impl InfluenceMap {
         positions
     }
 
-    /// The influence of the most influential pixel; 0 without light.
-    pub fn most_of_one(&self) -> f64 {
-        f64::from(self.influence().iter().copied().fold(0.0, f32::max))
+    /// The influence that a map shows brightest: that of the 32nd most influential pixel, or of the last where there are fewer,
+    /// for the lights right around the observer outshine by far those that make the glow; 0 without light.
+    pub fn brightest_colour(&self) -> f64 {
+        self.most(OUTSHINING_COUNT).last().map_or(0.0, |&position| f64::from(self.influence()[position]))
     }
 
     /// Centre of one of [`Self::pixels`].

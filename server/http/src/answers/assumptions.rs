@@ -1,8 +1,9 @@
 //! What every number of a sky depends on.
 
 use super::{SceneReference, site::ground_warning};
-use crate::source::{Circumstances, EyeHeight, SkyQuery, SourceFacts, rounded};
+use crate::source::{Circumstances, EyeHeight, InfluenceQuery, SkyQuery, SourceFacts, rounded};
 use serde::Serialize;
+use skyglow_engine::{InfluenceMap, Measure};
 use skyglow_physics::{EmissionMix, Lamp, Lobe};
 use skyglow_scene::{Ground, SceneMetadata};
 use utoipa::ToSchema;
@@ -111,6 +112,18 @@ pub struct Assumptions {
 }
 
 impl Assumptions {
+    /// Those of a map of influences, which is always found on the processor.
+    pub fn of_influences(query: &InfluenceQuery, map: &InfluenceMap, facts: &SourceFacts) -> Self {
+        let circumstances = Circumstances::of_influences(map);
+        let mut assumptions = Self::new(&query.sky, map.scene(), &circumstances, facts);
+        assumptions.executor = "cpu".to_owned();
+        if query.measure == Measure::Norm && assumptions.terrain_occlusion {
+            let what = "norms are over the open sky: of what terrain hides they leave out lights and no sky";
+            assumptions.warnings.push(what.to_owned());
+        }
+        assumptions
+    }
+
     /// Those of a sky.
     pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &Circumstances, facts: &SourceFacts) -> Self {
         let kind = facts.kind(query);

@@ -19,9 +19,9 @@ pub struct InfluentialPixel {
     pub latitude_deg: f64,
     /// Centre, degrees east.
     pub longitude_deg: f64,
-    /// Column on the scene's raster, from 0 in the west.
+    /// Column on the scene's raster, from 0, as its geotransform counts.
     pub column: u32,
-    /// Row, from 0 in the north.
+    /// Row, the same way.
     pub row: u32,
     /// Distance of the centre along the ground, metres.
     pub distance_m: f64,
@@ -53,7 +53,8 @@ pub struct PartAnswer {
 }
 
 impl PartAnswer {
-    fn new(part: Part, total: f64) -> Self {
+    /// A part of influences that sum to `total`.
+    pub fn new(part: Part, total: f64) -> Self {
         let Part { influence, flux_dnb_w, pixels } = part;
         Self { influence, share: share(influence, total), flux_dnb_w, pixels }
     }

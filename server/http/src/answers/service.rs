@@ -49,6 +49,10 @@ pub struct TileJson {
     pub version: String,
     /// `xyz`.
     pub scheme: String,
+    /// Unit of what the colours stand for.
+    pub unit: String,
+    /// What the darkest and the brightest colour stand for, logarithmic between; null where colours are tints.
+    pub range: Option<[f64; 2]>,
     /// URL templates with `{z}`, `{x}`, `{y}`.
     pub tiles: Vec<String>,
     /// Lowest zoom level.

@@ -12,7 +12,7 @@ use crate::{
 };
 use serde::Deserialize;
 use skyglow_engine::Measure;
-use skyglow_physics::{Direction, SkyCurve};
+use skyglow_physics::{Direction, PhysicsError, SkyCurve};
 use skyglow_scene::{Boundary, SceneId};
 use std::fmt::Display;
 use utoipa::ToSchema;
@@ -64,7 +64,7 @@ pub fn influence(
     };
     let sky = read_sky(&mut reader, scene, facts);
     let region = read_region(&mut reader, body.region);
-    let measure = read_measure(&mut reader, region);
+    let measure = region.and_then(|region| read_measure(&mut reader, region));
     let limit = reader.integer(&p::LIMIT).map_or(DEFAULT_LIMIT, |limit| limit as usize);
     let boundary = body.boundary.and_then(|body| match boundary(&body) {
         Ok(boundary) => Some(boundary),
@@ -77,12 +77,12 @@ pub fn influence(
             None
         }
     });
-    if boundary.is_some() && format != InfluenceFormat::Json {
+    if boundary.is_some() && !format.has_room_for_sums() {
         let message = format!("means nothing for {}", format.media_type());
         reader.fail_field(FieldError {
             parameter: "boundary".to_owned(),
             value: None,
-            allowed: "nothing here; JSON sums it up".to_owned(),
+            allowed: "nothing here; JSON and GeoJSON sum it up".to_owned(),
             message,
             code: Mistake::UnknownParameter,
         });
@@ -100,37 +100,39 @@ fn body_of(bytes: &[u8], reader: &mut Reader) -> InfluenceBody {
     })
 }
 
-/// The curve of the body, or that of the query.
-fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<SkyCurve> {
+/// The curve of the body, or that of the query; None where one was refused.
+fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Option<SkyCurve>> {
     let text = reader.text(&p::REGION).map(str::to_owned);
-    let corners = match (body, text) {
-        (Some(_), Some(_)) => {
-            let message = Some("is in the body too".to_owned());
-            reader.fail(&p::REGION, Mistake::Conflict, message, Some("one of the two".to_owned()));
-            return None;
-        }
-        (None, None) => return None,
-        (Some(corners), None) => corners,
-        (None, Some(text)) => {
-            let corners: Option<Vec<[f64; 2]>> = text.split(';').map(two_numbers).collect();
-            let Some(corners) = corners else {
-                reader.fail(&p::REGION, Mistake::Malformed, None, None);
-                return None;
-            };
-            corners
-        }
-    };
-    let directions = corners.iter().map(|[azimuth_deg, elevation_deg]| Direction {
-        azimuth_rad: azimuth_deg.to_radians(),
-        elevation_rad: elevation_deg.to_radians(),
-    });
-    match SkyCurve::new(directions.collect()) {
-        Ok(curve) => Some(curve),
+    if body.is_some() && text.is_some() {
+        let message = Some("is in the body too".to_owned());
+        reader.fail(&p::REGION, Mistake::Conflict, message, Some("one of the two".to_owned()));
+        return None;
+    }
+    if let Some(text) = text {
+        let corners: Option<Vec<[f64; 2]>> = text.split(';').map(two_numbers).collect();
+        let refused = match corners.map(curve) {
+            Some(Ok(curve)) => return Some(Some(curve)),
+            Some(Err(error)) => Some(error.to_string()),
+            None => None,
+        };
+        reader.fail(&p::REGION, Mistake::Malformed, refused, None);
+        return None;
+    }
+    match body.map(curve).transpose() {
+        Ok(region) => Some(region),
         Err(error) => {
             reader.fail_body(p::REGION.name, &error, &p::REGION.allowed());
             None
         }
     }
+}
+
+fn curve(corners_deg: Vec<[f64; 2]>) -> Result<SkyCurve, PhysicsError> {
+    let direction = |[azimuth_deg, elevation_deg]: [f64; 2]| Direction {
+        azimuth_rad: azimuth_deg.to_radians(),
+        elevation_rad: elevation_deg.to_radians(),
+    };
+    SkyCurve::new(corners_deg.into_iter().map(direction).collect())
 }
 
 /// `azimuth,elevation`.
@@ -153,11 +155,8 @@ fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure
         (Some("mean"), _) => Measure::Mean,
         (Some("horizontal"), _) => Measure::Horizontal,
         (Some("region"), None) => {
-            // A region that was given and refused is a mistake already.
-            if reader.is_fine() {
-                let message = Some("needs the parameter `region`, or a body with one".to_owned());
-                reader.fail(&p::MEASURE, Mistake::Missing, message, None);
-            }
+            let message = Some("needs the parameter `region`, or a body with one".to_owned());
+            reader.fail(&p::MEASURE, Mistake::Missing, message, None);
             return None;
         }
         _ => Measure::Zenith,
@@ -165,7 +164,7 @@ fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure
 }
 
 impl Reader {
-    /// Notes a mistake in a part of the body, or in what was read from either.
+    /// Notes a mistake in a part of the body.
     fn fail_body(&mut self, name: &str, reason: &impl Display, allowed: &str) {
         self.fail_field(FieldError {
             parameter: name.to_owned(),

@@ -11,7 +11,7 @@ use crate::{
     problem::Problem,
     request::{InfluenceAsk, InfluenceBody, influence, scene_id},
     respond::{Caching, Keep},
-    source::{Circumstances, InfluenceQuery},
+    source::{InfluenceQuery, SkySource},
     state::AppState,
 };
 use axum::{
@@ -45,17 +45,16 @@ impl AskedInfluence {
     /// Finds the influences, or takes those found before.
     ///
     /// # Errors
-    /// As [`AskedSky::render`], and a region without a visible direction.
+    /// As [`AskedSky::render`], a region without a visible direction, and [`ApiError::Busy`] where the scene was ingested again
+    /// meanwhile.
     pub async fn find(&self, state: &AppState) -> Result<Arc<InfluenceMap>, ApiError> {
-        state.influence(&self.key, self.query.clone()).await
-    }
-
-    /// What the numbers depend on. They are always found on the processor.
-    fn assumptions(&self, state: &AppState, map: &InfluenceMap) -> Assumptions {
-        let facts = state.source.facts();
-        let circumstances = Circumstances::of_influences(map);
-        let assumptions = Assumptions::new(&self.sky.query, &self.sky.scene, &circumstances, facts);
-        Assumptions { executor: "cpu".to_owned(), ..assumptions }
+        let map = state.influence(&self.key, self.query.clone()).await?;
+        if map.scene().version != self.sky.scene.version {
+            // The key is that of the scene before.
+            state.forget_influence(&self.key).await;
+            return Err(ApiError::Busy { retry_after_s: 1 });
+        }
+        Ok(map)
     }
 }
 
@@ -89,7 +88,7 @@ macro_rules! formats {
             answer(state, &scene, query.as_deref(), None, &headers, $format).await
         }
 
-        #[doc = concat!($doc, " A body may give the region, and a boundary whose part is summed up in JSON.")]
+        #[doc = concat!($doc, " A body may give the region, and a boundary whose part is summed up in JSON and GeoJSON.")]
         #[utoipa::path(
             post,
             path = concat!("/api/v1/scenes/{scene}/influence", $end),
@@ -97,7 +96,10 @@ macro_rules! formats {
             params(("scene" = String, Path, description = "The scene's id"), $parameters),
             request_body = InfluenceBody,
             responses(
-                (status = 200, description = "The influences", body = $body, content_type = $media_type),
+                (status = 200, description = "The influences", body = $body, content_type = $media_type, headers(
+                    ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
+                    ("server-timing" = String, description = "Milliseconds that each step of finding the map took, when it was found"),
+                )),
                 (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
                 (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
                 (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
@@ -113,7 +115,7 @@ macro_rules! formats {
             headers: HeaderMap,
             body: Bytes,
         ) -> Result<Response<Body>, ApiError> {
-            answer(state, &scene, query.as_deref(), Some(&body), &headers, $format).await
+            answer(state, &scene, query.as_deref(), Some(body), &headers, $format).await
         }
     )*};
 }
@@ -136,7 +138,7 @@ async fn answer(
     state: AppState,
     scene: &str,
     query: Option<&str>,
-    body: Option<&[u8]>,
+    body: Option<Bytes>,
     headers: &HeaderMap,
     format: Option<InfluenceFormat>,
 ) -> Result<Response<Body>, ApiError> {
@@ -147,18 +149,22 @@ async fn answer(
         preferred.ok_or(ApiError::NotAcceptable { offered: INFLUENCES_OFFERED })
     };
     let format = format.map_or_else(accepted, Ok)?;
-    let ask = influence(query, body, scene_id(scene)?, state.source.facts(), format)?;
+    let (id, text) = (scene_id(scene)?, query.map(str::to_owned));
+    let body_tag = body.as_ref().map(|body| ETag::of_bytes(body).header());
+    let is_get = body.is_none();
+    // A body may be megabytes.
+    let read =
+        move |source: &dyn SkySource| influence(text.as_deref(), body.as_deref(), id, source.facts(), format);
+    let ask = if is_get { read(state.source.as_ref())? } else { state.blocking(read).await? };
     let asked = AskedInfluence::prepare(&state, ask.query.clone()).await?;
-    let listed = format.is_list().then_some((ask.limit, &ask.boundary));
-    let etag = ETag::of(&[&asked.key, format.extension(), &format!("{listed:?}")]);
+    let listed = format.is_list().then_some(ask.limit);
+    let etag = ETag::of(&[&asked.key, format.extension(), &format!("{listed:?} {body_tag:?}")]);
     let caching = Caching { etag, keep: Keep::Minutes, vary };
-    if body.is_none()
-        && let Some(response) = caching.not_modified(headers)
-    {
+    if is_get && let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
     let map = asked.find(&state).await?;
-    let assumptions = asked.assumptions(&state, &map);
+    let assumptions = Assumptions::of_influences(&ask.query, &map, state.source.facts());
     let warnings = assumptions.warnings.clone();
     let times = server_timing(&map);
     let bytes = encoded(&state, assumptions, map, ask, format).await?;

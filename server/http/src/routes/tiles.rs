@@ -23,7 +23,9 @@ use axum::{
 use skyglow_display::{
     Notes,
     notes::ILLUSTRATIVE,
-    tile::{INFLUENCE_SPAN, elevation_tile_png, influence_tile_png, radiance_tile_png},
+    tile::{
+        INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, elevation_tile_png, influence_tile_png, radiance_tile_png,
+    },
 };
 use skyglow_engine::Measure;
 use skyglow_scene::{SceneId, SceneMetadata, TileLayer};
@@ -64,8 +66,8 @@ fn layer(name: &str) -> Result<Layer, ApiError> {
 type Address = (u8, u32, u32);
 
 /// A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with
-/// hypsometric tints and shading; `influence` on a logarithmic scale from a ten-thousandth of the most influential pixel to that
-/// pixel. Only `influence` takes the parameters below, and needs the place.
+/// hypsometric tints and shading; `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
+/// pixel; TileJSON says from what to what. Only `influence` takes the parameters below, and needs the place.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png",
@@ -161,7 +163,7 @@ async fn influence_tile(
         .heavy(move |_| {
             let tile =
                 map.tile(address, TILE_PX).map_err(|error| ApiError::from(SourceError::from(error)))?;
-            influence_tile_png(&tile.values, &tile.has_data, TILE_PX, map.most_of_one(), &notes)
+            influence_tile_png(&tile.values, &tile.has_data, TILE_PX, map.brightest_colour(), &notes)
                 .map_err(ApiError::internal)
         })
         .await?;
@@ -201,7 +203,9 @@ fn pixel_m(z: u8, y: u32) -> f64 {
         (status = 200, description = "The description", body = TileJson),
         (status = 304, description = "The client has this answer already"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene or layer", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene or layer, or the place lies outside the scene", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_tilejson(
@@ -221,9 +225,9 @@ pub async fn get_tilejson(
             let facts = state.source.facts();
             let ask = influence(query.as_deref(), None, id.clone(), facts, InfluenceFormat::Tiff)?;
             let measure = ask.query.measure.clone();
-            // A place outside the scene is refused here and not by every tile.
-            AskedInfluence::prepare(&state, ask.query).await?;
-            Shown::Influence(measure, query.unwrap_or_default())
+            // What is wrong is said here and not by every tile, and the tiles have their map.
+            let map = AskedInfluence::prepare(&state, ask.query).await?.find(&state).await?;
+            Shown::Influence { measure, query: query.unwrap_or_default(), most: map.brightest_colour() }
         }
     };
     let scene = state.blocking(move |source| Ok(source.scene(&id)?)).await?;
@@ -280,8 +284,8 @@ fn description(layer: TileLayer, illustrative: bool) -> String {
 /// What is said of a layer of influences.
 fn influence_description(measure: &Measure, illustrative: bool) -> String {
     let shows = format!(
-        "Influence of the lights on the sky of a place ({}), 1/{INFLUENCE_SPAN:.0} of the most influential pixel to all of it on \
-         a logarithmic scale; less is transparent",
+        "Influence of each pixel's light on the sky of a place ({}), from 1/{INFLUENCE_SPAN:.0} of the 32nd most influential pixel \
+         to that on a logarithmic scale; less is transparent",
         measure_name(measure)
     );
     if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows }
@@ -290,8 +294,12 @@ fn influence_description(measure: &Measure, illustrative: bool) -> String {
 /// A layer with what its tiles must be asked with.
 enum Shown {
     Scene(TileLayer),
-    /// The measure, and the query as it came.
-    Influence(Measure, String),
+    /// The query as it came, and the influence that is shown brightest.
+    Influence {
+        measure: Measure,
+        query: String,
+        most: f64,
+    },
 }
 
 fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> TileJson {
@@ -302,10 +310,17 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     let finest = (PIXEL_0_M / scene.pixel_size_m.max(1.0)).log2().ceil().clamp(4.0, 16.0);
     // Terrain is usually finer than the lights.
     let maxzoom = finest as u8 + if matches!(shown, Shown::Scene(TileLayer::Elevation)) { 2 } else { 0 };
-    let (description, query) = match shown {
-        Shown::Scene(layer) => (description(*layer, scene.illustrative), String::new()),
-        Shown::Influence(measure, query) => {
-            (influence_description(measure, scene.illustrative), format!("?{query}"))
+    let illustrative = scene.illustrative;
+    let (description, query, unit, range) = match shown {
+        Shown::Scene(TileLayer::Radiance) => {
+            let (darkest, brightest) = RADIANCE_RANGE_NW_CM2_SR;
+            let range = Some([darkest, brightest]);
+            (description(TileLayer::Radiance, illustrative), String::new(), "nW cm-2 sr-1", range)
+        }
+        Shown::Scene(layer) => (description(*layer, illustrative), String::new(), "m", None),
+        Shown::Influence { measure, query, most } => {
+            let range = Some([most / INFLUENCE_SPAN, *most]);
+            (influence_description(measure, illustrative), format!("?{query}"), measure.unit(), range)
         }
     };
     TileJson {
@@ -315,6 +330,8 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
         attribution: scene.attribution.clone(),
         version: "1.0.0".to_owned(),
         scheme: "xyz".to_owned(),
+        unit: unit.to_owned(),
+        range,
         tiles: vec![format!("{base}/api/v1/scenes/{}/tiles/{name}/{{z}}/{{x}}/{{y}}.png{query}", scene.id)],
         minzoom: 0,
         maxzoom,

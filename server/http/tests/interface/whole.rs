@@ -212,7 +212,7 @@ async fn influences_come_as_files_and_tiles(whole: &Whole, place: &str, (lat, lo
     let lines: Vec<&str> = list.lines().collect();
     assert_eq!(lines.len(), 4);
     assert!(
-        lines[0].starts_with("rank,latitude_deg,") && lines[0].contains(",influence_cd_m_2,"),
+        lines[0].starts_with("rank,latitude_deg,") && lines[0].contains(",influence_cd_m2,"),
         "{}",
         lines[0]
     );
@@ -246,6 +246,23 @@ async fn influences_come_as_files_and_tiles(whole: &Whole, place: &str, (lat, lo
     let tile = image::load_from_memory(&answer.bytes().await.unwrap()).unwrap().into_rgba8();
     let shown = tile.pixels().filter(|pixel| pixel.0[3] > 0).count();
     assert!(shown > 0 && shown < tile.pixels().count(), "{shown}");
+    assert!(tilejson["range"][1].as_f64().unwrap() > 0.0 && tilejson["unit"] == "cd m-2");
+    let found = async || {
+        let metrics = whole.get("/metrics").await.text().await.unwrap();
+        let line = metrics.lines().find(|line| line.starts_with("skyglow_influence_maps_total ")).unwrap();
+        line.split(' ').nth(1).unwrap().parse::<u32>().unwrap()
+    };
+    let before = found().await;
+    for (zoom, x, y) in [(7, 66, 45), (8, 133, 91), (9, 267, 182), (2, 2, 1)] {
+        let path = format!("/api/v1/scenes/demo/tiles/influence/{zoom}/{x}/{y}.png?{query}");
+        assert_eq!(whole.get(&path).await.status(), 200);
+    }
+    assert_eq!(found().await, before, "tiles of one map are cut from one computation");
+    assert_eq!(
+        whole.get(&format!("/api/v1/scenes/demo/influence.csv?{query}&turbidity=2.7")).await.status(),
+        200
+    );
+    assert_eq!(found().await, before + 1);
     let (status, problem) = whole.json("/api/v1/scenes/demo/tiles/influence/tilejson.json").await;
     assert_eq!((status, &problem["errors"][0]["parameter"]), (400, &json!("lat")));
     let (status, _) = whole.json(&format!("/api/v1/scenes/demo/tiles/radiance/tilejson.json?{place}")).await;
@@ -300,6 +317,30 @@ async fn bodies_are_answered_or_refused(whole: &Whole, place: &str, sky: &Value)
             (status, &json!(parameter)),
             "{name}: {problem}"
         );
+    }
+    // Whatever is odd and allowed is answered.
+    let corners = |corners: &[(f64, f64)]| {
+        let text: Vec<String> =
+            corners.iter().map(|(azimuth, elevation)| format!("{azimuth},{elevation}")).collect();
+        text.join(";")
+    };
+    for (query, statuses) in [
+        (format!("region={}", corners(&[(0.0, 0.0), (120.0, 0.0), (240.0, 0.0)])), [200, 400]),
+        (format!("region={}", corners(&[(0.0, 90.0), (0.0, 0.0), (1e6, 45.0)])), [200, 400]),
+        (
+            format!("region={}", corners(&[(-1e9, 89.0), (90.0, 89.0), (200.0, 89.0), (300.0, 0.0)])),
+            [200, 400],
+        ),
+        ("limit=0".to_owned(), [200, 200]),
+        ("limit=10000&measure=norm&turbidity=3.9".to_owned(), [200, 200]),
+        ("measure=norm&lamp=0,0,1".to_owned(), [200, 200]),
+        ("emission=0,1,0&altitude=5900&measure=mean".to_owned(), [200, 200]),
+        ("tolerance=0.3&terrain=off&scattering=single".to_owned(), [200, 200]),
+    ] {
+        let (status, answer) = whole.json(&format!("/api/v1/scenes/demo/influence?{place}&{query}")).await;
+        assert!(statuses.contains(&status), "{query}: {answer}");
+        let is_whole = answer["total"].as_f64().is_some_and(|total| total.is_finite() && total > 0.0);
+        assert!(status != 200 || is_whole, "{query}: {}", answer["total"]);
     }
     for (name, body) in [("10^6 corners", ring(&vertices(1_000_000))), ("100 MB", " ".repeat(100 << 20))] {
         let request = whole.client.post(format!("{}/api/v1/scenes/demo/influence?{place}", whole.base));
