@@ -231,6 +231,6 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 7);
+        assert_eq!(compared, 8);
     }
 }
