@@ -34,6 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lamp = LampPreset::Mixed.lamp();
     let sky = SkyRequest {
         scene: id.clone(),
+        scenario: None,
         place,
         observer_height: ObserverHeight::AboveGround(2.0),
         turbidity,

@@ -3,6 +3,7 @@
 use crate::{failure::Failure, folders, program, query, settings::Device};
 use clap::{Args, builder::BoolishValueParser};
 use skyglow_http::{SkySource, source::SourceFacts};
+use skyglow_scene::ChangeLimits;
 use std::{path::PathBuf, sync::Arc};
 
 /// Where the scenes are.
@@ -68,6 +69,7 @@ impl ProgramFlags {
 
     /// Scenes, packs and engine, ready to answer.
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
-        program::open(&self.data.folder(), &self.packs.folder(), self.device.unwrap_or_default())
+        let device = self.device.unwrap_or_default();
+        program::open(&self.data.folder(), &self.packs.folder(), device, ChangeLimits::none())
     }
 }

@@ -97,6 +97,8 @@ mod tests {
                 "panorama",
                 "sky",
                 "influence",
+                "plan",
+                "scenario",
                 "reference",
                 "bench",
                 "config"

@@ -7,15 +7,22 @@ use crate::{
 };
 use skyglow_engine::{Engine, EngineConfig, Observatory, observatory, resident_tables};
 use skyglow_http::SkySource;
-use skyglow_scene::{SceneStore, create_demo, demo_is_wanted};
+use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
 use skyglow_tables::packs_in;
 use std::{path::Path, sync::Arc};
 
 /// An engine over the packs of a folder, before the scenes of another.
 ///
+/// * `limits`: what is kept of scenarios and plans.
+///
 /// # Errors
 /// [`Failure::Work`] where there are no packs, one is refused, or there is no such device.
-pub(crate) fn open(data: &Path, packs: &Path, device: Device) -> Result<Arc<dyn SkySource>, Failure> {
+pub(crate) fn open(
+    data: &Path,
+    packs: &Path,
+    device: Device,
+    limits: ChangeLimits,
+) -> Result<Arc<dyn SkySource>, Failure> {
     let paths = packs_in(packs).map_err(Failure::work)?;
     if paths.is_empty() {
         return Err(Failure::Work(format!(
@@ -26,7 +33,8 @@ pub(crate) fn open(data: &Path, packs: &Path, device: Device) -> Result<Arc<dyn 
     let (tables, manifests) = resident_tables(&paths).map_err(Failure::work)?;
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
-    let observatory = Observatory::new(engine, manifests, data, observatory::OPEN_SCENE_COUNT);
+    let observatory =
+        Observatory::with_limits(engine, manifests, data, observatory::OPEN_SCENE_COUNT, limits);
     Ok(Arc::new(skyglow_http::ObservatorySource::new(Arc::new(observatory))))
 }
 

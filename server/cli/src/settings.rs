@@ -7,9 +7,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skyglow_engine::DeviceChoice;
 use skyglow_http::HttpConfig;
+use skyglow_scene::ChangeLimits;
 use std::{
     net::{Ipv4Addr, SocketAddr},
     path::{Path, PathBuf},
+    time::Duration,
 };
 use toml::Table;
 
@@ -85,6 +87,15 @@ pub(crate) struct Layer {
     /// Bytes of maps of influences that are kept for the next request and for map tiles [default: 268435456]
     #[arg(long, env = "SKYGLOW_INFLUENCE_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) influence_cache_bytes: Option<u64>,
+    /// Scenarios and as many plans that are kept; the oldest go first [default: 1000]
+    #[arg(long, env = "SKYGLOW_KEPT_PLANS", value_name = "N", help_heading = "Limits")]
+    pub(crate) kept_plans: Option<usize>,
+    /// Bytes on disk of scenarios, and as many of plans, that are kept [default: 1073741824]
+    #[arg(long, env = "SKYGLOW_KEPT_PLANS_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) kept_plans_bytes: Option<u64>,
+    /// Days that scenarios and plans are kept [default: 90]
+    #[arg(long, env = "SKYGLOW_KEPT_PLANS_DAYS", value_name = "DAYS", help_heading = "Limits")]
+    pub(crate) kept_plans_days: Option<u32>,
     /// Where clients reach the server, for links in answers [default: as the request's Host header says]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,
@@ -103,6 +114,12 @@ pub(crate) struct Settings {
     pub(crate) device: Device,
     /// Whether to do without the demo scene.
     pub(crate) no_demo: bool,
+    /// Scenarios and as many plans that are kept.
+    pub(crate) kept_plans: usize,
+    /// Bytes on disk of each.
+    pub(crate) kept_plans_bytes: u64,
+    /// Days that they are kept.
+    pub(crate) kept_plans_days: u32,
     /// Limits of the interface.
     #[serde(flatten)]
     pub(crate) http: HttpConfig,
@@ -116,7 +133,21 @@ impl Default for Settings {
             packs: folders::default_packs_folder(),
             device: Device::default(),
             no_demo: false,
+            kept_plans: 1000,
+            kept_plans_bytes: 1 << 30,
+            kept_plans_days: 90,
             http: HttpConfig::default(),
+        }
+    }
+}
+
+impl Settings {
+    /// What is kept of scenarios and plans.
+    pub(crate) fn change_limits(&self) -> ChangeLimits {
+        ChangeLimits {
+            count: self.kept_plans.max(1),
+            bytes: self.kept_plans_bytes,
+            age: Duration::from_secs(86_400 * u64::from(self.kept_plans_days)),
         }
     }
 }
@@ -231,6 +262,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 8);
+        assert_eq!(compared, 11);
+        assert_eq!(Settings::default().change_limits(), ChangeLimits::default());
     }
 }

@@ -378,3 +378,61 @@ fn the_command_line_writes_the_influences_of_the_api() {
     write(&file("influence.xlsx"), &[]).expect_status(2);
     assert!(!file("none.json").exists());
 }
+
+#[test]
+fn scenarios_and_plans_of_the_command_line_are_those_of_the_api() {
+    let server = server();
+    let ground = Ground::get();
+    let (data, packs) = (ground.data(), ground.packs());
+    let file = |name: &str| ground.folder.join(name);
+    let changes = file("changes.json");
+    std::fs::write(
+        &changes,
+        r#"{"title": "amber", "edits": [{"brush": {"points": [[8.79, 46.17]], "radius_m": 6000}, "lamp": "pc_amber"}]}"#,
+    )
+    .unwrap();
+    let painted = ["scenario", "--scene", "demo", "--changes", text(&changes), "--data", text(&data)];
+    let painted = skyglow(&painted).expect_status(0).json();
+    let id = painted["id"].as_str().unwrap();
+    assert!(number(&painted, "changed_pixels") > 0.0);
+    // The server finds it, and every query of the command line takes it.
+    let answered = server.get(&format!("/api/v1/scenarios/{id}"));
+    assert_eq!((answered.status, answered.json()["edits"].clone()), (200, painted["edits"].clone()));
+    let engine = ["--data", text(&data), "--packs", text(&packs), "--device", "lavapipe"];
+    let place = ["--scene", "demo", "--lat", "46.17", "--lon", "8.79"];
+    let sky = |more: &[&str]| {
+        skyglow(&[&["sky", "--json"], &place[..], &engine[..], more].concat()).expect_status(0).json()
+    };
+    let (amber, mixed) = (sky(&["--scenario", id]), sky(&[]));
+    let blue = |sky: &Value| sky["sky"]["zenith_radiance_w_m2_sr"][2].as_f64().unwrap();
+    assert!(blue(&amber) < 0.7 * blue(&mixed), "{} {}", blue(&amber), blue(&mixed));
+    assert_eq!(amber["scenario"], painted["id"]);
+
+    let request = file("request.json");
+    std::fs::write(
+        &request,
+        r#"{"method": "target", "sites": [{"lat": 46.3, "lon": 8.79, "reduce_by": 0.25}], "max_cut": 0.8}"#,
+    )
+    .unwrap();
+    let write = |output: &std::path::Path, request: &std::path::Path| {
+        let what =
+            ["plan", "--scene", "demo", "--request", text(request), "--scenario", id, "-o", text(output)];
+        skyglow(&[&what[..], &engine[..]].concat())
+    };
+    let mut plan = String::new();
+    for end in ["json", "tif", "geojson", "csv"] {
+        let output = file(&format!("plan.{end}"));
+        plan = write(&output, &request).expect_status(0).stdout.trim().to_owned();
+        let answered = server.get(&format!("/api/v1/plans/{plan}.{end}"));
+        assert_eq!(answered.status, 200);
+        assert!(std::fs::read(&output).unwrap() == answered.body, "{end}");
+    }
+    let written: Value = serde_json::from_slice(&std::fs::read(file("plan.json")).unwrap()).unwrap();
+    assert!((number(&written["sites"][0], "reduced_by") - 0.25).abs() < 1e-3);
+    assert_eq!(written["id"], plan.as_str());
+    std::fs::write(&request, r#"{"method": "target"}"#).unwrap();
+    let refused = write(&file("none.json"), &request).expect_status(2);
+    assert!(refused.stderr.contains("sites"), "{}", refused.stderr);
+    let refused = skyglow(&[&["sky", "--scenario", "s-0"], &place[..], &engine[..]].concat());
+    assert!(refused.expect_status(2).stderr.contains("scenario"), "an id that is none");
+}

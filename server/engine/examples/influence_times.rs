@@ -53,6 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let request = InfluenceRequest {
                     sky: SkyRequest {
                         scene: common::town(),
+                        scenario: None,
                         place: GeoPoint::from_deg(0.003 + place + 0.01 * turbidity, 37.002)?,
                         observer_height: ObserverHeight::AboveGround(2.0),
                         turbidity: Turbidity::new(turbidity)?,

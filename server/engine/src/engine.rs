@@ -151,6 +151,28 @@ impl Engine {
         self.submit(&request)?.blocking_recv().unwrap_or(Err(EngineError::Stopped))
     }
 
+    /// Renders parts of one sky, in a batch if they fit, and adds them up.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub async fn render_together(&self, parts: &[RenderRequest]) -> Result<Rendered, EngineError> {
+        let waiting: Vec<_> = parts.iter().map(|part| self.submit(part)).collect::<Result<_, _>>()?;
+        let mut sky: Option<Rendered> = None;
+        for part in waiting {
+            let part = part.await.unwrap_or(Err(EngineError::Stopped))?;
+            sky = Some(sky.map_or_else(|| part.clone(), |sky| sky.with(&part)));
+        }
+        Ok(sky.unwrap_or_else(|| worker::dark_sky(self.info.executor)))
+    }
+
+    /// [`Self::render_together`] for threads outside an asynchronous runtime. Panics inside one.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn render_together_blocking(&self, parts: &[RenderRequest]) -> Result<Rendered, EngineError> {
+        pollster::block_on(self.render_together(parts))
+    }
+
     /// Destroys the device under the engine, which must come back by itself: for drills.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use crate::packs::PackKind;
 use skyglow_physics::BAND_COUNT;
-use skyglow_scene::SceneError;
+use skyglow_scene::{ChangeError, ChangeStoreError, SceneError};
 use skyglow_tables::TablesError;
 use thiserror::Error;
 
@@ -142,6 +142,18 @@ pub enum EngineError {
     /// A scene that is not there or cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A plan that cannot be meant.
+    #[error("the plan cannot be made: {reason}")]
+    BadPlan {
+        /// Why.
+        reason: String,
+    },
+    /// Changes that cannot be made to a scene.
+    #[error(transparent)]
+    Change(#[from] ChangeError),
+    /// A scenario or plan that is not there or cannot be read or kept.
+    #[error(transparent)]
+    ChangeStore(#[from] ChangeStoreError),
     /// A pack that is not there or was refused.
     #[error(transparent)]
     Tables(#[from] TablesError),

@@ -18,6 +18,7 @@ pub mod observatory;
 pub mod packs;
 pub mod plan;
 pub mod prepare;
+pub mod reduction;
 pub mod reference;
 pub mod request;
 mod ring_axis;
@@ -35,8 +36,9 @@ pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
 pub use observatory::{
-    InfluenceMap, InfluenceRequest, Measure, Observatory, Observer, ObserverHeight, Part, RING_EDGES_M,
-    SECTOR_COUNT, SiteAnswer, SkyAnswer, SkyRequest,
+    DimmedPixel, InfluenceMap, InfluenceRequest, Level, Limit, Measure, Observatory, Observer,
+    ObserverHeight, Part, PlanMethod, PlanOutcome, PlanRequest, RING_EDGES_M, SECTOR_COUNT, SiteAnswer,
+    SiteOutcome, SitePlan, SkyAnswer, SkyRequest, SkyState, TargetSite, keep_scenario,
 };
 pub use packs::{PackKind, ResidentKind, resident_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};

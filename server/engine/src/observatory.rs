@@ -1,30 +1,30 @@
 //! From a place in a scene to its sky: the layer that the command line and the HTTP interface share.
 
+mod change;
 mod influence;
 mod influence_summary;
+mod plan;
+mod view;
 
+pub use change::keep_scenario;
 pub use influence::{InfluenceMap, InfluenceRequest, Measure};
 pub use influence_summary::{Part, RING_EDGES_M, SECTOR_COUNT};
+pub use plan::{
+    DimmedPixel, Level, Limit, PlanMethod, PlanOutcome, PlanRequest, SiteOutcome, SitePlan, SkyState,
+    TargetSite,
+};
 
-use self::influence::InfluenceDesk;
+use self::{influence::InfluenceDesk, view::View};
 use crate::{
-    engine::Engine,
-    error::EngineError,
-    packs::PackKind,
-    request::{RenderRequest, Rendered},
-    scene_shelf::SceneShelf,
-    truncation::BasisChooser,
+    engine::Engine, error::EngineError, packs::PackKind, request::Rendered, scene_shelf::SceneShelf,
 };
-use skyglow_physics::{
-    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, SkyCover, SkyQuantities, Turbidity,
+use skyglow_physics::{BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, SkyQuantities, Turbidity};
+use skyglow_scene::{
+    ChangeId, ChangeLimits, ChangeStore, Ground, RasterTile, Scene, SceneId, SceneMetadata, SceneStore,
+    TileLayer,
 };
-use skyglow_scene::{Ground, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer};
 use skyglow_tables::{Manifest, Scattering};
-use std::{
-    path::Path,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{path::Path, sync::Arc, time::Duration};
 
 /// Scenes that an observatory keeps open unless told otherwise.
 pub const OPEN_SCENE_COUNT: usize = 8;
@@ -52,6 +52,8 @@ pub enum ObserverHeight {
 pub struct SkyRequest {
     /// The scene.
     pub scene: SceneId,
+    /// The scenario or plan that changes its lights; None for the scene as it is.
+    pub scenario: Option<ChangeId>,
     /// The place, in the scene.
     pub place: GeoPoint,
     /// Where the eye is.
@@ -144,7 +146,19 @@ pub struct SkyAnswer {
 impl Observatory {
     /// Puts an engine before the scenes of a data folder; `manifests` are those of the engine's packs.
     pub fn new(engine: Engine, manifests: Vec<Manifest>, data_dir: &Path, open_scene_count: usize) -> Self {
-        let shelf = Arc::new(SceneShelf::new(SceneStore::new(data_dir), open_scene_count));
+        Self::with_limits(engine, manifests, data_dir, open_scene_count, ChangeLimits::default())
+    }
+
+    /// The same with other limits for the scenarios and plans that are kept.
+    pub fn with_limits(
+        engine: Engine,
+        manifests: Vec<Manifest>,
+        data_dir: &Path,
+        open_scene_count: usize,
+        limits: ChangeLimits,
+    ) -> Self {
+        let (scenes, changes) = (SceneStore::new(data_dir), ChangeStore::new(data_dir, limits));
+        let shelf = Arc::new(SceneShelf::new(scenes, changes, open_scene_count));
         Self { engine, shelf, manifests, influences: InfluenceDesk::new() }
     }
 
@@ -188,12 +202,29 @@ impl Observatory {
         self.shelf.scene(id)
     }
 
+    /// The same with the changes of a scenario or plan.
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`], [`EngineError::ChangeStore`], [`EngineError::Change`].
+    pub fn changed_scene(
+        &self,
+        id: &SceneId,
+        scenario: Option<&ChangeId>,
+    ) -> Result<Arc<Scene>, EngineError> {
+        self.shelf.changed_scene(id, scenario)
+    }
+
     /// What is at a place. May read files.
     ///
     /// # Errors
-    /// [`EngineError::Scene`], [`EngineError::OutsideScene`].
-    pub fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteAnswer, EngineError> {
-        let scene = scene_around(&self.shelf, id, place)?;
+    /// As [`Self::changed_scene`], and [`EngineError::OutsideScene`].
+    pub fn site(
+        &self,
+        id: &SceneId,
+        scenario: Option<&ChangeId>,
+        place: GeoPoint,
+    ) -> Result<SiteAnswer, EngineError> {
+        let scene = scene_around(&self.shelf, id, scenario, place)?;
         Ok(SiteAnswer {
             scene: scene.metadata().clone(),
             ground: scene.ground(place),
@@ -204,15 +235,16 @@ impl Observatory {
     /// Numbers of a map tile. May read files.
     ///
     /// # Errors
-    /// [`EngineError::Scene`].
+    /// As [`Self::changed_scene`].
     pub fn tile(
         &self,
         id: &SceneId,
+        scenario: Option<&ChangeId>,
         layer: TileLayer,
         (z, x, y): (u8, u32, u32),
         size_px: u32,
     ) -> Result<RasterTile, EngineError> {
-        Ok(self.shelf.scene(id)?.tile(layer, z, x, y, size_px)?)
+        Ok(self.shelf.changed_scene(id, scenario)?.tile(layer, z, x, y, size_px)?)
     }
 
     /// Renders a sky; file reading and gathering of light happen on tokio's blocking threads.
@@ -225,12 +257,12 @@ impl Observatory {
         let basis = self.engine.basis_chooser();
         let prepare = move || {
             let view = View::of(&shelf, &wanted, hides_lights)?;
-            let to_render = view.render_request(&wanted, &basis)?;
+            let to_render = view.render_requests(&wanted, &basis)?;
             Ok::<_, EngineError>((view, to_render))
         };
         let (view, (to_render, bound)) =
             tokio::task::spawn_blocking(prepare).await.map_err(|_| EngineError::Stopped)??;
-        let rendered = self.engine.render(to_render).await?;
+        let rendered = self.engine.render_together(&to_render).await?;
         Ok(view.answer(&request, rendered, bound))
     }
 
@@ -240,8 +272,13 @@ impl Observatory {
     /// As [`Self::sky`].
     pub fn sky_blocking(&self, request: &SkyRequest) -> Result<SkyAnswer, EngineError> {
         let view = View::of(&self.shelf, request, self.hides_lights(request.kind()))?;
-        let (to_render, bound) = view.render_request(request, &self.engine.basis_chooser())?;
-        let rendered = self.engine.render_blocking(to_render)?;
+        self.render_view(view, request)
+    }
+
+    /// The sky of a view.
+    fn render_view(&self, view: View, request: &SkyRequest) -> Result<SkyAnswer, EngineError> {
+        let (to_render, bound) = view.render_requests(request, &self.engine.basis_chooser())?;
+        let rendered = self.engine.render_together_blocking(&to_render)?;
         Ok(view.answer(request, rendered, bound))
     }
 
@@ -252,104 +289,13 @@ impl Observatory {
     }
 }
 
-/// What a scene says of a place.
-struct View {
-    scene: Arc<Scene>,
-    polar: Arc<PolarGrid>,
-    observer: Observer,
-    /// None where nothing hides, and nothing is computed for it.
-    horizon: Option<(Horizon, Duration)>,
-}
-
-impl View {
-    /// `hides_lights`: whether the packs know skylines; else no light is put behind one.
-    fn of(shelf: &SceneShelf, request: &SkyRequest, hides_lights: bool) -> Result<Self, EngineError> {
-        let scene = scene_around(shelf, &request.scene, request.place)?;
-        Ok(Self::in_scene(scene, request, hides_lights))
-    }
-
-    fn in_scene(scene: Arc<Scene>, request: &SkyRequest, hides_lights: bool) -> Self {
-        let place = request.place;
-        let ground = scene.ground(place);
-        let altitude_m = match request.observer_height {
-            ObserverHeight::AboveGround(height_m) => ground.altitude_m() + height_m,
-            ObserverHeight::AboveSea(altitude_m) => altitude_m,
-        };
-        let observer = Observer {
-            latitude_deg: place.latitude_deg(),
-            longitude_deg: place.longitude_deg(),
-            // Below sea level counts as sea level; what is no number stays so and is refused.
-            altitude_m: if altitude_m < 0.0 { 0.0 } else { altitude_m },
-            ground,
-        };
-        let polar = Arc::new(scene.polar_grid(place, request.terrain_hides && hides_lights));
-        let horizon = (request.terrain_hides && scene.metadata().terrain).then(|| {
-            let start = Instant::now();
-            (scene.horizon(place, observer.altitude_m), start.elapsed())
-        });
-        Self { scene, polar, observer, horizon }
-    }
-
-    /// What is to be rendered; with a tolerance, the fewest functions that it allows, and the bound of what they miss.
-    fn render_request(
-        &self,
-        request: &SkyRequest,
-        basis: &BasisChooser,
-    ) -> Result<(RenderRequest, Option<f64>), EngineError> {
-        let mut to_render = RenderRequest {
-            polar: Arc::clone(&self.polar),
-            observer_altitude_m: self.observer.altitude_m,
-            turbidity: request.turbidity,
-            scattering: request.scattering,
-            cloud_base_m: request.cloud_base_m,
-            emission: request.emission,
-            flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
-            basis: request.basis,
-        };
-        let (None, Some(tolerance)) = (request.basis, request.tolerance) else {
-            return Ok((to_render, None));
-        };
-        let within = basis.basis_within(&to_render, tolerance)?;
-        to_render.basis = Some(within.basis_count);
-        Ok((to_render, Some(within.error_bound)))
-    }
-
-    fn answer(
-        self,
-        request: &SkyRequest,
-        mut rendered: Rendered,
-        basis_error_bound: Option<f64>,
-    ) -> SkyAnswer {
-        let atmosphere = Atmosphere::new(request.turbidity);
-        let (horizon, horizon_time) = self.horizon.unzip();
-        let horizon = horizon.unwrap_or_default();
-        horizon.darken(&mut rendered.panorama);
-        SkyAnswer {
-            scene: self.scene.metadata().clone(),
-            observer: self.observer,
-            quantities: SkyQuantities::under(
-                SkyCover::with_clouds(request.cloud_base_m.is_some()),
-                &rendered.panorama,
-                &horizon,
-            ),
-            rendered,
-            basis_error_bound,
-            horizon,
-            horizon_time,
-            coverage: self.polar.coverage,
-            calibration: self.scene.metadata().calibration,
-            local_optical_depth: atmosphere.vertical_optical_depth(self.observer.altitude_m),
-            flux_dnb_w: self.polar.flux_dnb_w,
-            turbidity: request.turbidity,
-            scattering: request.scattering,
-            lamp: request.lamp,
-            emission: request.emission,
-        }
-    }
-}
-
-fn scene_around(shelf: &SceneShelf, id: &SceneId, place: GeoPoint) -> Result<Arc<Scene>, EngineError> {
-    let scene = shelf.scene(id)?;
+fn scene_around(
+    shelf: &SceneShelf,
+    id: &SceneId,
+    scenario: Option<&ChangeId>,
+    place: GeoPoint,
+) -> Result<Arc<Scene>, EngineError> {
+    let scene = shelf.changed_scene(id, scenario)?;
     if scene.contains(place) {
         return Ok(scene);
     }

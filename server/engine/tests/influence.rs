@@ -3,17 +3,16 @@
 
 mod common;
 
-use common::{engine, request, store_scene, store_town_on, town};
+use common::{engine, request, sky, store_scene, store_town_on, town};
 use skyglow_engine::{
     DeviceChoice, EngineError, InfluenceMap, InfluenceRequest, InfluenceSolver, Measure, MeasureOfCells,
-    Observatory, ObserverHeight, Part, RenderRequest, SkyRequest, TableSet, influence_of_pixels, synthetic,
+    Observatory, Part, RenderRequest, TableSet, influence_of_pixels, synthetic,
 };
 use skyglow_physics::{
-    Direction, EmissionMix, GeoPoint, Horizon, LampPreset, LinearMeasure, SkyCurve, Turbidity,
+    Direction, EmissionMix, GeoPoint, Horizon, LampPreset, LinearMeasure, SkyCurve,
     source_pixel::point_sources,
 };
 use skyglow_scene::{Boundary, PolarGrid, SceneStore};
-use skyglow_tables::Scattering;
 use std::sync::Arc;
 
 #[test]
@@ -28,7 +27,7 @@ fn pixels_add_up_to_the_sky_and_each_counts_as_if_it_were_alone() {
     // Beside the town, where its pixels are split, and 30 km off, where they share cells.
     for (latitude_deg, longitude_deg) in [(-1.43, 36.64), (-1.59, 36.41)] {
         let here = GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap();
-        let shares = scene.light_shares(here, false);
+        let (_, shares) = scene.light_shares(here, false).remove(0);
         assert_eq!(shares.len(), 9);
         let pixels = scene.source_pixels_within(here, 300_000.0);
         for turbidity in [2.5, 2.0] {
@@ -59,22 +58,6 @@ fn pixels_add_up_to_the_sky_and_each_counts_as_if_it_were_alone() {
                 assert!(most > 1.05 * least);
             }
         }
-    }
-}
-
-fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyRequest {
-    SkyRequest {
-        scene: town(),
-        place: GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap(),
-        observer_height: ObserverHeight::AboveGround(2.0),
-        turbidity: Turbidity::new(turbidity).unwrap(),
-        scattering: Scattering::Single,
-        cloud_base_m: None,
-        lamp: LampPreset::Mixed.lamp(),
-        emission: EmissionMix::garstang(),
-        basis: None,
-        tolerance: None,
-        terrain_hides: true,
     }
 }
 

@@ -3,15 +3,12 @@
 
 mod common;
 
-use common::{engine, store_town_on, town};
+use common::{engine, sky, store_town_on, town};
 use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, EngineError, Observatory, ObserverHeight, SkyRequest, synthetic,
 };
-use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, EmissionMix, GeoPoint, Horizon, LampPreset, Panorama, Turbidity,
-};
+use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, GeoPoint, Horizon, Panorama};
 use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
-use skyglow_tables::Scattering;
 use std::path::Path;
 
 /// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, and ground at 1000 m.
@@ -20,19 +17,7 @@ fn store_town(data_dir: &Path, calibration: f64) {
 }
 
 fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeight) -> SkyRequest {
-    SkyRequest {
-        scene: town(),
-        place: GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap(),
-        observer_height,
-        turbidity: Turbidity::new(2.5).unwrap(),
-        scattering: Scattering::Single,
-        cloud_base_m: None,
-        lamp: LampPreset::Mixed.lamp(),
-        emission: EmissionMix::garstang(),
-        basis: None,
-        tolerance: None,
-        terrain_hides: true,
-    }
+    SkyRequest { observer_height, ..sky(2.5, latitude_deg, longitude_deg) }
 }
 
 fn observatory(data_dir: &Path) -> Observatory {
@@ -64,7 +49,7 @@ fn a_site_says_what_is_there() {
     let data = tempfile::tempdir().unwrap();
     store_town(data.path(), 1.0);
     let site = |latitude_deg, longitude_deg| {
-        observatory(data.path()).site(&town(), GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
+        observatory(data.path()).site(&town(), None, GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
     };
     assert_eq!(site(-1.405, 36.605).unwrap().radiance_nw_cm2_sr, Some(25.5));
     assert_eq!(site(-1.3, 36.5).unwrap().radiance_nw_cm2_sr, Some(0.0));

@@ -97,6 +97,11 @@ impl InfluenceFormat {
         }
     }
 
+    /// The one whose URL ends so.
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| format.extension() == extension)
+    }
+
     /// Whether it says what some lights do together.
     pub const fn has_room_for_sums(self) -> bool {
         matches!(self, InfluenceFormat::Json | InfluenceFormat::GeoJson)

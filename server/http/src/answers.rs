@@ -3,6 +3,8 @@
 mod assumptions;
 mod influence;
 mod panorama;
+mod plan;
+mod scenario;
 mod scene;
 mod service;
 mod site;
@@ -13,6 +15,11 @@ pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
 };
 pub use panorama::{Light, PanoramaAnswer, PanoramaGrid};
+pub use plan::{
+    DimmedPixelAnswer, PlanAnswer, PlanEntry, PlanFacts, PlannedSite, TargetAnswer, dimmed_pixels,
+    plan_entry, plan_facts,
+};
+pub use scenario::{EditAnswer, ScenarioAnswer, ScenarioEntry};
 pub use scene::{GridAnswer, PlaceAnswer, SceneAnswer, SceneReference};
 pub use service::{AtmosphereAnswer, HealthAnswer, TileJson};
 pub use site::SiteAnswer;

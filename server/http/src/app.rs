@@ -4,7 +4,10 @@ use crate::{
     config::HttpConfig,
     error::ApiError,
     layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
-    routes::{atmospheres, docs, health, influence, panorama, problems, scenes, site, sky, tiles, viewer},
+    routes::{
+        atmospheres, docs, health, influence, panorama, plans, problems, scenarios, scenes, site, sky, tiles,
+        viewer,
+    },
     source::SkySource,
     state::AppState,
 };
@@ -39,6 +42,7 @@ use utoipa_axum::{router::OpenApiRouter, routes};
     tags(
         (name = "sky", description = "The sky of a place"),
         (name = "influence", description = "Which lights cause the sky of a place"),
+        (name = "plans", description = "What to dim, and what if: reduction plans and painted scenarios"),
         (name = "scenes", description = "Rasters of light with their terrain and places"),
         (name = "tiles", description = "Map tiles"),
         (name = "atmospheres", description = "Resident table packs"),
@@ -66,6 +70,10 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(influence::get_influence_tif, influence::post_influence_tif))
         .routes(routes!(influence::get_influence_geojson, influence::post_influence_geojson))
         .routes(routes!(influence::get_influence_csv, influence::post_influence_csv))
+        .routes(routes!(plans::list_plans, plans::post_plan))
+        .routes(routes!(plans::get_plan))
+        .routes(routes!(scenarios::list_scenarios, scenarios::post_scenario))
+        .routes(routes!(scenarios::get_scenario))
         .routes(routes!(tiles::get_tilejson))
         .routes(routes!(atmospheres::list_atmospheres))
         .routes(routes!(docs::get_openapi))

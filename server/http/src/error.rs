@@ -20,6 +20,24 @@ pub enum ApiError {
         /// The id asked for, shortened.
         id: String,
     },
+    /// No scenario or plan of that id.
+    #[error("there is no scenario or plan \"{id}\"; those that are old or too many are not kept")]
+    UnknownScenario {
+        /// The id asked for, shortened.
+        id: String,
+    },
+    /// A plan for pixels of a raster that was replaced.
+    #[error("plan \"{id}\" is for the pixels of the scene as it was before it was ingested again")]
+    StalePlan {
+        /// The plan's id.
+        id: String,
+    },
+    /// What should be kept cannot be written.
+    #[error("the server cannot keep this now; try again later")]
+    Storage {
+        /// What happened, for the log.
+        reason: String,
+    },
     /// The place is not in the scene.
     #[error(
         "latitude {latitude_deg}, longitude {longitude_deg} lies outside the scene, which reaches from west {} south {} to east {} north {}",
@@ -131,6 +149,15 @@ impl ApiError {
             ApiError::UnknownScene { .. } => {
                 (StatusCode::NOT_FOUND, "unknown-scene", "There is no such scene")
             }
+            ApiError::UnknownScenario { .. } => {
+                (StatusCode::NOT_FOUND, "unknown-scenario", "There is no such scenario or plan")
+            }
+            ApiError::StalePlan { .. } => {
+                (StatusCode::CONFLICT, "stale-plan", "The plan is for an earlier state of the scene")
+            }
+            ApiError::Storage { .. } => {
+                (StatusCode::SERVICE_UNAVAILABLE, "storage", "The server cannot keep this now")
+            }
             ApiError::OutsideScene { .. } => {
                 (StatusCode::NOT_FOUND, "outside-scene", "The place lies outside the scene")
             }
@@ -173,6 +200,7 @@ impl ApiError {
                 Some((*retry_after_s).max(1))
             }
             ApiError::Timeout { .. } | ApiError::EngineDown => Some(2),
+            ApiError::Storage { .. } => Some(60),
             _ => None,
         }
     }
@@ -198,16 +226,14 @@ impl ApiError {
     }
 }
 
-/// The worst mistake decides: what cannot be read before what is out of range before what is not there yet.
+/// The worst mistake decides: what cannot be read before what is out of range before what is not resident.
 fn parameters_row(errors: &[FieldError]) -> Row {
     let only = |mistakes: &[Mistake]| errors.iter().all(|error| mistakes.contains(&error.code));
     if only(&[Mistake::UnknownParameter]) {
         (StatusCode::BAD_REQUEST, "unknown-parameter", "Unknown parameter")
-    } else if only(&[Mistake::NotSupportedYet]) {
-        (StatusCode::UNPROCESSABLE_ENTITY, "not-supported-yet", "Not supported yet")
     } else if only(&[Mistake::NotResident]) {
         (StatusCode::UNPROCESSABLE_ENTITY, "not-resident", "The tables for this are not resident")
-    } else if only(&[Mistake::OutOfRange, Mistake::NotResident, Mistake::NotSupportedYet]) {
+    } else if only(&[Mistake::OutOfRange, Mistake::NotResident]) {
         (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "Outside the range that is resident")
     } else {
         (StatusCode::BAD_REQUEST, "bad-parameters", "Bad parameters")
@@ -230,8 +256,10 @@ fn sentence(errors: &[FieldError]) -> String {
 
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
-        if let ApiError::Internal { reason } = &self {
-            tracing::error!(%reason, "internal error");
+        match &self {
+            ApiError::Internal { reason } => tracing::error!(%reason, "internal error"),
+            ApiError::Storage { reason } => tracing::error!(%reason, "nothing can be kept"),
+            _ => {}
         }
         let retry_after_s = self.retry_after_s();
         let problem = self.problem();
@@ -270,8 +298,7 @@ mod tests {
         assert_eq!(kind(&[Mistake::UnknownParameter, Mistake::OutOfRange]), "/problems/bad-parameters");
         assert_eq!(kind(&[Mistake::OutOfRange]), "/problems/out-of-range");
         assert_eq!(kind(&[Mistake::NotResident]), "/problems/not-resident");
-        assert_eq!(kind(&[Mistake::NotSupportedYet]), "/problems/not-supported-yet");
-        assert_eq!(kind(&[Mistake::NotSupportedYet, Mistake::OutOfRange]), "/problems/out-of-range");
+        assert_eq!(kind(&[Mistake::NotResident, Mistake::OutOfRange]), "/problems/out-of-range");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::{
     request::InfluenceAsk,
 };
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use skyglow_display::notes::ILLUSTRATIVE;
 use skyglow_engine::{InfluenceMap, Measure};
 use skyglow_scene::{RasterError, RasterWords};
@@ -43,7 +43,7 @@ pub fn encode_influences(
             Ok(serde_json::to_vec(&answer)?)
         }
         InfluenceFormat::GeoJson => geojson(assumptions, map, ask),
-        InfluenceFormat::Csv => csv_table(map, measure, ask.limit),
+        InfluenceFormat::Csv => influence_table(map, measure, ask.limit),
         InfluenceFormat::Tiff => geotiff(&assumptions, map, measure),
     }
 }
@@ -56,92 +56,73 @@ fn geojson(
 ) -> Result<Vec<u8>, InfluenceFileError> {
     let measure = &ask.query.measure;
     let total = map.total().influence;
-    let feature = |pixel: InfluentialPixel| -> Result<Value, serde_json::Error> {
-        let coordinates = [pixel.longitude_deg, pixel.latitude_deg];
+    let place = |pixel: &InfluentialPixel| [pixel.longitude_deg, pixel.latitude_deg];
+    let mut collection = feature_collection(influential_pixels(map, total, ask.limit), place)?;
+    let boundary = ask.boundary.as_ref().map(|boundary| PartAnswer::new(map.within(boundary), total));
+    let facts = json!({
+        "measure": measure_name(measure),
+        "unit": measure.unit(),
+        "total": total,
+        "boundary": boundary,
+        "assumptions": assumptions,
+    });
+    if let Value::Object(facts) = facts {
+        collection.extend(facts);
+    }
+    Ok(serde_json::to_vec(&collection)?)
+}
+
+/// A GeoJSON FeatureCollection of points with all that is said of each.
+///
+/// * `place`: longitude and latitude, degrees.
+///
+/// # Errors
+/// [`InfluenceFileError::Json`], only by a defect.
+pub fn feature_collection<T: Serialize>(
+    rows: Vec<T>,
+    place: impl Fn(&T) -> [f64; 2],
+) -> Result<Map<String, Value>, InfluenceFileError> {
+    let feature = |row: T| -> Result<Value, serde_json::Error> {
         Ok(json!({
             "type": "Feature",
-            "geometry": {"type": "Point", "coordinates": coordinates},
-            "properties": serde_json::to_value(pixel)?,
+            "geometry": {"type": "Point", "coordinates": place(&row)},
+            "properties": serde_json::to_value(row)?,
         }))
     };
-    let features: Vec<Value> =
-        influential_pixels(map, total, ask.limit).into_iter().map(feature).collect::<Result<_, _>>()?;
-    #[derive(Serialize)]
-    struct Collection<'a> {
-        r#type: &'a str,
-        measure: &'a str,
-        unit: &'a str,
-        total: f64,
-        boundary: Option<PartAnswer>,
-        assumptions: Assumptions,
-        features: Vec<Value>,
+    let features: Vec<Value> = rows.into_iter().map(feature).collect::<Result<_, _>>()?;
+    let mut collection = Map::new();
+    collection.insert("type".to_owned(), "FeatureCollection".into());
+    collection.insert("features".to_owned(), features.into());
+    Ok(collection)
+}
+
+/// A row for each record under the names of its fields; of no rows nothing at all.
+///
+/// # Errors
+/// [`InfluenceFileError::Csv`], only by a defect.
+pub fn csv_table<T: Serialize>(rows: Vec<T>) -> Result<Vec<u8>, InfluenceFileError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
     }
-    Ok(serde_json::to_vec(&Collection {
-        r#type: "FeatureCollection",
-        measure: measure_name(measure),
-        unit: measure.unit(),
-        total,
-        boundary: ask.boundary.as_ref().map(|boundary| PartAnswer::new(map.within(boundary), total)),
-        assumptions,
-        features,
-    })?)
+    writer.into_inner().map_err(|error| csv::Error::from(error.into_error()).into())
 }
 
 /// A row for each pixel; the column of influences carries their unit in its name.
-fn csv_table(map: &InfluenceMap, measure: &Measure, limit: usize) -> Result<Vec<u8>, InfluenceFileError> {
+fn influence_table(
+    map: &InfluenceMap,
+    measure: &Measure,
+    limit: usize,
+) -> Result<Vec<u8>, InfluenceFileError> {
     let influence = match measure {
-        Measure::Norm => "influence_cd_m2_sr0_5",
-        Measure::Horizontal => "influence_lx",
-        Measure::Zenith | Measure::Mean | Measure::Region(_) => "influence_cd_m2",
+        Measure::Norm => ",influence_cd_m2_sr0_5,",
+        Measure::Horizontal => ",influence_lx,",
+        Measure::Zenith | Measure::Mean | Measure::Region(_) => ",influence_cd_m2,",
     };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "rank",
-        "latitude_deg",
-        "longitude_deg",
-        "column",
-        "row",
-        "distance_m",
-        "azimuth_deg",
-        "radiance_nw_cm2_sr",
-        "flux_dnb_w",
-        influence,
-        "share",
-        "cumulative_share",
-    ])?;
-    for pixel in influential_pixels(map, map.total().influence, limit) {
-        let InfluentialPixel {
-            rank,
-            latitude_deg,
-            longitude_deg,
-            column,
-            row,
-            distance_m,
-            azimuth_deg,
-            radiance_nw_cm2_sr,
-            flux_dnb_w,
-            influence,
-            share,
-            cumulative_share,
-        } = pixel;
-        let numbers = [
-            latitude_deg,
-            longitude_deg,
-            f64::from(column),
-            f64::from(row),
-            distance_m,
-            azimuth_deg,
-            radiance_nw_cm2_sr,
-            flux_dnb_w,
-            influence,
-            share,
-            cumulative_share,
-        ];
-        writer.write_record(
-            std::iter::once(rank.to_string()).chain(numbers.map(|number| number.to_string())),
-        )?;
-    }
-    writer.into_inner().map_err(|error| csv::Error::from(error.into_error()).into())
+    let table = csv_table(influential_pixels(map, map.total().influence, limit))?;
+    let end = table.iter().position(|byte| *byte == b'\n').unwrap_or(table.len());
+    let names = String::from_utf8_lossy(&table[..end]).replacen(",influence,", influence, 1);
+    Ok([names.as_bytes(), &table[end..]].concat())
 }
 
 fn geotiff(

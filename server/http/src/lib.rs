@@ -19,6 +19,8 @@ pub mod listener;
 pub mod metrics;
 pub mod observatory;
 pub mod parameters;
+pub mod plan_file;
+pub mod planning;
 pub mod problem;
 pub mod reader;
 pub mod request;
@@ -26,6 +28,7 @@ pub mod respond;
 pub mod routes;
 pub mod serve;
 pub mod source;
+pub mod stamp;
 pub mod state;
 
 pub use app::{openapi, router};

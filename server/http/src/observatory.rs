@@ -10,11 +10,15 @@ use crate::{
     },
 };
 use skyglow_engine::{
-    EngineError, EngineStats, InfluenceMap, InfluenceRequest, Observatory, PackKind, ResidentKind,
+    EngineError, EngineStats, InfluenceMap, InfluenceRequest, Observatory, PackKind, PlanOutcome,
+    PlanRequest, ResidentKind,
     observatory::{ObserverHeight, SkyRequest},
 };
 use skyglow_physics::GeoPoint;
-use skyglow_scene::{Place, RasterTile, SceneError, SceneId, SceneMetadata, TileLayer};
+use skyglow_scene::{
+    ChangeId, ChangeKind, ChangeStoreError, ChangeSummary, Place, RasterTile, Scenario, Scene, SceneError,
+    SceneId, SceneMetadata, StoredPlan, TileLayer,
+};
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
 
@@ -96,6 +100,9 @@ impl From<EngineError> for SourceError {
             EngineError::OutsideScene { bounds, .. } => SourceError::OutsideScene { bounds },
             EngineError::EmptyRegion => SourceError::EmptyRegion,
             EngineError::Scene(error) => error.into(),
+            EngineError::Change(error) => SourceError::BadEdit(error),
+            EngineError::ChangeStore(error) => error.into(),
+            EngineError::BadPlan { reason } => SourceError::BadPlan(reason),
             // The rest is about starting an engine, or a defect.
             other => SourceError::Broken(other.to_string()),
         }
@@ -112,10 +119,26 @@ impl From<SceneError> for SourceError {
     }
 }
 
+impl From<ChangeStoreError> for SourceError {
+    fn from(error: ChangeStoreError) -> Self {
+        match error {
+            ChangeStoreError::Unknown { id } => SourceError::UnknownScenario(id.to_string()),
+            ChangeStoreError::OtherScene { id, scene } => {
+                SourceError::ScenarioOfOtherScene { id: id.to_string(), scene: scene.to_string() }
+            }
+            ChangeStoreError::Stale { id, .. } => SourceError::StalePlan(id.to_string()),
+            ChangeStoreError::TooDeep { id } => SourceError::ScenarioTooDeep(id.to_string()),
+            ChangeStoreError::Io { .. } => SourceError::Storage(error.to_string()),
+            ChangeStoreError::Damaged { .. } => SourceError::Broken(error.to_string()),
+        }
+    }
+}
+
 /// A sky as the engine is asked for it.
-fn sky_request(query: &SkyQuery) -> SkyRequest {
+pub(crate) fn sky_request(query: &SkyQuery) -> SkyRequest {
     SkyRequest {
         scene: query.scene.clone(),
+        scenario: query.scenario.clone(),
         place: query.place,
         observer_height: match query.eye_height {
             EyeHeight::AboveGround(height_m) => ObserverHeight::AboveGround(height_m),
@@ -189,24 +212,84 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.scene(id)?.places().to_vec())
     }
 
-    fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteFacts, SourceError> {
-        let site = self.observatory.site(id, place)?;
+    fn open_scene(&self, id: &SceneId, scenario: Option<&ChangeId>) -> Result<Arc<Scene>, SourceError> {
+        Ok(self.observatory.changed_scene(id, scenario)?)
+    }
+
+    fn site(
+        &self,
+        id: &SceneId,
+        scenario: Option<&ChangeId>,
+        place: GeoPoint,
+    ) -> Result<SiteFacts, SourceError> {
+        let site = self.observatory.site(id, scenario, place)?;
         Ok(SiteFacts { scene: site.scene, ground: site.ground, radiance_nw_cm2_sr: site.radiance_nw_cm2_sr })
     }
 
     fn tile(
         &self,
         id: &SceneId,
+        scenario: Option<&ChangeId>,
         layer: TileLayer,
         address: (u8, u32, u32),
         size_px: u32,
     ) -> Result<RasterTile, SourceError> {
-        Ok(self.observatory.tile(id, layer, address, size_px)?)
+        Ok(self.observatory.tile(id, scenario, layer, address, size_px)?)
     }
 
     fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError> {
         let request = InfluenceRequest { sky: sky_request(&query.sky), measure: query.measure.clone() };
         Ok(self.observatory.influence(&request)?)
+    }
+
+    fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
+        Ok(self.observatory.keep_scenario(scenario)?.0)
+    }
+
+    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, ChangeSummary, u64), SourceError> {
+        let (scenario, created_unix_s) = self.observatory.changes().scenario(id)?;
+        let summary = self.observatory.try_scenario(&scenario)?;
+        Ok((scenario, summary, created_unix_s))
+    }
+
+    fn plan(&self, request: &PlanRequest) -> Result<PlanOutcome, SourceError> {
+        Ok(self.observatory.plan(request)?)
+    }
+
+    fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError> {
+        Ok(self.observatory.changes().keep_plan(id, plan)?)
+    }
+
+    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
+        if !id.is_plan() {
+            return Err(SourceError::UnknownScenario(id.to_string()));
+        }
+        Ok(self.observatory.changes().plan(id)?)
+    }
+
+    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<(ChangeId, Scenario, u64)>, SourceError> {
+        self.scene(scene)?;
+        let read = |(id, _): (ChangeId, u64)| match self.observatory.changes().scenario(&id) {
+            Ok((scenario, created_unix_s)) => Some((id, scenario, created_unix_s)),
+            Err(error) => {
+                tracing::error!(%error, "a scenario is left out of the list");
+                None
+            }
+        };
+        let all = self.observatory.list_changes(ChangeKind::Scenario)?.into_iter().filter_map(read);
+        Ok(all.filter(|(_, scenario, _)| scenario.scene == *scene).collect())
+    }
+
+    fn list_plans(&self, scene: &SceneId) -> Result<Vec<(ChangeId, serde_json::Value, u64)>, SourceError> {
+        self.scene(scene)?;
+        let read = |(id, _): (ChangeId, u64)| match self.observatory.changes().plan_answer(&id) {
+            Ok((of, answer, created_unix_s)) => (of == *scene).then_some((id, answer, created_unix_s)),
+            Err(error) => {
+                tracing::error!(%error, "a plan is left out of the list");
+                None
+            }
+        };
+        Ok(self.observatory.list_changes(ChangeKind::Plan)?.into_iter().filter_map(read).collect())
     }
 
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {

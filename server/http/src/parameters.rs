@@ -139,8 +139,8 @@ parameters! {
     TOLERANCE = "tolerance", Kind::Number { minimum: 0.0001, maximum: 0.5, unit: "" }, "", false;
     /// Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻².
     SKY = "sky", Kind::Choice(&["artificial", "total"]), "artificial", false;
-    /// Id of a scenario or plan (not supported yet).
-    SCENARIO = "scenario", Kind::Text { allowed: "not to be given yet" }, "", false;
+    /// Id of a scenario or plan of the scene: its lights are as that says.
+    SCENARIO = "scenario", Kind::Text { allowed: "s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer" }, "", false;
     /// What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`.
     MEASURE = "measure", Kind::Choice(&["norm", "zenith", "mean", "horizontal", "region"]), "", false;
     /// Number of the most influential pixels that are listed.
@@ -203,8 +203,16 @@ macro_rules! parameter_sets {
 parameter_sets! {
     /// No parameters.
     NoParameters = [];
+    /// Those of what shows a scene's lights.
+    ScenarioParameters = [SCENARIO];
     /// Those of a place.
-    PlaceParameters = [LAT, LON];
+    PlaceParameters = [LAT, LON, SCENARIO];
+    /// Those of a plan beside its body: what all its sites have in common, and how much of the answer is listed.
+    PlanParameters = [
+        TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, SCENARIO, LIMIT,
+    ];
+    /// Those of a plan that is looked at.
+    PlanListParameters = [LIMIT];
     /// Those of a sky.
     SkyParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,

@@ -62,8 +62,6 @@ pub enum Mistake {
     OutOfRange,
     /// Allowed, but this server does not hold the tables for it.
     NotResident,
-    /// Allowed by the interface, not built yet.
-    NotSupportedYet,
 }
 
 impl Mistake {
@@ -78,7 +76,6 @@ impl Mistake {
             Mistake::Conflict => "excludes another parameter given",
             Mistake::OutOfRange => "is out of range",
             Mistake::NotResident => "needs tables that are not resident",
-            Mistake::NotSupportedYet => "is not supported yet",
         }
     }
 }

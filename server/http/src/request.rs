@@ -2,16 +2,20 @@
 
 pub mod geojson;
 mod influence;
+mod plan;
+mod scenario;
 mod sky;
 #[cfg(test)]
 mod tests;
 mod view;
 
 pub use influence::{InfluenceAsk, InfluenceBody, influence};
+pub use plan::{PlanAsk, PlanBody, SiteBody, plan, plan_limit};
+pub use scenario::{AreaBody, BrushBody, EditBody, FixtureBody, LampBody, ScenarioBody, scenario};
 pub use view::View;
 
 use self::{
-    sky::{read_light, read_place, read_sky},
+    sky::{read_light, read_place, read_scenario, read_sky},
     view::read_view,
 };
 use crate::{
@@ -24,7 +28,7 @@ use crate::{
 };
 use skyglow_display::Sky;
 use skyglow_physics::GeoPoint;
-use skyglow_scene::SceneId;
+use skyglow_scene::{ChangeId, SceneId};
 
 /// A scene's id from a path; a text that is none names no scene.
 ///
@@ -42,15 +46,35 @@ pub fn no_parameters(query: Option<&str>) -> Result<(), ApiError> {
     Reader::new(query, p::NoParameters::ALL).finish()
 }
 
-/// Reads the parameters of a place.
+/// Reads the parameters of a place, and whose lights are there.
 ///
 /// # Errors
 /// [`ApiError::Parameters`].
-pub fn place(query: Option<&str>) -> Result<GeoPoint, ApiError> {
+pub fn place(query: Option<&str>) -> Result<(GeoPoint, Option<ChangeId>), ApiError> {
     let mut reader = Reader::new(query, p::PlaceParameters::ALL);
-    let place = read_place(&mut reader);
+    let (place, scenario) = (read_place(&mut reader), read_scenario(&mut reader));
     reader.finish()?;
-    place.ok_or_else(|| ApiError::internal("a place was neither read nor refused"))
+    let place = place.ok_or_else(|| ApiError::internal("a place was neither read nor refused"))?;
+    Ok((place, scenario))
+}
+
+/// Reads the scenario, where there may be nothing else.
+///
+/// # Errors
+/// [`ApiError::Parameters`].
+pub fn scenario_alone(query: Option<&str>) -> Result<Option<ChangeId>, ApiError> {
+    let mut reader = Reader::new(query, p::ScenarioParameters::ALL);
+    let scenario = read_scenario(&mut reader);
+    reader.finish()?;
+    Ok(scenario)
+}
+
+/// The id of a scenario or plan from a path; a text that is none names none.
+///
+/// # Errors
+/// [`ApiError::UnknownScenario`].
+pub fn change_id(text: &str) -> Result<ChangeId, ApiError> {
+    ChangeId::parse(text).map_err(|_| ApiError::UnknownScenario { id: crate::problem::echo(text) })
 }
 
 /// Reads the parameters of a sky and which light is shown.

@@ -89,6 +89,20 @@ pub fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>, ApiError> {
     serde_json::to_vec(value).map_err(ApiError::internal)
 }
 
+/// 201 with JSON and the address of what was made.
+///
+/// # Errors
+/// [`ApiError::Internal`] for what is no JSON.
+pub fn created(location: &str, value: &impl Serialize) -> Result<Response<Body>, ApiError> {
+    let mut response = Response::new(Body::from(json_bytes(value)?));
+    *response.status_mut() = StatusCode::CREATED;
+    let headers = response.headers_mut();
+    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert(header::LOCATION, HeaderValue::from_str(location).map_err(ApiError::internal)?);
+    Ok(response)
+}
+
 /// JSON whose tag is that of its bytes: for answers that cost nothing to make.
 ///
 /// # Errors

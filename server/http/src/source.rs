@@ -5,12 +5,15 @@ use crate::{
     answers::AtmosphereAnswer,
     error::ApiError,
     kind_facts::KindFacts,
-    parameters::{ALTITUDE, CLOUDS, HEIGHT, REGION},
-    problem::Mistake,
+    parameters::{ALTITUDE, CLOUDS, HEIGHT, REGION, SCENARIO},
+    problem::{FieldError, Mistake},
 };
-use skyglow_engine::{EngineStats, InfluenceMap, Measure};
+use skyglow_engine::{EngineStats, InfluenceMap, Measure, PlanOutcome, PlanRequest};
 use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, Panorama, SkyQuantities, Turbidity};
-use skyglow_scene::{Ground, Place, RasterTile, SceneId, SceneMetadata, TileLayer};
+use skyglow_scene::{
+    ChangeError, ChangeId, ChangeSummary, Ground, Place, RasterTile, Scenario, Scene, SceneId, SceneMetadata,
+    StoredPlan, TileLayer,
+};
 use skyglow_tables::Scattering;
 use std::{future::Future, pin::Pin, sync::Arc};
 use thiserror::Error;
@@ -56,6 +59,8 @@ impl EyeHeight {
 pub struct SkyQuery {
     /// The scene.
     pub scene: SceneId,
+    /// The scenario or plan that changes its lights.
+    pub scenario: Option<ChangeId>,
     /// The place, in the scene.
     pub place: GeoPoint,
     /// Where the eye is.
@@ -205,6 +210,32 @@ pub enum SourceError {
     /// A curve on the sky without a visible direction in it.
     #[error("the curve holds no visible direction of the sky")]
     EmptyRegion,
+    /// No scenario or plan of that id.
+    #[error("there is no scenario or plan \"{0}\"")]
+    UnknownScenario(String),
+    /// It belongs to another scene.
+    #[error("\"{id}\" belongs to scene \"{scene}\"")]
+    ScenarioOfOtherScene {
+        /// The id.
+        id: String,
+        /// Its scene.
+        scene: String,
+    },
+    /// A plan for pixels of a raster that was replaced.
+    #[error("plan \"{0}\" is for an earlier state of its scene")]
+    StalePlan(String),
+    /// Too many scenarios and plans one upon the other.
+    #[error("\"{0}\" stands on too many others")]
+    ScenarioTooDeep(String),
+    /// Edits that cannot be made.
+    #[error(transparent)]
+    BadEdit(#[from] ChangeError),
+    /// A plan that cannot be meant.
+    #[error("{0}")]
+    BadPlan(String),
+    /// Nothing can be kept.
+    #[error("{0}")]
+    Storage(String),
     /// No such tile.
     #[error("{0}")]
     UnknownTile(String),
@@ -282,6 +313,21 @@ fn above_clouds(altitude_m: f64, base_m: u32, maximum_m: f64) -> ApiError {
     )
 }
 
+/// Refuses an edit that only the scene shows to be wrong.
+fn bad_edit(error: &ChangeError) -> ApiError {
+    let (parameter, allowed) = match error {
+        ChangeError::Area { number, .. } => {
+            (format!("edits[{}]", number - 1), "an area with closed rings, or a stroke of places")
+        }
+        ChangeError::Outside { number } => (format!("edits[{}]", number - 1), "an area in the scene"),
+        ChangeError::TooBright { number } => (format!("edits[{}]", number - 1), "light that lamps can give"),
+        ChangeError::TooManyNewLights => ("edits".to_owned(), "fewer new lights"),
+    };
+    let (message, allowed) = (error.to_string(), allowed.to_owned());
+    let code = Mistake::NotAllowed;
+    ApiError::Parameters(vec![FieldError { parameter, value: None, allowed, message, code }])
+}
+
 /// Degrees without the last digits of the way through radians.
 pub(crate) fn rounded(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
@@ -319,6 +365,31 @@ impl From<SourceError> for ApiError {
                 "it holds no visible direction of the sky".to_owned(),
                 Mistake::NotAllowed,
             ),
+            SourceError::UnknownScenario(id) => ApiError::UnknownScenario { id: crate::problem::echo(&id) },
+            SourceError::ScenarioOfOtherScene { id, scene } => ApiError::parameter(
+                SCENARIO.name,
+                id,
+                "one of this scene".to_owned(),
+                format!("it belongs to scene \"{scene}\""),
+                Mistake::NotAllowed,
+            ),
+            SourceError::StalePlan(id) => ApiError::StalePlan { id },
+            SourceError::ScenarioTooDeep(id) => ApiError::parameter(
+                SCENARIO.name,
+                id,
+                "one that stands on fewer others".to_owned(),
+                "it stands on too many others, one upon the other".to_owned(),
+                Mistake::NotAllowed,
+            ),
+            SourceError::BadEdit(error) => bad_edit(&error),
+            SourceError::BadPlan(reason) => ApiError::Parameters(vec![FieldError {
+                parameter: "body".to_owned(),
+                value: None,
+                allowed: "a plan that can be made".to_owned(),
+                message: reason,
+                code: Mistake::NotAllowed,
+            }]),
+            SourceError::Storage(reason) => ApiError::Storage { reason },
             SourceError::UnknownTile(reason) => ApiError::UnknownTile { reason },
             SourceError::Busy => ApiError::Busy { retry_after_s: 1 },
             SourceError::Down(reason) => {
@@ -360,18 +431,29 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// As [`Self::scene`].
     fn places(&self, id: &SceneId) -> Result<Vec<Place>, SourceError>;
+    /// A scene, open, with the changes of a scenario or plan.
+    ///
+    /// # Errors
+    /// As [`Self::scene`], and what is wrong with the scenario.
+    fn open_scene(&self, id: &SceneId, scenario: Option<&ChangeId>) -> Result<Arc<Scene>, SourceError>;
     /// What is at a place.
     ///
     /// # Errors
-    /// As [`Self::scene`], and [`SourceError::OutsideScene`].
-    fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteFacts, SourceError>;
+    /// As [`Self::open_scene`], and [`SourceError::OutsideScene`].
+    fn site(
+        &self,
+        id: &SceneId,
+        scenario: Option<&ChangeId>,
+        place: GeoPoint,
+    ) -> Result<SiteFacts, SourceError>;
     /// Numbers of a map tile.
     ///
     /// # Errors
-    /// As [`Self::scene`], and [`SourceError::UnknownTile`].
+    /// As [`Self::open_scene`], and [`SourceError::UnknownTile`].
     fn tile(
         &self,
         id: &SceneId,
+        scenario: Option<&ChangeId>,
         layer: TileLayer,
         address: (u8, u32, u32),
         size_px: u32,
@@ -381,6 +463,41 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// As [`Self::site`], an altitude out of range, and [`SourceError::EmptyRegion`].
     fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError>;
+    /// Keeps a scenario if it can be painted.
+    ///
+    /// # Errors
+    /// As [`Self::open_scene`], [`SourceError::BadEdit`], [`SourceError::Storage`].
+    fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError>;
+    /// A scenario, what it does to its scene, and when it was kept, seconds since 1970.
+    ///
+    /// # Errors
+    /// As [`Self::keep_scenario`].
+    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, ChangeSummary, u64), SourceError>;
+    /// Makes a plan; takes seconds of all cores.
+    ///
+    /// # Errors
+    /// As [`Self::influence`] of any site, and [`SourceError::BadPlan`].
+    fn plan(&self, request: &PlanRequest) -> Result<PlanOutcome, SourceError>;
+    /// Keeps a plan.
+    ///
+    /// # Errors
+    /// [`SourceError::Storage`].
+    fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError>;
+    /// A plan, and when it was kept, seconds since 1970.
+    ///
+    /// # Errors
+    /// [`SourceError::UnknownScenario`], [`SourceError::Broken`].
+    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError>;
+    /// What is said of each scenario or plan of a scene, the newest first, with its id and when it was kept.
+    ///
+    /// # Errors
+    /// As [`Self::scene`].
+    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<(ChangeId, Scenario, u64)>, SourceError>;
+    /// The same of plans, as their answers.
+    ///
+    /// # Errors
+    /// As [`Self::scene`].
+    fn list_plans(&self, scene: &SceneId) -> Result<Vec<(ChangeId, serde_json::Value, u64)>, SourceError>;
     /// Renders a sky.
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>>;
 }

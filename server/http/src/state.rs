@@ -127,6 +127,23 @@ impl AppState {
         self.influences.invalidate(key).await;
     }
 
+    /// Runs something that finds influences: few at a time, the others wait.
+    ///
+    /// # Errors
+    /// As [`Self::blocking`].
+    pub async fn find<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<T, ApiError> {
+        let place = self.finding.clone().acquire_owned().await.map_err(ApiError::internal)?;
+        self.blocking(move |source| {
+            let found = work(source);
+            drop(place);
+            found
+        })
+        .await
+    }
+
     /// The influences of a query, found once for all who ask at the same time, kept for a while.
     ///
     /// # Errors
@@ -137,12 +154,10 @@ impl AppState {
         query: Arc<InfluenceQuery>,
     ) -> Result<Arc<InfluenceMap>, ApiError> {
         let find = async move {
-            let place = self.finding.clone().acquire_owned().await.map_err(ApiError::internal)?;
-            self.metrics.count_influences();
-            self.blocking(move |source| {
-                let map = source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky));
-                drop(place);
-                map
+            let metrics = self.metrics.clone();
+            self.find(move |source| {
+                metrics.count_influences();
+                source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky))
             })
             .await
         };

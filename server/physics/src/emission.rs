@@ -89,7 +89,8 @@ pub fn emitted_shares(blocking_rad: f64) -> [f64; LOBE_COUNT] {
 }
 
 /// Weights of the three lobes, each ≥ 0, summing to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "[f64; LOBE_COUNT]", try_from = "[f64; LOBE_COUNT]")]
 pub struct EmissionMix {
     weights: [f64; LOBE_COUNT],
 }
@@ -143,6 +144,20 @@ impl EmissionMix {
     /// Weights in lobe order, summing to 1.
     pub fn weights(self) -> [f64; LOBE_COUNT] {
         self.weights
+    }
+}
+
+impl From<EmissionMix> for [f64; LOBE_COUNT] {
+    fn from(mix: EmissionMix) -> Self {
+        mix.weights
+    }
+}
+
+impl TryFrom<[f64; LOBE_COUNT]> for EmissionMix {
+    type Error = PhysicsError;
+
+    fn try_from(weights: [f64; LOBE_COUNT]) -> Result<Self, PhysicsError> {
+        Self::new(weights)
     }
 }
 

@@ -33,7 +33,10 @@ pub enum LampPreset {
 }
 
 /// Properties of a lamp, from measured spectra and the DNB response.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// In files it is the name of its preset, or its three fluxes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "StoredLamp", try_from = "StoredLamp")]
 pub struct Lamp {
     /// s_b: flux in band b (R, G, B) per flux weighted by the DNB response.
     pub flux_per_dnb_flux: [f64; BAND_COUNT],
@@ -43,6 +46,31 @@ pub struct Lamp {
     pub scotopic_photopic_ratio: Option<f64>,
     /// The preset, or None for a custom lamp.
     pub preset: Option<LampPreset>,
+}
+
+/// The form of a lamp in files.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
+enum StoredLamp {
+    Preset(LampPreset),
+    Custom([f64; BAND_COUNT]),
+}
+
+impl From<Lamp> for StoredLamp {
+    fn from(lamp: Lamp) -> Self {
+        lamp.preset.map_or(StoredLamp::Custom(lamp.flux_per_dnb_flux), StoredLamp::Preset)
+    }
+}
+
+impl TryFrom<StoredLamp> for Lamp {
+    type Error = PhysicsError;
+
+    fn try_from(stored: StoredLamp) -> Result<Self, PhysicsError> {
+        match stored {
+            StoredLamp::Preset(preset) => Ok(preset.lamp()),
+            StoredLamp::Custom(flux_per_dnb_flux) => Lamp::custom(flux_per_dnb_flux),
+        }
+    }
 }
 
 impl LampPreset {

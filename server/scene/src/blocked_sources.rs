@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::source_pixel::FARTHEST_SOURCE_M;
-use skyglow_physics::{BlockedSource, EARTH_RADIUS_M, GeoPoint, SourcePixel};
+use skyglow_physics::{BlockedSource, EARTH_RADIUS_M, Fixture, GeoPoint, SourcePixel};
 
 impl Scene {
     /// Every lit pixel within 300 km of a place as point sources, in the order of
@@ -18,11 +18,19 @@ impl Scene {
     /// ground under a pixel is unknown, nothing hides it: it was put at sea level, and the edge of the terrain would be
     /// a wall. Seconds for a hundred thousand pixels.
     pub fn blocked_sources(&self, place: GeoPoint) -> Vec<BlockedSource> {
+        self.blocked_sources_by_fixture(place).into_iter().flat_map(|(_, sources)| sources).collect()
+    }
+
+    /// The same for each kind of fixture, that of the raster's own lights first.
+    pub fn blocked_sources_by_fixture(&self, place: GeoPoint) -> Vec<(Fixture, Vec<BlockedSource>)> {
         let observer = LocalFrame::at(place);
-        let pixels = self.source_pixels_within(place, FARTHEST_SOURCE_M);
-        let of_pixels: Vec<Vec<BlockedSource>> =
-            pixels.par_iter().map(|pixel| self.pieces(pixel, &observer)).collect();
-        of_pixels.into_iter().flatten().collect()
+        let behind_skylines = |pixels: Vec<SourcePixel>| -> Vec<BlockedSource> {
+            let of_pixels: Vec<Vec<BlockedSource>> =
+                pixels.par_iter().map(|pixel| self.pieces(pixel, &observer)).collect();
+            of_pixels.into_iter().flatten().collect()
+        };
+        let pixels = self.source_pixels_by_fixture(place, FARTHEST_SOURCE_M);
+        pixels.into_iter().map(|(fixture, pixels)| (fixture, behind_skylines(pixels))).collect()
     }
 
     /// The point sources that a pixel is to an observer.

@@ -116,6 +116,11 @@ impl Boundary {
         [-360.0, 0.0, 360.0].iter().any(|turn_deg| self.holds_at(longitude_deg + turn_deg, latitude_deg))
     }
 
+    /// West, south, east, north of all corners, degrees; longitudes may count on beyond ±180.
+    pub(crate) fn box_deg(&self) -> [f64; 4] {
+        [self.west_deg, self.south_deg, self.east_deg, self.north_deg]
+    }
+
     fn sort_into_bands(&mut self) -> Result<(), BoundaryError> {
         let count = self.sides.len().clamp(1, MOST_BANDS);
         let bands = |side: &[Position; 2]| {

@@ -9,12 +9,16 @@
 //! The light goes where its skyline towards the observer puts it on the axis of blocking angles: a pixel's pieces by
 //! the pixel's skyline at their own azimuth and distance, a block by its own.
 //!
+//! A block with lights that a change took away is opened, and skipped where it lost all: what the change put there is in another
+//! layer with a pyramid of its own.
+//!
 //! Taking a block moves no light by more than that ratio (in radians of azimuth, and relatively in
 //! distance), the width of an azimuth column, and leaves the mean position of the block's light where it was:
 //! the error is of second order and below that of the splat itself. A block's skyline is the mean of its lights', which
 //! is not quite the sky of lights behind different ones: 0.001 to 0.22 % in the mean over the sky at ten places of the
 //! demo and Kenya (`block_skylines` of the workspace's tests).
 
+use crate::changes::GoneLights;
 use crate::grid::Grid;
 use crate::light_pyramid::{Level, LightPyramid};
 use crate::lit_pixels::LitPixels;
@@ -36,19 +40,19 @@ pub(crate) const NO_BLOCKS: f64 = -1.0;
 
 /// What gathered light goes into.
 pub(crate) trait LightSink {
-    /// Takes a point of light of a lit pixel, or of a block of several where `pixel` is None. All points of a pixel come one
-    /// after the other.
-    fn take(&mut self, pixel: Option<usize>, light: PlacedLight);
+    /// Takes a point of light of a lit pixel by its number in the scene, or of a block of several where that is None. All points
+    /// of a pixel come one after the other.
+    fn take(&mut self, number: Option<u32>, light: PlacedLight);
 }
 
 impl LightSink for PolarAccumulator {
     #[inline(always)]
-    fn take(&mut self, _pixel: Option<usize>, light: PlacedLight) {
+    fn take(&mut self, _number: Option<u32>, light: PlacedLight) {
         self.add(light);
     }
 }
 
-/// The light that a scene holds, as the functions of this module need it.
+/// The lights of a layer, as the functions of this module need them.
 #[derive(Clone, Copy)]
 pub(crate) struct Light<'a> {
     pub(crate) grid: &'a Grid,
@@ -57,6 +61,10 @@ pub(crate) struct Light<'a> {
     pub(crate) calibration: f64,
     /// The pixels' skylines; None where nothing hides light, or it is not to.
     pub(crate) skylines: Option<&'a Skylines>,
+    /// Lights that are there no more; None where all are.
+    pub(crate) gone: Option<&'a GoneLights>,
+    /// Number of the layer's first light in the scene.
+    pub(crate) first_number: u32,
 }
 
 /// Azimuth of the observer seen from a light over 2π, 0..=1, to 2e-5: a thousandth of the step between a skyline's
@@ -121,14 +129,18 @@ impl Light<'_> {
             let blocks = self.pyramid.level(level);
             let block = &blocks.blocks[index];
             let distance_m = EARTH_RADIUS_M * block.direction.distance(place);
-            if distance_m - block.radius_m > reach_m || take_block(blocks, index, distance_m) {
+            let touched = self.gone.filter(|gone| gone.is_touched(level, index));
+            if distance_m - block.radius_m > reach_m
+                || touched.is_some_and(|gone| gone.is_empty_block(level, index))
+                || touched.is_none() && take_block(blocks, index, distance_m)
+            {
                 continue;
             }
             for child in blocks.children(index) {
-                if level == 1 {
-                    visit(child);
-                } else {
+                if level > 1 {
                     stack.push((level - 1, child));
+                } else if touched.is_none_or(|gone| !gone.is_gone(child)) {
+                    visit(child);
                 }
             }
         }
@@ -166,6 +178,7 @@ impl Light<'_> {
                 return;
             }
             let mut sink = shared.borrow_mut();
+            let number = Some(self.first_number + index as u32);
             let skylines = known_around(self.skylines, index);
             if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
                 let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
@@ -178,7 +191,7 @@ impl Light<'_> {
                     });
                     let PointSource { azimuth_rad, altitude_m, flux_dnb_w, .. } = s;
                     let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                    sink.take(Some(index), light);
+                    sink.take(number, light);
                 });
             } else {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
@@ -189,10 +202,23 @@ impl Light<'_> {
                 });
                 let azimuth_rad = bearing.azimuth_rad;
                 let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                sink.take(Some(index), light);
+                sink.take(number, light);
             }
         };
         self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);
+    }
+
+    /// Calls `visit` with index and centre of every light whose centre may be within `radius_m` of a place; a few more may come.
+    pub(crate) fn walk_all(&self, place: DVec3, radius_m: f64, mut visit: impl FnMut(usize, DVec3)) {
+        self.walk(
+            place,
+            radius_m,
+            |_, _, _| false,
+            |index| {
+                let (column, row) = morton::decode(self.pixels.codes[index]);
+                visit(index, self.grid.center(column, row));
+            },
+        );
     }
 
     /// Every lit pixel whose centre is within `radius_m` of the observer, in the raster's Morton order.

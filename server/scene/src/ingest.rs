@@ -14,12 +14,13 @@ mod terrain_files;
 pub use options::{IngestOptions, IngestProgress, IngestStage, RadianceUnit};
 
 use crate::error::SceneError;
-use crate::light_pyramid::LightPyramid;
+use crate::light_layer::{LightLayer, Lights};
 use crate::metadata::{GridMetadata, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::store::SceneStore;
 use crate::stored;
+use std::sync::Arc;
 
 /// Reads a radiance raster with its terrain and places, and stores the scene.
 ///
@@ -56,8 +57,10 @@ pub(crate) fn ingest_as(
     let terrain = terrain_files::read(&options.terrain, progress)?;
     terrain_files::raise(&terrain, &mut light, progress);
     let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
-    let pyramid = LightPyramid::build(&light.grid, &light.pixels, skylines.as_ref(), options.calibration);
+    let has_skylines = skylines.is_some();
+    let lights = Lights::new(&light.grid, light.pixels, skylines, options.calibration);
     let mut report = light.report;
+    let pyramid = &lights.pyramid;
     if pyramid.top() > 0 {
         report.flux_dnb_w = pyramid.level(pyramid.top()).blocks.iter().map(|b| b.flux_dnb_w).sum();
     }
@@ -75,24 +78,22 @@ pub(crate) fn ingest_as(
         calibration: options.calibration,
         report,
         pixel_size_m: light.grid.pixel_size_m(),
-        lit_pixels: light.pixels.len() as u64,
+        lit_pixels: lights.pixels.len() as u64,
         date: options.date.clone(),
         attribution: options.attribution.clone(),
         illustrative,
         terrain: !terrain.terrain.is_empty(),
-        light_skylines: skylines.is_some(),
+        light_skylines: has_skylines,
         places_count: places.len() as u64,
         version: String::new(),
     };
     let mut scene = Scene {
         metadata,
-        grid: light.grid,
-        mask: light.mask,
-        pixels: light.pixels,
-        skylines,
-        pyramid,
-        terrain: terrain.terrain,
-        places,
+        grid: Arc::new(light.grid),
+        mask: Arc::new(light.mask),
+        layers: vec![LightLayer::whole(lights)],
+        terrain: Arc::new(terrain.terrain),
+        places: places.into(),
     };
     progress(IngestProgress { stage: IngestStage::Store, done: 0, total: 1 });
     stored::write(store, &mut scene, options.replace)?;

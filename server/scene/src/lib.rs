@@ -9,11 +9,15 @@
 //! behind a ridge what leaves it below the ridge does not count (the blocking index of a [`PolarCell`]; the skyline of
 //! each light is found at ingest).
 //!
+//! Lights can be changed ([`Scene::changed`]): painted over, given other lamps, dimmed by a plan; the changed scene shares what
+//! was not touched. A [`ChangeStore`] keeps what was painted and planned.
+//!
 //! Nothing is resampled at ingest: a scene keeps the raster's own grid, lit pixels alone, and a mask of what
 //! was measured.
 
 mod blocked_sources;
 mod boundary;
+mod changes;
 mod coverage;
 mod demo;
 mod error;
@@ -23,8 +27,10 @@ mod grid_sections;
 mod ground;
 mod ingest;
 mod lattice;
+mod light_layer;
 mod light_pyramid;
 mod light_shares;
+mod light_skyline;
 mod lit_pixels;
 mod map_tile;
 mod mask;
@@ -42,6 +48,11 @@ mod stored;
 mod terrain;
 
 pub use boundary::{Boundary, BoundaryError, MOST_BOUNDARY_CORNERS, Position};
+pub use changes::{
+    Area, AreaError, Change, ChangeError, ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore,
+    ChangeStoreError, ChangeSummary, Edit, MOST_BRUSH_POINTS, MOST_EDITS, MOST_NEW_LIGHTS, PixelFactors,
+    Scenario, StoredPlan,
+};
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use error::SceneError;
 pub use gather::FAR_BLOCK_RATIO;

@@ -44,12 +44,6 @@ impl Level {
         let end = self.blocks.get(index + 1).map_or(self.child_count, |next| next.first_child);
         self.blocks[index].first_child as usize..end as usize
     }
-
-    /// The block at block coordinates, if it is lit.
-    pub(crate) fn block_at(&self, column: u32, row: u32) -> Option<&Block> {
-        let index = self.codes.binary_search(&morton::encode(column, row)).ok()?;
-        Some(&self.blocks[index])
-    }
 }
 
 /// Levels 1, 2 … up to the one with a single block.

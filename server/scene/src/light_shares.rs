@@ -132,10 +132,10 @@ fn slot(at: usize, blocking: usize) -> u32 {
 }
 
 impl LightSink for ShareCollector {
-    fn take(&mut self, pixel: Option<usize>, light: PlacedLight) {
+    fn take(&mut self, number: Option<u32>, light: PlacedLight) {
         self.accumulator.add(light);
         // Blocks are not taken where pixels are asked for.
-        let Some(number) = pixel.map(|pixel| pixel as u32) else { return };
+        let Some(number) = number else { return };
         match self.visited.last_mut() {
             Some(last) if last.number == number => last.flux_dnb_w += light.flux_dnb_w,
             _ => self.visited.push(Visited {

@@ -36,10 +36,9 @@ impl LitPixels {
             && self.altitude_m.iter().all(|h| h.is_finite() && *h >= 0.0)
     }
 
-    /// The radiance of a pixel if it is lit, nW cm⁻² sr⁻¹.
-    pub(crate) fn radiance_at(&self, column: u32, row: u32) -> Option<f32> {
-        let index = self.codes.binary_search(&morton::encode(column, row)).ok()?;
-        Some(self.radiance_nw_cm2_sr[index])
+    /// The index of a pixel if it is lit.
+    pub(crate) fn index_at(&self, column: u32, row: u32) -> Option<usize> {
+        self.codes.binary_search(&morton::encode(column, row)).ok()
     }
 
     /// Upward flux of pixel `index`, DNB watts, calibration included.

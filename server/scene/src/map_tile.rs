@@ -1,6 +1,7 @@
 //! Web-Mercator map tiles of radiance, elevation and numbers of lit pixels, as numbers and a mask.
 
 use crate::error::SceneError;
+use crate::light_layer::LightLayer;
 use crate::morton;
 use crate::scene::Scene;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
@@ -71,7 +72,9 @@ pub(crate) fn sample(
     y: u32,
     size_px: u32,
 ) -> Result<RasterTile, SceneError> {
-    let radiance = |level: u32, column: u32, row: u32| radiance_sum(scene, level, column, row);
+    let radiance = |level: u32, column: u32, row: u32| {
+        scene.layers.iter().map(|layer| layer.radiance_sum_nw_cm2_sr(level, column, row)).sum()
+    };
     sample_with((z, x, y), size_px, |window, column, row| match layer {
         TileLayer::Radiance => mean_of_pixels(scene, window, column, row, radiance),
         TileLayer::Elevation => {
@@ -89,12 +92,16 @@ pub(crate) fn sample_pixels(
     y: u32,
     size_px: u32,
 ) -> Result<RasterTile, SceneError> {
-    let codes = &scene.pixels.codes;
     let sum = |level: u32, column: u32, row: u32| {
         let block = morton::encode(column, row);
-        let [first, end] =
-            [block, block + 1].map(|block| codes.partition_point(|code| code >> (2 * level) < block) as u32);
-        numbers.sum(first, end)
+        let in_layer = |layer: &LightLayer| {
+            let [first, end] = [block, block + 1].map(|block| {
+                let codes = &layer.lights.pixels.codes;
+                layer.first_number + codes.partition_point(|code| code >> (2 * level) < block) as u32
+            });
+            numbers.sum(first, end)
+        };
+        scene.layers.iter().map(in_layer).sum()
     };
     sample_with((z, x, y), size_px, |window, column, row| mean_of_pixels(scene, window, column, row, sum))
 }
@@ -195,18 +202,4 @@ fn mean_of_pixels(
         total += sum(level, block_column, block_row);
     }
     (valid > 0.0).then(|| total / valid)
-}
-
-/// Sum of radiances in a block, nW cm⁻² sr⁻¹.
-fn radiance_sum(scene: &Scene, level: u32, column: u32, row: u32) -> f64 {
-    if level == 0 {
-        return scene.pixels.radiance_at(column, row).map_or(0.0, f64::from);
-    }
-    let top = scene.pyramid.top();
-    let block = match level as usize {
-        level if level <= top => scene.pyramid.level(level).block_at(column, row),
-        _ if top == 0 => None,
-        _ => scene.pyramid.level(top).blocks.first(),
-    };
-    block.map_or(0.0, |block| block.radiance_sum_nw_cm2_sr)
 }

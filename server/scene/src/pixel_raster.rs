@@ -65,10 +65,9 @@ impl Drop for MemoryFile {
 }
 
 impl Scene {
-    /// Numbers of lit pixels as a GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated in tiles of 256; all
-    /// other pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
+    /// Numbers of lit pixels as a GeoTIFF, as [`Self::codes_geotiff`]; those of lights that share a pixel are added up.
     ///
-    /// * `numbers`: of lit pixels ([`Self::column_and_row`]), ascending; `values` beside them.
+    /// * `numbers`: of lit pixels ([`Self::column_and_row`]); `values` beside them.
     ///
     /// # Errors
     /// [`RasterError`], only by a defect or for want of memory.
@@ -76,6 +75,29 @@ impl Scene {
         &self,
         numbers: &[u32],
         values: &[f32],
+        words: &RasterWords<'_>,
+    ) -> Result<Vec<u8>, RasterError> {
+        let codes = numbers.iter().map(|&number| self.code(number));
+        let mut pixels: Vec<(u64, f32)> = codes.zip(values.iter().copied()).collect();
+        pixels.sort_by_key(|pixel| pixel.0);
+        pixels.dedup_by(|next, kept| {
+            let is_same = next.0 == kept.0;
+            kept.1 += if is_same { next.1 } else { 0.0 };
+            is_same
+        });
+        self.codes_geotiff(&pixels, words)
+    }
+
+    /// Numbers of pixels as a GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated in tiles of 256; all other
+    /// pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
+    ///
+    /// * `pixels`: codes ([`Self::pixel_code`]), ascending, each with its number.
+    ///
+    /// # Errors
+    /// [`RasterError`], only by a defect or for want of memory.
+    pub fn codes_geotiff(
+        &self,
+        pixels: &[(u64, f32)],
         words: &RasterWords<'_>,
     ) -> Result<Vec<u8>, RasterError> {
         let file = MemoryFile::new();
@@ -101,20 +123,18 @@ impl Scene {
         band.set_description(words.description)?;
         set_unit(&band, words.unit)?;
         // Pixels of a tile are one run of codes.
-        let tile_of = |number: u32| self.pixels.codes[number as usize] >> (2 * TILE_SHIFT);
-        let mut first = 0;
-        for run in numbers.chunk_by(|a, b| tile_of(*a) == tile_of(*b)) {
+        let tile_of = |pixel: &(u64, f32)| pixel.0 >> (2 * TILE_SHIFT);
+        for run in pixels.chunk_by(|a, b| tile_of(a) == tile_of(b)) {
             let side = 1u32 << TILE_SHIFT;
-            let (tile_column, tile_row) = morton::decode(tile_of(run[0]));
+            let (tile_column, tile_row) = morton::decode(tile_of(&run[0]));
             let (west, north) = (tile_column * side, tile_row * side);
             let (width, height) =
                 (side.min(grid.width - west) as usize, side.min(grid.height - north) as usize);
             let mut tile = vec![f32::NAN; width * height];
-            for (number, value) in run.iter().zip(&values[first..]) {
-                let (column, row) = morton::decode(self.pixels.codes[*number as usize]);
-                tile[(row - north) as usize * width + (column - west) as usize] = *value;
+            for &(code, value) in run {
+                let (column, row) = morton::decode(code);
+                tile[(row - north) as usize * width + (column - west) as usize] = value;
             }
-            first += run.len();
             let mut buffer = Buffer::new((width, height), tile);
             band.write((west as isize, north as isize), (width, height), &mut buffer)?;
         }

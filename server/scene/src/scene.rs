@@ -2,36 +2,34 @@
 
 use crate::coverage;
 use crate::error::SceneError;
-use crate::gather::{FAR_BLOCK_RATIO, Light, NO_BLOCKS};
+use crate::gather::{FAR_BLOCK_RATIO, NO_BLOCKS};
 use crate::grid::Grid;
 use crate::ground::Ground;
-use crate::light_pyramid::LightPyramid;
+use crate::light_layer::LightLayer;
 use crate::light_shares::{LightShares, ShareCollector};
-use crate::lit_pixels::LitPixels;
 use crate::map_tile::{self, PixelNumbers, RasterTile, TileLayer};
 use crate::mask::ValidMask;
 use crate::metadata::{Place, SceneMetadata};
 use crate::morton;
 use crate::polar_grid::{PolarAccumulator, PolarGrid};
-use crate::skylines::Skylines;
 use crate::terrain::{Terrain, nearest_wall_m};
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::horizon::terrain_elevation_tangent;
-use skyglow_physics::{EARTH_RADIUS_M, GeoPoint, Horizon, SourcePixel};
+use skyglow_physics::source_pixel::upward_flux_dnb_w;
+use skyglow_physics::{EARTH_RADIUS_M, Fixture, GeoPoint, Horizon, SourcePixel};
+use std::sync::Arc;
 
-/// A scene in memory. It needs neither its files nor GDAL to answer; share it in an `Arc`.
-#[derive(Debug)]
+/// A scene in memory. It needs neither its files nor GDAL to answer. A clone shares all but what is said about it.
+#[derive(Clone, Debug)]
 pub struct Scene {
     pub(crate) metadata: SceneMetadata,
-    pub(crate) grid: Grid,
-    pub(crate) mask: ValidMask,
-    pub(crate) pixels: LitPixels,
-    /// What stands around each lit pixel; None without terrain, and for scenes stored before it was looked for.
-    pub(crate) skylines: Option<Skylines>,
-    pub(crate) pyramid: LightPyramid,
-    pub(crate) terrain: Terrain,
-    pub(crate) places: Vec<Place>,
+    pub(crate) grid: Arc<Grid>,
+    pub(crate) mask: Arc<ValidMask>,
+    /// Its lights: those of the raster first, then changed and new ones.
+    pub(crate) layers: Vec<LightLayer>,
+    pub(crate) terrain: Arc<Terrain>,
+    pub(crate) places: Arc<[Place]>,
 }
 
 impl Scene {
@@ -117,12 +115,13 @@ impl Scene {
     /// light (or less than none), `None` outside and without data.
     pub fn radiance_nw_cm2_sr(&self, place: GeoPoint) -> Option<f64> {
         let (column, row) = self.grid.pixel_at(place)?;
-        let radiance = self.pixels.radiance_at(column, row);
-        radiance.map(f64::from).or_else(|| self.mask.is_valid(column, row).then_some(0.0))
+        let lights = self.layers.iter().filter_map(|layer| layer.radiance_at(column, row));
+        let radiance = lights.map(f64::from).reduce(|sum, light| sum + light);
+        radiance.or_else(|| self.mask.is_valid(column, row).then_some(0.0))
     }
 
     /// The light around a place by azimuth and distance: all lit pixels whose centre is within 300 km, far
-    /// ones by blocks (see [`FAR_BLOCK_RATIO`]). Works for places off the raster too.
+    /// ones by blocks (see [`FAR_BLOCK_RATIO`]), whatever shines in them. Works for places off the raster too.
     ///
     /// * `terrain_hides`: whether the terrain between a light and the place cuts its low light. Without it, or
     ///   where the scene knows no skylines of its lights, all light is under an open sky (blocking index 0).
@@ -137,28 +136,89 @@ impl Scene {
         terrain_hides: bool,
         far_block_ratio: f64,
     ) -> PolarGrid {
+        let layers: Vec<&LightLayer> = self.layers.iter().collect();
+        self.polar_grid_of(&layers, place, terrain_hides, far_block_ratio)
+    }
+
+    /// [`Self::polar_grid`] for each kind of fixture, that of the raster's own lights first, be there light or not.
+    pub fn polar_grids(&self, place: GeoPoint, terrain_hides: bool) -> Vec<(Fixture, PolarGrid)> {
+        let polar =
+            |layers: &[&LightLayer]| self.polar_grid_of(layers, place, terrain_hides, FAR_BLOCK_RATIO);
+        self.by_fixture(polar)
+    }
+
+    fn polar_grid_of(
+        &self,
+        layers: &[&LightLayer],
+        place: GeoPoint,
+        terrain_hides: bool,
+        far_block_ratio: f64,
+    ) -> PolarGrid {
         let mut accumulator = PolarAccumulator::new();
-        self.light_behind(terrain_hides).gather(&LocalFrame::at(place), far_block_ratio, &mut accumulator);
+        let frame = LocalFrame::at(place);
+        for layer in layers {
+            let light = layer.light(&self.grid, self.metadata.calibration, terrain_hides);
+            light.gather(&frame, far_block_ratio, &mut accumulator);
+        }
         accumulator.finish(place, self.coverage(place))
     }
 
     /// The same with every pixel by itself, and where the light of each went.
-    pub fn light_shares(&self, place: GeoPoint, terrain_hides: bool) -> LightShares {
-        let mut collector = ShareCollector::new();
+    pub fn light_shares(&self, place: GeoPoint, terrain_hides: bool) -> Vec<(Fixture, LightShares)> {
         let frame = LocalFrame::at(place);
-        self.light_behind(terrain_hides).gather(&frame, NO_BLOCKS, &mut collector);
-        collector.finish(place, &frame, self.coverage(place), |number| {
-            let (column, row) = morton::decode(self.pixels.codes[number as usize]);
-            self.grid.center(column, row)
+        self.by_fixture(|layers| {
+            let mut collector = ShareCollector::new();
+            for layer in layers {
+                let light = layer.light(&self.grid, self.metadata.calibration, terrain_hides);
+                light.gather(&frame, NO_BLOCKS, &mut collector);
+            }
+            collector.finish(place, &frame, self.coverage(place), |number| {
+                let (column, row) = self.column_and_row(number);
+                self.grid.center(column, row)
+            })
         })
     }
 
-    /// Column and row on the raster of a lit pixel by its number, as [`LightShares`] names it.
+    /// Something made of the layers of each kind of fixture, that of the raster's own lights first.
+    pub(crate) fn by_fixture<T>(&self, make: impl Fn(&[&LightLayer]) -> T) -> Vec<(Fixture, T)> {
+        let mut kinds: Vec<(Fixture, Vec<&LightLayer>)> = Vec::new();
+        for layer in &self.layers {
+            match kinds.iter_mut().find(|(fixture, _)| *fixture == layer.fixture) {
+                Some((_, layers)) => layers.push(layer),
+                None => kinds.push((layer.fixture.clone(), vec![layer])),
+            }
+        }
+        kinds.into_iter().map(|(fixture, layers)| (fixture, make(&layers))).collect()
+    }
+
+    /// The lights of the raster, as it was ingested.
+    pub(crate) fn first_layer(&self) -> &LightLayer {
+        &self.layers[0]
+    }
+
+    /// The layer of a lit pixel by its number, and the pixel's index in it.
+    fn light(&self, number: u32) -> (&LightLayer, usize) {
+        let layer = self.layers.partition_point(|layer| layer.first_number <= number) - 1;
+        let layer = &self.layers[layer];
+        (layer, (number - layer.first_number) as usize)
+    }
+
+    /// The code ([`Self::pixel_code`]) of a lit pixel by its number.
+    ///
+    /// # Panics
+    /// For a number that no lit pixel has.
+    pub fn code(&self, number: u32) -> u64 {
+        let (layer, index) = self.light(number);
+        layer.lights.pixels.codes[index]
+    }
+
+    /// Column and row on the raster of a lit pixel by its number, as [`LightShares`] names it. In a changed scene a pixel may
+    /// have lights of several kinds, each with a number of its own.
     ///
     /// # Panics
     /// For a number that no lit pixel has.
     pub fn column_and_row(&self, number: u32) -> (u32, u32) {
-        morton::decode(self.pixels.codes[number as usize])
+        morton::decode(self.code(number))
     }
 
     /// The raster's radiance of a lit pixel by its number, nW cm⁻² sr⁻¹, without the calibration.
@@ -166,19 +226,21 @@ impl Scene {
     /// # Panics
     /// For a number that no lit pixel has.
     pub fn lit_radiance_nw_cm2_sr(&self, number: u32) -> f32 {
-        self.pixels.radiance_nw_cm2_sr[number as usize]
+        let (layer, index) = self.light(number);
+        layer.lights.pixels.radiance_nw_cm2_sr[index]
+    }
+
+    /// All light of a pixel: radiance, nW cm⁻² sr⁻¹, without the calibration, and upward flux, DNB watts, with it.
+    pub fn pixel_light(&self, column: u32, row: u32) -> (f64, f64) {
+        let lights = self.layers.iter().filter_map(|layer| layer.radiance_at(column, row));
+        let radiance: f64 = lights.map(f64::from).sum();
+        let flux_dnb_w = upward_flux_dnb_w(radiance, self.grid.area_m2(column, row));
+        (radiance, self.metadata.calibration * flux_dnb_w)
     }
 
     /// The centre of a pixel of the raster.
     pub fn pixel_center(&self, column: u32, row: u32) -> GeoPoint {
         GeoPoint::from_vector(self.grid.center(column, row))
-    }
-
-    /// The scene's light, behind the skylines around it where those are known and terrain is to hide.
-    fn light_behind(&self, terrain_hides: bool) -> Light<'_> {
-        let skylines =
-            self.skylines.as_ref().filter(|skylines| terrain_hides && skylines.blocked_count() > 0);
-        Light { skylines, ..self.light() }
     }
 
     /// The part of the 300 km disc around a place for which the raster has data, 0..=1, to about 0.005.
@@ -189,7 +251,21 @@ impl Scene {
 
     /// Every lit pixel whose centre is within `radius_m` of a place, exactly as the raster has it.
     pub fn source_pixels_within(&self, place: GeoPoint, radius_m: f64) -> Vec<SourcePixel> {
-        self.light().pixels_within(&LocalFrame::at(place), radius_m)
+        self.source_pixels_by_fixture(place, radius_m).into_iter().flat_map(|(_, pixels)| pixels).collect()
+    }
+
+    /// The same for each kind of fixture, that of the raster's own lights first.
+    pub fn source_pixels_by_fixture(
+        &self,
+        place: GeoPoint,
+        radius_m: f64,
+    ) -> Vec<(Fixture, Vec<SourcePixel>)> {
+        let frame = LocalFrame::at(place);
+        self.by_fixture(|layers| {
+            let calibration = self.metadata.calibration;
+            let lights = layers.iter().map(|layer| layer.light(&self.grid, calibration, false));
+            lights.flat_map(|light| light.pixels_within(&frame, radius_m)).collect()
+        })
     }
 
     /// A Web-Mercator tile of numbers, `size_px` × `size_px` (1..=1024), row 0 in the north.
@@ -220,15 +296,5 @@ impl Scene {
         size_px: u32,
     ) -> Result<RasterTile, SceneError> {
         map_tile::sample_pixels(self, numbers, z, x, y, size_px)
-    }
-
-    fn light(&self) -> Light<'_> {
-        Light {
-            grid: &self.grid,
-            pixels: &self.pixels,
-            pyramid: &self.pyramid,
-            calibration: self.metadata.calibration,
-            skylines: None,
-        }
     }
 }

@@ -73,6 +73,12 @@ impl Skylines {
         }
     }
 
+    /// The skyline of a light.
+    pub(crate) fn skyline(&self, light: usize) -> Skyline {
+        let at = self.at[light];
+        if at == OPEN { Skyline::default() } else { self.blocked[at as usize] }
+    }
+
     /// How many lights have terrain around them.
     pub(crate) fn blocked_count(&self) -> usize {
         self.blocked.len()

@@ -5,8 +5,9 @@
 //! when a scene is opened. A scene appears by one rename, so it is whole or not there.
 
 use crate::error::SceneError;
+use crate::grid::Grid;
 use crate::grid_sections;
-use crate::light_pyramid::LightPyramid;
+use crate::light_layer::{LightLayer, Lights};
 use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
 use crate::metadata::{Place, SceneMetadata};
@@ -19,6 +20,7 @@ use crate::stored::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, Store
 use crate::terrain::Terrain;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The folder of scenes.
 #[derive(Clone, Debug)]
@@ -119,31 +121,36 @@ impl SceneStore {
             Ok(Some(bytes))
         };
         let light = read(LIGHT_FILE)?.ok_or_else(|| damaged(id, LIGHT_FILE)("is not listed".to_owned()))?;
-        let mut scene = read_light(&light, stored.metadata.clone()).map_err(damaged(id, LIGHT_FILE))?;
+        let light = read_light(&light).map_err(damaged(id, LIGHT_FILE))?;
+        let mut terrain = Terrain::default();
         if let Some(bytes) = read(TERRAIN_FILE)? {
             let parsed = Sections::parse(&bytes).and_then(|sections| Terrain::from_sections(&sections));
-            scene.terrain = parsed.map_err(damaged(id, TERRAIN_FILE))?;
+            terrain = parsed.map_err(damaged(id, TERRAIN_FILE))?;
         }
+        let mut skylines = None;
         if let Some(bytes) = read(SKYLINES_FILE)? {
-            let count = scene.pixels.len();
+            let count = light.pixels.len();
             let parsed =
                 Sections::parse(&bytes).and_then(|sections| Skylines::from_sections(&sections, count));
-            scene.skylines = Some(parsed.map_err(damaged(id, SKYLINES_FILE))?);
-        } else if scene.metadata.light_skylines {
+            skylines = Some(parsed.map_err(damaged(id, SKYLINES_FILE))?);
+        } else if stored.metadata.light_skylines {
             return Err(damaged(id, SKYLINES_FILE)("is not listed".to_owned()));
         }
-        scene.pyramid = LightPyramid::build(
-            &scene.grid,
-            &scene.pixels,
-            scene.skylines.as_ref(),
-            scene.metadata.calibration,
-        );
+        let mut places: Vec<Place> = Vec::new();
         if let Some(bytes) = read(PLACES_FILE)? {
-            let parsed: Result<Vec<Place>, _> = serde_json::from_slice(&bytes);
-            scene.places =
-                parsed.map_err(|error| damaged(id, PLACES_FILE)(format!("is broken ({error})")))?;
+            let parsed = serde_json::from_slice(&bytes);
+            places = parsed.map_err(|error| damaged(id, PLACES_FILE)(format!("is broken ({error})")))?;
         }
-        Ok(scene)
+        let StoredLight { grid, mask, pixels } = light;
+        let lights = Lights::new(&grid, pixels, skylines, stored.metadata.calibration);
+        Ok(Scene {
+            metadata: stored.metadata,
+            grid: Arc::new(grid),
+            mask: Arc::new(mask),
+            layers: vec![LightLayer::whole(lights)],
+            terrain: Arc::new(terrain),
+            places: places.into(),
+        })
     }
 }
 
@@ -152,8 +159,14 @@ fn damaged(id: &SceneId, file: &str) -> impl FnOnce(Flaw) -> SceneError {
     move |reason| SceneError::Damaged { scene, file, reason }
 }
 
-/// The scene without its terrain, its places and its light pyramid.
-fn read_light(bytes: &[u8], metadata: SceneMetadata) -> Result<Scene, Flaw> {
+/// What `light.bin` holds.
+struct StoredLight {
+    grid: Grid,
+    mask: ValidMask,
+    pixels: LitPixels,
+}
+
+fn read_light(bytes: &[u8]) -> Result<StoredLight, Flaw> {
     let sections = Sections::parse(bytes)?;
     let grid = grid_sections::from_sections(&sections, "")?;
     let pixels = LitPixels {
@@ -167,14 +180,5 @@ fn read_light(bytes: &[u8], metadata: SceneMetadata) -> Result<Scene, Flaw> {
     let (row_start, runs) = (sections.numbers("row_start")?, sections.numbers("runs")?);
     let mask = ValidMask::from_parts(grid.width, grid.height, row_start, runs)
         .ok_or("holds a mask that contradicts itself")?;
-    Ok(Scene {
-        metadata,
-        grid,
-        mask,
-        pixels,
-        skylines: None,
-        pyramid: LightPyramid::default(),
-        terrain: Terrain::default(),
-        places: Vec::new(),
-    })
+    Ok(StoredLight { grid, mask, pixels })
 }

@@ -110,12 +110,12 @@ pub(crate) fn write(store: &SceneStore, scene: &mut Scene, replace: bool) -> Res
         let bytes = sections::pack(&scene.terrain.to_sections()).map_err(SceneError::io(staging.path()))?;
         put(TERRAIN_FILE, &bytes)?;
     }
-    if let Some(skylines) = &scene.skylines {
+    if let Some(skylines) = &scene.first_layer().lights.skylines {
         let bytes = sections::pack(&skylines.to_sections()).map_err(SceneError::io(staging.path()))?;
         put(SKYLINES_FILE, &bytes)?;
     }
     if !scene.places.is_empty() {
-        put(PLACES_FILE, &json(&scene.places, staging.path())?)?;
+        put(PLACES_FILE, &json(&&*scene.places, staging.path())?)?;
     }
     let mut stored = StoredScene { format: FORMAT, metadata: scene.metadata.clone(), files };
     let version = stored.version().map_err(|error| SceneError::io(staging.path())(error.into()))?;
@@ -134,9 +134,18 @@ fn json<T: Serialize>(value: &T, path: &Path) -> Result<Vec<u8>, SceneError> {
 fn light_bytes(scene: &Scene) -> Result<Vec<u8>, std::io::Error> {
     let (row_start, runs) = scene.mask.parts();
     let mut parts = grid_sections::to_sections(&scene.grid, "");
-    parts.push(("codes".into(), Cow::Owned(sections::pack_ascending(&scene.pixels.codes))));
-    parts.push(("radiance".into(), Cow::Borrowed(bytemuck::cast_slice(&scene.pixels.radiance_nw_cm2_sr))));
-    parts.push(("altitude".into(), Cow::Borrowed(bytemuck::cast_slice(&scene.pixels.altitude_m))));
+    parts.push((
+        "codes".into(),
+        Cow::Owned(sections::pack_ascending(&scene.first_layer().lights.pixels.codes)),
+    ));
+    parts.push((
+        "radiance".into(),
+        Cow::Borrowed(bytemuck::cast_slice(&scene.first_layer().lights.pixels.radiance_nw_cm2_sr)),
+    ));
+    parts.push((
+        "altitude".into(),
+        Cow::Borrowed(bytemuck::cast_slice(&scene.first_layer().lights.pixels.altitude_m)),
+    ));
     parts.push(("row_start".into(), Cow::Borrowed(bytemuck::cast_slice(row_start))));
     parts.push(("runs".into(), Cow::Borrowed(bytemuck::cast_slice(runs))));
     sections::pack(&parts)

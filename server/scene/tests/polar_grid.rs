@@ -103,7 +103,7 @@ proptest! {
         let g = raster.geotransform;
         let longitude = (g[0] + g[1] * x * raster.size.0 as f64 + 540.0).rem_euclid(360.0) - 180.0;
         let observer = place((g[3] + g[5] * y * raster.size.1 as f64).clamp(-90.0, 90.0), longitude);
-        let shares = scene.light_shares(observer, false);
+        let (_, shares) = scene.light_shares(observer, false).remove(0);
         // The grid is that of every pixel by itself.
         let alone = scene.polar_grid_with_ratio(observer, false, 0.0);
         prop_assert!((shares.polar.flux_dnb_w - alone.flux_dnb_w).abs() <= 1e-9 * alone.flux_dnb_w);

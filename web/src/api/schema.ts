@@ -32,6 +32,8 @@ export type Assumptions = {
   observer: ObserverAnswer;
   /** `single`: first order alone; `multiple`: all orders, with light that the ground sends back. */
   scattering: string;
+  /** Id of the scenario or plan that changes its lights; null for the scene as it is. */
+  scenario?: string | null;
   /** The scene. */
   scene: SceneReference;
   /** Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without terrain. */
@@ -70,6 +72,77 @@ export type AtmosphereAnswer = {
   turbidity: number;
 };
 
+/** A stroke. */
+export type BrushBody = {
+  /** Longitude and latitude of its points, degrees: 1 to 1000. */
+  points: number[][];
+  /** Radius, 1 to 50 000 m. The pixels right under the stroke are painted however fine it is. */
+  radius_m: number;
+};
+
+/** A pixel that is dimmed. */
+export type DimmedPixelAnswer = {
+  /** Column on the scene's raster, from 0. */
+  column: number;
+  /** Parts of this pixel and all before it in the list. */
+  cumulative_effect: number;
+  /** Part of its light that goes, 0 to 1. */
+  cut: number;
+  /** Its part of what the plan takes from the sites' measures, in the mean over the sites. */
+  effect: number;
+  /** Its upward flux today, DNB watts, calibration included. */
+  flux_dnb_w: number;
+  /** What of that goes. */
+  flux_removed_dnb_w: number;
+  /** Centre, degrees north. */
+  latitude_deg: number;
+  /** Centre, degrees east. */
+  longitude_deg: number;
+  /** And with the plan. */
+  radiance_after_nw_cm2_sr: number;
+  /** Its radiance today, nW cm⁻² sr⁻¹, without the calibration. */
+  radiance_before_nw_cm2_sr: number;
+  /** Place in the list, from 1: by `effect`. */
+  rank: number;
+  /** Row, the same way. */
+  row: number;
+};
+
+/** An edit as it was understood. */
+export type EditAnswer = {
+  /** Radiance that is added, nW cm⁻² sr⁻¹. */
+  add_radiance_nw_cm2_sr?: number | null;
+  /** Its area as GeoJSON: a MultiPolygon, or of a stroke the MultiPoint of its points. */
+  area: Record<string, unknown>;
+  /** Weights of lambert, horizon and oblique; null for as before. */
+  emission?: number[] | null;
+  /** Factor on the lights that are there; null where light is added. */
+  factor?: number | null;
+  /** What stays the same when lamps are replaced: `luminous_flux` or `dnb_flux`. */
+  keep?: string | null;
+  /** New lamps: a preset's name, or fluxes in R, G, B. */
+  lamp?: Record<string, unknown> | null;
+  /** Which lamps they replace; null for all. */
+  lamp_from?: string | null;
+  /** Lit pixels in its area. */
+  lit_pixels: number;
+  /** Radius of the brush, metres; null for polygons. */
+  radius_m?: number | null;
+};
+
+/** One edit: an area, and either a change of the lights there or new light. */
+export type EditBody = {
+  /** Radiance added to every pixel, lit or dark, nW cm⁻² sr⁻¹: instead of `factor`. */
+  add_radiance_nw_cm2_sr?: number | null;
+  brush?: BrushBody | null;
+  emission?: FixtureBody | null;
+  /** Factor on the radiance of the lights that are there, 0 to 1000. */
+  factor?: number | null;
+  lamp?: LampBody | null;
+  /** A GeoJSON Polygon or MultiPolygon, or a Feature or FeatureCollection of such; this or `brush`. Pixels whose centre is inside are painted. */
+  polygon?: Record<string, unknown> | null;
+};
+
 /** Weights of the emission lobes; they sum to 1. */
 export type EmissionAnswer = {
   /** Garstang's low-angle term. */
@@ -93,6 +166,9 @@ export type FieldError = {
   /** Its value as it came; absent where the parameter is missing. */
   value?: string | null;
 };
+
+/** A preset's name, or three numbers. */
+export type FixtureBody = string | number[];
 
 /** A raster's grid. */
 export type GridAnswer = {
@@ -179,11 +255,17 @@ export type LampAnswer = {
   preset?: string | null;
 };
 
+/** Lamps. */
+export type LampBody = FixtureBody | ReplaceBody;
+
+/** A value of an influence. */
+export type LevelBody = number | string;
+
 /** Which light. */
 export type Light = "artificial" | "total";
 
 /** Kinds of mistakes in parameters. */
-export type Mistake = "unknown_parameter" | "missing" | "repeated" | "malformed" | "not_allowed" | "conflict" | "out_of_range" | "not_resident" | "not_supported_yet";
+export type Mistake = "unknown_parameter" | "missing" | "repeated" | "malformed" | "not_allowed" | "conflict" | "out_of_range" | "not_resident";
 
 /** Where the observer is. */
 export type ObserverAnswer = {
@@ -255,6 +337,98 @@ export type PlaceAnswer = {
   population?: number | null;
 };
 
+/** A plan. Its facts are those of the time when it was made. */
+export type PlanAnswer = PlanFacts & {
+  /** When it was made, RFC 3339 UTC. */
+  created: string;
+  /** Its id, which every query takes as `scenario`. */
+  id: string;
+  /** The pixels that are dimmed, those with the most effect first. */
+  pixels: DimmedPixelAnswer[];
+};
+
+/** What is to be dimmed for whose sake. */
+export type PlanBody = {
+  /** Of `threshold`: the part of the most influential lights that goes, 0 to 1; the default is 1. */
+  gamma?: number | null;
+  /** Of `target`: the largest part of a light that may go, 0 to 1; the default is 1. */
+  max_cut?: number | null;
+  /** Of `threshold`: `norm`, `zenith`, `mean`, `horizontal` or `region`; the default is `region` where one is given, else `zenith`. */
+  measure?: string | null;
+  /** `threshold` or `target`. */
+  method: string;
+  /** Of `target`: lights in these polygons are left alone. */
+  protect?: Record<string, unknown> | null;
+  q_a?: LevelBody | null;
+  q_b?: LevelBody | null;
+  /** Of `threshold`: a closed curve on the sky, as for influences. */
+  region?: number[][] | null;
+  site?: SiteBody | null;
+  /** Of `target`: 1 to 16 sites with what each wants. */
+  sites?: SiteBody[] | null;
+};
+
+/** A plan in a list. */
+export type PlanEntry = {
+  /** When it was made, RFC 3339 UTC. */
+  created: string;
+  /** Upward flux that goes, DNB watts. */
+  flux_removed_dnb_w: number;
+  /** Part of the flux within reach. */
+  flux_removed_share: number;
+  /** Its id, which every query takes as `scenario`. */
+  id: string;
+  /** `threshold` or `target`. */
+  method: string;
+  /** Number of its sites. */
+  site_count: number;
+};
+
+/** All that is said of a plan but its pixels. It is kept as it was answered first. */
+export type PlanFacts = {
+  /** Pixels dimmed. */
+  dimmed_pixels: number;
+  /** Upward flux that goes, DNB watts, calibration included. */
+  flux_removed_dnb_w: number;
+  /** Part of that which goes. */
+  flux_removed_share: number;
+  /** Upward flux of all lit pixels within 300 km of a site, DNB watts. */
+  flux_within_reach_dnb_w: number;
+  /** Of a threshold plan: γ. */
+  gamma?: number | null;
+  /** Of a target plan: no plan that brings the measures down as far takes less flux, DNB watts; by linear duality. */
+  least_flux_dnb_w?: number | null;
+  /** Lit pixels within 300 km of a site. */
+  lit_pixels_within_reach: number;
+  /** Of a target plan: the largest part of a light that may go. */
+  max_cut?: number | null;
+  /** `threshold` or `target`. */
+  method: string;
+  /** The sites, in the order of the request. */
+  sites: PlannedSite[];
+  /** Of a threshold plan: Q_a and Q_b, in the site's `unit`. */
+  thresholds?: number[] | null;
+};
+
+/** What a plan says of a site. */
+export type PlannedSite = Assumptions & ({
+  /** Value with the plan, by the same forward model as every sky. */
+  after: number;
+  /** Value of the measure today, artificial light alone; of `norm` that of the whole visible sky. */
+  before: number;
+  /** `norm`, `zenith`, `mean`, `horizontal` or `region`. */
+  measure: string;
+  /** 1 − after/before. */
+  reduced_by: number;
+  /** The sky with the plan. */
+  sky_after: QuantitiesAnswer;
+  /** The sky today. */
+  sky_before: QuantitiesAnswer;
+  target?: TargetAnswer | null;
+  /** Unit of the values: `cd m-2`, `lx`, or `cd m-2 sr0.5` of the norm. */
+  unit: string;
+});
+
 /** Why a request was not answered as asked (RFC 9457). */
 export type Problem = {
   /** West, south, east, north of the scene, degrees, where the place lies outside it. */
@@ -307,12 +481,62 @@ export type QuantitiesAnswer = {
   zenith_total_luminance_cd_m2: number;
 };
 
+/** Lamps replaced by others. */
+export type ReplaceBody = {
+  /** Preset of those that are replaced; all without. Of `mixed` half are `hps` and half `led_4000k`. */
+  from?: string | null;
+  /** What stays the same: `luminous_flux` (the default: streets are as bright as before) or `dnb_flux` (what the satellite sees). */
+  keep?: string | null;
+  /** The new ones. */
+  to: FixtureBody;
+};
+
 /** Lights at some distance. */
 export type RingAnswer = PartAnswer & {
   /** Nearest, metres. */
   distance_from_m: number;
   /** Farthest, metres. */
   distance_to_m: number;
+};
+
+/** A scenario and what it does to its scene. */
+export type ScenarioAnswer = ScenarioEntry & {
+  /** Pixels whose light differs from the scene's, with what the scenario goes on from. */
+  changed_pixels: number;
+  /** Its edits, in order. */
+  edits: EditAnswer[];
+  /** And after; of replaced lamps what the satellite would have to see of the old ones. */
+  flux_after_dnb_w: number;
+  /** Upward flux of all those before, DNB watts, calibration included. */
+  flux_before_dnb_w: number;
+  /** Pixels lit that were dark. */
+  new_pixels: number;
+  /** The scene. */
+  scene: SceneReference;
+};
+
+/** What is painted over a scene. */
+export type ScenarioBody = {
+  /** Id of a scenario or plan that it goes on from. */
+  base?: string | null;
+  /** The edits, one after the other: 1 to 100. */
+  edits: EditBody[];
+  /** Its name for people, at most 200 characters. */
+  title?: string | null;
+};
+
+/** A scenario in a list. */
+export type ScenarioEntry = {
+  /** The scenario or plan that it goes on from. */
+  base?: string | null;
+  /** When it was kept, RFC 3339 UTC. */
+  created: string;
+  /** Number of its edits. */
+  edit_count: number;
+  /** Its id, which every query takes as `scenario`. */
+  id: string;
+  /** Its name for people. */
+  title?: string | null;
 };
 
 /** A scene. */
@@ -391,10 +615,46 @@ export type SiteAnswer = {
   warnings: string[];
 };
 
+/** A site. */
+export type SiteBody = {
+  /** Metres above sea level, instead. */
+  altitude?: number | null;
+  /** Of `target`: the measure is to be this at most, in its unit, artificial light alone. */
+  at_most?: number | null;
+  /** Metres above the ground; the default is 2. */
+  height?: number | null;
+  /** Degrees north. */
+  lat: number;
+  /** Degrees east. */
+  lon: number;
+  /** Of `target`: `zenith` (the default), `mean`, `horizontal` or `region`. */
+  measure?: string | null;
+  /** Of `target`: the measure is to be less by this part of what it is, 0 to 1. */
+  reduce_by?: number | null;
+  /** Of `target`: a closed curve on the sky. */
+  region?: number[][] | null;
+};
+
 /** The numbers alone. */
 export type SkyAnswer = Assumptions & {
   /** The numbers. */
   sky: QuantitiesAnswer;
+};
+
+/** What a site wanted of a target plan, and whether it has it. */
+export type TargetAnswer = {
+  /** Whether `after` is at most that, to a part in ten thousand. */
+  is_met: boolean;
+  /** What would be left with every light cut as far as it may be, in `unit`. */
+  least: number;
+  /** Of that, from lights in protected polygons. */
+  of_protected: number;
+  /** Of that, what `max_cut` leaves of the others. */
+  of_uncut: number;
+  /** The wanted value, in `unit`. */
+  wanted: number;
+  /** Why it is not met, in words; null where it is. */
+  why_not?: string | null;
 };
 
 /** TileJSON 3.0. */
@@ -447,6 +707,27 @@ export interface Gets {
     query: Record<string, never>;
     answer: Record<string, unknown>;
   };
+  /** A plan, in the format that the Accept header prefers, or that its address ends in: `.json` what is said of it and the pixels with the most effect, `.tif` the part of every pixel that goes as GeoTIFF on the scene's own grid, `.geojson` and `.csv` the pixels with the most effect. */
+  "/api/v1/plans/{plan}": {
+    path: {
+      /** The plan's id, with `.json`, `.tif`, `.geojson`, `.csv` or without */
+      plan: string;
+    };
+    query: {
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    answer: PlanAnswer;
+  };
+  /** A scenario, and what it does to its scene. */
+  "/api/v1/scenarios/{scenario}": {
+    path: {
+      /** The scenario's id */
+      scenario: string;
+    };
+    query: Record<string, never>;
+    answer: ScenarioAnswer;
+  };
   /** Lists the scenes. */
   "/api/v1/scenes": {
     path: Record<string, never>;
@@ -493,7 +774,7 @@ export interface Gets {
       terrain?: "on" | "off";
       /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
       tolerance?: number;
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
@@ -535,7 +816,7 @@ export interface Gets {
       terrain?: "on" | "off";
       /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
       tolerance?: number;
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
@@ -577,7 +858,7 @@ export interface Gets {
       terrain?: "on" | "off";
       /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
       tolerance?: number;
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
@@ -619,7 +900,7 @@ export interface Gets {
       terrain?: "on" | "off";
       /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
       tolerance?: number;
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
@@ -661,7 +942,7 @@ export interface Gets {
       terrain?: "on" | "off";
       /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
       tolerance?: number;
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
@@ -703,7 +984,7 @@ export interface Gets {
       tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
@@ -767,7 +1048,7 @@ export interface Gets {
       tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
@@ -817,7 +1098,7 @@ export interface Gets {
       tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
     };
     answer: PanoramaAnswer;
@@ -855,7 +1136,7 @@ export interface Gets {
       tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
@@ -919,7 +1200,7 @@ export interface Gets {
       tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
@@ -969,7 +1250,7 @@ export interface Gets {
       tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
       projection?: "equirectangular" | "fisheye" | "perspective";
@@ -1009,6 +1290,24 @@ export interface Gets {
     query: Record<string, never>;
     answer: PlaceAnswer[];
   };
+  /** Lists the plans of a scene, the newest first. */
+  "/api/v1/scenes/{scene}/plans": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: Record<string, never>;
+    answer: PlanEntry[];
+  };
+  /** Lists the scenarios of a scene, the newest first. */
+  "/api/v1/scenes/{scene}/scenarios": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: Record<string, never>;
+    answer: ScenarioEntry[];
+  };
   /** Says what is at a place. */
   "/api/v1/scenes/{scene}/site": {
     path: {
@@ -1020,6 +1319,8 @@ export interface Gets {
       lat: number;
       /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
       lon: number;
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
     };
     answer: SiteAnswer;
   };
@@ -1056,12 +1357,12 @@ export interface Gets {
       tolerance?: number;
       /** Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
       sky?: "artificial" | "total";
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
     };
     answer: SkyAnswer;
   };
-  /** Describes a layer of tiles (TileJSON 3.0). That of `influence` takes the parameters below, needs the place, and hands all of them on to its tiles. */
+  /** Describes a layer of tiles (TileJSON 3.0). That of `radiance` takes the parameter `scenario`, that of `influence` all below, and needs the place; they are handed on to the tiles. */
   "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json": {
     path: {
       /** The scene's id */
@@ -1094,7 +1395,7 @@ export interface Gets {
       terrain?: "on" | "off";
       /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
       tolerance?: number;
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
@@ -1103,7 +1404,7 @@ export interface Gets {
     };
     answer: TileJson;
   };
-  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading; `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential pixel; TileJSON says from what to what. Only `influence` takes the parameters below, and needs the place. */
+  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading; `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `influence` all parameters below, and needs the place. */
   "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png": {
     path: {
       /** The scene's id */
@@ -1142,7 +1443,7 @@ export interface Gets {
       terrain?: "on" | "off";
       /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
       tolerance?: number;
-      /** Id of a scenario or plan (not supported yet). Allowed: not to be given yet. */
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
       scenario?: string;
       /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
       measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";

@@ -39,13 +39,15 @@ pub(crate) struct Influence {
     program: ProgramFlags,
 }
 
+/// A file of pixels.
 #[derive(Clone, Debug)]
-struct Output {
-    path: PathBuf,
-    format: InfluenceFormat,
+pub(super) struct Output {
+    pub(super) path: PathBuf,
+    pub(super) format: InfluenceFormat,
 }
 
-fn output(text: &str) -> Result<Output, String> {
+/// A file by its name, whose ending is that of a format.
+pub(super) fn output(text: &str) -> Result<Output, String> {
     let path = PathBuf::from(text);
     let format = match path.extension().and_then(|extension| extension.to_str()) {
         Some("json") => InfluenceFormat::Json,

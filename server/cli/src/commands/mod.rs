@@ -6,8 +6,10 @@ mod influence;
 mod ingest;
 mod packs;
 mod panorama;
+mod plan;
 mod precompute;
 mod reference;
+mod scenario;
 mod scenes;
 mod serve;
 mod sky;
@@ -37,6 +39,8 @@ pub(crate) enum Command {
     Panorama(panorama::Panorama),
     Sky(sky::Sky),
     Influence(influence::Influence),
+    Plan(plan::Plan),
+    Scenario(scenario::Scenario),
     Reference(reference::Reference),
     Bench(bench::Bench),
     Config(config::Config),
@@ -54,6 +58,8 @@ impl Command {
             Command::Panorama(command) => command.run(),
             Command::Sky(command) => command.run(),
             Command::Influence(command) => command.run(),
+            Command::Plan(command) => command.run(),
+            Command::Scenario(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Bench(command) => command.run(),
             Command::Config(command) => command.run(),
@@ -71,7 +77,9 @@ impl Command {
 
 /// Renders a sky, as the API does.
 fn rendered(source: &dyn SkySource, sky: SkyQuery) -> Result<(Assumptions, RenderedSky), Failure> {
-    let site = source.site(&sky.scene, sky.place).map_err(|error| query::failure(&error.at(sky.place)))?;
+    let site = source
+        .site(&sky.scene, sky.scenario.as_ref(), sky.place)
+        .map_err(|error| query::failure(&error.at(sky.place)))?;
     let sky = Arc::new(sky);
     let runtime = tokio::runtime::Builder::new_current_thread().build().map_err(Failure::work)?;
     let rendered =

@@ -15,13 +15,13 @@ use skyglow_http::{
     source::{Circumstances, RenderedSky, SkyQuery, SourceError},
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Horizon, SkyCover,
-    SkyQuantities,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Fixture, Horizon, Lamp,
+    SkyCover, SkyQuantities, SourcePixel,
     direct_sum::{GridSample, cut_direct_sum, grid_direction, panorama_between, stratified_samples},
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
-use skyglow_scene::{Scene, SceneId, SceneMetadata, SceneStore};
+use skyglow_scene::{ChangeLimits, ChangeStore, Scene, SceneId, SceneMetadata, SceneStore};
 use skyglow_tables::{Clouds, Scattering};
 
 /// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
@@ -103,7 +103,7 @@ impl Reference {
         let clouds = query.cloud_base_m.map(|base_m| Clouds::new(base_m, cloud_albedo)).transpose();
         let clouds = clouds.map_err(|error| Failure::Usage(error.to_string()))?;
         let atmosphere = Atmosphere::new(query.turbidity).under(clouds.map(Clouds::base));
-        let scene = SceneStore::new(self.data.folder()).open(&self.scene).map_err(Failure::work)?;
+        let scene = self.scene(&query)?;
         if !scene.contains(query.place) {
             let [west, south, east, north] = scene.metadata().bounds;
             return Err(Failure::Work(format!(
@@ -117,15 +117,23 @@ impl Reference {
             let (base_m, maximum_m) = (clouds.base_m(), clouds.ceiling_m());
             return Err(query::failure(&SourceError::AboveClouds { altitude_m, base_m, maximum_m }.into()));
         }
-        let sources = lights(&scene, &query);
+        let kinds = lights(&scene, &query);
         let horizon =
             if query.terrain_hides { scene.horizon(query.place, altitude_m) } else { Horizon::flat() };
         // Ground needs no sum, and what lies between directions of the sky is not to take from its darkness.
         let is_sky = |&(row, column): &GridSample| !horizon.hides_sample(row, column);
         let visible: Vec<GridSample> = self.directions.0.iter().copied().filter(is_sky).collect();
-        let mut radiance = sum(atmosphere, &query, altitude_m, &sources, &visible);
-        if query.scattering == Scattering::Multiple {
-            self.add_later_orders(atmosphere, &query, altitude_m, &sources, &visible, &mut radiance)?;
+        let mut radiance = vec![[0.0; BAND_COUNT]; visible.len()];
+        for (fixture, sources) in &kinds {
+            let light = SkyQuery {
+                emission: fixture.emission(query.emission),
+                lamp: Lamp { flux_per_dnb_flux: fixture.flux_per_dnb_flux(&query.lamp), ..query.lamp },
+                ..query.clone()
+            };
+            add(&mut radiance, sum(atmosphere, &light, altitude_m, sources, &visible));
+            if query.scattering == Scattering::Multiple {
+                add(&mut radiance, self.later_orders(atmosphere, &light, altitude_m, sources, &visible)?);
+            }
         }
         let mut panorama = panorama_between(&visible, &radiance);
         horizon.darken(&mut panorama);
@@ -139,7 +147,11 @@ impl Reference {
                 coverage: scene.coverage(query.place),
                 calibration: scene.metadata().calibration,
                 local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
-                flux_dnb_w: sources.iter().map(|blocked| blocked.source.flux_dnb_w).sum(),
+                flux_dnb_w: kinds
+                    .iter()
+                    .flat_map(|(_, sources)| sources)
+                    .map(|blocked| blocked.source.flux_dnb_w)
+                    .sum(),
                 basis_count: 0,
                 basis_error_bound: None,
             },
@@ -182,16 +194,26 @@ impl Reference {
 }
 
 impl Reference {
-    /// Adds what light brings that was scattered more than once.
-    fn add_later_orders(
+    /// The scene, with the changes of a scenario or plan.
+    fn scene(&self, query: &SkyQuery) -> Result<Scene, Failure> {
+        let folder = self.data.folder();
+        let scene = SceneStore::new(&folder).open(&self.scene).map_err(Failure::work)?;
+        let Some(scenario) = &query.scenario else { return Ok(scene) };
+        let steps = ChangeStore::new(&folder, ChangeLimits::none())
+            .steps(scenario, &self.scene, &scene.metadata().version)
+            .map_err(Failure::work)?;
+        Ok(scene.changed(&steps, scenario.as_str()).map_err(Failure::work)?.0)
+    }
+
+    /// What light brings that was scattered more than once.
+    fn later_orders(
         &self,
         atmosphere: Atmosphere,
         query: &SkyQuery,
         altitude_m: f64,
         sources: &[BlockedSource],
         samples: &[GridSample],
-        radiance: &mut [[f64; BAND_COUNT]],
-    ) -> Result<(), Failure> {
+    ) -> Result<Vec<[f64; BAND_COUNT]>, Failure> {
         let sum = MultipleSum {
             atmosphere,
             ground_albedo: self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO),
@@ -204,27 +226,31 @@ impl Reference {
         let stages = Stages::new();
         let fields = sum.field_count(sources);
         stages.begin(&format!("later orders: {fields} fields"), fields as u64);
-        let more = sum
-            .cut_radiance(sources, query.lamp.flux_per_dnb_flux, &directions, &|| stages.advance(1))
-            .map_err(|error| Failure::Usage(error.to_string()))?;
-        for (bands, more) in radiance.iter_mut().zip(more) {
-            bands.iter_mut().zip(more).for_each(|(band, more)| *band += more);
-        }
-        Ok(())
+        sum.cut_radiance(sources, query.lamp.flux_per_dnb_flux, &directions, &|| stages.advance(1))
+            .map_err(|error| Failure::Usage(error.to_string()))
     }
 }
 
-/// Every light around the observer, behind its skyline where terrain is to hide.
-fn lights(scene: &Scene, query: &SkyQuery) -> Vec<BlockedSource> {
+fn add(radiance: &mut [[f64; BAND_COUNT]], more: Vec<[f64; BAND_COUNT]>) {
+    for (bands, more) in radiance.iter_mut().zip(more) {
+        bands.iter_mut().zip(more).for_each(|(band, more)| *band += more);
+    }
+}
+
+/// Every light around the observer by kinds of fixtures, behind its skyline where terrain is to hide.
+fn lights(scene: &Scene, query: &SkyQuery) -> Vec<(Fixture, Vec<BlockedSource>)> {
     if query.terrain_hides && scene.metadata().terrain {
         let stages = Stages::new();
         stages.begin("skylines of lights", 1);
-        let sources = scene.blocked_sources(query.place);
+        let sources = scene.blocked_sources_by_fixture(query.place);
         stages.advance(1);
         return sources;
     }
-    let pixels = scene.source_pixels_within(query.place, FARTHEST_SOURCE_M);
-    point_sources(query.place, &pixels).into_iter().map(BlockedSource::open).collect()
+    let open = |pixels: Vec<SourcePixel>| {
+        point_sources(query.place, &pixels).into_iter().map(BlockedSource::open).collect()
+    };
+    let pixels = scene.source_pixels_by_fixture(query.place, FARTHEST_SOURCE_M);
+    pixels.into_iter().map(|(fixture, pixels)| (fixture, open(pixels))).collect()
 }
 
 fn sum(

@@ -82,7 +82,7 @@ fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
     if !settings.no_demo {
         program::make_demo_if_missing(&settings.data)?;
     }
-    program::open(&settings.data, &settings.packs, settings.device)
+    program::open(&settings.data, &settings.packs, settings.device, settings.change_limits())
 }
 
 /// Ready at the first SIGTERM or SIGINT.

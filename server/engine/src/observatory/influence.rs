@@ -1,6 +1,6 @@
 //! From a place in a scene to what each of its lights does to the sky there.
 
-use super::{Observatory, Observer, ObserverHeight, SkyRequest, View, scene_around};
+use super::{Observatory, Observer, ObserverHeight, Part, SkyRequest, scene_around, view::View};
 use crate::{
     error::EngineError,
     influence::{InfluenceSolver, MeasureOfCells, influence_of_pixels},
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M,
 };
-use skyglow_scene::{LightShares, LitPixel, PixelNumbers, PolarGrid, RasterTile, Scene, SceneMetadata};
+use skyglow_scene::{LightShares, LitPixel, PixelNumbers, RasterTile, Scene, SceneMetadata};
 use std::{
     sync::{Arc, OnceLock},
     time::{Duration, Instant},
@@ -43,7 +43,7 @@ pub enum Measure {
 
 impl Measure {
     /// The weights of the directions; None for the norm, which is not linear.
-    fn weights(&self, horizon: &Horizon) -> Option<LinearMeasure> {
+    pub(super) fn weights(&self, horizon: &Horizon) -> Option<LinearMeasure> {
         Some(match self {
             Measure::Norm => return None,
             Measure::Zenith => LinearMeasure::zenith(horizon),
@@ -80,6 +80,9 @@ pub struct InfluenceMap {
     influence: Vec<f32>,
     /// Made when the first map tile is asked for.
     sums: OnceLock<PixelNumbers>,
+    /// What all of them do, and the influence shown brightest: both are asked for again and again.
+    pub(super) total: Part,
+    pub(super) brightest: OnceLock<f64>,
     /// Where.
     pub observer: Observer,
     /// Covered share of the 300 km disc, 0..=1.
@@ -112,7 +115,12 @@ impl InfluenceMap {
         &self.scene
     }
 
-    /// The lit pixels within 300 km, ascending by their number.
+    pub(super) fn shared_scene(&self) -> Arc<Scene> {
+        Arc::clone(&self.scene)
+    }
+
+    /// The lit pixels within 300 km, ascending by their number. In a changed scene a pixel is there once for every kind of
+    /// fixture in it.
     pub fn pixels(&self) -> &[LitPixel] {
         &self.pixels
     }
@@ -143,12 +151,11 @@ impl InfluenceMap {
 type SeenKey = (String, [u64; 3], [bool; 3]);
 
 /// The light around an eye, the same for every measure, lamp and air.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 struct Seen {
-    polar: Arc<PolarGrid>,
-    observer: Observer,
-    horizon: Option<(Horizon, Duration)>,
-    lights: Arc<LightShares>,
+    view: View,
+    /// Beside the view's lights, each with every pixel by itself.
+    shares: Arc<[LightShares]>,
 }
 
 /// What finding influences needs beside the engine.
@@ -166,8 +173,10 @@ impl std::fmt::Debug for InfluenceDesk {
 impl InfluenceDesk {
     pub(super) fn new() -> Self {
         let weigh = |_: &SeenKey, seen: &Seen| {
-            let of_grid = size_of_val(seen.polar.cells.as_slice());
-            u32::try_from(BYTES_AT_LEAST + of_grid + seen.lights.byte_count()).unwrap_or(u32::MAX)
+            let of_grids = seen.view.lights.iter().map(|(_, polar)| size_of_val(polar.cells.as_slice()));
+            let of_shares = seen.shares.iter().map(LightShares::byte_count);
+            let bytes = BYTES_AT_LEAST + of_grids.chain(of_shares).sum::<usize>();
+            u32::try_from(bytes).unwrap_or(u32::MAX)
         };
         Self {
             solver: OnceLock::new(),
@@ -191,10 +200,9 @@ impl InfluenceDesk {
             [is_above_sea, request.terrain_hides, hides_lights],
         );
         self.seen.get_with(key, || {
-            let View { polar, observer, horizon, .. } =
-                View::in_scene(Arc::clone(scene), request, hides_lights);
-            let lights = Arc::new(scene.light_shares(place, request.terrain_hides && hides_lights));
-            Seen { polar, observer, horizon, lights }
+            let view = View::in_scene(Arc::clone(scene), request, hides_lights);
+            let shares = scene.light_shares(place, request.terrain_hides && hides_lights);
+            Seen { view, shares: shares.into_iter().map(|(_, shares)| shares).collect() }
         })
     }
 }
@@ -219,14 +227,10 @@ impl Observatory {
             steps.push((name, clock.elapsed()));
             clock = Instant::now();
         };
-        let scene = scene_around(&self.shelf, &sky.scene, sky.place)?;
-        let Seen { polar, observer, horizon, lights } =
-            self.influences.seen(&scene, sky, self.hides_lights(sky.kind()));
+        let scene = scene_around(&self.shelf, &sky.scene, sky.scenario.as_ref(), sky.place)?;
+        let Seen { view, shares } = self.influences.seen(&scene, sky, self.hides_lights(sky.kind()));
         step("light");
-        let view = View { scene, polar, observer, horizon };
-        let (of_sky, basis_error_bound) = view.render_request(sky, &self.engine.basis_chooser())?;
-        // The sky takes far light by blocks; here every pixel is by itself, so that those of a cell are what it was made of.
-        let of_pixels = RenderRequest { polar: Arc::clone(&lights.polar), ..of_sky.clone() };
+        let (of_sky, basis_error_bound) = view.render_requests(sky, &self.engine.basis_chooser())?;
         let open = Horizon::default();
         let weights = request.measure.weights(view.horizon.as_ref().map_or(&open, |(horizon, _)| horizon));
         let is_region = matches!(request.measure, Measure::Region(_));
@@ -235,31 +239,62 @@ impl Observatory {
         }
         let solver = self.influences.solver.get_or_init(|| InfluenceSolver::new(self.engine.table_set()));
         let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
-        let found = solver.cells_in_sky(&of_pixels, &of_sky, of_cells)?;
-        step("cells");
-        let (mut influence, scale) = influence_of_pixels(&lights, &found.cells, found.of_sky);
-        step("pixels");
-        if request.measure == Measure::Norm {
-            near_norms(solver, &of_sky, &lights, &mut influence)?;
-            step("near pixels");
+        let mut parts = Vec::new();
+        let (mut before_scaling, mut after_scaling) = (0.0, 0.0);
+        for (of_sky, lights) in of_sky.iter().zip(shares.iter()) {
+            // The sky takes far light by blocks; here every pixel is by itself, so that those of a cell are what it was made of.
+            let of_pixels = RenderRequest { polar: Arc::clone(&lights.polar), ..of_sky.clone() };
+            let found = solver.cells_in_sky(&of_pixels, of_sky, of_cells)?;
+            step("cells");
+            let (mut influence, scale) = influence_of_pixels(lights, &found.cells, found.of_sky);
+            step("pixels");
+            if request.measure == Measure::Norm {
+                near_norms(solver, of_sky, lights, &mut influence)?;
+                step("near pixels");
+            }
+            let value = found.of_sky.unwrap_or(0.0);
+            (before_scaling, after_scaling) = (before_scaling + value / scale, after_scaling + value);
+            parts.push((lights.shared_pixels(), influence));
         }
+        let (pixels, influence) = together(parts);
         Ok(InfluenceMap {
             observer: view.observer,
-            coverage: view.polar.coverage,
-            flux_dnb_w: view.polar.flux_dnb_w,
+            coverage: view.coverage(),
+            flux_dnb_w: view.flux_dnb_w(),
             local_optical_depth: Atmosphere::new(sky.turbidity)
                 .vertical_optical_depth(view.observer.altitude_m),
-            basis_count: of_sky.basis.unwrap_or_else(|| self.basis_count(sky.kind())),
+            basis_count: of_sky
+                .iter()
+                .filter_map(|part| part.basis)
+                .max()
+                .unwrap_or_else(|| self.basis_count(sky.kind())),
             basis_error_bound,
             region_sr: weights.filter(|_| is_region).map(|weights| weights.solid_angle_sr()),
-            scene: view.scene,
-            pixels: lights.shared_pixels(),
+            scene: Arc::clone(&view.scene),
+            total: Part::of_all(&pixels, &influence),
+            brightest: OnceLock::new(),
+            pixels,
             influence,
-            scale,
+            scale: if before_scaling > 0.0 { after_scaling / before_scaling } else { 1.0 },
             sums: OnceLock::new(),
             steps,
         })
     }
+}
+
+/// Lights of several kinds of fixtures as one list, ascending by number.
+fn together(mut parts: Vec<(Arc<[LitPixel]>, Vec<f32>)>) -> (Arc<[LitPixel]>, Vec<f32>) {
+    if parts.len() == 1
+        && let Some(part) = parts.pop()
+    {
+        return part;
+    }
+    let lights =
+        parts.iter().flat_map(|(pixels, influence)| pixels.iter().copied().zip(influence.iter().copied()));
+    let mut lights: Vec<(LitPixel, f32)> = lights.collect();
+    lights.sort_unstable_by_key(|(pixel, _)| pixel.number);
+    let (pixels, influence): (Vec<LitPixel>, Vec<f32>) = lights.into_iter().unzip();
+    (pixels.into(), influence)
 }
 
 /// Norms of the pixels that are wider than a point: those of their parts would add up to too much, for parts that shine on

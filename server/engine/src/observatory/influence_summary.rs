@@ -3,7 +3,7 @@
 use super::influence::InfluenceMap;
 use rayon::prelude::*;
 use skyglow_physics::GeoPoint;
-use skyglow_scene::Boundary;
+use skyglow_scene::{Boundary, LitPixel};
 use std::f64::consts::TAU;
 
 /// Edges of the rings of distance, metres.
@@ -28,12 +28,24 @@ pub struct Part {
     pub pixels: u64,
 }
 
+impl Part {
+    fn add(&mut self, pixel: &LitPixel, influence: f32) {
+        self.influence += f64::from(influence);
+        self.flux_dnb_w += f64::from(pixel.flux_dnb_w);
+        self.pixels += 1;
+    }
+
+    pub(super) fn of_all(pixels: &[LitPixel], influence: &[f32]) -> Self {
+        let mut all = Self::default();
+        pixels.iter().zip(influence).for_each(|(pixel, influence)| all.add(pixel, *influence));
+        all
+    }
+}
+
 impl InfluenceMap {
     /// All lights within 300 km. For a linear measure their influence is the sky's own value of it.
     pub fn total(&self) -> Part {
-        let mut parts = [Part::default()];
-        self.add_up(&mut parts, |_| Some(0));
-        parts[0]
+        self.total
     }
 
     /// Between neighbouring [`RING_EDGES_M`]; a pixel belongs to the ring that its centre is in.
@@ -91,7 +103,8 @@ impl InfluenceMap {
     /// The influence that a map shows brightest: that of the 32nd most influential pixel, or of the last where there are fewer,
     /// for the lights right around the observer outshine by far those that make the glow; 0 without light.
     pub fn brightest_colour(&self) -> f64 {
-        self.most(OUTSHINING_COUNT).last().map_or(0.0, |&position| f64::from(self.influence()[position]))
+        let influence_of = |position: &usize| f64::from(self.influence()[*position]);
+        *self.brightest.get_or_init(|| self.most(OUTSHINING_COUNT).last().map_or(0.0, influence_of))
     }
 
     /// Centre of one of [`Self::pixels`].
@@ -104,9 +117,7 @@ impl InfluenceMap {
     fn add_up(&self, parts: &mut [Part], part_of: impl Fn(usize) -> Option<usize>) {
         for (position, (pixel, influence)) in self.pixels().iter().zip(self.influence()).enumerate() {
             if let Some(part) = part_of(position) {
-                parts[part].influence += f64::from(*influence);
-                parts[part].flux_dnb_w += f64::from(pixel.flux_dnb_w);
-                parts[part].pixels += 1;
+                parts[part].add(pixel, *influence);
             }
         }
     }

@@ -2,15 +2,36 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest, synthetic};
-use skyglow_physics::Turbidity;
+use skyglow_engine::{
+    DeviceChoice, Engine, EngineConfig, ObserverHeight, RenderRequest, SkyRequest, synthetic,
+};
+use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Turbidity};
 use skyglow_scene::{IngestOptions, PolarGrid, SceneId, SceneStore, ingest};
+use skyglow_tables::Scattering;
 use std::path::Path;
 
 /// An engine on made-up packs.
 pub(crate) fn engine(device: DeviceChoice, turbidities: &[f64], basis_count: usize) -> Engine {
     let tables = synthetic::table_set(turbidities, basis_count);
     Engine::start(EngineConfig { device, tables, ..EngineConfig::default() }).unwrap()
+}
+
+/// A sky over a place of the town's scene, two metres above the ground.
+pub(crate) fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyRequest {
+    SkyRequest {
+        scene: town(),
+        scenario: None,
+        place: GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap(),
+        observer_height: ObserverHeight::AboveGround(2.0),
+        turbidity: Turbidity::new(turbidity).unwrap(),
+        scattering: Scattering::Single,
+        cloud_base_m: None,
+        lamp: LampPreset::Mixed.lamp(),
+        emission: EmissionMix::garstang(),
+        basis: None,
+        tolerance: None,
+        terrain_hides: true,
+    }
 }
 
 /// A request for that light and turbidity, with an observer between the tables' altitudes.

@@ -5,7 +5,7 @@ use crate::source::{Circumstances, EyeHeight, InfluenceQuery, SkyQuery, SourceFa
 use serde::Serialize;
 use skyglow_engine::{InfluenceMap, Measure};
 use skyglow_physics::{EmissionMix, Lamp, Lobe};
-use skyglow_scene::{Ground, SceneMetadata};
+use skyglow_scene::{ChangeId, Ground, SceneMetadata};
 use utoipa::ToSchema;
 
 /// Where the observer is.
@@ -68,6 +68,8 @@ impl From<EmissionMix> for EmissionAnswer {
 pub struct Assumptions {
     /// The scene.
     pub scene: SceneReference,
+    /// Id of the scenario or plan that changes its lights; null for the scene as it is.
+    pub scenario: Option<String>,
     /// Where the observer is.
     pub observer: ObserverAnswer,
     /// Covered share of the disc of 300 km around the place; light outside the raster is unknown, not absent.
@@ -129,6 +131,7 @@ impl Assumptions {
         let kind = facts.kind(query);
         Self {
             scene: scene.into(),
+            scenario: query.scenario.as_ref().map(ChangeId::to_string),
             observer: ObserverAnswer {
                 latitude_deg: rounded(query.place.latitude_deg()),
                 longitude_deg: rounded(query.place.longitude_deg()),

@@ -31,6 +31,14 @@ pub enum AreaError {
 /// # Errors
 /// [`AreaError`].
 pub fn boundary(body: &BoundaryBody) -> Result<Boundary, AreaError> {
+    Ok(Boundary::new(&polygons(body)?)?)
+}
+
+/// Its polygons as rings of longitude and latitude.
+///
+/// # Errors
+/// [`AreaError`] where it is made of something else.
+pub fn polygons(body: &BoundaryBody) -> Result<Polygons, AreaError> {
     let mut polygons = Vec::new();
     match &body.0 {
         geojson::GeoJson::Geometry(geometry) => add(geometry, &mut polygons)?,
@@ -39,10 +47,11 @@ pub fn boundary(body: &BoundaryBody) -> Result<Boundary, AreaError> {
             features.features.iter().try_for_each(|feature| add_feature(feature, &mut polygons))?;
         }
     }
-    Ok(Boundary::new(&polygons)?)
+    Ok(polygons)
 }
 
-type Polygons = Vec<Vec<Vec<Position>>>;
+/// Polygons, each of rings, the outer one first.
+pub type Polygons = Vec<Vec<Vec<Position>>>;
 
 fn add_feature(feature: &geojson::Feature, polygons: &mut Polygons) -> Result<(), AreaError> {
     add(feature.geometry.as_ref().ok_or(AreaError::NoGeometry)?, polygons)

@@ -10,7 +10,7 @@ use crate::{
     request::geojson::{BoundaryBody, boundary},
     source::{InfluenceQuery, SourceFacts},
 };
-use serde::Deserialize;
+use serde::{Deserialize, de::DeserializeOwned};
 use skyglow_engine::Measure;
 use skyglow_physics::{Direction, PhysicsError, SkyCurve};
 use skyglow_scene::{Boundary, SceneId};
@@ -18,7 +18,7 @@ use std::fmt::Display;
 use utoipa::ToSchema;
 
 /// Pixels listed where nobody says how many.
-const DEFAULT_LIMIT: usize = 100;
+pub(super) const DEFAULT_LIMIT: usize = 100;
 
 /// What a body may say beside the query.
 #[derive(Clone, Debug, Default, Deserialize, ToSchema)]
@@ -59,7 +59,7 @@ pub fn influence(
         if format.is_list() { p::InfluenceParameters::ALL } else { p::InfluenceRasterParameters::ALL };
     let mut reader = Reader::new(query, known);
     let body = match body {
-        Some(bytes) => body_of(bytes, &mut reader),
+        Some(bytes) => body_of(bytes, &mut reader, "a JSON object with `region`, `boundary` or both"),
         None => InfluenceBody::default(),
     };
     let sky = read_sky(&mut reader, scene, facts);
@@ -79,13 +79,8 @@ pub fn influence(
     });
     if boundary.is_some() && !format.has_room_for_sums() {
         let message = format!("means nothing for {}", format.media_type());
-        reader.fail_field(FieldError {
-            parameter: "boundary".to_owned(),
-            value: None,
-            allowed: "nothing here; JSON and GeoJSON sum it up".to_owned(),
-            message,
-            code: Mistake::UnknownParameter,
-        });
+        let allowed = "nothing here; JSON and GeoJSON sum it up";
+        reader.fail_part("boundary", &message, allowed, Mistake::UnknownParameter);
     }
     reader.finish()?;
     let read = sky.zip(measure).ok_or_else(|| ApiError::internal("influences were neither read nor refused"));
@@ -93,10 +88,11 @@ pub fn influence(
     Ok(InfluenceAsk { query: InfluenceQuery { sky, measure }, limit, boundary })
 }
 
-fn body_of(bytes: &[u8], reader: &mut Reader) -> InfluenceBody {
+/// A body from JSON; empty where it is refused.
+pub(super) fn body_of<T: DeserializeOwned + Default>(bytes: &[u8], reader: &mut Reader, allowed: &str) -> T {
     serde_json::from_slice(bytes).unwrap_or_else(|error| {
-        reader.fail_body("body", &error, "a JSON object with `region`, `boundary` or both");
-        InfluenceBody::default()
+        reader.fail_body("body", &error, allowed);
+        T::default()
     })
 }
 
@@ -127,7 +123,7 @@ fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Optio
     }
 }
 
-fn curve(corners_deg: Vec<[f64; 2]>) -> Result<SkyCurve, PhysicsError> {
+pub(super) fn curve(corners_deg: Vec<[f64; 2]>) -> Result<SkyCurve, PhysicsError> {
     let direction = |[azimuth_deg, elevation_deg]: [f64; 2]| Direction {
         azimuth_rad: azimuth_deg.to_radians(),
         elevation_rad: elevation_deg.to_radians(),
@@ -164,14 +160,19 @@ fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure
 }
 
 impl Reader {
+    /// Notes a part of the body that cannot be read.
+    pub(super) fn fail_body(&mut self, name: &str, reason: &impl Display, allowed: &str) {
+        self.fail_part(name, &reason.to_string(), allowed, Mistake::Malformed);
+    }
+
     /// Notes a mistake in a part of the body.
-    fn fail_body(&mut self, name: &str, reason: &impl Display, allowed: &str) {
+    pub(super) fn fail_part(&mut self, name: &str, message: &str, allowed: &str, code: Mistake) {
         self.fail_field(FieldError {
             parameter: name.to_owned(),
             value: None,
             allowed: allowed.to_owned(),
-            message: echo(&reason.to_string()),
-            code: Mistake::Malformed,
+            message: echo(message),
+            code,
         });
     }
 }

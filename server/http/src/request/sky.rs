@@ -9,8 +9,8 @@ use crate::{
 };
 use skyglow_display::Sky;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
-use skyglow_scene::SceneId;
-use skyglow_tables::Clouds;
+use skyglow_scene::{ChangeId, SceneId};
+use skyglow_tables::{Clouds, Scattering};
 
 pub(super) fn read_place(reader: &mut Reader) -> Option<GeoPoint> {
     let (latitude_deg, longitude_deg) = (reader.required_number(&p::LAT), reader.required_number(&p::LON));
@@ -24,9 +24,51 @@ pub(super) fn read_light(reader: &mut Reader) -> Sky {
     }
 }
 
-pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyQuery> {
-    let place = read_place(reader);
-    let eye_height = read_eye_height(reader, facts);
+/// What a sky is asked with beside the place.
+#[derive(Clone, Debug)]
+pub(super) struct Conditions {
+    scenario: Option<ChangeId>,
+    turbidity: Turbidity,
+    scattering: Scattering,
+    cloud_base_m: Option<u32>,
+    lamp: Lamp,
+    emission: EmissionMix,
+    basis: Option<usize>,
+    tolerance: Option<f64>,
+    terrain_hides: bool,
+}
+
+impl Conditions {
+    /// The sky over a place.
+    pub(super) fn over(&self, scene: SceneId, place: GeoPoint, eye_height: EyeHeight) -> SkyQuery {
+        let Self {
+            turbidity, scattering, cloud_base_m, lamp, emission, basis, tolerance, terrain_hides, ..
+        } = *self;
+        SkyQuery {
+            scene,
+            scenario: self.scenario.clone(),
+            place,
+            eye_height,
+            turbidity,
+            scattering,
+            cloud_base_m,
+            lamp,
+            emission,
+            basis,
+            tolerance,
+            terrain_hides,
+        }
+    }
+
+    /// The scenario that it is asked with.
+    pub(super) fn scenario(&self) -> Option<&ChangeId> {
+        self.scenario.as_ref()
+    }
+}
+
+/// The conditions; None where something is wrong so far.
+pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Option<Conditions> {
+    let scenario = read_scenario(reader);
     let cloud_base_m = read_clouds(reader, facts);
     let kind = cloud_base_m.and_then(|cloud_base_m| read_kind(reader, facts, cloud_base_m));
     let turbidity = read_turbidity(reader, facts, kind);
@@ -35,12 +77,9 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
     let basis = read_basis(reader, facts, kind);
     let tolerance = read_tolerance(reader);
     let terrain_hides = reader.choice(&p::TERRAIN) != Some("off");
-    read_what_is_not_there_yet(reader);
     reader.is_fine().then_some(())?;
-    Some(SkyQuery {
-        scene,
-        place: place?,
-        eye_height,
+    Some(Conditions {
+        scenario,
         turbidity: turbidity?,
         scattering: kind?.scattering,
         cloud_base_m: cloud_base_m?,
@@ -50,6 +89,22 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
         tolerance,
         terrain_hides,
     })
+}
+
+pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyQuery> {
+    let place = read_place(reader);
+    let eye_height = read_eye_height(reader, facts);
+    let conditions = read_conditions(reader, facts)?;
+    Some(conditions.over(scene, place?, eye_height))
+}
+
+/// The id of a scenario or plan; None where none is given, or it is refused.
+pub(super) fn read_scenario(reader: &mut Reader) -> Option<ChangeId> {
+    let id = ChangeId::parse(reader.text(&p::SCENARIO)?).ok();
+    if id.is_none() {
+        reader.fail(&p::SCENARIO, Mistake::Malformed, None, None);
+    }
+    id
 }
 
 fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
@@ -165,27 +220,30 @@ fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFa
 
 fn read_lamp(reader: &mut Reader) -> Lamp {
     let Some(text) = reader.text(&p::LAMP) else { return Lamp::default() };
-    let lamp = LampPreset::from_name(text).map(LampPreset::lamp);
-    let lamp = lamp.or_else(|| Reader::three_numbers(text).and_then(|fluxes| Lamp::custom(fluxes).ok()));
+    let lamp = lamp_of(text);
     if lamp.is_none() {
         reader.fail(&p::LAMP, Mistake::NotAllowed, None, None);
     }
     lamp.unwrap_or_default()
 }
 
+/// A lamp by its preset's name, or by three fluxes `r,g,b`.
+pub(super) fn lamp_of(text: &str) -> Option<Lamp> {
+    let preset = LampPreset::from_name(text).map(LampPreset::lamp);
+    preset.or_else(|| Reader::three_numbers(text).and_then(|fluxes| Lamp::custom(fluxes).ok()))
+}
+
+/// An emission by its preset's name, or by three weights `lambert,horizon,oblique`.
+pub(super) fn emission_of(text: &str) -> Option<EmissionMix> {
+    let preset = EmissionMix::from_name(text);
+    preset.or_else(|| Reader::three_numbers(text).and_then(|weights| EmissionMix::new(weights).ok()))
+}
+
 fn read_emission(reader: &mut Reader) -> EmissionMix {
     let Some(text) = reader.text(&p::EMISSION) else { return EmissionMix::default() };
-    let mix = EmissionMix::from_name(text)
-        .or_else(|| Reader::three_numbers(text).and_then(|weights| EmissionMix::new(weights).ok()));
+    let mix = emission_of(text);
     if mix.is_none() {
         reader.fail(&p::EMISSION, Mistake::NotAllowed, None, None);
     }
     mix.unwrap_or_default()
-}
-
-/// Parameters whose only possible value, for now, is what the answer says anyway.
-fn read_what_is_not_there_yet(reader: &mut Reader) {
-    if reader.text(&p::SCENARIO).is_some() {
-        reader.fail(&p::SCENARIO, Mistake::NotSupportedYet, None, None);
-    }
 }

@@ -79,10 +79,12 @@ fn altitudes_below_the_sea_count_as_0() {
 }
 
 #[test]
-fn what_is_not_built_yet_is_said_to_be_so() {
+fn what_is_not_resident_is_said_to_be_so() {
     let (kind, errors) = refused("lat=-1&lon=36&scenario=abc");
-    assert_eq!(kind, "/problems/not-supported-yet");
+    assert_eq!(kind, "/problems/bad-parameters");
     assert_eq!(errors.len(), 1);
+    let (sky, _) = read("lat=-1&lon=36&scenario=p-0123456789abcdef0123").unwrap();
+    assert!(sky.scenario.unwrap().is_plan());
     assert_eq!(refused("lat=-1&lon=36&scattering=multiple").0, "/problems/not-resident");
     assert_eq!(refused("lat=-1&lon=36&basis=128").0, "/problems/not-resident");
     for fine in ["clouds=none", "scattering=single", "terrain=on", "terrain=off", "basis=64"] {

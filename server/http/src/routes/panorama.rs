@@ -41,7 +41,7 @@ use axum::{
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
         (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -73,7 +73,7 @@ macro_rules! formats {
                 (status = 304, description = "The client has this answer already; nothing was rendered"),
                 (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
                 (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-                (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+                (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
                 (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
             )
         )]

@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 18] = [
+pub const KINDS: [(&str, &str); 20] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -20,8 +20,10 @@ pub const KINDS: [(&str, &str); 18] = [
     ("unknown-parameter", "Parameters that do not exist here; `errors` lists those that do."),
     ("out-of-range", "Altitude or turbidity outside the resident tables; `errors` has the range."),
     ("not-resident", "The interface has it, but this server does not hold the tables for it."),
-    ("not-supported-yet", "The interface has it, but it is not built yet."),
     ("unknown-scene", "No scene has this id."),
+    ("unknown-scenario", "No scenario or plan has this id, or it was not kept so long."),
+    ("stale-plan", "The plan names pixels of a raster that was replaced since; make it again."),
+    ("storage", "The server has no room on disk, or may not write there; its log says more."),
     ("outside-scene", "The place lies outside the scene; `bounds` has its edges."),
     ("unknown-tile", "No map tile has this address."),
     ("not-found", "No resource has this path."),
@@ -74,7 +76,9 @@ mod tests {
             wrong(Mistake::Malformed),
             wrong(Mistake::OutOfRange),
             wrong(Mistake::NotResident),
-            wrong(Mistake::NotSupportedYet),
+            ApiError::UnknownScenario { id: String::new() },
+            ApiError::StalePlan { id: String::new() },
+            ApiError::Storage { reason: String::new() },
             ApiError::UnknownScene { id: String::new() },
             ApiError::OutsideScene { latitude_deg: 0.0, longitude_deg: 0.0, bounds: [0.0; 4] },
             ApiError::UnknownTile { reason: String::new() },

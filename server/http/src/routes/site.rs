@@ -21,9 +21,9 @@ use crate::{
 )]
 pub async fn get_site(asked: Asked) -> Answer {
     let id = asked.scene()?;
-    let place = place(asked.query.as_deref())?;
+    let (place, scenario) = place(asked.query.as_deref())?;
     let read = move |source: &dyn SkySource| {
-        let site = source.site(&id, place).map_err(|error| error.at(place))?;
+        let site = source.site(&id, scenario.as_ref(), place).map_err(|error| error.at(place))?;
         Ok(SiteAnswer::new(place, &site))
     };
     asked.answer(Keep::Minutes, read).await

@@ -8,7 +8,7 @@ use crate::{
     problem::Problem,
     request::{scene_id, sky},
     respond::{Caching, Keep},
-    source::{RenderedSky, SkyQuery, SourceError},
+    source::{RenderedSky, SkyQuery, SkySource, SourceError},
     state::AppState,
 };
 use axum::{
@@ -33,7 +33,7 @@ use std::sync::Arc;
         (status = 304, description = "The client has this answer already; nothing was rendered"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -76,8 +76,11 @@ impl AskedSky {
     /// # Errors
     /// [`ApiError::UnknownScene`], [`ApiError::OutsideScene`], an altitude out of range.
     pub async fn prepare(state: &AppState, query: SkyQuery) -> Result<Self, ApiError> {
-        let (id, place) = (query.scene.clone(), query.place);
-        let site = state.blocking(move |source| source.site(&id, place).map_err(|e| e.at(place))).await?;
+        let (id, scenario, place) = (query.scene.clone(), query.scenario.clone(), query.place);
+        let look = move |source: &dyn SkySource| {
+            source.site(&id, scenario.as_ref(), place).map_err(|error| error.at(place))
+        };
+        let site = state.blocking(look).await?;
         check_altitude(&query, site.ground, state.source.facts().altitude_range_m)?;
         let key = state.sky_key(&query, &site.scene.version);
         Ok(Self { query: Arc::new(query), scene: site.scene, key })

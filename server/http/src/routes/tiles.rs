@@ -9,9 +9,9 @@ use crate::{
     listener::Ends,
     parameters::OptionalInfluenceParameters,
     problem::{Problem, echo},
-    request::{influence, no_parameters, scene_id},
+    request::{influence, no_parameters, scenario_alone, scene_id},
     respond::{Caching, Keep},
-    source::SourceError,
+    source::{SkySource, SourceError},
     state::AppState,
 };
 use axum::{
@@ -28,7 +28,7 @@ use skyglow_display::{
     },
 };
 use skyglow_engine::Measure;
-use skyglow_scene::{SceneId, SceneMetadata, TileLayer};
+use skyglow_scene::{ChangeId, SceneId, SceneMetadata, TileLayer};
 use std::net::{Ipv6Addr, SocketAddr};
 use utoipa::OpenApi;
 
@@ -67,7 +67,7 @@ type Address = (u8, u32, u32);
 
 /// A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with
 /// hypsometric tints and shading; `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
-/// pixel; TileJSON says from what to what. Only `influence` takes the parameters below, and needs the place.
+/// pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `influence` all parameters below, and needs the place.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png",
@@ -85,7 +85,7 @@ type Address = (u8, u32, u32);
         (status = 304, description = "The client has this answer already"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene, layer or tile, or the place lies outside the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -102,8 +102,8 @@ pub async fn get_tile(
     })?;
     match layer {
         Layer::Scene(layer) => {
-            no_parameters(query.as_deref())?;
-            scene_tile(&state, id, layer, &layer_name, address, &headers).await
+            let scenario = scenario_of(query.as_deref(), layer)?;
+            scene_tile(&state, (id, scenario), layer, &layer_name, address, &headers).await
         }
         Layer::Influence => influence_tile(&state, id, query.as_deref(), address, &headers).await,
     }
@@ -111,14 +111,13 @@ pub async fn get_tile(
 
 async fn scene_tile(
     state: &AppState,
-    id: SceneId,
+    (id, scenario): (SceneId, Option<ChangeId>),
     layer: TileLayer,
     layer_name: &str,
     address: Address,
     headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
-    let wanted = id.clone();
-    let scene = state.blocking(move |source| Ok(source.scene(&wanted)?)).await?;
+    let scene = metadata(state, &id, scenario.as_ref()).await?;
     let etag = ETag::of(&["tile", &scene.version, layer_name, &format!("{address:?}")]);
     let caching = Caching { etag, keep: Keep::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
@@ -127,7 +126,7 @@ async fn scene_tile(
     let notes = Notes::new(&description(layer, scene.illustrative), "");
     let png = state
         .heavy(move |source| {
-            let tile = source.tile(&id, layer, address, TILE_PX)?;
+            let tile = source.tile(&id, scenario.as_ref(), layer, address, TILE_PX)?;
             match layer {
                 TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
                 TileLayer::Elevation => {
@@ -139,6 +138,28 @@ async fn scene_tile(
         })
         .await?;
     Ok(caching.ok("image/png", png))
+}
+
+/// The scenario that a layer is shown of: terrain has none.
+fn scenario_of(query: Option<&str>, layer: TileLayer) -> Result<Option<ChangeId>, ApiError> {
+    match layer {
+        TileLayer::Radiance => scenario_alone(query),
+        TileLayer::Elevation => no_parameters(query).map(|()| None),
+    }
+}
+
+/// What is said of a scene, with the version that its changes make.
+async fn metadata(
+    state: &AppState,
+    id: &SceneId,
+    scenario: Option<&ChangeId>,
+) -> Result<SceneMetadata, ApiError> {
+    let (id, scenario) = (id.clone(), scenario.cloned());
+    let read = move |source: &dyn SkySource| match scenario {
+        Some(scenario) => Ok(source.open_scene(&id, Some(&scenario))?.metadata().clone()),
+        None => Ok(source.scene(&id)?),
+    };
+    state.blocking(read).await
 }
 
 /// All tiles of one map are cut from one computation.
@@ -188,8 +209,8 @@ fn pixel_m(z: u8, y: u32) -> f64 {
     PIXEL_0_M / rows / mercator.cosh()
 }
 
-/// Describes a layer of tiles (TileJSON 3.0). That of `influence` takes the parameters below, needs the place, and hands all of
-/// them on to its tiles.
+/// Describes a layer of tiles (TileJSON 3.0). That of `radiance` takes the parameter `scenario`, that of `influence` all below,
+/// and needs the place; they are handed on to the tiles.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json",
@@ -204,7 +225,7 @@ fn pixel_m(z: u8, y: u32) -> f64 {
         (status = 304, description = "The client has this answer already"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene or layer, or the place lies outside the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Altitude or turbidity out of range, or not built yet", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -218,8 +239,10 @@ pub async fn get_tilejson(
     let id = scene_id(&scene)?;
     let shown = match layer(&layer_name)? {
         Layer::Scene(layer) => {
-            no_parameters(query.as_deref())?;
-            Shown::Scene(layer)
+            let scenario = scenario_of(query.as_deref(), layer)?;
+            // A layer of a scenario that is not there is said here, not by every tile.
+            metadata(&state, &id, scenario.as_ref()).await?;
+            Shown::Scene { layer, query: query.filter(|_| scenario.is_some()) }
         }
         Layer::Influence => {
             let facts = state.source.facts();
@@ -293,11 +316,16 @@ fn influence_description(measure: &Measure, illustrative: bool) -> String {
 
 /// A layer with what its tiles must be asked with.
 enum Shown {
-    Scene(TileLayer),
-    /// The query as it came, and the influence that is shown brightest.
+    Scene {
+        layer: TileLayer,
+        /// As it came, where it names a scenario.
+        query: Option<String>,
+    },
     Influence {
         measure: Measure,
+        /// As it came.
         query: String,
+        /// The influence that is shown brightest.
         most: f64,
     },
 }
@@ -309,15 +337,18 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     let centre_deg = (west + 0.5 * width_deg + 180.0).rem_euclid(360.0) - 180.0;
     let finest = (PIXEL_0_M / scene.pixel_size_m.max(1.0)).log2().ceil().clamp(4.0, 16.0);
     // Terrain is usually finer than the lights.
-    let maxzoom = finest as u8 + if matches!(shown, Shown::Scene(TileLayer::Elevation)) { 2 } else { 0 };
+    let maxzoom =
+        finest as u8 + if matches!(shown, Shown::Scene { layer: TileLayer::Elevation, .. }) { 2 } else { 0 };
     let illustrative = scene.illustrative;
     let (description, query, unit, range) = match shown {
-        Shown::Scene(TileLayer::Radiance) => {
-            let (darkest, brightest) = RADIANCE_RANGE_NW_CM2_SR;
-            let range = Some([darkest, brightest]);
-            (description(TileLayer::Radiance, illustrative), String::new(), "nW cm-2 sr-1", range)
+        Shown::Scene { layer, query } => {
+            let query = query.as_ref().map_or_else(String::new, |query| format!("?{query}"));
+            let (unit, range) = match layer {
+                TileLayer::Radiance => ("nW cm-2 sr-1", Some(RADIANCE_RANGE_NW_CM2_SR.into())),
+                TileLayer::Elevation => ("m", None),
+            };
+            (description(*layer, illustrative), query, unit, range)
         }
-        Shown::Scene(layer) => (description(*layer, illustrative), String::new(), "m", None),
         Shown::Influence { measure, query, most } => {
             let range = Some([most / INFLUENCE_SPAN, *most]);
             (influence_description(measure, illustrative), format!("?{query}"), measure.unit(), range)

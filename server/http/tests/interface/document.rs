@@ -22,13 +22,19 @@ async fn every_path_of_the_document_answers_and_every_route_is_in_it() {
             .replace("{z}", "0")
             .replace("{x}", "0")
             .replace("{y}", "0")
+            .replace("{plan}", "p-00000000000000000000")
+            .replace("{scenario}", "s-00000000000000000000")
             .replace("{kind}", "busy");
         let needs_a_place = document["paths"][path.as_str()]["get"]["parameters"]
             .as_array()
             .is_some_and(|list| list.iter().any(|p| p["name"] == "lat" && p["required"] == true));
         let query = if needs_a_place { "?lat=-1&lon=37" } else { "" };
-        // The made-up program knows no influences; `whole.rs` asks a real one.
-        let status = if path.contains("/influence") { 503 } else { 200 };
+        // The made-up program knows no influences and has no plans; `whole.rs` asks a real one.
+        let status = match path {
+            path if path.contains("/influence") => 503,
+            path if path.contains("{plan}") || path.contains("{scenario}") => 404,
+            _ => 200,
+        };
         assert_eq!(server.answer(&format!("{real}{query}")).await.status(), status, "{path}");
     }
     // The routes are written in app.rs: each pattern below /api and each for operation is in the document.

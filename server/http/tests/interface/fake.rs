@@ -1,6 +1,6 @@
 //! A program behind the interface that does as it is told.
 
-use skyglow_engine::{EngineStats, InfluenceMap};
+use skyglow_engine::{EngineStats, InfluenceMap, PlanOutcome, PlanRequest};
 use skyglow_http::{
     SkySource,
     answers::AtmosphereAnswer,
@@ -13,7 +13,8 @@ use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
 };
 use skyglow_scene::{
-    GridMetadata, Ground, IngestReport, Place, RasterTile, SceneId, SceneMetadata, TileLayer,
+    ChangeId, ChangeSummary, GridMetadata, Ground, IngestReport, Place, RasterTile, Scenario, Scene, SceneId,
+    SceneMetadata, StoredPlan, TileLayer,
 };
 use skyglow_tables::{Clouds, Scattering};
 use std::{
@@ -252,8 +253,21 @@ impl SkySource for Fake {
         }])
     }
 
-    fn site(&self, id: &SceneId, place: GeoPoint) -> Result<SiteFacts, SourceError> {
+    fn open_scene(&self, id: &SceneId, _: Option<&ChangeId>) -> Result<Arc<Scene>, SourceError> {
+        self.known(id)?;
+        Err(SourceError::Down("a made-up program has no scene to open".into()))
+    }
+
+    fn site(
+        &self,
+        id: &SceneId,
+        scenario: Option<&ChangeId>,
+        place: GeoPoint,
+    ) -> Result<SiteFacts, SourceError> {
         let scene = self.known(id)?;
+        if let Some(scenario) = scenario {
+            return Err(SourceError::UnknownScenario(scenario.to_string()));
+        }
         let [west, south, east, north] = BOUNDS;
         let (lat, lon) = (place.latitude_deg(), place.longitude_deg());
         if lat < south || lat > north || lon < west || lon > east {
@@ -265,6 +279,7 @@ impl SkySource for Fake {
     fn tile(
         &self,
         id: &SceneId,
+        _: Option<&ChangeId>,
         _: TileLayer,
         (z, x, y): (u8, u32, u32),
         size_px: u32,
@@ -285,6 +300,40 @@ impl SkySource for Fake {
     fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError> {
         self.known(&query.sky.scene)?;
         Err(SourceError::Down("a made-up program knows no influences".into()))
+    }
+
+    /// Neither are scenarios and plans.
+    fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
+        self.known(&scenario.scene)?;
+        Err(SourceError::Storage("a made-up program keeps nothing".into()))
+    }
+
+    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, ChangeSummary, u64), SourceError> {
+        Err(SourceError::UnknownScenario(id.to_string()))
+    }
+
+    fn plan(&self, request: &PlanRequest) -> Result<PlanOutcome, SourceError> {
+        let scenes = request.sites().into_iter().map(|site| self.known(&site.sky.scene));
+        scenes.collect::<Result<Vec<_>, _>>()?;
+        Err(SourceError::Down("a made-up program plans nothing".into()))
+    }
+
+    fn keep_plan(&self, _: &ChangeId, _: &StoredPlan) -> Result<(), SourceError> {
+        Err(SourceError::Storage("a made-up program keeps nothing".into()))
+    }
+
+    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
+        Err(SourceError::UnknownScenario(id.to_string()))
+    }
+
+    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<(ChangeId, Scenario, u64)>, SourceError> {
+        self.known(scene)?;
+        Ok(Vec::new())
+    }
+
+    fn list_plans(&self, scene: &SceneId) -> Result<Vec<(ChangeId, serde_json::Value, u64)>, SourceError> {
+        self.known(scene)?;
+        Ok(Vec::new())
     }
 
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {

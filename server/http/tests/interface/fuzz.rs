@@ -133,10 +133,21 @@ proptest! {
                 "{{\"boundary\": {{\"type\": \"Polygon\", \"coordinates\": [{:?}]}}}}",
                 corners.iter().map(|c| [c.0, c.1]).collect::<Vec<_>>()
             )),
+            (prop::num::f64::ANY, prop::num::f64::ANY, prop::num::f64::ANY, value()).prop_map(|(lon, lat, x, text)| format!(
+                "{{\"edits\": [{{\"brush\": {{\"points\": [[{lon:?}, {lat:?}]], \"radius_m\": {x:?}}}, \"factor\": {x:?}, \"lamp\": {text:?}}}]}}"
+            )),
+            (-100.0f64..100.0, -400.0f64..400.0, prop::num::f64::ANY, value()).prop_map(|(lat, lon, x, text)| format!(
+                "{{\"method\": \"threshold\", \"site\": {{\"lat\": {lat:?}, \"lon\": {lon:?}}}, \"q_a\": {text:?}, \"q_b\": {x:?}}}"
+            )),
+            (-100.0f64..100.0, -400.0f64..400.0, prop::num::f64::ANY).prop_map(|(lat, lon, x)| format!(
+                "{{\"method\": \"target\", \"sites\": [{{\"lat\": {lat:?}, \"lon\": {lon:?}, \"reduce_by\": {x:?}}}], \"max_cut\": {x:?}}}"
+            )),
         ],
     ) {
-        let status = posted("/api/v1/scenes/demo/influence?lat=-1.2&lon=36.8", &body);
-        prop_assert!(is_fine(status), "{status} for {body}");
+        for path in ["influence?lat=-1.2&lon=36.8", "scenarios", "plans"] {
+            let status = posted(&format!("/api/v1/scenes/demo/{path}"), &body);
+            prop_assert!(is_fine(status), "{status} for {path}: {body}");
+        }
     }
 
     #[test]

@@ -14,3 +14,4 @@ mod resources;
 mod scattering;
 mod server;
 mod whole;
+mod whole_plans;

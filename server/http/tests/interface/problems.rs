@@ -95,17 +95,46 @@ async fn altitude_and_turbidity_out_of_range_are_422_with_the_range() {
 }
 
 #[tokio::test]
-async fn what_is_not_there_yet_is_422_and_says_so() {
+async fn what_is_not_resident_is_422_and_says_so() {
     let server = Server::start().await;
     for (query, kind) in [
         ("scattering=multiple", "/problems/not-resident"),
         ("basis=65", "/problems/not-resident"),
         ("clouds=1200", "/problems/not-resident"),
-        ("scenario=7", "/problems/not-supported-yet"),
     ] {
         let (status, got, _) = problem(&server, &format!("{SKY}&{query}")).await;
         assert_eq!((status, got.as_str()), (422, kind), "{query}");
     }
+}
+
+#[tokio::test]
+async fn scenarios_that_are_none_or_not_there_are_refused() {
+    let server = Server::start().await;
+    for (query, status, kind) in [
+        ("scenario=7", 400, "/problems/bad-parameters"),
+        ("scenario=s-0123456789abcdef0123", 404, "/problems/unknown-scenario"),
+        ("scenario=p-0123456789abcdef0123", 404, "/problems/unknown-scenario"),
+    ] {
+        let (got, of, _) = problem(&server, &format!("{SKY}&{query}")).await;
+        assert_eq!((got, of.as_str()), (status, kind), "{query}");
+    }
+    for path in
+        ["plans/p-0123456789abcdef0123.tif", "plans/p-0123456789abcdef0123.exe", "plans/x", "scenarios/x"]
+    {
+        let (status, kind, _) = problem(&server, &format!("/api/v1/{path}")).await;
+        assert_eq!((status, kind.as_str()), (404, "/problems/unknown-scenario"), "{path}");
+    }
+}
+
+#[tokio::test]
+async fn where_nothing_can_be_kept_is_503_and_not_the_clients_fault() {
+    let server = Server::start().await;
+    let body = r#"{"edits": [{"brush": {"points": [[36.8, -1.3]], "radius_m": 500}, "factor": 0.5}]}"#;
+    let answer = server.post("/api/v1/scenes/demo/scenarios", body).await;
+    assert_eq!((answer.status().as_u16(), header(&answer, "retry-after")), (503, "60"));
+    let json: serde_json::Value = answer.json().await.unwrap();
+    assert_eq!(json["type"], "/problems/storage");
+    assert!(!json["detail"].as_str().unwrap().contains("made-up"), "reasons stay in the log");
 }
 
 #[tokio::test]

@@ -50,6 +50,10 @@ impl Server {
         self.get(path).send().await.unwrap()
     }
 
+    pub(crate) async fn post(&self, path: &str, body: &'static str) -> Response {
+        self.client.post(format!("{}{path}", self.base)).body(body).send().await.unwrap()
+    }
+
     /// Status and JSON of an answer.
     pub(crate) async fn json(&self, path: &str) -> (u16, Value) {
         let answer = self.answer(path).await;

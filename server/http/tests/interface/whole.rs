@@ -1,6 +1,6 @@
 //! The real program behind the interface: the demo scene, the CPU executor, made-up tables.
 
-use crate::server::header;
+use crate::{server::header, whole_plans};
 use serde_json::{Value, json};
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
 use skyglow_http::{HttpConfig, ObservatorySource, SkySource, router, serve};
@@ -9,11 +9,11 @@ use skyglow_tables::Scattering;
 use std::sync::Arc;
 
 /// A server over the demo scene; its folder lives as long as it.
-struct Whole {
+pub(crate) struct Whole {
     source: Arc<ObservatorySource>,
-    base: String,
-    client: reqwest::Client,
-    _folder: tempfile::TempDir,
+    pub(crate) base: String,
+    pub(crate) client: reqwest::Client,
+    pub(crate) folder: tempfile::TempDir,
 }
 
 impl Whole {
@@ -37,14 +37,14 @@ impl Whole {
             serve(listener, app, &HttpConfig::default(), std::future::pending()).await.unwrap();
         });
         let client = reqwest::Client::builder().no_proxy().build().unwrap();
-        Self { source, base, client, _folder: folder }
+        Self { source, base, client, folder }
     }
 
-    async fn get(&self, path: &str) -> reqwest::Response {
+    pub(crate) async fn get(&self, path: &str) -> reqwest::Response {
         self.client.get(format!("{}{path}", self.base)).send().await.unwrap()
     }
 
-    async fn json(&self, path: &str) -> (u16, Value) {
+    pub(crate) async fn json(&self, path: &str) -> (u16, Value) {
         let answer = self.get(path).await;
         (answer.status().as_u16(), answer.json().await.unwrap())
     }
@@ -101,6 +101,9 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
     influences_are_those_of_the_sky(&whole, &place, &sky).await;
     influences_come_as_files_and_tiles(&whole, &place, (lat, lon)).await;
     bodies_are_answered_or_refused(&whole, &place, &sky).await;
+    whole_plans::scenarios_change_every_query(&whole, (lat, lon), &sky).await;
+    whole_plans::plans_are_made_kept_and_handed_out(&whole, (lat, lon), &sky).await;
+    whole_plans::bodies_that_cannot_be_meant_are_refused(&whole, (lat, lon)).await;
 
     let (status, problem) = whole.json("/api/v1/scenes/demo/sky?lat=80&lon=0").await;
     assert_eq!((status, &problem["bounds"]), (404, &scene["bounds"]));

@@ -1,0 +1,73 @@
+//! `skyglow plan`: what to dim for the sky of a place, kept beside the scenes and written to a file.
+
+use super::influence::{Output, output};
+use crate::{
+    failure::Failure,
+    flags::ProgramFlags,
+    query::{self, QueryFlags},
+};
+use clap::Args;
+use skyglow_http::{
+    SkySource,
+    parameters::PlanParameters,
+    plan_file::encode_plan,
+    planning::{find_plan, make_plan},
+    request::{self, PlanAsk},
+    source::SourceFacts,
+};
+use skyglow_scene::SceneId;
+use std::path::PathBuf;
+
+/// Make a reduction plan: what to dim, with the sky before and after
+///
+/// The request is a JSON file as POST /api/v1/scenes/ID/plans takes it. The plan is kept beside the scenes; its id, which is
+/// printed, is taken by every query as --scenario.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    echo '{\"method\": \"target\", \"sites\": [{\"lat\": 46.53, \"lon\": 8.61, \"reduce_by\": 0.3}]}' > request.json\n  \
+    skyglow plan --scene demo --request request.json -o plan.tif")]
+pub(crate) struct Plan {
+    /// The scene's id
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
+    scene: SceneId,
+    /// JSON file that says for whose sake what may be dimmed
+    #[arg(long, env = "SKYGLOW_REQUEST", value_name = "FILE")]
+    request: PathBuf,
+    /// File to write; its ending says the format: .tif for all pixels, .json, .geojson or .csv for those with the most effect
+    #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
+    output: Output,
+    #[command(flatten)]
+    query: QueryFlags<PlanParameters>,
+    #[command(flatten)]
+    program: ProgramFlags,
+}
+
+impl Plan {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let body = std::fs::read(&self.request).map_err(|error| Failure::file(&self.request, error))?;
+        self.ask(&body, &self.program.facts())?;
+        let source = self.program.source()?;
+        let source: &dyn SkySource = source.as_ref();
+        let ask = self.ask(&body, source.facts())?;
+        for sky in &ask.skies {
+            let site = source.site(&sky.scene, sky.scenario.as_ref(), sky.place);
+            site.map_err(|error| query::failure(&error.at(sky.place)))?;
+        }
+        let failure = |error: skyglow_http::source::SourceError| match ask.skies.as_slice() {
+            [sky] => query::failure(&error.of_sky(sky)),
+            _ => query::failure(&error.into()),
+        };
+        let (id, _) = make_plan(source, &ask).map_err(failure)?;
+        let kept = find_plan(source, &id).map_err(failure)?;
+        let bytes = encode_plan(&kept, ask.limit, self.output.format).map_err(Failure::work)?;
+        let path = &self.output.path;
+        std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))?;
+        super::print_line(id.as_str())
+    }
+
+    fn ask(&self, body: &[u8], facts: &SourceFacts) -> Result<PlanAsk, Failure> {
+        request::plan(Some(self.query.query()), body, self.scene.clone(), facts)
+            .map_err(|error| query::failure(&error))
+    }
+}

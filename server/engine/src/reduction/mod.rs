@@ -1,0 +1,15 @@
+//! What to dim (paper Eq. 12, model section 8): from what lights do to the sky to how much of each goes.
+//!
+//! Pure functions of influences and fluxes; [`Observatory::plan`](crate::Observatory::plan) asks them and looks at the sky
+//! before and after.
+
+mod greedy;
+mod linear_programme;
+mod target;
+mod threshold;
+
+pub use target::{LeastCut, Reduction, least_cut};
+pub use threshold::{percentile, threshold_cuts};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,64 @@
+//! Plans as the bytes of a file: what the HTTP interface answers and the command line writes.
+
+use crate::{
+    accept::InfluenceFormat,
+    answers::{DimmedPixelAnswer, PlanAnswer, dimmed_pixels},
+    influence_file::{InfluenceFileError, csv_table, feature_collection},
+    planning::KeptPlan,
+    stamp::rfc3339,
+};
+use skyglow_display::notes::ILLUSTRATIVE;
+use skyglow_scene::RasterWords;
+
+/// Encodes a plan; takes milliseconds to a second.
+///
+/// * `limit`: pixels listed; a raster has all.
+///
+/// # Errors
+/// [`InfluenceFileError`], only by a defect.
+pub fn encode_plan(
+    kept: &KeptPlan,
+    limit: usize,
+    format: InfluenceFormat,
+) -> Result<Vec<u8>, InfluenceFileError> {
+    let pixels = || dimmed_pixels(&kept.plan, &kept.scene, limit);
+    match format {
+        InfluenceFormat::Json => Ok(serde_json::to_vec(&plan_answer(kept, limit))?),
+        InfluenceFormat::GeoJson => {
+            let place = |pixel: &DimmedPixelAnswer| [pixel.longitude_deg, pixel.latitude_deg];
+            let mut collection = feature_collection(pixels(), place)?;
+            collection.insert("plan".to_owned(), kept.id.as_str().into());
+            collection.insert("created".to_owned(), rfc3339(kept.created_unix_s).into());
+            collection.insert("facts".to_owned(), kept.plan.answer.clone());
+            Ok(serde_json::to_vec(&collection)?)
+        }
+        InfluenceFormat::Csv => csv_table(pixels()),
+        InfluenceFormat::Tiff => geotiff(kept),
+    }
+}
+
+/// A plan as JSON answers it.
+pub fn plan_answer(kept: &KeptPlan, limit: usize) -> PlanAnswer {
+    PlanAnswer {
+        id: kept.id.to_string(),
+        created: rfc3339(kept.created_unix_s),
+        facts: kept.plan.answer.clone(),
+        pixels: dimmed_pixels(&kept.plan, &kept.scene, limit),
+    }
+}
+
+/// γ of every pixel that is dimmed.
+fn geotiff(kept: &KeptPlan) -> Result<Vec<u8>, InfluenceFileError> {
+    let factors = &kept.plan.factors;
+    let pixels = factors.codes.iter().zip(&factors.factors).map(|(code, factor)| (*code, 1.0 - factor));
+    let pixels: Vec<(u64, f32)> = pixels.collect();
+    let mut description = format!("part of each pixel's light that plan {} takes away", kept.id);
+    if kept.scene.metadata().illustrative {
+        description.push_str("; ");
+        description.push_str(ILLUSTRATIVE);
+    }
+    let facts = serde_json::to_string(&kept.plan.answer)?;
+    let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("PLAN", facts.as_str())];
+    let words = RasterWords { description: &description, unit: "1", notes: &notes };
+    Ok(kept.scene.codes_geotiff(&pixels, &words)?)
+}

@@ -1,0 +1,82 @@
+//! Making and finding plans, for the HTTP interface and the command line alike.
+
+use crate::{
+    answers::plan_facts,
+    request::PlanAsk,
+    source::{SkySource, SourceError},
+};
+use skyglow_scene::{ChangeId, ChangeStore, PixelFactors, Scene, StoredPlan};
+use std::sync::Arc;
+
+/// A plan that is kept.
+#[derive(Clone, Debug)]
+pub struct KeptPlan {
+    /// Its id.
+    pub id: ChangeId,
+    /// The plan.
+    pub plan: StoredPlan,
+    /// When it was made, seconds since 1970.
+    pub created_unix_s: u64,
+    /// The scene as it is before the plan.
+    pub scene: Arc<Scene>,
+}
+
+/// The id of a plan: the same request for the same scene with the same tables has the same.
+///
+/// * `scene_version`: of the scene itself.
+pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> ChangeId {
+    let facts = source.facts();
+    let decides = [
+        &format!("{:?} {:?}", ask.scenario, ask.request),
+        scene_version,
+        &facts.pack_checksums,
+        &facts.executor,
+        &facts.adapter,
+    ];
+    ChangeStore::plan_id(decides.join("\n").as_bytes())
+}
+
+/// Makes a plan and keeps it, unless it is kept already; answers its id and whether it is new. Takes seconds.
+///
+/// # Errors
+/// As [`SkySource::plan`] and [`SkySource::keep_plan`].
+pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, bool), SourceError> {
+    let scene_version = source.scene(&ask.scene)?.version;
+    let id = plan_id(source, ask, &scene_version);
+    if source.kept_plan(&id).is_ok() {
+        return Ok((id, false));
+    }
+    let outcome = source.plan(&ask.request)?;
+    if source.scene(&ask.scene)?.version != scene_version {
+        // Ingested again meanwhile: its pixels may be others.
+        return Err(SourceError::Busy);
+    }
+    let facts = plan_facts(ask, &outcome, source.facts());
+    let answer = serde_json::to_value(facts).map_err(|error| SourceError::Broken(error.to_string()))?;
+    let plan = StoredPlan {
+        scene: ask.scene.clone(),
+        scene_version,
+        base: ask.scenario.clone(),
+        answer,
+        factors: PixelFactors {
+            codes: outcome.pixels.iter().map(|pixel| pixel.code).collect(),
+            factors: outcome.pixels.iter().map(|pixel| (1.0 - pixel.cut).clamp(0.0, 1.0) as f32).collect(),
+        },
+        effects: outcome.pixels.iter().map(|pixel| pixel.effect as f32).collect(),
+    };
+    source.keep_plan(&id, &plan)?;
+    Ok((id, true))
+}
+
+/// A plan that is kept, with its scene.
+///
+/// # Errors
+/// [`SourceError::UnknownScenario`], [`SourceError::StalePlan`], and whatever is wrong with the scene.
+pub fn find_plan(source: &dyn SkySource, id: &ChangeId) -> Result<KeptPlan, SourceError> {
+    let (plan, created_unix_s) = source.kept_plan(id)?;
+    if source.scene(&plan.scene)?.version != plan.scene_version {
+        return Err(SourceError::StalePlan(id.to_string()));
+    }
+    let scene = source.open_scene(&plan.scene, plan.base.as_ref())?;
+    Ok(KeptPlan { id: id.clone(), plan, created_unix_s, scene })
+}

@@ -1,0 +1,464 @@
+//! Bodies of reduction plans.
+
+use super::{
+    geojson::{BoundaryBody, boundary},
+    influence::{DEFAULT_LIMIT, body_of, curve},
+    sky::{Conditions, read_conditions},
+};
+use crate::{
+    error::ApiError,
+    observatory::sky_request,
+    parameters::{self as p, ParameterSet},
+    problem::Mistake,
+    reader::Reader,
+    source::{EyeHeight, SkyQuery, SourceFacts},
+};
+use serde::Deserialize;
+use skyglow_engine::{InfluenceRequest, Level, Limit, Measure, PlanMethod, PlanRequest, TargetSite};
+use skyglow_physics::GeoPoint;
+use skyglow_scene::{ChangeId, SceneId};
+use utoipa::ToSchema;
+
+/// Most sites of a plan.
+const MOST_SITES: usize = 16;
+
+/// What is to be dimmed for whose sake.
+#[derive(Clone, Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanBody {
+    /// `threshold` or `target`.
+    pub method: String,
+    /// Of `threshold`: the site.
+    pub site: Option<SiteBody>,
+    /// Of `threshold`: `norm`, `zenith`, `mean`, `horizontal` or `region`; the default is `region` where one is given, else
+    /// `zenith`.
+    pub measure: Option<String>,
+    /// Of `threshold`: a closed curve on the sky, as for influences.
+    pub region: Option<Vec<[f64; 2]>>,
+    /// Of `threshold`: pixels of less influence than this are left alone. In the measure's unit, or a percentile over the lit
+    /// pixels within reach, such as `"p90"`.
+    pub q_a: Option<LevelBody>,
+    /// Of `threshold`: pixels of more influence than this are cut by `gamma`, those between by less; the default is `q_a`.
+    pub q_b: Option<LevelBody>,
+    /// Of `threshold`: the part of the most influential lights that goes, 0 to 1; the default is 1.
+    pub gamma: Option<f64>,
+    /// Of `target`: 1 to 16 sites with what each wants.
+    pub sites: Option<Vec<SiteBody>>,
+    /// Of `target`: the largest part of a light that may go, 0 to 1; the default is 1.
+    pub max_cut: Option<f64>,
+    /// Of `target`: lights in these polygons are left alone.
+    #[schema(value_type = Option<Object>)]
+    pub protect: Option<BoundaryBody>,
+}
+
+/// A site.
+#[derive(Clone, Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SiteBody {
+    /// Degrees north.
+    pub lat: f64,
+    /// Degrees east.
+    pub lon: f64,
+    /// Metres above the ground; the default is 2.
+    pub height: Option<f64>,
+    /// Metres above sea level, instead.
+    pub altitude: Option<f64>,
+    /// Of `target`: `zenith` (the default), `mean`, `horizontal` or `region`.
+    pub measure: Option<String>,
+    /// Of `target`: a closed curve on the sky.
+    pub region: Option<Vec<[f64; 2]>>,
+    /// Of `target`: the measure is to be this at most, in its unit, artificial light alone.
+    pub at_most: Option<f64>,
+    /// Of `target`: the measure is to be less by this part of what it is, 0 to 1.
+    pub reduce_by: Option<f64>,
+}
+
+/// A value of an influence.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(untagged)]
+pub enum LevelBody {
+    /// In the measure's unit.
+    Value(f64),
+    /// `p0` to `p100`.
+    Percentile(String),
+}
+
+/// A plan asked for.
+#[derive(Clone, Debug)]
+pub struct PlanAsk {
+    /// What the engine is asked.
+    pub request: PlanRequest,
+    /// The skies of its sites.
+    pub skies: Vec<SkyQuery>,
+    /// The scene.
+    pub scene: SceneId,
+    /// The scenario or plan that is dimmed.
+    pub scenario: Option<ChangeId>,
+    /// Pixels listed.
+    pub limit: usize,
+}
+
+/// Reads the parameters and the body of a plan.
+///
+/// # Errors
+/// [`ApiError::Parameters`] with every mistake.
+pub fn plan(
+    query: Option<&str>,
+    body: &[u8],
+    scene: SceneId,
+    facts: &SourceFacts,
+) -> Result<PlanAsk, ApiError> {
+    let mut reader = Reader::new(query, p::PlanParameters::ALL);
+    let conditions = read_conditions(&mut reader, facts);
+    let limit = read_limit(&mut reader);
+    let allowed = "a JSON object with `method`, and `site` or `sites`";
+    let body: PlanBody = body_of(body, &mut reader, allowed);
+    let Some(conditions) = conditions.filter(|_| reader.is_fine()) else {
+        reader.finish()?;
+        return Err(ApiError::internal("a plan was neither read nor refused"));
+    };
+    let mut of_sites = Sites { reader: &mut reader, conditions: &conditions, scene: &scene, facts };
+    let read = match body.method.as_str() {
+        "threshold" => of_sites.threshold(&body),
+        "target" => of_sites.target(&body),
+        _ => {
+            reader.fail_part("method", "is not allowed", "threshold, target", Mistake::NotAllowed);
+            None
+        }
+    };
+    reader.finish()?;
+    let (method, skies) = read.ok_or_else(|| ApiError::internal("a plan was neither read nor refused"))?;
+    let scenario = conditions.scenario().cloned();
+    Ok(PlanAsk { request: PlanRequest { method }, skies, scene, scenario, limit })
+}
+
+/// Reads how much of a plan is listed.
+///
+/// # Errors
+/// [`ApiError::Parameters`].
+pub fn plan_limit(query: Option<&str>) -> Result<usize, ApiError> {
+    let mut reader = Reader::new(query, p::PlanListParameters::ALL);
+    let limit = read_limit(&mut reader);
+    reader.finish()?;
+    Ok(limit)
+}
+
+fn read_limit(reader: &mut Reader) -> usize {
+    reader.integer(&p::LIMIT).map_or(DEFAULT_LIMIT, |limit| limit as usize)
+}
+
+/// What reading sites needs.
+struct Sites<'a> {
+    reader: &'a mut Reader,
+    conditions: &'a Conditions,
+    scene: &'a SceneId,
+    facts: &'a SourceFacts,
+}
+
+impl Sites<'_> {
+    fn fail(&mut self, name: &str, message: &str, allowed: &str, code: Mistake) {
+        self.reader.fail_part(name, message, allowed, code);
+    }
+
+    fn threshold(&mut self, body: &PlanBody) -> Option<(PlanMethod, Vec<SkyQuery>)> {
+        for (name, is_given) in [
+            ("sites", body.sites.is_some()),
+            ("max_cut", body.max_cut.is_some()),
+            ("protect", body.protect.is_some()),
+        ] {
+            if is_given {
+                self.fail(name, "means nothing for a threshold plan", "nothing here", Mistake::Conflict);
+            }
+        }
+        let Some(site) = &body.site else {
+            self.fail("site", "is required", "an object with `lat` and `lon`", Mistake::Missing);
+            return None;
+        };
+        for (name, is_given) in [
+            ("site.measure", site.measure.is_some()),
+            ("site.region", site.region.is_some()),
+            ("site.at_most", site.at_most.is_some()),
+            ("site.reduce_by", site.reduce_by.is_some()),
+        ] {
+            if is_given {
+                let allowed = "`measure`, `region`, `q_a` and `q_b` beside the site";
+                self.fail(name, "means nothing in the site of a threshold plan", allowed, Mistake::Conflict);
+            }
+        }
+        let sky = self.sky("site", site);
+        let measure = self.measure("", body.measure.as_deref(), body.region.as_ref(), true);
+        let from = match &body.q_a {
+            Some(level) => self.level("q_a", level),
+            None => {
+                self.fail("q_a", "is required", LEVELS, Mistake::Missing);
+                None
+            }
+        };
+        let to = match &body.q_b {
+            Some(level) => self.level("q_b", level),
+            None => from,
+        };
+        let gamma = self.part("gamma", body.gamma.unwrap_or(1.0));
+        let (sky, measure, from, to) = (sky?, measure?, from?, to?);
+        let is_upside_down = match (from, to) {
+            (Level::Value(a), Level::Value(b)) | (Level::Percentile(a), Level::Percentile(b)) => a > b,
+            _ => false,
+        };
+        if is_upside_down {
+            self.fail("q_b", "is below q_a", "q_a or more", Mistake::Conflict);
+            return None;
+        }
+        let site = InfluenceRequest { sky: sky_request(&sky), measure };
+        Some((PlanMethod::Threshold { site, from, to, gamma: gamma? }, vec![sky]))
+    }
+
+    fn target(&mut self, body: &PlanBody) -> Option<(PlanMethod, Vec<SkyQuery>)> {
+        for (name, is_given) in [
+            ("site", body.site.is_some()),
+            ("measure", body.measure.is_some()),
+            ("region", body.region.is_some()),
+            ("q_a", body.q_a.is_some()),
+            ("q_b", body.q_b.is_some()),
+            ("gamma", body.gamma.is_some()),
+        ] {
+            if is_given {
+                let allowed = "`sites`, each with its measure, `max_cut` and `protect`";
+                self.fail(name, "means nothing for a target plan", allowed, Mistake::Conflict);
+            }
+        }
+        let sites = body.sites.as_deref().unwrap_or_default();
+        if !(1..=MOST_SITES).contains(&sites.len()) {
+            let (message, allowed) =
+                (format!("there are {}", sites.len()), format!("1 to {MOST_SITES} sites"));
+            self.fail("sites", &message, &allowed, Mistake::NotAllowed);
+            return None;
+        }
+        let max_cut = self.part("max_cut", body.max_cut.unwrap_or(1.0));
+        let protect = body.protect.as_ref().and_then(|body| match boundary(body) {
+            Ok(boundary) => Some(boundary),
+            Err(error) => {
+                let allowed = "a GeoJSON Polygon or MultiPolygon in degrees, closed rings";
+                self.reader.fail_body("protect", &error, allowed);
+                None
+            }
+        });
+        let (mut skies, mut targets) = (Vec::new(), Vec::new());
+        for (number, site) in sites.iter().enumerate() {
+            let name = format!("sites[{number}]");
+            let sky = self.sky(&name, site);
+            let measure =
+                self.measure(&format!("{name}."), site.measure.as_deref(), site.region.as_ref(), false);
+            let limit = self.limit(&name, site);
+            if let (Some(sky), Some(measure), Some(limit)) = (sky, measure, limit) {
+                let influence = InfluenceRequest { sky: sky_request(&sky), measure };
+                targets.push(TargetSite { influence, limit });
+                skies.push(sky);
+            }
+        }
+        Some((PlanMethod::Target { sites: targets, max_cut: max_cut?, protect }, skies))
+    }
+
+    fn sky(&mut self, name: &str, site: &SiteBody) -> Option<SkyQuery> {
+        let maximum_m = self.facts.altitude_range_m.1;
+        let place = match GeoPoint::from_deg(site.lat, site.lon) {
+            Ok(place) => Some(place),
+            Err(error) => {
+                let allowed = "lat -90 to 90, lon -180 to 360 degrees";
+                self.reader.fail_body(name, &error, allowed);
+                None
+            }
+        };
+        let eye = match (site.height, site.altitude) {
+            (Some(_), Some(_)) => {
+                let name = format!("{name}.altitude");
+                self.fail(
+                    &name,
+                    "excludes `height`, which is given too",
+                    "one of the two",
+                    Mistake::Conflict,
+                );
+                None
+            }
+            (None, Some(altitude_m)) if altitude_m <= maximum_m => {
+                Some(EyeHeight::AboveSea(altitude_m.max(0.0)))
+            }
+            (None, Some(_)) => {
+                let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
+                self.fail(&format!("{name}.altitude"), "is out of range", &allowed, Mistake::OutOfRange);
+                None
+            }
+            (height, None) => {
+                let height_m = height.unwrap_or(2.0);
+                if (0.0..=maximum_m).contains(&height_m) {
+                    Some(EyeHeight::AboveGround(height_m))
+                } else {
+                    let allowed = format!("0 to {maximum_m} m, less the altitude of the ground");
+                    self.fail(&format!("{name}.height"), "is out of range", &allowed, Mistake::OutOfRange);
+                    None
+                }
+            }
+        };
+        Some(self.conditions.over(self.scene.clone(), place?, eye?))
+    }
+
+    fn measure(
+        &mut self,
+        before: &str,
+        name: Option<&str>,
+        region: Option<&Vec<[f64; 2]>>,
+        with_norm: bool,
+    ) -> Option<Measure> {
+        let curve = match region.cloned().map(curve).transpose() {
+            Ok(curve) => curve,
+            Err(error) => {
+                self.reader.fail_body(&format!("{before}region"), &error, &p::REGION.allowed());
+                return None;
+            }
+        };
+        let (part, allowed) = (format!("{before}measure"), "zenith, mean, horizontal, region");
+        match (name, curve) {
+            (None | Some("region"), Some(curve)) => Some(Measure::Region(curve)),
+            (Some("region"), None) => {
+                self.fail(&part, "needs a `region`", allowed, Mistake::Missing);
+                None
+            }
+            (Some(_), Some(_)) => {
+                let message = "a region is given, and this measure takes none";
+                self.fail(&part, message, "region", Mistake::Conflict);
+                None
+            }
+            (None | Some("zenith"), None) => Some(Measure::Zenith),
+            (Some("mean"), None) => Some(Measure::Mean),
+            (Some("horizontal"), None) => Some(Measure::Horizontal),
+            (Some("norm"), None) if with_norm => Some(Measure::Norm),
+            (Some(_), None) => {
+                let allowed = if with_norm { format!("norm, {allowed}") } else { allowed.to_owned() };
+                self.fail(&part, "is not allowed", &allowed, Mistake::NotAllowed);
+                None
+            }
+        }
+    }
+
+    fn limit(&mut self, name: &str, site: &SiteBody) -> Option<Limit> {
+        match (site.at_most, site.reduce_by) {
+            (Some(most), None) if most >= 0.0 && most.is_finite() => Some(Limit::AtMost(most)),
+            (Some(_), None) => {
+                let allowed = "0 or more, in the measure's unit";
+                self.fail(&format!("{name}.at_most"), "is not allowed", allowed, Mistake::NotAllowed);
+                None
+            }
+            (None, Some(part)) => self.part(&format!("{name}.reduce_by"), part).map(Limit::ReduceBy),
+            _ => {
+                self.fail(name, "wants nothing, or two things", "`at_most` or `reduce_by`", Mistake::Missing);
+                None
+            }
+        }
+    }
+
+    fn level(&mut self, name: &str, body: &LevelBody) -> Option<Level> {
+        let level = match body {
+            LevelBody::Value(value) => Some(Level::Value(*value)).filter(|_| *value >= 0.0),
+            LevelBody::Percentile(text) => {
+                let percent = text.strip_prefix('p').and_then(|digits| digits.parse::<f64>().ok());
+                percent.filter(|percent| (0.0..=100.0).contains(percent)).map(Level::Percentile)
+            }
+        };
+        if level.is_none() {
+            self.fail(name, "is not allowed", LEVELS, Mistake::NotAllowed);
+        }
+        level
+    }
+
+    fn part(&mut self, name: &str, part: f64) -> Option<f64> {
+        let is_part = (0.0..=1.0).contains(&part);
+        if !is_part {
+            self.fail(name, "is not allowed", "0 to 1", Mistake::NotAllowed);
+        }
+        is_part.then_some(part)
+    }
+}
+
+/// What a level may be.
+const LEVELS: &str = "0 or more in the measure's unit, or \"p0\" to \"p100\"";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::request::tests::facts;
+
+    fn read(body: &str) -> Result<PlanAsk, ApiError> {
+        plan(Some("turbidity=3&limit=5"), body.as_bytes(), SceneId::parse("demo").unwrap(), &facts())
+    }
+
+    fn refused(body: &str) -> Vec<String> {
+        match read(body) {
+            Err(ApiError::Parameters(errors)) => errors.into_iter().map(|error| error.parameter).collect(),
+            other => panic!("{body}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn both_methods_are_read() {
+        let asked =
+            read(r#"{"method": "threshold", "site": {"lat": 1, "lon": 36}, "q_a": "p90", "q_b": "p99", "gamma": 0.5}"#)
+                .unwrap();
+        let PlanMethod::Threshold { site, from, to, gamma } = asked.request.method else {
+            panic!("no threshold")
+        };
+        assert_eq!((from, to, gamma), (Level::Percentile(90.0), Level::Percentile(99.0), 0.5));
+        assert_eq!((site.measure, site.sky.turbidity.value(), asked.limit), (Measure::Zenith, 3.0, 5));
+        let asked = read(
+            r#"{"method": "target", "max_cut": 0.8, "sites": [
+                {"lat": 1, "lon": 36, "measure": "mean", "at_most": 1e-4},
+                {"lat": 1, "lon": 37, "altitude": 2000, "region": [[10, 20], [50, 20], [30, 60]], "reduce_by": 0.3}],
+                "protect": {"type": "Polygon", "coordinates": [[[36, 0], [37, 0], [37, 1], [36, 0]]]}}"#,
+        )
+        .unwrap();
+        let PlanMethod::Target { sites, max_cut, protect } = asked.request.method else {
+            panic!("no target")
+        };
+        assert_eq!((sites.len(), asked.skies.len(), max_cut, protect.is_some()), (2, 2, 0.8, true));
+        assert_eq!((sites[0].limit, sites[1].limit), (Limit::AtMost(1e-4), Limit::ReduceBy(0.3)));
+        assert_eq!(asked.skies[1].eye_height, EyeHeight::AboveSea(2000.0));
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_by_the_name_of_its_part() {
+        let threshold =
+            |rest: &str| format!(r#"{{"method": "threshold", "site": {{"lat": 1, "lon": 36}}{rest}}}"#);
+        let target =
+            |site: &str| format!(r#"{{"method": "target", "sites": [{{"lat": 1, "lon": 36{site}}}]}}"#);
+        for (body, part) in [
+            ("{".to_owned(), "body"),
+            ("[]".to_owned(), "body"),
+            (r#"{"method": "magic"}"#.to_owned(), "method"),
+            (r#"{"method": "threshold", "q_a": 1}"#.to_owned(), "site"),
+            (threshold(""), "q_a"),
+            (threshold(r#", "q_a": "p101""#), "q_a"),
+            (threshold(r#", "q_a": "90""#), "q_a"),
+            (threshold(r#", "q_a": -1"#), "q_a"),
+            (threshold(r#", "q_a": "p90", "q_b": "p80""#), "q_b"),
+            (threshold(r#", "q_a": "p90", "gamma": 1.5"#), "gamma"),
+            (threshold(r#", "q_a": "p90", "measure": "beauty""#), "measure"),
+            (threshold(r#", "q_a": "p90", "measure": "region""#), "measure"),
+            (threshold(r#", "q_a": "p90", "region": [[1, 2], [3, 4]]"#), "region"),
+            (threshold(r#", "q_a": "p90", "max_cut": 0.5"#), "max_cut"),
+            (threshold(r#", "q_a": "p90", "color": 0.5"#), "body"),
+            (r#"{"method": "target", "sites": []}"#.to_owned(), "sites"),
+            (r#"{"method": "target"}"#.to_owned(), "sites"),
+            (target(""), "sites[0]"),
+            (target(r#", "at_most": 1, "reduce_by": 0.5"#), "sites[0]"),
+            (target(r#", "at_most": -1"#), "sites[0].at_most"),
+            (target(r#", "reduce_by": 2"#), "sites[0].reduce_by"),
+            (target(r#", "measure": "norm", "reduce_by": 0.2"#), "sites[0].measure"),
+            (target(r#", "height": 1, "altitude": 1, "reduce_by": 0.2"#), "sites[0].altitude"),
+            (target(r#", "altitude": 90000, "reduce_by": 0.2"#), "sites[0].altitude"),
+            (target(r#", "height": -2, "reduce_by": 0.2"#), "sites[0].height"),
+            (r#"{"method": "target", "sites": [{"lat": 99, "lon": 36, "reduce_by": 0.2}]}"#.to_owned(), "sites[0]"),
+            (r#"{"method": "target", "sites": [{"lat": 1, "lon": 36, "reduce_by": 0.2}], "protect": {"type": "Polygon", "coordinates": []}}"#.to_owned(), "protect"),
+            (r#"{"method": "target", "q_a": 1, "sites": [{"lat": 1, "lon": 36, "reduce_by": 0.2}]}"#.to_owned(), "q_a"),
+        ] {
+            assert_eq!(refused(&body), [part], "{body}");
+        }
+    }
+}

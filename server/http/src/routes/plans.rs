@@ -1,0 +1,151 @@
+//! Reduction plans: made, listed, handed out.
+
+use super::{
+    frame::{Answer, Asked},
+    sky::AskedSky,
+};
+use crate::{
+    accept::{INFLUENCES_OFFERED, InfluenceFormat, negotiate_influence},
+    answers::{PlanAnswer, PlanEntry, plan_entry},
+    error::ApiError,
+    etag::ETag,
+    parameters::{PlanListParameters, PlanParameters},
+    plan_file::{encode_plan, plan_answer},
+    planning::{find_plan, make_plan},
+    problem::Problem,
+    request::{PlanBody, change_id, no_parameters, plan, plan_limit, scene_id},
+    respond::{Caching, Keep, created},
+    source::SkySource,
+    state::AppState,
+};
+use axum::{
+    body::{Body, Bytes},
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, Response, header},
+};
+
+/// Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites
+/// meet limits (`target`). Values before and after come from the forward model. The plan is kept; its id is taken by every
+/// query as `scenario`, and the same request for the same scene answers the same plan.
+#[utoipa::path(
+    post,
+    path = "/api/v1/scenes/{scene}/plans",
+    tag = "plans",
+    params(("scene" = String, Path, description = "The scene's id"), PlanParameters),
+    request_body = PlanBody,
+    responses(
+        (status = 201, description = "The plan; Location is its address", body = PlanAnswer),
+        (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene or scenario, or a site lies outside: then with the scene's bounds", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy, or nothing can be kept; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn post_plan(
+    State(state): State<AppState>,
+    Path(scene): Path<String>,
+    RawQuery(query): RawQuery,
+    body: Bytes,
+) -> Result<Response<Body>, ApiError> {
+    let scene = scene_id(&scene)?;
+    let read = move |source: &dyn SkySource| plan(query.as_deref(), &body, scene, source.facts());
+    let ask = state.blocking(read).await?;
+    // Places and altitudes are refused as those of any sky.
+    for sky in &ask.skies {
+        AskedSky::prepare(&state, sky.clone()).await?;
+    }
+    let make = move |source: &dyn SkySource| {
+        let (id, _) = make_plan(source, &ask).map_err(|error| match ask.skies.as_slice() {
+            [sky] => error.of_sky(sky),
+            _ => error.into(),
+        })?;
+        Ok(plan_answer(&find_plan(source, &id)?, ask.limit))
+    };
+    let answer = state.find(make).await?;
+    created(&format!("/api/v1/plans/{}", answer.id), &answer)
+}
+
+/// Lists the plans of a scene, the newest first.
+#[utoipa::path(
+    get,
+    path = "/api/v1/scenes/{scene}/plans",
+    tag = "plans",
+    params(("scene" = String, Path, description = "The scene's id")),
+    responses(
+        (status = 200, description = "The plans", body = Vec<PlanEntry>),
+        (status = 304, description = "The client has this answer already"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn list_plans(asked: Asked) -> Answer {
+    let scene = asked.scene()?;
+    no_parameters(asked.query.as_deref())?;
+    let read = move |source: &dyn SkySource| {
+        let plans = source.list_plans(&scene)?.into_iter();
+        Ok(plans.map(|(id, facts, created)| plan_entry(&id, &facts, created)).collect::<Vec<_>>())
+    };
+    asked.answer(Keep::Revalidate, read).await
+}
+
+/// A plan, in the format that the Accept header prefers, or that its address ends in: `.json` what is said of it and the pixels
+/// with the most effect, `.tif` the part of every pixel that goes as GeoTIFF on the scene's own grid, `.geojson` and `.csv` the
+/// pixels with the most effect.
+#[utoipa::path(
+    get,
+    path = "/api/v1/plans/{plan}",
+    tag = "plans",
+    params(
+        ("plan" = String, Path, description = "The plan's id, with `.json`, `.tif`, `.geojson`, `.csv` or without"),
+        PlanListParameters,
+    ),
+    responses(
+        (status = 200, description = "The plan", content(
+            (PlanAnswer = "application/json"),
+            (Vec<u8> = "image/tiff"),
+            (Object = "application/geo+json"),
+            (String = "text/csv"),
+        )),
+        (status = 304, description = "The client has this answer already"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such plan", body = Problem, content_type = "application/problem+json"),
+        (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The plan is for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_plan(
+    State(state): State<AppState>,
+    Path(file): Path<String>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let (id, format) = match file.split_once('.') {
+        Some((id, end)) => {
+            let format = InfluenceFormat::from_extension(end);
+            (id, Some(format.ok_or_else(|| ApiError::UnknownScenario { id: crate::problem::echo(&file) })?))
+        }
+        None => (file.as_str(), None),
+    };
+    let id = change_id(id)?;
+    let limit = plan_limit(query.as_deref())?;
+    let vary = format.is_none().then_some("accept");
+    let accepted = || {
+        let accept = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
+        let preferred = negotiate_influence(&accept.collect::<Vec<_>>().join(","));
+        preferred.ok_or(ApiError::NotAcceptable { offered: INFLUENCES_OFFERED })
+    };
+    let format = format.map_or_else(accepted, Ok)?;
+    let kept = state.blocking(move |source| Ok(find_plan(source, &id)?)).await?;
+    let (tag, created) = (kept.id.to_string(), kept.created_unix_s.to_string());
+    let etag = ETag::of(&["plan", &tag, &created, format.extension(), &limit.to_string()]);
+    let caching = Caching { etag, keep: Keep::Revalidate, vary };
+    if let Some(response) = caching.not_modified(&headers) {
+        return Ok(response);
+    }
+    let encode = move |_: &dyn SkySource| encode_plan(&kept, limit, format).map_err(ApiError::internal);
+    let bytes = state.heavy(encode).await?;
+    Ok(caching.ok(format.media_type(), bytes))
+}

@@ -1,0 +1,113 @@
+//! Painted scenarios: kept, listed, looked at.
+
+use super::frame::{Answer, Asked};
+use crate::{
+    answers::{ScenarioAnswer, ScenarioEntry},
+    error::ApiError,
+    parameters::NoParameters,
+    problem::Problem,
+    request::{ScenarioBody, change_id, no_parameters, scenario, scene_id},
+    respond::{Keep, created, json_by_content},
+    source::{SkySource, SourceError},
+    state::AppState,
+};
+use axum::{
+    body::{Body, Bytes},
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, Response},
+};
+use skyglow_scene::ChangeId;
+
+fn read_answer(source: &dyn SkySource, id: &ChangeId) -> Result<ScenarioAnswer, SourceError> {
+    let (scenario, summary, created_unix_s) = source.scenario(id)?;
+    let scene = source.scene(&scenario.scene)?;
+    Ok(ScenarioAnswer::new(id, &scenario, &summary, &scene, created_unix_s))
+}
+
+/// Paints over a scene: dims, brightens or adds lights, replaces lamps, changes where they shine. The id that is answered is
+/// taken by every query as `scenario`; the same body answers the same id.
+#[utoipa::path(
+    post,
+    path = "/api/v1/scenes/{scene}/scenarios",
+    tag = "plans",
+    params(("scene" = String, Path, description = "The scene's id"), NoParameters),
+    request_body = ScenarioBody,
+    responses(
+        (status = 201, description = "The scenario; Location is its address", body = ScenarioAnswer),
+        (status = 400, description = "A body that cannot be meant, or an area outside the scene", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene, or no such scenario or plan to go on from", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "It goes on from a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy, or nothing can be kept; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn post_scenario(
+    State(state): State<AppState>,
+    Path(scene): Path<String>,
+    RawQuery(query): RawQuery,
+    body: Bytes,
+) -> Result<Response<Body>, ApiError> {
+    let scene = scene_id(&scene)?;
+    let keep = move |source: &dyn SkySource| {
+        let scenario = scenario(query.as_deref(), &body, scene)?;
+        let id = source.keep_scenario(&scenario)?;
+        Ok(read_answer(source, &id)?)
+    };
+    let answer = state.heavy(keep).await?;
+    created(&format!("/api/v1/scenarios/{}", answer.entry.id), &answer)
+}
+
+/// A scenario, and what it does to its scene.
+#[utoipa::path(
+    get,
+    path = "/api/v1/scenarios/{scenario}",
+    tag = "plans",
+    params(("scenario" = String, Path, description = "The scenario's id")),
+    responses(
+        (status = 200, description = "The scenario", body = ScenarioAnswer),
+        (status = 304, description = "The client has this answer already"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scenario", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "It goes on from a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_scenario(
+    State(state): State<AppState>,
+    Path(scenario): Path<String>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    no_parameters(query.as_deref())?;
+    let id = change_id(&scenario)?;
+    if id.is_plan() {
+        return Err(ApiError::UnknownScenario { id: id.to_string() });
+    }
+    let answer = state.heavy(move |source| Ok(read_answer(source, &id)?)).await?;
+    json_by_content(&headers, Keep::Revalidate, &answer)
+}
+
+/// Lists the scenarios of a scene, the newest first.
+#[utoipa::path(
+    get,
+    path = "/api/v1/scenes/{scene}/scenarios",
+    tag = "plans",
+    params(("scene" = String, Path, description = "The scene's id")),
+    responses(
+        (status = 200, description = "The scenarios", body = Vec<ScenarioEntry>),
+        (status = 304, description = "The client has this answer already"),
+        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn list_scenarios(asked: Asked) -> Answer {
+    let scene = asked.scene()?;
+    asked.without_parameters()?;
+    let read = move |source: &dyn SkySource| {
+        let scenarios = source.list_scenarios(&scene)?.into_iter();
+        Ok(scenarios
+            .map(|(id, scenario, created)| ScenarioEntry::new(&id, &scenario, created))
+            .collect::<Vec<_>>())
+    };
+    asked.answer(Keep::Revalidate, read).await
+}

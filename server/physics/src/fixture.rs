@@ -1,0 +1,214 @@
+//! Lights with other lamps and other shades than those that a sky is asked with.
+
+use crate::{
+    bands::{BAND_COUNT, Band},
+    emission::EmissionMix,
+    lamp::{Lamp, LampPreset},
+};
+use serde::{Deserialize, Serialize};
+
+/// What stays the same when a lamp is replaced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kept {
+    /// Σ_b K_b·Φ_b, the luminous flux: streets stay as bright as they were.
+    #[default]
+    LuminousFlux,
+    /// The flux that a satellite sees.
+    DnbFlux,
+}
+
+impl Kept {
+    /// Both, in the order of the interface.
+    pub const ALL: [Self; 2] = [Self::LuminousFlux, Self::DnbFlux];
+
+    /// The name used in requests, answers and files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kept::LuminousFlux => "luminous_flux",
+            Kept::DnbFlux => "dnb_flux",
+        }
+    }
+}
+
+/// Lamps replaced by others.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LampChange {
+    /// Which lamps; None for all. Of `mixed` half are `hps` and half `led_4000k`.
+    pub from: Option<LampPreset>,
+    /// The new ones.
+    pub to: Lamp,
+    /// What stays the same.
+    pub kept: Kept,
+}
+
+/// How some lights differ from those that a sky is asked with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fixture {
+    /// Lamps replaced, one change after the other.
+    pub lamps: Vec<LampChange>,
+    /// Where they send their light; None for as it is asked.
+    pub emission: Option<EmissionMix>,
+}
+
+/// Lamps together, by their part of the flux that the satellite saw of them at first.
+#[derive(Clone, Debug)]
+struct Mixture {
+    /// s_b of all together.
+    flux_per_dnb_flux: [f64; BAND_COUNT],
+    /// DNB flux now per DNB flux at first, by lamp where that is known.
+    parts: Vec<(Option<LampPreset>, f64)>,
+}
+
+/// Σ_b K_b·s_b, lm.
+fn lumens(flux: [f64; BAND_COUNT]) -> f64 {
+    Band::ALL.iter().map(|band| band.luminous_efficacy_lm_w() * flux[band.index()]).sum()
+}
+
+impl Mixture {
+    fn of(lamp: &Lamp) -> Self {
+        let parts = match lamp.preset {
+            Some(LampPreset::Mixed) => vec![(Some(LampPreset::Hps), 0.5), (Some(LampPreset::Led4000k), 0.5)],
+            preset => vec![(preset, 1.0)],
+        };
+        Self { flux_per_dnb_flux: lamp.flux_per_dnb_flux, parts }
+    }
+
+    fn replace(&mut self, change: &LampChange) {
+        let is_replaced =
+            |lamp: &Option<LampPreset>| change.from.is_none_or(|from| Mixture::holds(*lamp, from));
+        let dnb: f64 = self.parts.iter().filter(|(lamp, _)| is_replaced(lamp)).map(|(_, dnb)| dnb).sum();
+        if dnb == 0.0 {
+            return;
+        }
+        // All together may differ from the sum of its parts by what tables round.
+        let all = self.parts.iter().all(|(lamp, _)| is_replaced(lamp));
+        let gone = if all { self.flux_per_dnb_flux } else { self.flux_of(is_replaced) };
+        let new = change.to.flux_per_dnb_flux;
+        let dnb_after = match change.kept {
+            Kept::DnbFlux => dnb,
+            // A lamp of no lumens cannot stand in for one that has some.
+            Kept::LuminousFlux if lumens(new) > 0.0 => lumens(gone) / lumens(new),
+            Kept::LuminousFlux => 0.0,
+        };
+        for band in 0..BAND_COUNT {
+            let left = if all { 0.0 } else { (self.flux_per_dnb_flux[band] - gone[band]).max(0.0) };
+            self.flux_per_dnb_flux[band] = left + dnb_after * new[band];
+        }
+        self.parts.retain(|(lamp, _)| !is_replaced(lamp));
+        let after = Self::of(&change.to).parts;
+        self.parts.extend(after.into_iter().map(|(lamp, part)| (lamp, part * dnb_after)));
+    }
+
+    /// Whether a part is of the lamps named.
+    fn holds(part: Option<LampPreset>, named: LampPreset) -> bool {
+        match named {
+            LampPreset::Mixed => matches!(part, Some(LampPreset::Hps | LampPreset::Led4000k)),
+            named => part == Some(named),
+        }
+    }
+
+    fn flux_of(&self, is_meant: impl Fn(&Option<LampPreset>) -> bool) -> [f64; BAND_COUNT] {
+        let mut flux = [0.0; BAND_COUNT];
+        for (lamp, dnb) in self.parts.iter().filter(|(lamp, _)| is_meant(lamp)) {
+            let Some(preset) = lamp else { continue };
+            let of_lamp = preset.lamp().flux_per_dnb_flux;
+            flux.iter_mut().zip(of_lamp).for_each(|(flux, of_lamp)| *flux += dnb * of_lamp);
+        }
+        flux
+    }
+}
+
+impl Fixture {
+    /// Whether nothing differs.
+    pub fn is_as_asked(&self) -> bool {
+        self.lamps.is_empty() && self.emission.is_none()
+    }
+
+    /// s_b: flux in R, G, B per DNB flux that the satellite saw of these lights before their lamps were replaced, where a
+    /// sky is asked with `asked`.
+    pub fn flux_per_dnb_flux(&self, asked: &Lamp) -> [f64; BAND_COUNT] {
+        let mut mixture = Mixture::of(asked);
+        self.lamps.iter().for_each(|change| mixture.replace(change));
+        mixture.flux_per_dnb_flux
+    }
+
+    /// Where these lights send their light.
+    pub fn emission(&self, asked: EmissionMix) -> EmissionMix {
+        self.emission.unwrap_or(asked)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn change(from: Option<LampPreset>, to: LampPreset, kept: Kept) -> LampChange {
+        LampChange { from, to: to.lamp(), kept }
+    }
+
+    fn fixture(lamps: &[LampChange]) -> Fixture {
+        Fixture { lamps: lamps.to_vec(), emission: None }
+    }
+
+    fn preset() -> impl Strategy<Value = LampPreset> {
+        prop::sample::select(LampPreset::ALL.to_vec())
+    }
+
+    proptest! {
+        #[test]
+        fn at_equal_luminous_flux_the_lumens_stay_whatever_is_replaced(
+            asked in preset(), from in prop::option::of(preset()), to in preset(), again in preset(),
+        ) {
+            let lamps = [change(from, to, Kept::LuminousFlux), change(Some(to), again, Kept::LuminousFlux)];
+            let before = lumens(asked.lamp().flux_per_dnb_flux);
+            let after = lumens(fixture(&lamps).flux_per_dnb_flux(&asked.lamp()));
+            // The table of lamps is rounded to a thousandth.
+            prop_assert!((after / before - 1.0).abs() < 2e-3, "{} {}", before, after);
+        }
+
+        #[test]
+        fn all_lamps_replaced_at_equal_dnb_flux_are_the_new_ones(asked in preset(), to in preset()) {
+            let after = fixture(&[change(None, to, Kept::DnbFlux)]).flux_per_dnb_flux(&asked.lamp());
+            for (after, new) in after.iter().zip(to.lamp().flux_per_dnb_flux) {
+                prop_assert!((after - new).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_is_not_replaced() {
+        let lamps = [change(Some(LampPreset::Mercury), LampPreset::PcAmber, Kept::LuminousFlux)];
+        let asked = LampPreset::Mixed.lamp();
+        assert_eq!(fixture(&lamps).flux_per_dnb_flux(&asked), asked.flux_per_dnb_flux);
+        let custom = Lamp::custom([0.4, 0.5, 0.6]).unwrap();
+        assert_eq!(fixture(&lamps).flux_per_dnb_flux(&custom), custom.flux_per_dnb_flux);
+    }
+
+    #[test]
+    fn of_the_mixed_lamps_the_sodium_half_alone_is_replaced() {
+        let lamps = [change(Some(LampPreset::Hps), LampPreset::Led4000k, Kept::DnbFlux)];
+        let after = fixture(&lamps).flux_per_dnb_flux(&LampPreset::Mixed.lamp());
+        for (after, led) in after.iter().zip(LampPreset::Led4000k.lamp().flux_per_dnb_flux) {
+            assert!((after - led).abs() < 1e-3, "{after} {led}");
+        }
+        // White lamps at as many lumens are bluer: what people see stays, what the sky scatters does not.
+        let lamps = [change(None, LampPreset::Led4000k, Kept::LuminousFlux)];
+        let sodium = LampPreset::Hps.lamp();
+        assert!(fixture(&lamps).flux_per_dnb_flux(&sodium)[2] > 3.0 * sodium.flux_per_dnb_flux[2]);
+    }
+
+    #[test]
+    fn nothing_differs_by_default() {
+        let (lamp, mix) = (Lamp::default(), EmissionMix::garstang());
+        let plain = Fixture::default();
+        assert!(plain.is_as_asked());
+        assert_eq!(plain.flux_per_dnb_flux(&lamp), lamp.flux_per_dnb_flux);
+        assert_eq!(plain.emission(mix), mix);
+        assert_eq!(
+            Fixture { emission: Some(EmissionMix::lambert()), ..plain }.emission(mix),
+            EmissionMix::lambert()
+        );
+    }
+}

@@ -1,0 +1,275 @@
+//! Where a scene is painted: polygons or strokes of a brush, and which pixels they hold.
+
+use crate::boundary::{Boundary, BoundaryError, Position};
+use crate::gather::Light;
+use crate::grid::Grid;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
+use std::f64::consts::PI;
+use thiserror::Error;
+
+/// Most points of a stroke.
+pub const MOST_BRUSH_POINTS: usize = 1000;
+/// Radius of a brush, metres.
+const BRUSH_RADIUS_M: std::ops::RangeInclusive<f64> = 1.0..=50_000.0;
+/// Longest way from a point of a stroke to the next, metres.
+const LONGEST_STEP_M: f64 = 500_000.0;
+/// Blocks of pixels of this side and smaller are gone through pixel by pixel.
+const SMALL_BLOCK: u32 = 8;
+
+/// An area on the ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Area {
+    /// Polygons of closed rings in longitude and latitude, the outer ring first.
+    Polygons(Vec<Vec<Vec<Position>>>),
+    /// All that is within a radius of a line.
+    Brush {
+        /// Longitude and latitude of its points; one is a dot.
+        points: Vec<Position>,
+        /// Metres.
+        radius_m: f64,
+    },
+}
+
+/// Why nothing can be painted there.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum AreaError {
+    /// Polygons that bound no area.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
+    /// A stroke without points.
+    #[error("a stroke needs a point at least")]
+    NoPoint,
+    /// A stroke of too many points.
+    #[error("a stroke has {count} points, at most {MOST_BRUSH_POINTS} are taken")]
+    TooManyPoints {
+        /// Points given.
+        count: usize,
+    },
+    /// A point that is no place.
+    #[error("longitude {}, latitude {} is no place", position[0], position[1])]
+    NoPlace {
+        /// The point.
+        position: Position,
+    },
+    /// A brush too thin or too wide.
+    #[error("the brush's radius is {radius_m} m; allowed is {} to {} m", BRUSH_RADIUS_M.start(), BRUSH_RADIUS_M.end())]
+    Radius {
+        /// Metres.
+        radius_m: f64,
+    },
+    /// Points too far apart.
+    #[error("a stroke goes {distance_m:.0} m from a point to the next, at most {LONGEST_STEP_M} m are taken")]
+    LongStep {
+        /// Metres.
+        distance_m: f64,
+    },
+}
+
+/// A part of an area that is gone through by itself: a place is in the area if it is in any of them.
+pub(super) struct Piece {
+    /// A circle around it: centre as a unit vector, radius along the chord, metres.
+    center: DVec3,
+    reach_m: f64,
+    shape: Shape,
+}
+
+enum Shape {
+    Polygons(Boundary),
+    /// Ends of a step of a brush as unit vectors, and the brush's radius, metres.
+    Step {
+        ends: [DVec3; 2],
+        radius_m: f64,
+    },
+}
+
+impl Area {
+    /// Its parts.
+    pub(super) fn pieces(&self) -> Result<Vec<Piece>, AreaError> {
+        match self {
+            Area::Polygons(polygons) => Ok(vec![Piece::of_polygons(Boundary::new(polygons)?)]),
+            Area::Brush { points, radius_m } => {
+                let ends = brush_ends(points, *radius_m)?;
+                let step = |ends: &[DVec3]| Piece::of_step([ends[0], ends[ends.len() - 1]], *radius_m);
+                if ends.len() == 1 { Ok(vec![step(&ends)]) } else { Ok(ends.windows(2).map(step).collect()) }
+            }
+        }
+    }
+
+    /// Whether it bounds an area at all.
+    ///
+    /// # Errors
+    /// [`AreaError`].
+    pub fn check(&self) -> Result<(), AreaError> {
+        self.pieces().map(|_| ())
+    }
+}
+
+fn brush_ends(points: &[Position], radius_m: f64) -> Result<Vec<DVec3>, AreaError> {
+    if points.is_empty() {
+        return Err(AreaError::NoPoint);
+    }
+    if points.len() > MOST_BRUSH_POINTS {
+        return Err(AreaError::TooManyPoints { count: points.len() });
+    }
+    if !BRUSH_RADIUS_M.contains(&radius_m) {
+        return Err(AreaError::Radius { radius_m });
+    }
+    let end = |&position: &Position| {
+        let [longitude_deg, latitude_deg] = position;
+        let place = GeoPoint::from_deg(latitude_deg, longitude_deg);
+        place.map(GeoPoint::unit_vector).map_err(|_| AreaError::NoPlace { position })
+    };
+    let ends: Vec<DVec3> = points.iter().map(end).collect::<Result<_, _>>()?;
+    let steps = ends.windows(2).map(|ends| EARTH_RADIUS_M * ends[0].distance(ends[1]));
+    match steps.into_iter().find(|&distance_m| distance_m > LONGEST_STEP_M) {
+        Some(distance_m) => Err(AreaError::LongStep { distance_m }),
+        None => Ok(ends),
+    }
+}
+
+impl Piece {
+    fn of_polygons(boundary: Boundary) -> Self {
+        let (center, reach_m) = boundary.circle();
+        Self { center, reach_m, shape: Shape::Polygons(boundary) }
+    }
+
+    fn of_step(ends: [DVec3; 2], radius_m: f64) -> Self {
+        let reach_m = 0.5 * EARTH_RADIUS_M * ends[0].distance(ends[1]) + radius_m + 1.0;
+        Self { center: (ends[0] + ends[1]).normalize(), reach_m, shape: Shape::Step { ends, radius_m } }
+    }
+
+    /// Whether a pixel is in it.
+    pub(super) fn has_pixel(&self, grid: &Grid, column: u32, row: u32) -> bool {
+        let mut is_under_brush = false;
+        self.for_each_pixel_under_brush(grid, |under, below| {
+            is_under_brush |= (under, below) == (column, row)
+        });
+        is_under_brush || self.holds(grid.center(column, row))
+    }
+
+    fn holds(&self, place: DVec3) -> bool {
+        match &self.shape {
+            Shape::Polygons(boundary) => boundary.holds(GeoPoint::from_vector(place)),
+            Shape::Step { ends, radius_m } => distance_to_step_m(place, *ends) <= *radius_m,
+        }
+    }
+
+    /// Calls `take` with the index of each light in it.
+    pub(super) fn for_each_light(&self, light: &Light<'_>, mut take: impl FnMut(usize)) {
+        let radius_m = 2.0 * EARTH_RADIUS_M * (0.5 * self.reach_m / EARTH_RADIUS_M).min(1.0).asin();
+        light.walk_all(self.center, radius_m, |index, center| {
+            if self.holds(center) {
+                take(index);
+            }
+        });
+        // A brush finer than the raster takes what it is put on.
+        self.for_each_pixel_under_brush(light.grid, |column, row| {
+            if let Some(index) = light.pixels.index_at(column, row) {
+                take(index);
+            }
+        });
+    }
+
+    /// Calls `take` with column and row of each pixel in it, lit or dark; some may come twice.
+    pub(super) fn for_each_pixel(&self, grid: &Grid, mut take: impl FnMut(u32, u32)) {
+        let side = grid.width.max(grid.height).next_power_of_two();
+        let mut stack = vec![(0u32, 0u32, side)];
+        while let Some((column, row, side)) = stack.pop() {
+            if column >= grid.width || row >= grid.height {
+                continue;
+            }
+            let (last_column, last_row) =
+                ((column + (side - 1)).min(grid.width - 1), (row + (side - 1)).min(grid.height - 1));
+            if !self.may_meet(grid, [column, last_column], [row, last_row]) {
+                continue;
+            }
+            if side > SMALL_BLOCK {
+                let half = side / 2;
+                stack.extend(
+                    [(0, 0), (half, 0), (0, half), (half, half)]
+                        .map(|(right, down)| (column + right, row + down, half)),
+                );
+                continue;
+            }
+            for row in row..=last_row {
+                for column in column..=last_column {
+                    let center = grid.center(column, row);
+                    if center.is_finite() && self.holds(center) {
+                        take(column, row);
+                    }
+                }
+            }
+        }
+        self.for_each_pixel_under_brush(grid, take);
+    }
+
+    /// Whether a block of pixels may have some in the piece: by circles around both.
+    fn may_meet(&self, grid: &Grid, columns: [u32; 2], rows: [u32; 2]) -> bool {
+        let middle = |[first, last]: [u32; 2]| first + (last - first) / 2;
+        let across = [columns[0], middle(columns), columns[1]];
+        let down = [rows[0], middle(rows), rows[1]];
+        let points: Vec<DVec3> = across
+            .iter()
+            .flat_map(|&column| down.iter().map(move |&row| (column, row)))
+            .flat_map(|(column, row)| grid.corners(column, row))
+            .collect();
+        let center = points.iter().sum::<DVec3>().normalize_or_zero();
+        let radius = points.iter().map(|point| center.distance(*point)).fold(0.0, f64::max);
+        // What lies between the points bulges by less than a tenth in small blocks; large ones are opened.
+        let is_small = points.iter().all(|point| point.is_finite()) && radius < 0.25;
+        !is_small || EARTH_RADIUS_M * (self.center.distance(center) - 1.1 * radius) <= self.reach_m
+    }
+
+    fn for_each_pixel_under_brush(&self, grid: &Grid, mut take: impl FnMut(u32, u32)) {
+        let Shape::Step { ends, .. } = &self.shape else { return };
+        let length_m = EARTH_RADIUS_M * ends[0].distance(ends[1]);
+        let count = (2.0 * length_m / grid.pixel_size_m().max(1.0)).ceil().min(1e5) as u32;
+        for step in 0..=count {
+            let along = f64::from(step) / f64::from(count.max(1));
+            let place = GeoPoint::from_vector(ends[0].lerp(ends[1], along));
+            if let Some((column, row)) = grid.pixel_at(place) {
+                take(column, row);
+            }
+        }
+    }
+}
+
+/// Distance along the ground from a place to the great circle between two, metres.
+fn distance_to_step_m(place: DVec3, [a, b]: [DVec3; 2]) -> f64 {
+    let arc_m = |from: DVec3| 2.0 * EARTH_RADIUS_M * (0.5 * from.distance(place)).min(1.0).asin();
+    let normal = a.cross(b).normalize_or_zero();
+    let is_beside =
+        normal != DVec3::ZERO && normal.cross(a).dot(place) >= 0.0 && b.cross(normal).dot(place) >= 0.0;
+    if is_beside { EARTH_RADIUS_M * normal.dot(place).abs().min(1.0).asin() } else { arc_m(a).min(arc_m(b)) }
+}
+
+impl Boundary {
+    /// A circle that holds the area: its centre as a unit vector and its radius along the chord, metres; the whole sphere for
+    /// large areas.
+    fn circle(&self) -> (DVec3, f64) {
+        const STEPS: u32 = 8;
+        let [west, south, east, north] = self.box_deg();
+        let whole = (DVec3::Z, 2.0 * EARTH_RADIUS_M);
+        if east - west > 60.0 || north - south > 60.0 {
+            return whole;
+        }
+        let place = |x: f64, y: f64| {
+            let (longitude, latitude) = (west + x * (east - west), south + y * (north - south));
+            GeoPoint::from_rad_unchecked(
+                latitude.to_radians().clamp(-0.5 * PI, 0.5 * PI),
+                longitude.to_radians(),
+            )
+            .unit_vector()
+        };
+        let points: Vec<DVec3> = (0..=STEPS)
+            .map(|step| f64::from(step) / f64::from(STEPS))
+            .flat_map(|at| [place(at, 0.0), place(at, 1.0), place(0.0, at), place(1.0, at)])
+            .collect();
+        let center = points.iter().sum::<DVec3>().normalize_or_zero();
+        let radius = points.iter().map(|point| center.distance(*point)).fold(0.0, f64::max);
+        if center == DVec3::ZERO { whole } else { (center, 1.1 * EARTH_RADIUS_M * radius + 1.0) }
+    }
+}

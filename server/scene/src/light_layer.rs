@@ -1,0 +1,105 @@
+//! The lights of a scene by what shines in them. A scene as it was ingested is one layer; a changed one shares that layer,
+//! knows which of its lights are there no more, and has layers of its own for those that were changed or are new.
+
+use crate::changes::GoneLights;
+use crate::gather::Light;
+use crate::grid::Grid;
+use crate::light_pyramid::LightPyramid;
+use crate::lit_pixels::LitPixels;
+use crate::morton;
+use crate::skylines::Skylines;
+use skyglow_physics::Fixture;
+use std::sync::Arc;
+
+/// Lit pixels with what was made of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lights {
+    pub(crate) pixels: LitPixels,
+    /// What stands around each lit pixel; None without terrain, and for scenes stored before it was looked for.
+    pub(crate) skylines: Option<Skylines>,
+    pub(crate) pyramid: LightPyramid,
+}
+
+impl Lights {
+    /// Builds the pyramid.
+    pub(crate) fn new(grid: &Grid, pixels: LitPixels, skylines: Option<Skylines>, calibration: f64) -> Self {
+        let pyramid = LightPyramid::build(grid, &pixels, skylines.as_ref(), calibration);
+        Self { pixels, skylines, pyramid }
+    }
+}
+
+/// Lights of one fixture.
+#[derive(Clone, Debug)]
+pub(crate) struct LightLayer {
+    pub(crate) lights: Arc<Lights>,
+    /// Number of the first of them in the scene.
+    pub(crate) first_number: u32,
+    /// Those that are there no more; None where all are.
+    pub(crate) gone: Option<Arc<GoneLights>>,
+    pub(crate) fixture: Fixture,
+}
+
+impl LightLayer {
+    /// All lights of a scene as it was ingested.
+    pub(crate) fn whole(lights: Lights) -> Self {
+        Self { lights: Arc::new(lights), first_number: 0, gone: None, fixture: Fixture::default() }
+    }
+
+    /// The layer for walking through it.
+    pub(crate) fn light<'a>(&'a self, grid: &'a Grid, calibration: f64, terrain_hides: bool) -> Light<'a> {
+        let skylines = self.lights.skylines.as_ref();
+        Light {
+            grid,
+            pixels: &self.lights.pixels,
+            pyramid: &self.lights.pyramid,
+            calibration,
+            skylines: skylines.filter(|skylines| terrain_hides && skylines.blocked_count() > 0),
+            gone: self.gone.as_deref(),
+            first_number: self.first_number,
+        }
+    }
+
+    /// Number of its lights that are there.
+    pub(crate) fn len(&self) -> usize {
+        self.lights.pixels.len() - self.gone.as_ref().map_or(0, |gone| gone.len())
+    }
+
+    /// Its light at a pixel, nW cm⁻² sr⁻¹.
+    pub(crate) fn radiance_at(&self, column: u32, row: u32) -> Option<f32> {
+        let index = self.lights.pixels.index_at(column, row)?;
+        let is_gone = self.gone.as_ref().is_some_and(|gone| gone.is_gone(index));
+        (!is_gone).then(|| self.lights.pixels.radiance_nw_cm2_sr[index])
+    }
+
+    /// Sum of radiances in the block of 2^level × 2^level pixels at block coordinates, nW cm⁻² sr⁻¹.
+    pub(crate) fn radiance_sum_nw_cm2_sr(&self, level: u32, column: u32, row: u32) -> f64 {
+        if level == 0 {
+            return self.radiance_at(column, row).map_or(0.0, f64::from);
+        }
+        let (pyramid, top) = (&self.lights.pyramid, self.lights.pyramid.top());
+        if top == 0 {
+            return 0.0;
+        }
+        let (level, code) = (level as usize, morton::encode(column, row));
+        if level > top {
+            // The one block at the top lies in one of the wanted level.
+            let holds_all = pyramid.level(top).codes[0] >> (2 * (level - top)) == code;
+            return if holds_all { self.sum_in_block(top, 0) } else { 0.0 };
+        }
+        let index = pyramid.level(level).codes.binary_search(&code).ok();
+        index.map_or(0.0, |index| self.sum_in_block(level, index))
+    }
+
+    fn sum_in_block(&self, level: usize, index: usize) -> f64 {
+        let blocks = self.lights.pyramid.level(level);
+        let Some(gone) = self.gone.as_ref().filter(|gone| gone.is_touched(level, index)) else {
+            return blocks.blocks[index].radiance_sum_nw_cm2_sr;
+        };
+        let radiance = &self.lights.pixels.radiance_nw_cm2_sr;
+        let children = blocks.children(index);
+        if level > 1 {
+            return children.map(|child| self.sum_in_block(level - 1, child)).sum();
+        }
+        children.filter(|&child| !gone.is_gone(child)).map(|child| f64::from(radiance[child])).sum()
+    }
+}
