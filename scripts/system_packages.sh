@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs the Debian packages that Skyglow needs: `system_packages.sh serve` those to build and run,
-# `system_packages.sh test` also those of the browser tests. What is there already is left alone.
+# `system_packages.sh test` also those of the browser tests and the worked examples. What is there already is left alone.
 set -eu
 
 purpose="${1:-}"
@@ -29,6 +29,14 @@ has_lavapipe() {
     return 1
 }
 
+# Debian's packages belong to Debian's Python, which need not be the first on the path.
+has_python_modules() {
+    for python in python3 /usr/bin/python3; do
+        "$python" -c "import requests, rasterio" >/dev/null 2>&1 && return 0
+    done
+    return 1
+}
+
 # A package is asked for only when what it provides is missing, so that another Node or compiler will do.
 missing=""
 need() { # need PACKAGE PROBE...
@@ -50,6 +58,10 @@ if [ "$purpose" = test ]; then
     need nodejs has_command node
     need npm has_command npm
     need chromium has_command chromium
+    # The worked examples of deploy/examples use them.
+    need curl has_command curl
+    need python3-requests has_python_modules
+    need python3-rasterio has_python_modules
 fi
 
 if [ -n "$missing" ]; then

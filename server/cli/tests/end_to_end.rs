@@ -436,3 +436,44 @@ fn scenarios_and_plans_of_the_command_line_are_those_of_the_api() {
     let refused = skyglow(&[&["sky", "--scenario", "s-0"], &place[..], &engine[..]].concat());
     assert!(refused.expect_status(2).stderr.contains("scenario"), "an id that is none");
 }
+
+/// The worked examples of `deploy/examples`, as their README has them run: with a shell and curl, and with Python, requests and
+/// rasterio, which `make test` installs.
+#[test]
+fn the_worked_examples_of_a_municipality_run() {
+    let server = server();
+    let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../deploy/examples");
+    let run = |program: &str, script: &str, folder: &str| {
+        let folder = Ground::get().folder.join(folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let output = std::process::Command::new(program)
+            .arg(examples.join(script))
+            .args([server.url.as_str(), text(&folder)])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{script}: {said}{}", String::from_utf8_lossy(&output.stderr));
+        (said, folder)
+    };
+    let (said, folder) = run("sh", "municipality.sh", "municipality-sh");
+    let number = |line: &str, word: usize| -> f64 {
+        let line =
+            said.lines().find(|known| known.starts_with(line)).unwrap_or_else(|| panic!("{line}: {said}"));
+        line.split(' ').nth(word).unwrap().parse().unwrap_or_else(|_| panic!("{line}"))
+    };
+    let (today, with_plan) = (number("zenith:", 1), number("with the plan:", 3));
+    assert!(with_plan > today + 0.005 && (0.01..1.0).contains(&number("ours:", 1)), "{said}");
+    for file in ["influence.tif", "plan.tif", "plan.geojson", "plan.csv"] {
+        assert!(std::fs::metadata(folder.join(file)).unwrap().len() > 500, "{file}");
+    }
+    // Debian's packages belong to Debian's Python, which need not be the first on the path.
+    let has_rasterio = |python: &&str| {
+        let mut import = std::process::Command::new(python);
+        import.args(["-c", "import rasterio, requests"]).output().is_ok_and(|output| output.status.success())
+    };
+    let python = ["python3", "/usr/bin/python3"].into_iter().find(has_rasterio);
+    let python =
+        python.expect("Python with rasterio and requests: scripts/system_packages.sh test installs them");
+    let (said, _) = run(python, "municipality.py", "municipality-py");
+    assert!(said.contains("plan and amber: "), "{said}");
+}

@@ -1,17 +1,18 @@
 //! Times of maps of influences, step by step: `cargo run --release -p skyglow-engine --example influence_times -- PACKS`.
 //!
 //! Arguments: folder of packs; pixels a side of a made-up square of lights of 463 m, all of them lit (1000); rounds (20).
-//! On the processor; the place is in the middle. The first map finds the light, the others have it.
+//! On the processor; the place is in the middle. The first map finds the light, the others have it. Then plans and scenarios.
 
 #[allow(clippy::unwrap_used, reason = "what the tests set a scene up with stops at the first error")]
 #[path = "../tests/common/mod.rs"]
 mod common;
 
 use skyglow_engine::{
-    DeviceChoice, Engine, EngineConfig, InfluenceRequest, Measure, Observatory, ObserverHeight, SkyRequest,
-    resident_tables,
+    DeviceChoice, Engine, EngineConfig, InfluenceRequest, Level, Limit, Measure, Observatory, PlanMethod,
+    PlanRequest, SkyRequest, TargetSite, resident_tables,
 };
-use skyglow_physics::{Direction, EmissionMix, GeoPoint, LampPreset, SkyCurve, Turbidity};
+use skyglow_physics::{Direction, SkyCurve};
+use skyglow_scene::{Area, Change, ChangeStep, Edit};
 use skyglow_tables::Scattering;
 use std::{error::Error, path::Path, time::Instant};
 
@@ -50,23 +51,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut map = |is_new: bool| -> Result<_, Box<dyn Error>> {
                 // Another place has no light found yet.
                 place += if is_new { 1e-4 } else { 0.0 };
-                let request = InfluenceRequest {
-                    sky: SkyRequest {
-                        scene: common::town(),
-                        scenario: None,
-                        place: GeoPoint::from_deg(0.003 + place + 0.01 * turbidity, 37.002)?,
-                        observer_height: ObserverHeight::AboveGround(2.0),
-                        turbidity: Turbidity::new(turbidity)?,
-                        scattering: Scattering::Multiple,
-                        cloud_base_m: None,
-                        lamp: LampPreset::Mixed.lamp(),
-                        emission: EmissionMix::garstang(),
-                        basis: None,
-                        tolerance: None,
-                        terrain_hides: true,
-                    },
-                    measure: measure.clone(),
-                };
+                let sky = sky(turbidity, 0.003 + place + 0.01 * turbidity, 37.002);
+                let request = InfluenceRequest { sky, measure: measure.clone() };
                 let start = Instant::now();
                 let map = observatory.influence(&request)?;
                 Ok((1e3 * start.elapsed().as_secs_f64(), map))
@@ -88,6 +74,62 @@ fn main() -> Result<(), Box<dyn Error>> {
                 steps.join(", ")
             );
         }
+    }
+    changes(&observatory)
+}
+
+/// All orders.
+fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyRequest {
+    SkyRequest { scattering: Scattering::Multiple, ..common::sky(turbidity, latitude_deg, longitude_deg) }
+}
+
+/// Plans and scenarios in the same scene, from the request to what is answered; influences of the sites are known before.
+fn changes(observatory: &Observatory) -> Result<(), Box<dyn Error>> {
+    println!("milliseconds, fastest of three: plans and scenarios");
+    let site = |latitude_deg: f64, longitude_deg: f64, part: f64| TargetSite {
+        influence: InfluenceRequest { sky: sky(2.5, latitude_deg, longitude_deg), measure: Measure::Zenith },
+        limit: Limit::ReduceBy(part),
+    };
+    let sites =
+        [site(0.003, 37.002, 0.3), site(1.0, 36.3, 0.2), site(-1.1, 37.7, 0.25), site(-0.6, 36.1, 0.1)];
+    let fastest =
+        |work: &dyn Fn() -> Result<String, Box<dyn Error>>| -> Result<(f64, String), Box<dyn Error>> {
+            let mut best = (f64::INFINITY, String::new());
+            for _ in 0..3 {
+                let start = Instant::now();
+                let told = work()?;
+                best = (best.0.min(1e3 * start.elapsed().as_secs_f64()), told);
+            }
+            Ok(best)
+        };
+    for count in [1, 4] {
+        let method = PlanMethod::Target { sites: sites[..count].to_vec(), max_cut: 0.8, protect: None };
+        let request = PlanRequest { method };
+        let (ms, told) = fastest(&|| {
+            let plan = observatory.plan(&request)?;
+            let (removed, least) = (plan.flux_removed_dnb_w(), plan.least_flux_dnb_w.unwrap_or(0.0));
+            let of = plan.pixels_within_reach;
+            Ok(format!(
+                "{} of {of} pixels, {:.1e} above the least flux",
+                plan.pixels.len(),
+                removed / least - 1.0
+            ))
+        })?;
+        println!("target plan of {count} site(s): {ms:.0} ({told})");
+    }
+    let (from, to) = (Level::Percentile(90.0), Level::Percentile(99.0));
+    let method = PlanMethod::Threshold { site: sites[0].influence.clone(), from, to, gamma: 0.8 };
+    let request = PlanRequest { method };
+    let (ms, told) = fastest(&|| Ok(format!("{} pixels", observatory.plan(&request)?.pixels.len())))?;
+    println!("threshold plan: {ms:.0} ({told})");
+    let scene = observatory.scene(&common::town())?;
+    for radius_m in [1_000.0, 10_000.0, 40_000.0] {
+        let area = Area::Brush { points: vec![[37.3, 0.3]], radius_m };
+        let change = Change::Alter { factor: 0.5, lamp: None, emission: None };
+        let steps = [ChangeStep::Painted(vec![Edit { area, change }])];
+        let (ms, told) =
+            fastest(&|| Ok(format!("{} pixels", scene.changed(&steps, "time")?.1.changed_pixels)))?;
+        println!("scene painted within {radius_m} m: {ms:.1} ({told})");
     }
     Ok(())
 }

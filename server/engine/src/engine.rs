@@ -1,6 +1,7 @@
 //! The engine as its callers see it.
 
 use crate::{
+    MAX_BATCH,
     error::EngineError,
     packs::ResidentKind,
     prepare::Prepared,
@@ -156,11 +157,16 @@ impl Engine {
     /// # Errors
     /// As [`Self::render`].
     pub async fn render_together(&self, parts: &[RenderRequest]) -> Result<Rendered, EngineError> {
-        let waiting: Vec<_> = parts.iter().map(|part| self.submit(part)).collect::<Result<_, _>>()?;
         let mut sky: Option<Rendered> = None;
-        for part in waiting {
-            let part = part.await.unwrap_or(Err(EngineError::Stopped))?;
-            sky = Some(sky.map_or_else(|| part.clone(), |sky| sky.with(&part)));
+        for batch in parts.chunks(MAX_BATCH) {
+            let waiting: Vec<_> = batch.iter().map(|part| self.submit(part)).collect::<Result<_, _>>()?;
+            for part in waiting {
+                let part = part.await.unwrap_or(Err(EngineError::Stopped))?;
+                sky = Some(match sky {
+                    Some(sky) => sky.with(&part),
+                    None => part,
+                });
+            }
         }
         Ok(sky.unwrap_or_else(|| worker::dark_sky(self.info.executor)))
     }

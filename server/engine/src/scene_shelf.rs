@@ -1,18 +1,27 @@
 //! Scenes kept open.
 
 use crate::error::EngineError;
-use skyglow_scene::{ChangeId, ChangeStep, ChangeStore, Scene, SceneError, SceneId, SceneStore};
+use moka::sync::Cache;
+use skyglow_scene::{
+    ChangeError, ChangeId, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, DEEPEST, Scene,
+    SceneError, SceneId, SceneMetadata, SceneStore,
+};
 use std::{
     collections::VecDeque,
     sync::{Arc, Mutex, PoisonError},
-    time::SystemTime,
+    time::{Duration, SystemTime},
 };
 
 /// Tells one state of a scene's folder from the next without reading it.
 type Stamp = (SystemTime, u64);
 
-/// Changed scenes that are kept; they share what was not touched with the scene itself.
-const CHANGED_SCENE_COUNT: usize = 16;
+/// Bytes of changed scenes that are kept, beside what they share with the scene itself.
+const CHANGED_BYTES: u64 = 512 << 20;
+/// How long a changed scene is kept that nobody asks for: it holds the scene, which may be gone from disk.
+const KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
+
+/// A scene with changes, and what they did.
+pub(crate) type Changed = (Arc<Scene>, Arc<ChangeSummary>);
 
 /// The scenes that were used last, open. A scene that changed on disk is opened again.
 #[derive(Debug)]
@@ -20,8 +29,8 @@ pub(crate) struct SceneShelf {
     store: SceneStore,
     changes: ChangeStore,
     capacity: usize,
-    /// Scenes with changes; the one used last is at the front. Their versions tell of which state of the scene they are.
-    changed: Mutex<VecDeque<(ChangeId, String, Arc<Scene>)>>,
+    /// Scenes with changes, by id and the version of the scene that was changed; each is made once for all who ask.
+    changed: Cache<(ChangeId, String), Changed>,
     /// The one used last is at the front.
     open: Mutex<VecDeque<(SceneId, Stamp, Arc<Scene>)>>,
 }
@@ -29,8 +38,12 @@ pub(crate) struct SceneShelf {
 impl SceneShelf {
     /// A shelf for at most `capacity` scenes, at least one.
     pub(crate) fn new(store: SceneStore, changes: ChangeStore, capacity: usize) -> Self {
-        let (open, changed) = Default::default();
-        Self { store, changes, capacity: capacity.max(1), open, changed }
+        let weigh = |_: &(ChangeId, String), changed: &Changed| {
+            u32::try_from(4096 + changed.0.own_bytes()).unwrap_or(u32::MAX)
+        };
+        let changed =
+            Cache::builder().max_capacity(CHANGED_BYTES).weigher(weigh).time_to_idle(KEPT_WHILE_IDLE).build();
+        Self { store, changes, capacity: capacity.max(1), open: Mutex::default(), changed }
     }
 
     /// Where scenarios and plans are stored.
@@ -48,30 +61,40 @@ impl SceneShelf {
         scenario: Option<&ChangeId>,
     ) -> Result<Arc<Scene>, EngineError> {
         let scene = self.scene(id)?;
-        let Some(scenario) = scenario else { return Ok(scene) };
-        // Read each time: it may be gone or belong to another scene.
-        let steps = || self.changes.steps(scenario, id, &scene.metadata().version);
-        let is_wanted = |(known, version, _): &(ChangeId, String, Arc<Scene>)| {
-            known == scenario && *version == scene.metadata().version
-        };
-        let kept = {
-            let mut changed = self.changed.lock().unwrap_or_else(PoisonError::into_inner);
-            let position = changed.iter().position(is_wanted);
-            position
-                .and_then(|position| changed.remove(position))
-                .inspect(|entry| changed.push_front(entry.clone()))
-        };
-        if let Some((_, _, kept)) = kept
-            && self.changes.is_there(scenario)
-        {
-            return Ok(kept);
+        match scenario {
+            None => Ok(scene),
+            Some(scenario) => Ok(self.changed(&scene, scenario)?.0),
         }
-        let changed = Arc::new(with_changes(&scene, &steps()?, scenario.as_str())?);
-        let mut list = self.changed.lock().unwrap_or_else(PoisonError::into_inner);
-        list.retain(|entry| !is_wanted(entry));
-        list.push_front((scenario.clone(), scene.metadata().version.clone(), Arc::clone(&changed)));
-        list.truncate(CHANGED_SCENE_COUNT);
-        Ok(changed)
+    }
+
+    /// A scene with the changes of a scenario or plan, and what those did.
+    ///
+    /// # Errors
+    /// [`EngineError::ChangeStore`], [`EngineError::Change`].
+    pub(crate) fn changed(&self, scene: &Arc<Scene>, id: &ChangeId) -> Result<Changed, EngineError> {
+        // Read each time: it may be gone, or belong to another scene.
+        let SceneMetadata { id: scene_id, version, .. } = scene.metadata();
+        let steps = self.changes.steps(id, scene_id, version)?;
+        self.made(scene, id, &steps)
+    }
+
+    /// The same of steps that are known, and not kept yet maybe.
+    ///
+    /// # Errors
+    /// [`EngineError::Change`].
+    pub(crate) fn made(
+        &self,
+        scene: &Arc<Scene>,
+        id: &ChangeId,
+        steps: &[ChangeStep],
+    ) -> Result<Changed, EngineError> {
+        let key = (id.clone(), scene.metadata().version.clone());
+        let make = || -> Result<Changed, ChangeError> {
+            let (changed, summary) = scene.changed(steps, id.as_str())?;
+            tracing::debug!(%id, ?summary, "changed a scene");
+            Ok((Arc::new(changed), Arc::new(summary)))
+        };
+        Ok(self.changed.try_get_with(key, make).map_err(|error| ChangeError::clone(&error))?)
     }
 
     /// A scene with the changes of a scenario or plan, and one more step.
@@ -91,7 +114,12 @@ impl SceneShelf {
             None => Vec::new(),
         };
         steps.push(step);
-        Ok(Arc::new(with_changes(&scene, &steps, mark)?))
+        if let Some(scenario) = scenario
+            && steps.len() > DEEPEST
+        {
+            return Err(ChangeStoreError::TooDeep { id: scenario.clone() }.into());
+        }
+        Ok(Arc::new(scene.changed(&steps, mark)?.0))
     }
 
     /// Where the scenes are stored.
@@ -150,10 +178,4 @@ impl SceneShelf {
         let modified = metadata.modified().map_err(|source| SceneError::Io { path, source })?;
         Ok((modified, metadata.len()))
     }
-}
-
-fn with_changes(scene: &Scene, steps: &[ChangeStep], mark: &str) -> Result<Scene, EngineError> {
-    let (changed, summary) = scene.changed(steps, mark)?;
-    tracing::debug!(mark, ?summary, "changed a scene");
-    Ok(changed)
 }

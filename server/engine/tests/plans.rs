@@ -183,7 +183,7 @@ fn a_target_is_met_by_the_sky_itself_with_the_least_flux() {
         assert!(removed < 0.25 * outcome.flux_within_reach_dnb_w, "{removed:e}");
         let least = outcome.least_flux_dnb_w.unwrap();
         assert!(removed >= least * (1.0 - 1e-9) && removed <= least * (1.0 + 1e-9), "{removed:e} {least:e}");
-        assert!(outcome.pixels.iter().all(|pixel| pixel.cut > 0.0 && pixel.cut <= 0.9));
+        assert!(outcome.pixels.iter().all(|pixel| pixel.cut > 1e-6 && pixel.cut <= 0.9));
         let effects: f64 = outcome.pixels.iter().map(|pixel| pixel.effect).sum();
         assert!((effects - 1.0).abs() < 1e-9);
         // Its id brings the same sky to every query.
@@ -239,6 +239,12 @@ fn what_is_out_of_reach_is_brought_as_near_as_it_can_be_and_said_why() {
     assert!(told.of_protected > 0.0 && told.of_uncut > 0.0);
     assert!((told.of_protected + told.of_uncut - told.least).abs() < 1e-9 * told.least);
     assert!(outcome.pixels.iter().all(|pixel| (pixel.cut - 0.5).abs() < 1e-9));
+    // All of the light is a wish that can be met.
+    let outcome = plan(&observatory, vec![target(&request, Measure::Mean, Limit::ReduceBy(1.0))], 1.0, None);
+    assert!(outcome.sites[0].target.unwrap().is_met, "{:?}", outcome.sites[0].target);
+    let everything = outcome.flux_removed_dnb_w() / outcome.flux_within_reach_dnb_w;
+    // To what f32 holds of influences.
+    assert!(everything > 0.99999 && everything <= 1.0, "{everything}");
     // What is met already costs nothing.
     let outcome = plan(&observatory, vec![target(&request, Measure::Mean, Limit::AtMost(1.0))], 1.0, None);
     assert!(outcome.pixels.is_empty() && outcome.sites[0].target.unwrap().is_met);

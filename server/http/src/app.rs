@@ -5,8 +5,8 @@ use crate::{
     error::ApiError,
     layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
     routes::{
-        atmospheres, docs, health, influence, panorama, plans, problems, scenarios, scenes, site, sky, tiles,
-        viewer,
+        atmospheres, docs, health, influence, panorama, plans, problems, scenarios, scenes, site, sky,
+        tilejson, tiles, viewer,
     },
     source::SkySource,
     state::AppState,
@@ -74,7 +74,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(plans::get_plan))
         .routes(routes!(scenarios::list_scenarios, scenarios::post_scenario))
         .routes(routes!(scenarios::get_scenario))
-        .routes(routes!(tiles::get_tilejson))
+        .routes(routes!(tilejson::get_tilejson))
         .routes(routes!(atmospheres::list_atmospheres))
         .routes(routes!(docs::get_openapi))
         .routes(routes!(docs::get_docs))

@@ -96,16 +96,22 @@ pub fn feature_collection<T: Serialize>(
     Ok(collection)
 }
 
-/// A row for each record under the names of its fields; of no rows nothing at all.
+/// A row for each record under the names of its fields, which are there without records too.
 ///
 /// # Errors
 /// [`InfluenceFileError::Csv`], only by a defect.
-pub fn csv_table<T: Serialize>(rows: Vec<T>) -> Result<Vec<u8>, InfluenceFileError> {
+pub fn csv_table<T: Serialize + Default>(rows: Vec<T>) -> Result<Vec<u8>, InfluenceFileError> {
+    let is_empty = rows.is_empty();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
+    for row in if is_empty { vec![T::default()] } else { rows } {
         writer.serialize(row)?;
     }
-    writer.into_inner().map_err(|error| csv::Error::from(error.into_error()).into())
+    let mut table = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    if is_empty {
+        let end = table.iter().position(|byte| *byte == b'\n').map_or(table.len(), |end| end + 1);
+        table.truncate(end);
+    }
+    Ok(table)
 }
 
 /// A row for each pixel; the column of influences carries their unit in its name.

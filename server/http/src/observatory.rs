@@ -1,7 +1,7 @@
 //! The real program behind the interface.
 
 use crate::{
-    answers::AtmosphereAnswer,
+    answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry, plan_entry},
     kind_facts::KindFacts,
     parameters::{BASIS, SCATTERING, TURBIDITY},
     source::{
@@ -246,10 +246,8 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.keep_scenario(scenario)?.0)
     }
 
-    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, ChangeSummary, u64), SourceError> {
-        let (scenario, created_unix_s) = self.observatory.changes().scenario(id)?;
-        let summary = self.observatory.try_scenario(&scenario)?;
-        Ok((scenario, summary, created_unix_s))
+    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError> {
+        Ok(self.observatory.scenario(id)?)
     }
 
     fn plan(&self, request: &PlanRequest) -> Result<PlanOutcome, SourceError> {
@@ -267,23 +265,26 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.changes().plan(id)?)
     }
 
-    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<(ChangeId, Scenario, u64)>, SourceError> {
+    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, SourceError> {
         self.scene(scene)?;
         let read = |(id, _): (ChangeId, u64)| match self.observatory.changes().scenario(&id) {
-            Ok((scenario, created_unix_s)) => Some((id, scenario, created_unix_s)),
+            Ok((scenario, created_unix_s)) => {
+                (scenario.scene == *scene).then(|| ScenarioEntry::new(&id, &scenario, created_unix_s))
+            }
             Err(error) => {
                 tracing::error!(%error, "a scenario is left out of the list");
                 None
             }
         };
-        let all = self.observatory.list_changes(ChangeKind::Scenario)?.into_iter().filter_map(read);
-        Ok(all.filter(|(_, scenario, _)| scenario.scene == *scene).collect())
+        Ok(self.observatory.list_changes(ChangeKind::Scenario)?.into_iter().filter_map(read).collect())
     }
 
-    fn list_plans(&self, scene: &SceneId) -> Result<Vec<(ChangeId, serde_json::Value, u64)>, SourceError> {
+    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, SourceError> {
         self.scene(scene)?;
         let read = |(id, _): (ChangeId, u64)| match self.observatory.changes().plan_answer(&id) {
-            Ok((of, answer, created_unix_s)) => (of == *scene).then_some((id, answer, created_unix_s)),
+            Ok((of, facts, created_unix_s)) => {
+                (of == *scene).then(|| plan_entry(&id, &facts, created_unix_s))
+            }
             Err(error) => {
                 tracing::error!(%error, "a plan is left out of the list");
                 None

@@ -209,7 +209,7 @@ parameter_sets! {
     PlaceParameters = [LAT, LON, SCENARIO];
     /// Those of a plan beside its body: what all its sites have in common, and how much of the answer is listed.
     PlanParameters = [
-        TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, SCENARIO, LIMIT,
+        TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,
     ];
     /// Those of a plan that is looked at.
     PlanListParameters = [LIMIT];

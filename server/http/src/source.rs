@@ -2,7 +2,7 @@
 //! put slow, busy and counting ones in its place.
 
 use crate::{
-    answers::AtmosphereAnswer,
+    answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     error::ApiError,
     kind_facts::KindFacts,
     parameters::{ALTITUDE, CLOUDS, HEIGHT, REGION, SCENARIO},
@@ -270,8 +270,31 @@ impl SourceError {
                 longitude_deg: rounded(place.longitude_deg()),
                 bounds,
             },
+            // The scene was ingested again since the scenario was painted.
+            SourceError::BadEdit(error) => ApiError::Parameters(vec![FieldError {
+                parameter: SCENARIO.name.to_owned(),
+                value: None,
+                allowed: "a scenario that can be painted over the scene as it is now".to_owned(),
+                message: error.to_string(),
+                code: Mistake::NotAllowed,
+            }]),
             other => other.into(),
         }
+    }
+
+    /// The answer to the client that painted: what its scenario goes on from is named in the body.
+    pub fn of_painting(self) -> ApiError {
+        let (id, message) = match self {
+            SourceError::ScenarioOfOtherScene { id, scene } => {
+                (id, format!("it belongs to scene \"{scene}\""))
+            }
+            SourceError::ScenarioTooDeep(id) => {
+                (id, "it stands on too many others, one upon the other".to_owned())
+            }
+            other => return other.into(),
+        };
+        let allowed = "a scenario or plan of this scene that stands on few others".to_owned();
+        ApiError::parameter("base", id, allowed, message, Mistake::NotAllowed)
     }
 }
 
@@ -321,7 +344,11 @@ fn bad_edit(error: &ChangeError) -> ApiError {
         }
         ChangeError::Outside { number } => (format!("edits[{}]", number - 1), "an area in the scene"),
         ChangeError::TooBright { number } => (format!("edits[{}]", number - 1), "light that lamps can give"),
-        ChangeError::TooManyNewLights => ("edits".to_owned(), "fewer new lights"),
+        ChangeError::TooManyFixtures { number } => {
+            (format!("edits[{}]", number - 1), "fewer kinds of lamps and emissions")
+        }
+        ChangeError::TooMuch { number } => (format!("edits[{}]", number - 1), "smaller areas, or fewer"),
+        ChangeError::TooManyNewLights { .. } => ("edits".to_owned(), "fewer new lights"),
     };
     let (message, allowed) = (error.to_string(), allowed.to_owned());
     let code = Mistake::NotAllowed;
@@ -472,7 +499,7 @@ pub trait SkySource: Send + Sync + 'static {
     ///
     /// # Errors
     /// As [`Self::keep_scenario`].
-    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, ChangeSummary, u64), SourceError>;
+    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError>;
     /// Makes a plan; takes seconds of all cores.
     ///
     /// # Errors
@@ -488,16 +515,16 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// [`SourceError::UnknownScenario`], [`SourceError::Broken`].
     fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError>;
-    /// What is said of each scenario or plan of a scene, the newest first, with its id and when it was kept.
+    /// The scenarios of a scene, the newest first.
     ///
     /// # Errors
     /// As [`Self::scene`].
-    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<(ChangeId, Scenario, u64)>, SourceError>;
-    /// The same of plans, as their answers.
+    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, SourceError>;
+    /// The plans of a scene, the newest first.
     ///
     /// # Errors
     /// As [`Self::scene`].
-    fn list_plans(&self, scene: &SceneId) -> Result<Vec<(ChangeId, serde_json::Value, u64)>, SourceError>;
+    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, SourceError>;
     /// Renders a sky.
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>>;
 }

@@ -157,7 +157,10 @@ impl TryFrom<[f64; LOBE_COUNT]> for EmissionMix {
     type Error = PhysicsError;
 
     fn try_from(weights: [f64; LOBE_COUNT]) -> Result<Self, PhysicsError> {
-        Self::new(weights)
+        let mix = Self::new(weights)?;
+        // What was normalised once stays as it is, to the last bit.
+        let is_normal = (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12;
+        Ok(if is_normal { Self { weights } } else { mix })
     }
 }
 

@@ -125,6 +125,17 @@ impl Fixture {
         self.lamps.is_empty() && self.emission.is_none()
     }
 
+    /// Replaces lamps. Changes before that make no difference any more are forgotten: those before all lamps are replaced by the
+    /// same rule, and the same change again.
+    pub fn replace(&mut self, change: LampChange) {
+        if change.from.is_none() && self.lamps.iter().all(|before| before.kept == change.kept) {
+            self.lamps.clear();
+        }
+        if self.lamps.last() != Some(&change) {
+            self.lamps.push(change);
+        }
+    }
+
     /// s_b: flux in R, G, B per DNB flux that the satellite saw of these lights before their lamps were replaced, where a
     /// sky is asked with `asked`.
     pub fn flux_per_dnb_flux(&self, asked: &Lamp) -> [f64; BAND_COUNT] {
@@ -166,6 +177,24 @@ mod tests {
             let after = lumens(fixture(&lamps).flux_per_dnb_flux(&asked.lamp()));
             // The table of lamps is rounded to a thousandth.
             prop_assert!((after / before - 1.0).abs() < 2e-3, "{} {}", before, after);
+        }
+
+        #[test]
+        fn what_is_forgotten_makes_no_difference(
+            asked in preset(), changes in prop::collection::vec((prop::option::of(preset()), preset(), any::<bool>()), 1..5),
+        ) {
+            let kept = |dnb: bool| if dnb { Kept::DnbFlux } else { Kept::LuminousFlux };
+            let lamps: Vec<LampChange> =
+                changes.into_iter().map(|(from, to, dnb)| change(from, to, kept(dnb))).collect();
+            let mut short = Fixture::default();
+            lamps.iter().for_each(|change| short.replace(*change));
+            prop_assert!(short.lamps.len() <= lamps.len());
+            let (short, long) =
+                (short.flux_per_dnb_flux(&asked.lamp()), fixture(&lamps).flux_per_dnb_flux(&asked.lamp()));
+            for (short, long) in short.iter().zip(long) {
+                // The table of lamps is rounded to a thousandth.
+                prop_assert!((short - long).abs() < 4e-3 * long.max(0.05), "{} {}", short, long);
+            }
         }
 
         #[test]

@@ -121,6 +121,11 @@ impl Boundary {
         [self.west_deg, self.south_deg, self.east_deg, self.north_deg]
     }
 
+    /// Sides that a place is compared with, in the mean.
+    pub(crate) fn sides_a_band(&self) -> usize {
+        self.in_band.len() / (self.band_start.len() - 1).max(1)
+    }
+
     fn sort_into_bands(&mut self) -> Result<(), BoundaryError> {
         let count = self.sides.len().clamp(1, MOST_BANDS);
         let bands = |side: &[Position; 2]| {

@@ -50,8 +50,8 @@ mod terrain;
 pub use boundary::{Boundary, BoundaryError, MOST_BOUNDARY_CORNERS, Position};
 pub use changes::{
     Area, AreaError, Change, ChangeError, ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore,
-    ChangeStoreError, ChangeSummary, Edit, MOST_BRUSH_POINTS, MOST_EDITS, MOST_NEW_LIGHTS, PixelFactors,
-    Scenario, StoredPlan,
+    ChangeStoreError, ChangeSummary, DEEPEST, Edit, MOST_BRUSH_POINTS, MOST_EDITS, MOST_NEW_LIGHTS,
+    MOST_NEW_LIGHTS_AMONG_HILLS, PixelFactors, Scenario, StoredPlan,
 };
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use error::SceneError;

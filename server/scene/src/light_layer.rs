@@ -4,10 +4,10 @@
 use crate::changes::GoneLights;
 use crate::gather::Light;
 use crate::grid::Grid;
-use crate::light_pyramid::LightPyramid;
+use crate::light_pyramid::{Block, LightPyramid};
 use crate::lit_pixels::LitPixels;
 use crate::morton;
-use crate::skylines::Skylines;
+use crate::skylines::{Skyline, Skylines};
 use skyglow_physics::Fixture;
 use std::sync::Arc;
 
@@ -59,6 +59,17 @@ impl LightLayer {
         }
     }
 
+    /// Bytes that it takes beside the raster's own lights, about.
+    pub(crate) fn own_bytes(&self) -> usize {
+        let (pixels, gone) =
+            (self.lights.pixels.len(), self.gone.as_ref().map_or(0, |gone| gone.byte_count()));
+        // Blocks are a third of the pixels; a skyline is for those that have one.
+        let of_skylines = |skylines: &Skylines| skylines.blocked_count() * 2 * size_of::<Skyline>();
+        let of_lights = pixels * (24 + size_of::<Block>() / 2);
+        let is_shared = self.first_number == 0;
+        gone + if is_shared { 0 } else { of_lights + self.lights.skylines.as_ref().map_or(0, of_skylines) }
+    }
+
     /// Number of its lights that are there.
     pub(crate) fn len(&self) -> usize {
         self.lights.pixels.len() - self.gone.as_ref().map_or(0, |gone| gone.len())
@@ -95,6 +106,9 @@ impl LightLayer {
         let Some(gone) = self.gone.as_ref().filter(|gone| gone.is_touched(level, index)) else {
             return blocks.blocks[index].radiance_sum_nw_cm2_sr;
         };
+        if gone.is_empty_block(level, index) {
+            return 0.0;
+        }
         let radiance = &self.lights.pixels.radiance_nw_cm2_sr;
         let children = blocks.children(index);
         if level > 1 {

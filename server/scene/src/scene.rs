@@ -191,6 +191,11 @@ impl Scene {
         kinds.into_iter().map(|(fixture, layers)| (fixture, make(&layers))).collect()
     }
 
+    /// Bytes that a changed scene takes beside what it shares, about.
+    pub fn own_bytes(&self) -> usize {
+        self.layers.iter().map(LightLayer::own_bytes).sum()
+    }
+
     /// The lights of the raster, as it was ingested.
     pub(crate) fn first_layer(&self) -> &LightLayer {
         &self.layers[0]
@@ -228,6 +233,11 @@ impl Scene {
     pub fn lit_radiance_nw_cm2_sr(&self, number: u32) -> f32 {
         let (layer, index) = self.light(number);
         layer.lights.pixels.radiance_nw_cm2_sr[index]
+    }
+
+    /// Column and row of the pixel at a place; `None` off the raster.
+    pub fn column_and_row_at(&self, place: GeoPoint) -> Option<(u32, u32)> {
+        self.grid.pixel_at(place)
     }
 
     /// All light of a pixel: radiance, nW cm⁻² sr⁻¹, without the calibration, and upward flux, DNB watts, with it.

@@ -76,6 +76,19 @@ fn scenarios_and_plans_survive_and_stand_on_each_other() {
 }
 
 #[test]
+fn weights_that_do_not_sum_to_one_by_their_last_bit_come_back() {
+    let (_folder, store) = store(ChangeLimits::default());
+    for step in 1..200u32 {
+        let weights = [f64::from(step % 7), f64::from(step % 11), 1.0 / f64::from(step)];
+        let emission = Some(EmissionMix::new(weights).unwrap());
+        let mut scenario = scenario(0.5, None);
+        scenario.edits[0].change = Change::Alter { factor: 1.0 / f64::from(step), lamp: None, emission };
+        let id = store.keep_scenario(&scenario).unwrap();
+        assert_eq!(store.scenario(&id).unwrap().0, scenario, "{weights:?}");
+    }
+}
+
+#[test]
 fn changes_upon_changes_end_somewhere() {
     let (_folder, store) = store(ChangeLimits::default());
     let mut base = None;
@@ -102,6 +115,10 @@ fn old_ones_make_room() {
         store.list(ChangeKind::Scenario).unwrap().into_iter().map(|(id, _)| id).collect();
     assert_eq!(kept, [ids[4].clone(), ids[3].clone(), ids[2].clone()]);
     assert!(matches!(store.scenario(&ids[0]), Err(ChangeStoreError::Unknown { .. })));
+    // What stands on an old one keeps it.
+    let child = store.keep_scenario(&scenario(7.0, Some(ids[2].clone()))).unwrap();
+    assert!(store.scenario(&ids[2]).is_ok() && store.scenario(&ids[3]).is_err());
+    assert!(store.steps(&child, &scene(), "v1").is_ok());
     // The newest is kept whatever it takes.
     let narrow = ChangeStore::new(folder.path(), ChangeLimits { bytes: 1, ..limits });
     let last = narrow.keep_scenario(&scenario(9.0, None)).unwrap();

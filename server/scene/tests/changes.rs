@@ -236,10 +236,57 @@ fn what_cannot_be_painted_is_refused_by_the_number_of_its_edit() {
         let brush = Area::Brush { points: vec![[37.1, -1.1]], radius_m };
         assert!(matches!(refused(vec![alter(brush, 0.5)]), ChangeError::Area { number: 1, .. }));
     }
+    // Strokes over and over each other.
+    let zigzag: Vec<[f64; 2]> = (0..1000).map(|step| center(40 + step % 80, 80)).collect();
+    let brush = Area::Brush { points: zigzag, radius_m: 50_000.0 };
+    assert!(matches!(refused(vec![alter(brush, 0.9); 25]), ChangeError::TooMuch { .. }));
     // A dark corner is no mistake: there is nothing to dim.
     let (unchanged, summary) =
         scene.changed(&[ChangeStep::Painted(vec![alter(everywhere, 1.0)])], "x").unwrap();
     assert_eq!((summary.changed_pixels, unchanged.metadata().lit_pixels), (0, scene.metadata().lit_pixels));
+}
+
+#[test]
+fn strokes_of_one_lamp_are_one_kind_and_too_many_kinds_are_refused() {
+    let (_, scene) = world();
+    let with = |lamp: LampPreset, area: Area| {
+        let lamp = LampChange { from: None, to: lamp.lamp(), kept: Kept::LuminousFlux };
+        Edit { area, change: Change::Alter { factor: 1.0, lamp: Some(lamp), emission: None } }
+    };
+    // Over each other, in turns.
+    let strokes = (0..10).map(|step| {
+        let lamp = if step % 2 == 0 { LampPreset::Hps } else { LampPreset::Led3000k };
+        with(lamp, rectangle([10 + step, 60 + step], [10, 60]))
+    });
+    let changed = painted(scene, strokes.collect());
+    assert_eq!(changed.polar_grids(place(-1.2, 37.3), false).len(), 3);
+    let mixes = (0..40).map(|step| {
+        let emission = EmissionMix::new([1.0, f64::from(step), 0.0]).unwrap();
+        Edit {
+            area: rectangle([0, 100], [3 * step as usize, 3 * step as usize + 2]),
+            change: Change::Alter { factor: 1.0, lamp: None, emission: Some(emission) },
+        }
+    });
+    let refused = scene.changed(&[ChangeStep::Painted(mixes.collect())], "x").unwrap_err();
+    assert!(matches!(refused, ChangeError::TooManyFixtures { number: 33 }), "{refused}");
+}
+
+#[test]
+fn light_that_is_added_and_taken_away_leaves_nothing() {
+    let (raster, scene) = world();
+    let dark = (0..SIZE * SIZE).find(|at| raster.values[*at] == 0.0).unwrap();
+    let dot = || Area::Brush { points: vec![center(dark % SIZE, dark / SIZE)], radius_m: 5.0 };
+    let edits = vec![add(dot(), 7.0), alter(dot(), 0.0), add(dot(), 5.0), alter(dot(), 0.0)];
+    let (changed, summary) = scene.changed(&[ChangeStep::Painted(edits)], "x").unwrap();
+    assert_eq!((summary.new_pixels, summary.changed_pixels), (0, 0));
+    assert_eq!(summary.lit_pixels_in_edit, [0, 1, 0, 1]);
+    assert_eq!(changed.metadata().lit_pixels, scene.metadata().lit_pixels);
+    // Where there are no data there is nothing to add to.
+    let mut holes = raster.clone();
+    holes.no_data = Some(-1.0);
+    holes.values[dark] = -1.0;
+    let refused = Bench::new().scene(&holes).changed(&[ChangeStep::Painted(vec![add(dot(), 7.0)])], "x");
+    assert_eq!(refused.unwrap_err(), ChangeError::Outside { number: 1 });
 }
 
 #[test]

@@ -404,6 +404,8 @@ export type PlanFacts = {
   max_cut?: number | null;
   /** `threshold` or `target`. */
   method: string;
+  /** Of a target plan with `protect`: of them, those that are left alone. */
+  protected_pixels?: number | null;
   /** The sites, in the order of the request. */
   sites: PlannedSite[];
   /** Of a threshold plan: Q_a and Q_b, in the site's `unit`. */

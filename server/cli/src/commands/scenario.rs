@@ -4,7 +4,7 @@ use crate::{failure::Failure, flags::DataFlags, query};
 use clap::Args;
 use skyglow_engine::keep_scenario;
 use skyglow_http::{answers::ScenarioAnswer, request, source::SourceError};
-use skyglow_scene::{ChangeLimits, ChangeStore, SceneId, SceneStore};
+use skyglow_scene::SceneId;
 use std::{
     path::PathBuf,
     time::{SystemTime, UNIX_EPOCH},
@@ -35,12 +35,9 @@ impl Scenario {
         let body = std::fs::read(&self.changes).map_err(|error| Failure::file(&self.changes, error))?;
         let scenario =
             request::scenario(None, &body, self.scene.clone()).map_err(|error| query::failure(&error))?;
-        let folder = self.data.folder();
-        let scene = SceneStore::new(&folder).open(&self.scene).map_err(Failure::work)?;
-        let store = ChangeStore::new(&folder, ChangeLimits::none());
-        let (id, summary) = keep_scenario(&store, &scene, &scenario)
+        let (id, summary, scene) = keep_scenario(&self.data.folder(), &scenario)
             .map_err(|error| query::failure(&SourceError::from(error).into()))?;
         let now_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-        super::print_json(&ScenarioAnswer::new(&id, &scenario, &summary, scene.metadata(), now_s))
+        super::print_json(&ScenarioAnswer::new(&id, &scenario, &summary, &scene, now_s))
     }
 }

@@ -1,35 +1,32 @@
 //! The measure of every lit cell of a request.
 
-use super::{correlation::correlate, sensitivity::sensitivities};
+use super::{
+    correlation::correlate,
+    norms::NormsOfPack,
+    products::products,
+    scales::{Slope, scales_of},
+    sensitivity::sensitivities,
+};
 use crate::{
     cpu::{
         CpuExecutor,
         blend::blend,
-        coefficients::ColumnBlock,
-        dispatch::{dispatch_wide, multiply_add},
-        mix::{BLOCK, MixedNode, NodeScales, mix_scale, mix_shape},
+        mix::{mix_scale, mix_shape},
         scratch::Scratch,
     },
     error::EngineError,
-    prepare::{LitColumn, Prepared, PreparedCell, shines},
+    prepare::{Prepared, PreparedCell, shines},
     request::RenderRequest,
     table_set::TableSet,
     taps::Taps,
     truncation::gram_matrix,
-    twin::log_scale_between,
 };
 use rayon::prelude::*;
-use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Band, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr,
-};
+use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr};
 use std::sync::{Arc, OnceLock};
 
-/// Partial sums side by side in a product of two rows of functions.
-const LANES: usize = 8;
 /// Cells that a task works on.
 const CELLS_AT_ONCE: usize = 1024;
-/// Step in the weight of the upper node over which slopes are differences.
-const SLOPE_STEP: f32 = 0.02;
 /// Steepest slope of ln(measure) over altitude in use, m⁻¹: next to the ground of a near lamp a step of the axis is metres.
 const STEEPEST_PER_M: f64 = 0.02;
 
@@ -74,45 +71,6 @@ impl std::fmt::Debug for InfluenceSolver {
     }
 }
 
-/// The scales of a cell's nodes in one pack.
-struct CellScales<'a>([&'a NodeScales; 2]);
-
-impl CellScales<'_> {
-    /// Σ_b scale·shape of products with a measure, `[lower, upper][band]`, and its slope over the weight of the upper node.
-    fn times(
-        &self,
-        flux_per_dnb_flux: [f32; BAND_COUNT],
-        upper_weight: f32,
-        products: &[[f32; BAND_COUNT]; 2],
-    ) -> Slope {
-        let mut sum = Slope::default();
-        let steps = steps_around(upper_weight);
-        for band in 0..BAND_COUNT {
-            let log_scale = |weight: f32| self.log_scale(band, weight);
-            let scale = flux_per_dnb_flux[band] * log_scale(upper_weight).exp();
-            let [lower, upper] = products.map(|product| product[band]);
-            let shape = (1.0 - upper_weight) * lower + upper_weight * upper;
-            sum.value += f64::from(scale * shape);
-            if let Some((low, high)) = steps {
-                let log_slope = (log_scale(high) - log_scale(low)) / (high - low);
-                sum.slope += f64::from(scale * (log_slope * shape + upper - lower));
-            }
-        }
-        sum
-    }
-
-    fn log_scale(&self, band: usize, upper_weight: f32) -> f32 {
-        let log_scale = self.0.map(|scales| scales.log_scale[band]);
-        let bow = self.0.map(|scales| scales.bow[band]);
-        log_scale_between(log_scale, bow, upper_weight)
-    }
-
-    /// s_b·scale of every band at a weight of the upper node, W m⁻² sr⁻¹ per DNB watt.
-    fn scale(&self, flux_per_dnb_flux: [f32; BAND_COUNT], upper_weight: f32) -> [f32; BAND_COUNT] {
-        std::array::from_fn(|band| flux_per_dnb_flux[band] * self.log_scale(band, upper_weight).exp())
-    }
-}
-
 impl InfluenceSolver {
     /// For the packs of a set.
     pub fn new(set: Arc<TableSet>) -> Self {
@@ -147,7 +105,8 @@ impl InfluenceSolver {
         let mut cells = vec![CellInfluence::default(); request.polar.cells.len()];
         let mut of_sky = None;
         if prepared.is_dark() {
-            return Ok(CellsInSky { cells, of_sky: Some(0.0) });
+            of_sky = matches!(measure, MeasureOfCells::Linear(_)).then_some(0.0);
+            return Ok(CellsInSky { cells, of_sky });
         }
         // Cells that shine on clouds from above are in the grid and not among those prepared.
         let highest_source_m = request.kind().cloud_altitude_m();
@@ -286,185 +245,4 @@ fn blended(mut skies: Vec<Vec<f32>>, taps: &Taps, side_by_side: bool) -> Option<
         _ => blend(&skies.iter().map(Vec::as_slice).collect::<Vec<_>>(), taps, side_by_side),
     };
     Panorama::from_samples(samples)
-}
-
-/// What the norms of cells in one pack are computed from.
-struct NormsOfPack<'a> {
-    request: &'a Prepared,
-    scales: &'a [NodeScales],
-    mixed: &'a [MixedNode],
-    /// `[function][function]`, `stride` to a row.
-    gram: &'a [f32],
-    stride: usize,
-    basis_count: usize,
-}
-
-/// Most functions that a pack may have.
-const MOST_FUNCTIONS: usize = 256;
-/// Coefficients of luminance, those beyond the basis 0.
-type Coefficients = [f32; MOST_FUNCTIONS];
-
-impl NormsOfPack<'_> {
-    /// √(cᵀ·gram·c) of a cell, and how it changes with its place on the offset axis: (gram·c)·dc/norm.
-    fn norm(&self, cell: &PreparedCell) -> Slope {
-        let (mut here, mut times) = ([0f32; MOST_FUNCTIONS], [0f32; MOST_FUNCTIONS]);
-        self.coefficients(cell, cell.upper_weight, &mut here);
-        times_gram(self.gram, self.stride, self.basis_count, &here, &mut times);
-        let dot = |other: &Coefficients| -> f64 {
-            let products = times[..self.basis_count].iter().zip(other);
-            products.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
-        };
-        let norm = dot(&here).max(0.0).sqrt();
-        let mut slope = 0.0;
-        if let Some((low, high)) = steps_around(cell.upper_weight)
-            && norm > 0.0
-        {
-            let (mut below, mut above) = ([0f32; MOST_FUNCTIONS], [0f32; MOST_FUNCTIONS]);
-            self.coefficients(cell, low, &mut below);
-            self.coefficients(cell, high, &mut above);
-            slope = (dot(&above) - dot(&below)) / (f64::from(high - low) * norm);
-        }
-        Slope { value: norm, slope }
-    }
-
-    fn coefficients(&self, cell: &PreparedCell, upper_weight: f32, coefficients: &mut Coefficients) {
-        let nodes = self.request.nodes.len();
-        let scale = scales_of(cell, self.scales).scale(self.request.flux_per_dnb_flux, upper_weight);
-        let ends = [cell.lower_node, cell.upper_node()].map(|node| node as usize);
-        let blocks = coefficients[..self.basis_count].chunks_mut(BLOCK);
-        for (nodes, coefficients) in self.mixed.chunks_exact(nodes).zip(blocks) {
-            for band in Band::ALL {
-                let b = band.index();
-                let factor = band.luminous_efficacy_lm_w() as f32 * scale[b];
-                let factors = [factor * (1.0 - upper_weight), factor * upper_weight];
-                let [lower, upper] = ends.map(|end| &nodes[end].0[b]);
-                for ((sum, lower), upper) in coefficients.iter_mut().zip(lower).zip(upper) {
-                    *sum += factors[0] * lower + factors[1] * upper;
-                }
-            }
-        }
-    }
-}
-
-dispatch_wide!(
-    /// gram·c.
-    times_gram, times_gram_wide, times_gram_body,
-    (gram: &[f32], stride: usize, basis_count: usize, coefficients: &Coefficients, product: &mut Coefficients)
-);
-
-#[inline(always)]
-fn times_gram_body<const FUSED: bool>(
-    gram: &[f32],
-    stride: usize,
-    basis_count: usize,
-    coefficients: &Coefficients,
-    product: &mut Coefficients,
-) {
-    // It is symmetric: rows are columns, and a few functions at a time stay in registers.
-    for first in (0..basis_count).step_by(BLOCK) {
-        let mut sums = [0f32; BLOCK];
-        let width = BLOCK.min(stride - first);
-        for (row, coefficient) in gram.chunks_exact(stride).zip(&coefficients[..basis_count]) {
-            if width == BLOCK {
-                for (sum, value) in sums.iter_mut().zip(&row[first..first + BLOCK]) {
-                    *sum = multiply_add::<FUSED>(*coefficient, *value, *sum);
-                }
-            } else {
-                for (sum, value) in sums.iter_mut().zip(&row[first..]) {
-                    *sum = multiply_add::<FUSED>(*coefficient, *value, *sum);
-                }
-            }
-        }
-        product[first..first + width].copy_from_slice(&sums[..width]);
-    }
-}
-
-/// A value per DNB watt, and how it changes with the place on the offset axis.
-#[derive(Clone, Copy, Debug, Default)]
-struct Slope {
-    value: f64,
-    slope: f64,
-}
-
-impl Slope {
-    fn add(&mut self, other: Self) {
-        self.value += other.value;
-        self.slope += other.slope;
-    }
-
-    /// d ln(value)/d(place); 0 where the value is not above 0.
-    fn log_slope(self) -> f64 {
-        if self.value > 0.0 { self.slope / self.value } else { 0.0 }
-    }
-}
-
-/// The weights that a slope is a difference between; None right on a node, which has no other beside it.
-fn steps_around(upper_weight: f32) -> Option<(f32, f32)> {
-    let ends = ((upper_weight - SLOPE_STEP).max(0.0), (upper_weight + SLOPE_STEP).min(1.0));
-    (upper_weight > 0.0).then_some(ends)
-}
-
-fn scales_of<'a>(cell: &PreparedCell, scales: &'a [NodeScales]) -> CellScales<'a> {
-    CellScales([cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]))
-}
-
-/// Σ_k shape_k·G_k of both nodes of every cell, `[cell][lower, upper][band]`.
-type Products = Vec<[[f32; BAND_COUNT]; 2]>;
-
-fn products(request: &Prepared, mixed: &[MixedNode], correlated: &[ColumnBlock]) -> Products {
-    let mut products = vec![[[0f32; BAND_COUNT]; 2]; request.cells.len()];
-    let node_count = request.nodes.len();
-    // Each column's cells are one piece of work.
-    let mut pieces: Vec<(&LitColumn, &mut [[[f32; BAND_COUNT]; 2]])> = Vec::new();
-    let mut rest = products.as_mut_slice();
-    for column in &request.columns {
-        let (piece, behind) = rest.split_at_mut((column.end_cell - column.first_cell) as usize);
-        pieces.push((column, piece));
-        rest = behind;
-    }
-    pieces.into_par_iter().with_min_len(4).for_each(|(column, products)| {
-        let cells = &request.cells[column.first_cell as usize..column.end_cell as usize];
-        let blocks: Vec<(&[MixedNode], &ColumnBlock)> = mixed
-            .chunks_exact(node_count)
-            .zip(correlated.chunks_exact(AZIMUTH_COUNT))
-            .map(|(nodes, columns)| (nodes, &columns[column.azimuth as usize]))
-            .collect();
-        add_products(cells, &blocks, products);
-    });
-    products
-}
-
-dispatch_wide!(
-    /// The products of one column's cells, over all blocks of functions.
-    add_products, add_products_wide, add_products_body,
-    (
-        cells: &[PreparedCell],
-        blocks: &[(&[MixedNode], &ColumnBlock)],
-        products: &mut [[[f32; BAND_COUNT]; 2]]
-    )
-);
-
-#[inline(always)]
-fn add_products_body<const FUSED: bool>(
-    cells: &[PreparedCell],
-    blocks: &[(&[MixedNode], &ColumnBlock)],
-    products: &mut [[[f32; BAND_COUNT]; 2]],
-) {
-    for (cell, products) in cells.iter().zip(products) {
-        for (node, products) in [cell.lower_node, cell.upper_node()].into_iter().zip(products) {
-            let mut sums = [[0f32; LANES]; BAND_COUNT];
-            for (nodes, correlated) in blocks {
-                let node = &nodes[node as usize].0;
-                for band in 0..BAND_COUNT {
-                    for first in (0..BLOCK).step_by(LANES) {
-                        for lane in 0..LANES {
-                            let (a, b) = (node[band][first + lane], correlated.0[band][first + lane]);
-                            sums[band][lane] = multiply_add::<FUSED>(a, b, sums[band][lane]);
-                        }
-                    }
-                }
-            }
-            *products = sums.map(|lanes| lanes.iter().sum());
-        }
-    }
 }

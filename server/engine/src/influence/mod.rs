@@ -12,7 +12,10 @@
 
 mod cells;
 mod correlation;
+mod norms;
 mod pixels;
+mod products;
+mod scales;
 mod sensitivity;
 
 pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};

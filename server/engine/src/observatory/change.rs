@@ -1,35 +1,43 @@
 //! Scenarios and plans: kept, listed, and looked at.
 
 use super::Observatory;
-use crate::error::EngineError;
-use skyglow_scene::{ChangeId, ChangeKind, ChangeStep, ChangeStore, ChangeSummary, Scenario, Scene};
+use crate::{error::EngineError, scene_shelf::SceneShelf};
+use skyglow_scene::{
+    ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, DEEPEST,
+    Scenario, SceneMetadata, SceneStore,
+};
+use std::{path::Path, sync::Arc};
 
-/// Keeps a scenario if it can be painted over a scene as it was ingested, and says what it does. Reads and writes files; takes
-/// up to seconds for many new lights among mountains.
+/// Keeps a scenario in a data folder if it can be painted over its scene, and says what it does; needs no engine. Takes up to
+/// seconds.
 ///
 /// # Errors
-/// [`EngineError::ChangeStore`], [`EngineError::Change`].
+/// [`EngineError::Scene`], [`EngineError::ChangeStore`], [`EngineError::Change`].
 pub fn keep_scenario(
-    store: &ChangeStore,
-    scene: &Scene,
+    data_dir: &Path,
     scenario: &Scenario,
-) -> Result<(ChangeId, ChangeSummary), EngineError> {
-    let summary = try_scenario(store, scene, scenario)?;
-    Ok((store.keep_scenario(scenario)?, summary))
+) -> Result<(ChangeId, Arc<ChangeSummary>, SceneMetadata), EngineError> {
+    let changes = ChangeStore::new(data_dir, ChangeLimits::none());
+    let shelf = SceneShelf::new(SceneStore::new(data_dir), changes, 1);
+    let (id, summary) = keep_on(&shelf, scenario)?;
+    Ok((id, summary, shelf.scene(&scenario.scene)?.metadata().clone()))
 }
 
-/// What a scenario does to its scene.
-fn try_scenario(
-    store: &ChangeStore,
-    scene: &Scene,
-    scenario: &Scenario,
-) -> Result<ChangeSummary, EngineError> {
+fn keep_on(shelf: &SceneShelf, scenario: &Scenario) -> Result<(ChangeId, Arc<ChangeSummary>), EngineError> {
+    let (scene, changes) = (shelf.scene(&scenario.scene)?, shelf.changes());
     let mut steps = match &scenario.base {
-        Some(base) => store.steps(base, &scenario.scene, &scene.metadata().version)?,
+        Some(base) => changes.steps(base, &scenario.scene, &scene.metadata().version)?,
         None => Vec::new(),
     };
     steps.push(ChangeStep::Painted(scenario.edits.clone()));
-    Ok(scene.changed(&steps, "try")?.1)
+    if let Some(base) = &scenario.base
+        && steps.len() > DEEPEST
+    {
+        return Err(ChangeStoreError::TooDeep { id: base.clone() }.into());
+    }
+    // Painted before it is kept, and there for the first query.
+    let (_, summary) = shelf.made(&scene, &changes.scenario_id(scenario)?, &steps)?;
+    Ok((changes.keep_scenario(scenario)?, summary))
 }
 
 impl Observatory {
@@ -38,20 +46,22 @@ impl Observatory {
         self.shelf.changes()
     }
 
-    /// [`keep_scenario`] for the scene that it names.
+    /// Keeps a scenario if it can be painted, and says what it does. Reads and writes files; takes up to seconds.
     ///
     /// # Errors
     /// [`EngineError::Scene`], [`EngineError::ChangeStore`], [`EngineError::Change`].
-    pub fn keep_scenario(&self, scenario: &Scenario) -> Result<(ChangeId, ChangeSummary), EngineError> {
-        keep_scenario(self.changes(), self.shelf.scene(&scenario.scene)?.as_ref(), scenario)
+    pub fn keep_scenario(&self, scenario: &Scenario) -> Result<(ChangeId, Arc<ChangeSummary>), EngineError> {
+        keep_on(&self.shelf, scenario)
     }
 
-    /// What a scenario does to its scene.
+    /// A scenario that is kept, what it does to its scene, and when it was kept, seconds since 1970.
     ///
     /// # Errors
     /// As [`Self::keep_scenario`].
-    pub fn try_scenario(&self, scenario: &Scenario) -> Result<ChangeSummary, EngineError> {
-        try_scenario(self.changes(), self.shelf.scene(&scenario.scene)?.as_ref(), scenario)
+    pub fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), EngineError> {
+        let (scenario, created_unix_s) = self.changes().scenario(id)?;
+        let (_, summary) = self.shelf.changed(&self.shelf.scene(&scenario.scene)?, id)?;
+        Ok((scenario, summary, created_unix_s))
     }
 
     /// Ids with the time they were kept, seconds since 1970, the newest first.

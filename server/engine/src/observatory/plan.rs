@@ -5,12 +5,19 @@ use crate::{
     error::EngineError,
     reduction::{LeastCut, Reduction, least_cut, percentile, threshold_cuts},
 };
+use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, Panorama, panorama::solid_angle_sr};
 use skyglow_scene::{Boundary, ChangeStep, PixelFactors, Scene};
 use std::sync::Arc;
 
-/// A wanted value is met if the sky is not above it by more than this part of it.
+/// A wanted value is met if the sky is not above it by more than this part of it, and what f32 loses.
 const MET_WITHIN: f64 = 1e-4;
+/// What f32 loses of a sky; where less than that part of it is wanted, so much more is met too.
+const LOST_BY_ROUNDING: f64 = 1e-6;
+/// A part of a light that is no more than this is not worth the trouble, and f32 would lose it.
+const LEAST_CUT: f64 = 1e-6;
+/// Sites × lit pixels within reach of any of them, at most.
+const MOST_INFLUENCES: usize = 40_000_000;
 /// Times that a target is aimed at anew after a look at the sky: what lights do is linear but for what between packs is not,
 /// and far lights that the sky takes by blocks.
 const MOST_LOOKS: usize = 5;
@@ -137,6 +144,8 @@ pub struct PlanOutcome {
     pub flux_within_reach_dnb_w: f64,
     /// Lit pixels within 300 km of any site.
     pub pixels_within_reach: usize,
+    /// Of them, those that a target plan leaves alone; None where nothing is protected.
+    pub protected_pixels: Option<usize>,
     /// Q_a and Q_b of a threshold plan, in the measure's unit.
     pub thresholds: Option<[f64; 2]>,
     /// Of a target plan: no plan that brings the measures down as far takes less flux, DNB watts (by linear duality).
@@ -146,7 +155,7 @@ pub struct PlanOutcome {
 impl PlanOutcome {
     /// Upward flux that goes, DNB watts.
     pub fn flux_removed_dnb_w(&self) -> f64 {
-        self.pixels.iter().map(|pixel| pixel.cut * pixel.flux_dnb_w).sum()
+        self.pixels.iter().fold(0.0, |sum, pixel| sum + pixel.cut * pixel.flux_dnb_w)
     }
 }
 
@@ -156,7 +165,7 @@ struct Reach {
     codes: Vec<u64>,
     flux_dnb_w: Vec<f64>,
     /// `[site][pixel]`.
-    influence: Vec<Vec<f64>>,
+    influence: Arc<[Vec<f64>]>,
 }
 
 impl Reach {
@@ -183,7 +192,7 @@ impl Reach {
                 .for_each(|(known, flux): (&mut f64, f64)| *known = known.max(flux));
             influence
         });
-        let influence: Vec<Vec<f64>> = influence.collect();
+        let influence: Arc<[Vec<f64>]> = influence.collect();
         Self { codes, flux_dnb_w, influence }
     }
 
@@ -201,7 +210,7 @@ impl Reach {
             };
             self.influence.iter().zip(&falls).map(of_site).sum::<f64>() / sites
         };
-        let is_dimmed = |pixel: &usize| cut[*pixel] > 0.0;
+        let is_dimmed = |pixel: &usize| cut[*pixel] > LEAST_CUT;
         (0..cut.len())
             .filter(is_dimmed)
             .map(|pixel| DimmedPixel {
@@ -259,15 +268,25 @@ impl Observatory {
         if maps.iter().any(|map| map.scene().version != scene.metadata().version) {
             return Err(EngineError::BadPlan { reason: "its sites are in different scenes".to_owned() });
         }
+        // Pixels that several sites see count for each here: the true number may be less.
+        let influences = maps.len() * maps.iter().map(|map| map.pixels().len()).sum::<usize>();
+        if maps.len() > 1 && influences > MOST_INFLUENCES {
+            let reason = format!(
+                "{} sites with {influences} influences of pixels together are more than {MOST_INFLUENCES}: take fewer sites",
+                maps.len()
+            );
+            return Err(EngineError::BadPlan { reason });
+        }
         let before: Vec<SkyState> =
             asked.iter().map(|site| self.state(&scene, site)).collect::<Result<_, _>>()?;
         let reach = Reach::of(&maps);
         drop(maps);
         let mut outcome = PlanOutcome {
-            flux_within_reach_dnb_w: reach.flux_dnb_w.iter().sum(),
+            flux_within_reach_dnb_w: reach.flux_dnb_w.iter().fold(0.0, |sum, flux| sum + flux),
             pixels_within_reach: reach.codes.len(),
             sites: Vec::new(),
             pixels: Vec::new(),
+            protected_pixels: None,
             thresholds: None,
             least_flux_dnb_w: None,
             scene,
@@ -292,6 +311,8 @@ impl Observatory {
                 let aim = Aim::new(&outcome.scene, &reach, sites, &before, *max_cut, protect.as_ref());
                 let (least, after) = self.reach_target(&asked, &reach, &aim)?;
                 outcome.pixels = reach.dimmed(&least.cut);
+                outcome.protected_pixels =
+                    protect.as_ref().map(|_| aim.is_protected.iter().filter(|is| **is).count());
                 outcome.least_flux_dnb_w = Some(least.least_flux);
                 let targets = aim.outcomes(&reach, &after);
                 (after, targets.into_iter().map(Some).collect())
@@ -324,13 +345,15 @@ impl Observatory {
             let after = self.states(asked, &reach.dimmed(&least.cut))?;
             let excess: Vec<f64> =
                 after.iter().zip(&aim.wanted).map(|(after, wanted)| after.value - wanted).collect();
+            // Half of what counts as met.
+            let slack = |site: usize| 0.5 * aim.slack(site);
             // A site that asks for all that is in reach cannot be helped any more.
             let can_fall = |site: usize| problem.need[site] < problem.reach(site) * (1.0 - 1e-9);
             let is_off = |site: usize| {
-                let off = excess[site] / aim.wanted[site].max(1e-300);
                 // One site may also have gone too far; of several one can be dark for another's sake.
-                let too_far = excess.len() == 1 && off < -MET_WITHIN && problem.need[site] > 0.0;
-                off > 0.5 * MET_WITHIN && can_fall(site) || too_far
+                let too_far =
+                    excess.len() == 1 && excess[site] < -2.0 * slack(site) && problem.need[site] > 0.0;
+                excess[site] > slack(site) && can_fall(site) || too_far
             };
             let off: Vec<usize> = (0..excess.len()).filter(|&site| is_off(site)).collect();
             if looks == MOST_LOOKS || off.is_empty() {
@@ -387,7 +410,7 @@ impl Aim {
             area.holds(scene.pixel_center(column, row))
         };
         let is_protected: Vec<bool> =
-            reach.codes.iter().map(|code| protect.is_some_and(|area| is_inside(code, area))).collect();
+            reach.codes.par_iter().map(|code| protect.is_some_and(|area| is_inside(code, area))).collect();
         let before: Vec<f64> = before.iter().map(|before| before.value).collect();
         let wanted: Vec<f64> = sites
             .iter()
@@ -400,21 +423,26 @@ impl Aim {
         let problem = Reduction {
             flux: reach.flux_dnb_w.clone(),
             most_cut: is_protected.iter().map(|is| if *is { 0.0 } else { max_cut }).collect(),
-            gain: reach.influence.clone(),
+            gain: Arc::clone(&reach.influence),
             need: before.iter().zip(&wanted).map(|(before, wanted)| before - wanted).collect(),
         };
         Self { problem, before, wanted, is_protected }
     }
 
+    /// By how much a site's value may be above the wanted one.
+    fn slack(&self, site: usize) -> f64 {
+        MET_WITHIN * self.wanted[site] + LOST_BY_ROUNDING * self.before[site]
+    }
+
     fn outcomes(&self, reach: &Reach, after: &[SkyState]) -> Vec<SitePlan> {
         let site = |site: usize| {
             let protected = reach.influence[site].iter().zip(&self.is_protected).filter(|(_, is)| **is);
-            let of_protected: f64 = protected.map(|(influence, _)| influence).sum();
+            let of_protected = protected.fold(0.0, |sum, (influence, _)| sum + influence);
             let least = (self.before[site] - self.problem.reach(site)).max(0.0);
             let wanted = self.wanted[site];
             SitePlan {
                 wanted,
-                is_met: after[site].value <= wanted * (1.0 + MET_WITHIN),
+                is_met: after[site].value <= wanted + self.slack(site),
                 least,
                 of_protected,
                 of_uncut: (least - of_protected).max(0.0),

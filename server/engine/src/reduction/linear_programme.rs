@@ -2,11 +2,12 @@
 //!
 //! Most lights are clearly worth their cut or clearly not, whatever the exact prices. So a few thousand near the edge are solved
 //! for, the others are held where the prices put them, and whoever the new prices prove wrong joins the few: in the end no light
-//! contradicts the prices, and the cut is that of the whole programme.
+//! contradicts the prices, and the cut is that of the whole programme. Should the solver give up, cuts are filled up greedily: they
+//! meet the needs, and the bound says how far from the least they may be.
 
 use super::target::Reduction;
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 /// Lights that are solved for at first.
 const FEW: usize = 6_000;
@@ -14,6 +15,8 @@ const FEW: usize = 6_000;
 const WRONG: f64 = 1e-7;
 /// Solving over; the few at least double each time, so this is never met.
 const MOST_ROUNDS: usize = 40;
+/// Seconds after which the solver gives up, and all lights are filled up greedily.
+const LONGEST_S: f64 = 10.0;
 /// A cut this near its end is there.
 const AT_END: f64 = 1e-6;
 /// What a need may miss by rounding, of itself.
@@ -152,13 +155,13 @@ fn solve_few(problem: &Reduction, lights: &[usize], need: &[f64]) -> Option<(Vec
         .iter()
         .map(|&light| problem.flux[light] * problem.most_cut[light] * count as f64 / of_all)
         .collect();
-    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
+    let settings = DefaultSettings { verbose: false, time_limit: LONGEST_S, ..DefaultSettings::default() };
     let cones = [SupportedConeT::NonnegativeConeT(height)];
     let no_squares = CscMatrix::zeros((count, count));
     let mut solver = DefaultSolver::new(&no_squares, &costs, &matrix, &bounds, &cones, settings).ok()?;
     solver.solve();
     let solution = &solver.solution;
-    if solution.x.iter().chain(&solution.z).any(|number| !number.is_finite()) {
+    if !matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
         return None;
     }
     for (row, &site) in rows.iter().enumerate() {

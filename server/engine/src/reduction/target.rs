@@ -4,6 +4,7 @@
 //! measures bound the flux of every plan from below by Σ_j y_j·need_j − Σ_i most_i·max(0, Σ_j y_j·a_ij − f_i) (weak duality).
 
 use super::{greedy, linear_programme};
+use std::sync::Arc;
 
 /// Lights and what is wanted of them. All vectors of lights are as long as each other.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,7 +14,7 @@ pub struct Reduction {
     /// The largest part of each light that may go, 0..=1.
     pub most_cut: Vec<f64>,
     /// What each light does to a site's measure, `[site][light]`.
-    pub gain: Vec<Vec<f64>>,
+    pub gain: Arc<[Vec<f64>]>,
     /// By how much each site's measure is to fall; where that is 0 or less the site wants nothing.
     pub need: Vec<f64>,
 }
@@ -43,7 +44,7 @@ impl Reduction {
 
     /// Σ_j y_j·a_ij of a light.
     pub(super) fn worth(&self, light: usize, prices: &[f64]) -> f64 {
-        prices.iter().zip(&self.gain).map(|(price, gain)| price * gain[light]).sum()
+        prices.iter().zip(self.gain.iter()).map(|(price, gain)| price * gain[light]).sum()
     }
 
     /// The bound that prices give.
@@ -56,22 +57,44 @@ impl Reduction {
     }
 }
 
+/// A need this near to all that is in reach takes all: there is no room left for a choice.
+const ALL: f64 = 1.0 - 1e-9;
+
 /// Finds the least cut. A need beyond reach counts as all that is in reach.
 pub fn least_cut(problem: &Reduction) -> LeastCut {
-    let reach = |site: usize| problem.reach(site);
-    let need = problem.need.iter().enumerate().map(|(site, need)| need.max(0.0).min(reach(site)));
-    let problem = Reduction { need: need.collect(), ..problem.clone() };
-    let wanting: Vec<usize> = (0..problem.need.len()).filter(|&site| problem.need[site] > 0.0).collect();
-    let (cut, prices) = match wanting.as_slice() {
-        [] => (vec![0.0; problem.flux.len()], vec![0.0; problem.need.len()]),
+    let lights = problem.flux.len();
+    let mut rest = problem.clone();
+    // Sites that need all they can get take it, and leave nothing to choose for the lights that they see.
+    let mut taken = vec![0.0; lights];
+    for site in 0..problem.need.len() {
+        if problem.need[site] > 0.0 && problem.need[site] >= ALL * problem.reach(site) {
+            for light in (0..lights).filter(|&light| problem.gain[site][light] > 0.0) {
+                taken[light] = problem.most_cut[light];
+            }
+        }
+    }
+    for light in (0..lights).filter(|&light| taken[light] > 0.0) {
+        rest.most_cut[light] = 0.0;
+    }
+    for site in 0..problem.need.len() {
+        let left = problem.need[site] - problem.fall(site, &taken);
+        // Of what was taken whole rounding is left.
+        rest.need[site] =
+            if left > (1.0 - ALL) * problem.need[site] { left.min(rest.reach(site)) } else { 0.0 };
+    }
+    let wanting: Vec<usize> = (0..rest.need.len()).filter(|&site| rest.need[site] > 0.0).collect();
+    let (mut cut, prices) = match wanting.as_slice() {
+        [] => (vec![0.0; lights], vec![0.0; rest.need.len()]),
         &[site] => {
-            let (cut, price) = greedy::fill(&problem, &problem.gain[site], problem.need[site]);
-            let mut prices = vec![0.0; problem.need.len()];
+            let (cut, price) = greedy::fill(&rest, &rest.gain[site], rest.need[site]);
+            let mut prices = vec![0.0; rest.need.len()];
             prices[site] = price;
             (cut, prices)
         }
-        _ => linear_programme::solve(&problem),
+        _ => linear_programme::solve(&rest),
     };
-    let flux = cut.iter().zip(&problem.flux).map(|(cut, flux)| cut * flux).sum();
-    LeastCut { least_flux: problem.bound(&prices).max(0.0), cut, flux }
+    let flux_of = |cut: &[f64]| cut.iter().zip(&problem.flux).map(|(cut, flux)| cut * flux).sum::<f64>();
+    let least_flux = flux_of(&taken) + rest.bound(&prices).max(0.0);
+    cut.iter_mut().zip(&taken).for_each(|(cut, taken)| *cut += taken);
+    LeastCut { least_flux, flux: flux_of(&cut), cut }
 }

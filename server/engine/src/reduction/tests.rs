@@ -68,7 +68,7 @@ fn problem(lights: usize, sites: usize) -> impl Strategy<Value = Reduction> {
     let most = prop::collection::vec(prop_oneof![Just(0.0), Just(1.0), 0.1f64..1.0], lights);
     (gains, flux, most, prop::collection::vec(0.05f64..0.95, sites)).prop_map(
         |(gain, flux, most_cut, part)| {
-            let mut problem = Reduction { flux, most_cut, gain, need: vec![0.0; part.len()] };
+            let mut problem = Reduction { flux, most_cut, gain: gain.into(), need: vec![0.0; part.len()] };
             problem.need = (0..part.len()).map(|site| part[site] * problem.reach(site)).collect();
             problem
         },
@@ -181,7 +181,7 @@ fn sites_that_want_nothing_cost_nothing_and_what_is_out_of_reach_takes_all() {
     let problem = Reduction {
         flux: vec![1.0, 2.0, 3.0],
         most_cut: vec![1.0, 0.5, 0.0],
-        gain: vec![vec![1.0, 1.0, 1.0], vec![2.0, 1.0, 0.5]],
+        gain: vec![vec![1.0, 1.0, 1.0], vec![2.0, 1.0, 0.5]].into(),
         need: vec![0.0, -1.0],
     };
     assert_eq!(least_cut(&problem).cut, [0.0; 3]);
@@ -192,6 +192,16 @@ fn sites_that_want_nothing_cost_nothing_and_what_is_out_of_reach_takes_all() {
         }
     }
     assert_eq!(least_cut(&Reduction::default()), LeastCut::default());
+    // One site takes all that it sees; the other chooses among the rest.
+    let problem = Reduction {
+        flux: vec![1.0, 1.0, 1.0, 1.0],
+        most_cut: vec![1.0; 4],
+        gain: vec![vec![1.0, 1.0, 0.0, 0.0], vec![0.5, 0.0, 2.0, 1.0]].into(),
+        need: vec![2.0, 1.5],
+    };
+    let found = least_cut(&problem);
+    assert!(found.cut.iter().zip([1.0, 1.0, 0.5, 0.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{:?}", found.cut);
+    assert!((found.least_flux - 2.5).abs() < 1e-9);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use utoipa::ToSchema;
 const SECTOR_NAMES: [&str; SECTOR_COUNT] = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
 
 /// A lit pixel and its part.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Default, Serialize, ToSchema)]
 pub struct InfluentialPixel {
     /// Place in the list, from 1.
     pub rank: usize,

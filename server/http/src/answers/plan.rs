@@ -69,6 +69,8 @@ pub struct PlanFacts {
     pub dimmed_pixels: u64,
     /// Lit pixels within 300 km of a site.
     pub lit_pixels_within_reach: u64,
+    /// Of a target plan with `protect`: of them, those that are left alone.
+    pub protected_pixels: Option<u64>,
     /// Upward flux that goes, DNB watts, calibration included.
     pub flux_removed_dnb_w: f64,
     /// Upward flux of all lit pixels within 300 km of a site, DNB watts.
@@ -97,7 +99,7 @@ pub struct PlanEntry {
 }
 
 /// A pixel that is dimmed.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Default, Serialize, ToSchema)]
 pub struct DimmedPixelAnswer {
     /// Place in the list, from 1: by `effect`.
     pub rank: usize,
@@ -232,6 +234,7 @@ pub fn plan_facts(ask: &PlanAsk, outcome: &PlanOutcome, facts: &SourceFacts) -> 
         max_cut,
         dimmed_pixels: outcome.pixels.len() as u64,
         lit_pixels_within_reach: outcome.pixels_within_reach as u64,
+        protected_pixels: outcome.protected_pixels.map(|count| count as u64),
         flux_removed_dnb_w,
         flux_within_reach_dnb_w: outcome.flux_within_reach_dnb_w,
         flux_removed_share: part(flux_removed_dnb_w, outcome.flux_within_reach_dnb_w),

@@ -11,7 +11,10 @@ use crate::{
     problem::Mistake,
     reader::Reader,
 };
-use serde::Deserialize;
+use serde::{
+    Deserialize, Deserializer,
+    de::{Error as _, SeqAccess, Visitor},
+};
 use skyglow_physics::{EmissionMix, Kept, Lamp, LampChange, LampPreset};
 use skyglow_scene::{Area, Change, ChangeId, Edit, MOST_EDITS, Position, Scenario, SceneId};
 use utoipa::ToSchema;
@@ -32,8 +35,33 @@ pub struct ScenarioBody {
     /// Id of a scenario or plan that it goes on from.
     pub base: Option<String>,
     /// The edits, one after the other: 1 to 100.
+    #[serde(deserialize_with = "few_edits")]
     #[schema(example = json!([{"brush": {"points": [[8.6, 46.5]], "radius_m": 2000.0}, "factor": 0.3}]))]
     pub edits: Vec<EditBody>,
+}
+
+/// Reads edits and stops at the first that is too many.
+fn few_edits<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<EditBody>, D::Error> {
+    struct Few;
+    impl<'de> Visitor<'de> for Few {
+        type Value = Vec<EditBody>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            write!(f, "1 to {MOST_EDITS} edits")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<EditBody>, A::Error> {
+            let mut edits = Vec::new();
+            while let Some(edit) = list.next_element()? {
+                if edits.len() == MOST_EDITS {
+                    return Err(A::Error::custom(format!("there are more than {MOST_EDITS} edits")));
+                }
+                edits.push(edit);
+            }
+            Ok(edits)
+        }
+    }
+    deserializer.deserialize_seq(Few)
 }
 
 /// One edit: an area, and either a change of the lights there or new light.
@@ -129,9 +157,8 @@ pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<Scen
         }
         id.ok()
     });
-    if reader.is_fine() && !(1..=MOST_EDITS).contains(&body.edits.len()) {
-        let message = format!("there are {}", body.edits.len());
-        reader.fail_body("edits", &message, &format!("1 to {MOST_EDITS} edits"));
+    if reader.is_fine() && body.edits.is_empty() {
+        reader.fail_body("edits", &"there are none", &format!("1 to {MOST_EDITS} edits"));
     }
     let edits: Vec<Edit> = body
         .edits
@@ -343,6 +370,8 @@ mod tests {
             assert_eq!(refused(&body), [part], "{body}");
         }
         assert_eq!(refused(r#"{"edits": []}"#), ["edits"]);
+        let many = vec![format!("{{{BRUSH}, \"factor\": 0.5}}"); 101].join(",");
+        assert_eq!(refused(&format!(r#"{{"edits": [{many}]}}"#)), ["body"]);
         assert_eq!(refused("{}"), ["body"]);
         assert_eq!(refused(&format!(r#"{{"base": "x", "edits": [{{{BRUSH}, "factor": 1}}]}}"#)), ["base"]);
         let title = "x".repeat(300);

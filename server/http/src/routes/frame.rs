@@ -58,4 +58,14 @@ impl Asked {
         let answer = self.state.blocking(read).await?;
         json_by_content(&self.headers, keep, &answer)
     }
+
+    /// The same for what takes a while.
+    pub(super) async fn heavy<A: Serialize + Send + 'static>(
+        self,
+        keep: Keep,
+        read: impl FnOnce(&dyn SkySource) -> Result<A, ApiError> + Send + 'static,
+    ) -> Answer {
+        let answer = self.state.heavy(read).await?;
+        json_by_content(&self.headers, keep, &answer)
+    }
 }

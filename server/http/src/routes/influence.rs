@@ -59,7 +59,7 @@ impl AskedInfluence {
 }
 
 macro_rules! formats {
-    ($($get:ident, $post:ident, $end:literal, $format:expr, $parameters:ident, $body:ty, $media_type:literal, $doc:literal;)*) => {$(
+    ($($get:ident, $post:ident, $end:literal, $format:expr, $parameters:ident, {$($content:tt)*}, {$($refusal:tt)*}, $doc:literal;)*) => {$(
         #[doc = $doc]
         #[utoipa::path(
             get,
@@ -67,14 +67,15 @@ macro_rules! formats {
             tag = "influence",
             params(("scene" = String, Path, description = "The scene's id"), $parameters),
             responses(
-                (status = 200, description = "The influences", body = $body, content_type = $media_type, headers(
+                (status = 200, description = "The influences", $($content)*, headers(
                     ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
                     ("server-timing" = String, description = "Milliseconds that each step of finding the map took, when it was found"),
                 )),
                 (status = 304, description = "The client has this answer already; nothing was computed"),
                 (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-                (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-                (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
+                (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+                (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+                $($refusal)*
                 (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
                 (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
             )
@@ -96,13 +97,14 @@ macro_rules! formats {
             params(("scene" = String, Path, description = "The scene's id"), $parameters),
             request_body = InfluenceBody,
             responses(
-                (status = 200, description = "The influences", body = $body, content_type = $media_type, headers(
+                (status = 200, description = "The influences", $($content)*, headers(
                     ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
                     ("server-timing" = String, description = "Milliseconds that each step of finding the map took, when it was found"),
                 )),
                 (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
-                (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-                (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
+                (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+                (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+                $($refusal)*
                 (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
                 (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
                 (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
@@ -121,15 +123,26 @@ macro_rules! formats {
 }
 
 formats! {
-    get_influence, post_influence, "", None, InfluenceParameters, InfluenceAnswer, "application/json",
+    get_influence, post_influence, "", None, InfluenceParameters,
+        {content(
+            (InfluenceAnswer = "application/json"),
+            (Vec<u8> = "image/tiff"),
+            (Object = "application/geo+json"),
+            (String = "text/csv"),
+        )},
+        {(status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),},
         "Which lights cause the sky of a place, in the format that the Accept header prefers: JSON, GeoTIFF, GeoJSON or CSV.";
-    get_influence_json, post_influence_json, ".json", Some(InfluenceFormat::Json), InfluenceParameters, InfluenceAnswer, "application/json",
+    get_influence_json, post_influence_json, ".json", Some(InfluenceFormat::Json), InfluenceParameters,
+        {body = InfluenceAnswer, content_type = "application/json"}, {},
         "Which lights cause the sky of a place: the most influential pixels, and all by distance and azimuth.";
-    get_influence_tif, post_influence_tif, ".tif", Some(InfluenceFormat::Tiff), InfluenceRasterParameters, Vec<u8>, "image/tiff",
+    get_influence_tif, post_influence_tif, ".tif", Some(InfluenceFormat::Tiff), InfluenceRasterParameters,
+        {body = Vec<u8>, content_type = "image/tiff"}, {},
         "What every lit pixel does, as GeoTIFF on the scene's own grid: one float32 band; pixels without light or beyond 300 km are no data.";
-    get_influence_geojson, post_influence_geojson, ".geojson", Some(InfluenceFormat::GeoJson), InfluenceParameters, serde_json::Value, "application/geo+json",
+    get_influence_geojson, post_influence_geojson, ".geojson", Some(InfluenceFormat::GeoJson), InfluenceParameters,
+        {body = serde_json::Value, content_type = "application/geo+json"}, {},
         "The most influential pixels as GeoJSON points.";
-    get_influence_csv, post_influence_csv, ".csv", Some(InfluenceFormat::Csv), InfluenceParameters, String, "text/csv",
+    get_influence_csv, post_influence_csv, ".csv", Some(InfluenceFormat::Csv), InfluenceParameters,
+        {body = String, content_type = "text/csv"}, {},
         "The most influential pixels as a table; what they depend on stands in the JSON alone.";
 }
 

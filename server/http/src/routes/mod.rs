@@ -12,5 +12,6 @@ pub mod scenarios;
 pub mod scenes;
 pub mod site;
 pub mod sky;
+pub mod tilejson;
 pub mod tiles;
 pub mod viewer;

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     accept::{INFLUENCES_OFFERED, InfluenceFormat, negotiate_influence},
-    answers::{PlanAnswer, PlanEntry, plan_entry},
+    answers::{PlanAnswer, PlanEntry},
     error::ApiError,
     etag::ETag,
     parameters::{PlanListParameters, PlanParameters},
@@ -78,16 +78,13 @@ pub async fn post_plan(
         (status = 304, description = "The client has this answer already"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn list_plans(asked: Asked) -> Answer {
     let scene = asked.scene()?;
     no_parameters(asked.query.as_deref())?;
-    let read = move |source: &dyn SkySource| {
-        let plans = source.list_plans(&scene)?.into_iter();
-        Ok(plans.map(|(id, facts, created)| plan_entry(&id, &facts, created)).collect::<Vec<_>>())
-    };
-    asked.answer(Keep::Revalidate, read).await
+    asked.heavy(Keep::Revalidate, move |source| Ok(source.list_plans(&scene)?)).await
 }
 
 /// A plan, in the format that the Accept header prefers, or that its address ends in: `.json` what is said of it and the pixels

@@ -50,7 +50,7 @@ pub async fn post_scenario(
     let scene = scene_id(&scene)?;
     let keep = move |source: &dyn SkySource| {
         let scenario = scenario(query.as_deref(), &body, scene)?;
-        let id = source.keep_scenario(&scenario)?;
+        let id = source.keep_scenario(&scenario).map_err(SourceError::of_painting)?;
         Ok(read_answer(source, &id)?)
     };
     let answer = state.heavy(keep).await?;
@@ -98,16 +98,11 @@ pub async fn get_scenario(
         (status = 304, description = "The client has this answer already"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn list_scenarios(asked: Asked) -> Answer {
     let scene = asked.scene()?;
     asked.without_parameters()?;
-    let read = move |source: &dyn SkySource| {
-        let scenarios = source.list_scenarios(&scene)?.into_iter();
-        Ok(scenarios
-            .map(|(id, scenario, created)| ScenarioEntry::new(&id, &scenario, created))
-            .collect::<Vec<_>>())
-    };
-    asked.answer(Keep::Revalidate, read).await
+    asked.heavy(Keep::Revalidate, move |source| Ok(source.list_scenarios(&scene)?)).await
 }

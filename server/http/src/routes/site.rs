@@ -16,7 +16,8 @@ use crate::{
         (status = 200, description = "Terrain and radiance there", body = SiteAnswer),
         (status = 304, description = "The client has this answer already"),
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_site(asked: Asked) -> Answer {

@@ -3,7 +3,7 @@
 use skyglow_engine::{EngineStats, InfluenceMap, PlanOutcome, PlanRequest};
 use skyglow_http::{
     SkySource,
-    answers::AtmosphereAnswer,
+    answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     kind_facts::KindFacts,
     source::{
         BoxFuture, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
@@ -308,7 +308,7 @@ impl SkySource for Fake {
         Err(SourceError::Storage("a made-up program keeps nothing".into()))
     }
 
-    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, ChangeSummary, u64), SourceError> {
+    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError> {
         Err(SourceError::UnknownScenario(id.to_string()))
     }
 
@@ -326,12 +326,12 @@ impl SkySource for Fake {
         Err(SourceError::UnknownScenario(id.to_string()))
     }
 
-    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<(ChangeId, Scenario, u64)>, SourceError> {
+    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, SourceError> {
         self.known(scene)?;
         Ok(Vec::new())
     }
 
-    fn list_plans(&self, scene: &SceneId) -> Result<Vec<(ChangeId, serde_json::Value, u64)>, SourceError> {
+    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, SourceError> {
         self.known(scene)?;
         Ok(Vec::new())
     }

@@ -68,11 +68,38 @@ pub enum AreaError {
     },
 }
 
+/// Looks at pixels and lights that may still be taken.
+#[derive(Debug)]
+pub(super) struct Budget(u64);
+
+/// Sides of a polygon that are compared in the time of a look.
+const SIDES_A_LOOK: usize = 16;
+
+impl Budget {
+    pub(super) fn new(looks: u64) -> Self {
+        Self(looks)
+    }
+
+    /// Takes some; false where so many are not left.
+    fn take(&mut self, looks: u64) -> bool {
+        let is_left = self.0 >= looks;
+        self.0 = self.0.saturating_sub(looks);
+        is_left
+    }
+
+    /// Whether nothing is left.
+    pub(super) fn is_spent(&self) -> bool {
+        self.0 == 0
+    }
+}
+
 /// A part of an area that is gone through by itself: a place is in the area if it is in any of them.
 pub(super) struct Piece {
     /// A circle around it: centre as a unit vector, radius along the chord, metres.
     center: DVec3,
     reach_m: f64,
+    /// What asking whether it holds a place takes.
+    looks: u64,
     shape: Shape,
 }
 
@@ -133,21 +160,30 @@ fn brush_ends(points: &[Position], radius_m: f64) -> Result<Vec<DVec3>, AreaErro
 impl Piece {
     fn of_polygons(boundary: Boundary) -> Self {
         let (center, reach_m) = boundary.circle();
-        Self { center, reach_m, shape: Shape::Polygons(boundary) }
+        let looks = 1 + (boundary.sides_a_band() / SIDES_A_LOOK) as u64;
+        Self { center, reach_m, looks, shape: Shape::Polygons(boundary) }
     }
 
     fn of_step(ends: [DVec3; 2], radius_m: f64) -> Self {
-        let reach_m = 0.5 * EARTH_RADIUS_M * ends[0].distance(ends[1]) + radius_m + 1.0;
-        Self { center: (ends[0] + ends[1]).normalize(), reach_m, shape: Shape::Step { ends, radius_m } }
+        // The chord from the middle to the tip is longer than both chords together, by less than a hundredth.
+        let reach_m = 1.01 * (0.5 * EARTH_RADIUS_M * ends[0].distance(ends[1]) + radius_m) + 1.0;
+        let center = (ends[0] + ends[1]).normalize();
+        Self { center, reach_m, looks: 1, shape: Shape::Step { ends, radius_m } }
     }
 
-    /// Whether a pixel is in it.
-    pub(super) fn has_pixel(&self, grid: &Grid, column: u32, row: u32) -> bool {
-        let mut is_under_brush = false;
-        self.for_each_pixel_under_brush(grid, |under, below| {
-            is_under_brush |= (under, below) == (column, row)
+    /// Whether the piece has any pixel of a raster.
+    pub(super) fn meets(&self, grid: &Grid, budget: &mut Budget) -> bool {
+        let mut meets = false;
+        self.for_each_pixel(grid, budget, |_, _| {
+            meets = true;
+            false
         });
-        is_under_brush || self.holds(grid.center(column, row))
+        meets
+    }
+
+    /// Whether a place is in it; false where the budget is spent.
+    pub(super) fn has(&self, place: DVec3, budget: &mut Budget) -> bool {
+        budget.take(self.looks) && self.holds(place)
     }
 
     fn holds(&self, place: DVec3) -> bool {
@@ -157,28 +193,28 @@ impl Piece {
         }
     }
 
-    /// Calls `take` with the index of each light in it.
-    pub(super) fn for_each_light(&self, light: &Light<'_>, mut take: impl FnMut(usize)) {
+    /// Calls `take` with the index of each light in it, as far as the budget goes. Pixels right under a brush are not asked for.
+    pub(super) fn for_each_light(&self, light: &Light<'_>, budget: &mut Budget, mut take: impl FnMut(usize)) {
         let radius_m = 2.0 * EARTH_RADIUS_M * (0.5 * self.reach_m / EARTH_RADIUS_M).min(1.0).asin();
         light.walk_all(self.center, radius_m, |index, center| {
-            if self.holds(center) {
-                take(index);
-            }
-        });
-        // A brush finer than the raster takes what it is put on.
-        self.for_each_pixel_under_brush(light.grid, |column, row| {
-            if let Some(index) = light.pixels.index_at(column, row) {
+            if self.has(center, budget) {
                 take(index);
             }
         });
     }
 
-    /// Calls `take` with column and row of each pixel in it, lit or dark; some may come twice.
-    pub(super) fn for_each_pixel(&self, grid: &Grid, mut take: impl FnMut(u32, u32)) {
+    /// Calls `take` with column and row of each pixel in it, lit or dark, as far as the budget goes and until it answers false.
+    /// Pixels right under a brush are not asked for but where they are in it.
+    pub(super) fn for_each_pixel(
+        &self,
+        grid: &Grid,
+        budget: &mut Budget,
+        mut take: impl FnMut(u32, u32) -> bool,
+    ) {
         let side = grid.width.max(grid.height).next_power_of_two();
         let mut stack = vec![(0u32, 0u32, side)];
         while let Some((column, row, side)) = stack.pop() {
-            if column >= grid.width || row >= grid.height {
+            if column >= grid.width || row >= grid.height || !budget.take(1) {
                 continue;
             }
             let (last_column, last_row) =
@@ -197,13 +233,12 @@ impl Piece {
             for row in row..=last_row {
                 for column in column..=last_column {
                     let center = grid.center(column, row);
-                    if center.is_finite() && self.holds(center) {
-                        take(column, row);
+                    if center.is_finite() && self.has(center, budget) && !take(column, row) {
+                        return;
                     }
                 }
             }
         }
-        self.for_each_pixel_under_brush(grid, take);
     }
 
     /// Whether a block of pixels may have some in the piece: by circles around both.
@@ -223,12 +258,22 @@ impl Piece {
         !is_small || EARTH_RADIUS_M * (self.center.distance(center) - 1.1 * radius) <= self.reach_m
     }
 
-    fn for_each_pixel_under_brush(&self, grid: &Grid, mut take: impl FnMut(u32, u32)) {
+    /// Calls `take` with column and row of the pixels right under a brush, however fine it is, as far as the budget goes; some
+    /// may come twice.
+    pub(super) fn for_each_pixel_under_brush(
+        &self,
+        grid: &Grid,
+        budget: &mut Budget,
+        mut take: impl FnMut(u32, u32),
+    ) {
         let Shape::Step { ends, .. } = &self.shape else { return };
         let length_m = EARTH_RADIUS_M * ends[0].distance(ends[1]);
-        let count = (2.0 * length_m / grid.pixel_size_m().max(1.0)).ceil().min(1e5) as u32;
+        let count = (2.0 * length_m / grid.pixel_size_m().max(0.1)).ceil() as u64;
         for step in 0..=count {
-            let along = f64::from(step) / f64::from(count.max(1));
+            if !budget.take(1) {
+                return;
+            }
+            let along = step as f64 / count.max(1) as f64;
             let place = GeoPoint::from_vector(ends[0].lerp(ends[1], along));
             if let Some((column, row)) = grid.pixel_at(place) {
                 take(column, row);

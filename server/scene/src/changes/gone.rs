@@ -58,6 +58,12 @@ impl GoneLights {
         Self { count: gone.len(), lights, levels }
     }
 
+    /// Bytes held.
+    pub(crate) fn byte_count(&self) -> usize {
+        let bits = |bits: &Bits| bits.0.len() * size_of::<u64>();
+        bits(&self.lights) + self.levels.iter().map(|(some, all)| bits(some) + bits(all)).sum::<usize>()
+    }
+
     /// Number of lights gone.
     pub(crate) fn len(&self) -> usize {
         self.count

@@ -1,6 +1,6 @@
 //! From a scene and changes to the scene with those changes.
 
-use super::area::AreaError;
+use super::area::{AreaError, Budget, Piece};
 use super::gone::GoneLights;
 use super::painting::{Change, ChangeStep, Edit};
 use crate::gather::Light;
@@ -11,14 +11,22 @@ use crate::morton;
 use crate::scene::Scene;
 use crate::skylines::{Skyline, Skylines};
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use skyglow_physics::source_pixel::upward_flux_dnb_w;
 use skyglow_physics::{Fixture, GeoPoint, Kept, LampChange};
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::collections::{HashMap, HashSet};
+use std::sync::{Arc, OnceLock};
 use thiserror::Error;
 
 /// Most pixels that may be lit where there was no light.
 pub const MOST_NEW_LIGHTS: usize = 200_000;
+/// The same where each has to look around for terrain that hides it, which takes a millisecond.
+pub const MOST_NEW_LIGHTS_AMONG_HILLS: usize = 10_000;
+/// Pixels and lights that all edits together may look at, and so many more for every light of the scene: seconds.
+const LOOKS: u64 = 20_000_000;
+const LOOKS_PER_LIGHT: u64 = 5;
+/// Most kinds of fixtures beside the scene's own: the sky of each is rendered by itself.
+const MOST_FIXTURES: usize = 32;
 /// Radiance above which a pixel is no lamp any more, nW cm⁻² sr⁻¹.
 const BRIGHTEST_NW_CM2_SR: f64 = 1e7;
 
@@ -33,7 +41,7 @@ pub enum ChangeError {
         /// Why.
         error: AreaError,
     },
-    /// An area without a pixel of the scene.
+    /// An area without a pixel of the scene, or to add light to, without one with data.
     #[error("edit {number} holds no pixel of the scene")]
     Outside {
         /// Which edit of its step, from 1.
@@ -45,9 +53,26 @@ pub enum ChangeError {
         /// Which edit of its step, from 1.
         number: usize,
     },
+    /// Too many combinations of lamps and emissions.
+    #[error("edit {number} and those before it make more than {MOST_FIXTURES} kinds of lamps and emissions")]
+    TooManyFixtures {
+        /// Which edit of its step, from 1.
+        number: usize,
+    },
+    /// Areas that take too long to paint.
+    #[error(
+        "edit {number} and those before it look at more pixels than one scenario may: paint less, or with fewer strokes"
+    )]
+    TooMuch {
+        /// Which edit of its step, from 1.
+        number: usize,
+    },
     /// Too many pixels lit.
-    #[error("more than {MOST_NEW_LIGHTS} dark pixels would be lit")]
-    TooManyNewLights,
+    #[error("more than {most} dark pixels would be lit")]
+    TooManyNewLights {
+        /// Pixels allowed.
+        most: usize,
+    },
 }
 
 /// What changes do to a scene's lights.
@@ -75,13 +100,17 @@ struct Canvas<'a> {
     fixtures: Vec<Fixture>,
     /// Lights of the touched pixels by code; of the first fixture what the scene had.
     pixels: HashMap<u64, Vec<PaintedLight>>,
-    new_count: usize,
+    /// Codes of lit pixels that the scene has dark.
+    new: HashSet<u64>,
+    budget: Budget,
 }
 
 impl<'a> Canvas<'a> {
     fn new(scene: &'a Scene) -> Self {
         let light = scene.first_layer().light(&scene.grid, scene.metadata.calibration, false);
-        Self { scene, light, fixtures: vec![Fixture::default()], pixels: HashMap::new(), new_count: 0 }
+        let budget = Budget::new(LOOKS + LOOKS_PER_LIGHT * light.pixels.len() as u64);
+        let (pixels, new) = Default::default();
+        Self { scene, light, fixtures: vec![Fixture::default()], pixels, new, budget }
     }
 
     /// The lights of a pixel, as changed so far.
@@ -93,97 +122,150 @@ impl<'a> Canvas<'a> {
         })
     }
 
-    fn fixture(&mut self, fixture: Fixture) -> usize {
-        match self.fixtures.iter().position(|known| *known == fixture) {
-            Some(number) => number,
-            None => {
-                self.fixtures.push(fixture);
-                self.fixtures.len() - 1
-            }
+    fn fixture(&mut self, number: usize, fixture: Fixture) -> Result<usize, ChangeError> {
+        if let Some(known) = self.fixtures.iter().position(|known| *known == fixture) {
+            return Ok(known);
         }
+        if self.fixtures.len() > MOST_FIXTURES {
+            return Err(ChangeError::TooManyFixtures { number });
+        }
+        self.fixtures.push(fixture);
+        Ok(self.fixtures.len() - 1)
     }
 
     /// Paints; answers the number of lit pixels in the area.
     fn paint(&mut self, number: usize, edit: &Edit) -> Result<u64, ChangeError> {
         let pieces = edit.area.pieces().map_err(|error| ChangeError::Area { number, error })?;
-        let mut codes: Vec<u64> = Vec::new();
-        let is_new = matches!(edit.change, Change::Add { .. });
-        for piece in &pieces {
-            if is_new {
-                piece.for_each_pixel(&self.scene.grid, |column, row| codes.push(morton::encode(column, row)));
-            } else {
-                piece.for_each_light(&self.light, |index| codes.push(self.light.pixels.codes[index]));
-            }
-        }
-        if !is_new {
-            // Lights that an edit before has lit.
-            let lit_before = self.pixels.keys().copied().filter(|code| self.is_new_light(*code));
-            let new_lights: Vec<u64> = lit_before.collect();
-            codes.extend(new_lights.into_iter().filter(|&code| {
-                let (column, row) = morton::decode(code);
-                pieces.iter().any(|piece| piece.has_pixel(&self.scene.grid, column, row))
-            }));
-        }
-        codes.sort_unstable();
-        codes.dedup();
-        if codes.is_empty() && (is_new || !self.meets_raster(&pieces)) {
-            return Err(ChangeError::Outside { number });
-        }
-        let lit =
-            codes.iter().filter(|&&code| self.lights_at(code).iter().any(|light| light.0 > 0.0)).count();
-        match &edit.change {
+        let lit = match &edit.change {
             Change::Alter { factor, lamp, emission } => {
+                let codes = self.lit_codes(number, &pieces)?;
+                // A light of each fixture becomes one of another.
+                let mut becomes: HashMap<usize, usize> = HashMap::new();
                 for code in &codes {
                     let lights = self.lights_at(*code).clone();
-                    let altered = lights.into_iter().map(|(radiance, of)| {
-                        let mut fixture = self.fixtures[of].clone();
-                        fixture.lamps.extend(*lamp);
-                        fixture.emission = emission.or(fixture.emission);
-                        (radiance * factor, self.fixture(fixture))
-                    });
-                    let mut merged: Vec<PaintedLight> = Vec::new();
-                    for (radiance, of) in altered {
-                        match merged.iter_mut().find(|light| light.1 == of) {
-                            Some(light) => light.0 += radiance,
-                            None => merged.push((radiance, of)),
+                    let mut altered: Vec<PaintedLight> = Vec::with_capacity(lights.len());
+                    for (radiance, of) in lights {
+                        let of = match becomes.get(&of) {
+                            Some(of) => *of,
+                            None => {
+                                let mut fixture = self.fixtures[of].clone();
+                                lamp.iter().for_each(|change| fixture.replace(*change));
+                                fixture.emission = emission.or(fixture.emission);
+                                let new = self.fixture(number, fixture)?;
+                                becomes.insert(of, new);
+                                new
+                            }
+                        };
+                        match altered.iter_mut().find(|light| light.1 == of) {
+                            Some(light) => light.0 += radiance * factor,
+                            None => altered.push((radiance * factor, of)),
                         }
                     }
-                    *self.lights_at(*code) = merged;
+                    altered.retain(|light| light.0 > 0.0);
+                    if altered.is_empty() {
+                        self.new.remove(code);
+                    }
+                    self.put(number, *code, altered)?;
                 }
+                codes.len()
             }
             Change::Add { radiance_nw_cm2_sr, lamp, emission } => {
                 let lamps = lamp.map(|to| LampChange { from: None, to, kept: Kept::DnbFlux });
-                let of = self.fixture(Fixture { lamps: lamps.into_iter().collect(), emission: *emission });
-                for code in &codes {
-                    let lights = self.lights_at(*code);
+                let fixture = Fixture { lamps: lamps.into_iter().collect(), emission: *emission };
+                let of = self.fixture(number, fixture)?;
+                let mut lit = 0;
+                for code in self.all_codes(number, &pieces)? {
+                    let mut lights = self.lights_at(code).clone();
+                    lit += usize::from(!lights.is_empty());
                     match lights.iter_mut().find(|light| light.1 == of) {
                         Some(light) => light.0 += radiance_nw_cm2_sr,
                         None => lights.push((*radiance_nw_cm2_sr, of)),
                     }
+                    if self.light.pixels.codes.binary_search(&code).is_err() {
+                        self.new.insert(code);
+                    }
+                    self.put(number, code, lights)?;
                 }
-                self.new_count += codes.len() - lit;
-                if self.new_count > MOST_NEW_LIGHTS {
-                    return Err(ChangeError::TooManyNewLights);
+                let looks_around = self.scene.first_layer().lights.skylines.is_some();
+                let most = if looks_around { MOST_NEW_LIGHTS_AMONG_HILLS } else { MOST_NEW_LIGHTS };
+                if self.new.len() > most {
+                    return Err(ChangeError::TooManyNewLights { most });
                 }
+                lit
             }
-        }
-        let is_too_bright = |code: &u64| self.pixels[code].iter().any(|light| light.0 > BRIGHTEST_NW_CM2_SR);
-        if codes.iter().any(is_too_bright) {
-            return Err(ChangeError::TooBright { number });
-        }
+        };
         Ok(lit as u64)
     }
 
-    fn is_new_light(&self, code: u64) -> bool {
-        self.light.pixels.codes.binary_search(&code).is_err()
+    fn put(&mut self, number: usize, code: u64, lights: Vec<PaintedLight>) -> Result<(), ChangeError> {
+        if lights.iter().any(|light| light.0 > BRIGHTEST_NW_CM2_SR) {
+            return Err(ChangeError::TooBright { number });
+        }
+        self.pixels.insert(code, lights);
+        Ok(())
     }
 
-    fn meets_raster(&self, pieces: &[super::area::Piece]) -> bool {
+    /// Codes of the lit pixels in an area, as painted so far, ascending.
+    fn lit_codes(&mut self, number: usize, pieces: &[Piece]) -> Result<Vec<u64>, ChangeError> {
+        let (grid, of) = (&self.scene.grid, &self.light.pixels.codes);
+        let mut codes: Vec<u64> = Vec::new();
         let mut meets = false;
         for piece in pieces {
-            piece.for_each_pixel(&self.scene.grid, |_, _| meets = true);
+            piece.for_each_light(&self.light, &mut self.budget, |index| codes.push(of[index]));
+            piece.for_each_pixel_under_brush(grid, &mut self.budget, |column, row| {
+                meets = true;
+                codes.push(morton::encode(column, row));
+            });
+            for &code in &self.new {
+                let (column, row) = morton::decode(code);
+                if piece.has(grid.center(column, row), &mut self.budget) {
+                    codes.push(code);
+                }
+            }
+            if self.budget.is_spent() {
+                return Err(ChangeError::TooMuch { number });
+            }
         }
-        meets
+        if codes.is_empty() && !meets && !self.meets_raster(pieces) {
+            return Err(ChangeError::Outside { number });
+        }
+        codes.sort_unstable();
+        codes.dedup();
+        let (painted, of) = (&self.pixels, &self.light.pixels.codes);
+        codes.retain(|code| match painted.get(code) {
+            Some(lights) => !lights.is_empty(),
+            None => of.binary_search(code).is_ok(),
+        });
+        Ok(codes)
+    }
+
+    /// Codes of all pixels in an area for which the raster has data, ascending.
+    fn all_codes(&mut self, number: usize, pieces: &[Piece]) -> Result<Vec<u64>, ChangeError> {
+        let (grid, mask) = (&self.scene.grid, &self.scene.mask);
+        let mut codes: Vec<u64> = Vec::new();
+        for piece in pieces {
+            piece.for_each_pixel(grid, &mut self.budget, |column, row| {
+                codes.push(morton::encode(column, row));
+                true
+            });
+            piece.for_each_pixel_under_brush(grid, &mut self.budget, |column, row| {
+                codes.push(morton::encode(column, row));
+            });
+            if self.budget.is_spent() {
+                return Err(ChangeError::TooMuch { number });
+            }
+        }
+        codes.sort_unstable();
+        codes.dedup();
+        codes.retain(|&code| {
+            let (column, row) = morton::decode(code);
+            mask.is_valid(column, row)
+        });
+        if codes.is_empty() { Err(ChangeError::Outside { number }) } else { Ok(codes) }
+    }
+
+    fn meets_raster(&mut self, pieces: &[Piece]) -> bool {
+        pieces.iter().any(|piece| piece.meets(&self.scene.grid, &mut self.budget))
     }
 
     fn dim(&mut self, codes: &[u64], factors: &[f32]) {
@@ -240,7 +322,7 @@ impl Scene {
             let before = index.map(|index| base.pixels.radiance_nw_cm2_sr[index]);
             gone.extend(index);
             summary.changed_pixels += u64::from(index.is_some());
-            summary.new_pixels += u64::from(index.is_none());
+            summary.new_pixels += u64::from(index.is_none() && !lights.is_empty());
             summary.flux_before_dnb_w +=
                 before.map_or(0.0, |radiance| flux_dnb_w(*code, f64::from(radiance)));
             for &(radiance, fixture) in lights {
@@ -253,6 +335,7 @@ impl Scene {
                 .then(|| Arc::new(GoneLights::new(&base.pyramid, base.pixels.len(), &gone))),
             ..self.first_layer().clone()
         }];
+        let sites = self.new_sites(&touched);
         let mut first_number = base.pixels.len();
         for (fixture, lights) in fixtures.into_iter().zip(of_fixture) {
             if lights.is_empty() {
@@ -260,7 +343,7 @@ impl Scene {
             }
             let first = first_number as u32;
             first_number += lights.len();
-            let lights = Arc::new(self.lights_of(&lights));
+            let lights = Arc::new(self.lights_of(&lights, &sites));
             layers.push(LightLayer { lights, first_number: first, gone: None, fixture });
         }
         let mut metadata = self.metadata.clone();
@@ -270,16 +353,46 @@ impl Scene {
         Ok((Self { metadata, layers, ..self.clone() }, summary))
     }
 
-    /// Lights of some pixels, ascending by code: radiance, and index in the first layer of those that it has.
-    fn lights_of(&self, lights: &[(u64, f32, Option<usize>)]) -> Lights {
+    /// Where new lights stand and what stands around them, by code; found once, whatever shines there.
+    fn new_sites(&self, touched: &[(u64, Vec<PaintedLight>)]) -> HashMap<u64, (f32, Skyline)> {
         let base = &self.first_layer().lights;
-        let place = |code: u64| {
-            let (column, row) = morton::decode(code);
-            GeoPoint::from_vector(self.grid.center(column, row))
+        let is_new = |(code, lights): &&(u64, Vec<PaintedLight>)| {
+            !lights.is_empty() && base.pixels.codes.binary_search(code).is_err()
         };
+        let site = |(code, _): &(u64, Vec<PaintedLight>)| {
+            let (column, row) = morton::decode(*code);
+            let place = GeoPoint::from_vector(self.grid.center(column, row));
+            let altitude_m = self.terrain.ground(place).altitude_m() as f32;
+            let pixel =
+                LitPixels { codes: vec![*code], radiance_nw_cm2_sr: vec![1.0], altitude_m: vec![altitude_m] };
+            let skyline = match base.skylines {
+                Some(_) => skyline_of_light(&self.terrain, &self.grid, &pixel, 0),
+                None => Skyline::default(),
+            };
+            (*code, (altitude_m, skyline))
+        };
+        let new: Vec<&(u64, Vec<PaintedLight>)> = touched.iter().filter(is_new).collect();
+        let find = || new.into_par_iter().map(site).collect();
+        // Not among the threads that answer everybody else.
+        match looking_around() {
+            Some(threads) => threads.install(find),
+            None => find(),
+        }
+    }
+
+    /// Lights of some pixels, ascending by code: radiance, and index in the first layer of those that it has.
+    ///
+    /// * `sites`: of the others.
+    fn lights_of(
+        &self,
+        lights: &[(u64, f32, Option<usize>)],
+        sites: &HashMap<u64, (f32, Skyline)>,
+    ) -> Lights {
+        let base = &self.first_layer().lights;
+        let site = |code: u64| sites.get(&code).copied().unwrap_or_default();
         let altitude_m = |&(code, _, index): &(u64, f32, Option<usize>)| match index {
             Some(index) => base.pixels.altitude_m[index],
-            None => self.terrain.ground(place(code)).altitude_m() as f32,
+            None => site(code).0,
         };
         let pixels = LitPixels {
             codes: lights.iter().map(|light| light.0).collect(),
@@ -287,17 +400,24 @@ impl Scene {
             altitude_m: lights.iter().map(altitude_m).collect(),
         };
         let skylines = base.skylines.as_ref().map(|known| {
-            let skyline = |(position, light): (usize, &(u64, f32, Option<usize>))| match light.2 {
-                Some(index) => known.skyline(index),
-                None => skyline_of_light(&self.terrain, &self.grid, &pixels, position),
-            };
-            let found: Vec<Skyline> = lights.par_iter().enumerate().map(skyline).collect();
             let mut skylines = Skylines::default();
-            found.iter().for_each(|skyline| skylines.push(skyline));
+            for (code, _, index) in lights {
+                skylines.push(&index.map_or_else(|| site(*code).1, |index| known.skyline(index)));
+            }
             skylines
         });
         Lights::new(&self.grid, pixels, skylines, self.metadata.calibration)
     }
+}
+
+/// Threads that look for terrain around new lights: half of the cores; None where the system gives none.
+fn looking_around() -> Option<&'static ThreadPool> {
+    static THREADS: OnceLock<Option<ThreadPool>> = OnceLock::new();
+    let build = || {
+        let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+        ThreadPoolBuilder::new().num_threads(cores.div_ceil(2)).build().ok()
+    };
+    THREADS.get_or_init(build).as_ref()
 }
 
 impl Canvas<'_> {
@@ -320,3 +440,7 @@ impl Canvas<'_> {
         (self.fixtures, touched)
     }
 }
+
+#[cfg(test)]
+#[path = "overlay_tests.rs"]
+mod tests;

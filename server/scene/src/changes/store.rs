@@ -12,13 +12,14 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use thiserror::Error;
 
 /// Counts up with every change of the files' form.
 const FORMAT: u32 = 1;
-/// Changes on changes on changes: so many at most.
-const DEEPEST: usize = 16;
+/// Changes on changes on changes: so many at most, the last included.
+pub const DEEPEST: usize = 16;
 /// A file that was not renamed to its place after this long never will be.
 const STALE_AFTER: Duration = Duration::from_secs(3600);
 
@@ -158,6 +159,8 @@ pub enum ChangeStoreError {
 pub struct ChangeStore {
     data_dir: PathBuf,
     limits: ChangeLimits,
+    /// Held while something is written or removed.
+    writing: Arc<Mutex<()>>,
 }
 
 fn io(path: &Path) -> impl FnOnce(std::io::Error) -> ChangeStoreError + '_ {
@@ -175,7 +178,7 @@ fn unix_s(time: SystemTime) -> u64 {
 impl ChangeStore {
     /// The scenarios and plans of a data folder; the folder need not exist.
     pub fn new(data_dir: impl AsRef<Path>, limits: ChangeLimits) -> Self {
-        Self { data_dir: data_dir.as_ref().to_owned(), limits }
+        Self { data_dir: data_dir.as_ref().to_owned(), limits, writing: Arc::default() }
     }
 
     fn folder(&self, kind: ChangeKind) -> PathBuf {
@@ -195,12 +198,35 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError::Io`].
     pub fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, ChangeStoreError> {
-        let path = self.folder(ChangeKind::Scenario);
-        let content = to_json(&path, scenario)?;
-        let id = ChangeId::of_scenario(&content);
+        let id = self.scenario_id(scenario)?;
+        let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         self.write_document(&id, scenario)?;
+        self.renew(scenario.base.as_ref());
         self.make_room(ChangeKind::Scenario, &id)?;
         Ok(id)
+    }
+
+    /// The id that a scenario has.
+    ///
+    /// # Errors
+    /// [`ChangeStoreError::Io`] for what is no JSON: none.
+    pub fn scenario_id(&self, scenario: &Scenario) -> Result<ChangeId, ChangeStoreError> {
+        Ok(ChangeId::of_scenario(&to_json(&self.folder(ChangeKind::Scenario), scenario)?))
+    }
+
+    /// Makes all that something stands on as young as it.
+    fn renew(&self, base: Option<&ChangeId>) {
+        let mut next = base.cloned();
+        for _ in 0..DEEPEST {
+            let Some(id) = next else { return };
+            let file = std::fs::File::options().write(true).open(self.path(&id, "json"));
+            // Should it be gone meanwhile, whoever asks for it is told.
+            let _best_effort = file.and_then(|file| file.set_modified(SystemTime::now()));
+            next = match id.is_plan() {
+                true => self.read_document::<PlanDocument>(&id).ok().and_then(|(plan, _)| plan.base),
+                false => self.read_document::<Scenario>(&id).ok().and_then(|(scenario, _)| scenario.base),
+            };
+        }
     }
 
     /// A scenario.
@@ -209,11 +235,6 @@ impl ChangeStore {
     /// [`ChangeStoreError`].
     pub fn scenario(&self, id: &ChangeId) -> Result<(Scenario, u64), ChangeStoreError> {
         self.read_document(id)
-    }
-
-    /// Whether there is one of that id, be it readable or not. Cheap.
-    pub fn is_there(&self, id: &ChangeId) -> bool {
-        self.path(id, "json").is_file()
     }
 
     /// The id that a plan with this content has: all that decides it.
@@ -226,6 +247,7 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError::Io`].
     pub fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), ChangeStoreError> {
+        let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         let path = self.path(id, "bin");
         let parts: Vec<(String, Cow<'_, [u8]>)> = vec![
             ("codes".into(), Cow::Owned(pack_ascending(&plan.factors.codes))),
@@ -242,6 +264,7 @@ impl ChangeStore {
             pixels_blake3: blake3::hash(&pixels).to_hex().to_string(),
         };
         self.write_document(id, &document)?;
+        self.renew(plan.base.as_ref());
         self.make_room(ChangeKind::Plan, id)
     }
 
@@ -252,7 +275,14 @@ impl ChangeStore {
     pub fn plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), ChangeStoreError> {
         let (document, created_unix_s): (PlanDocument, u64) = self.read_document(id)?;
         let path = self.path(id, "bin");
-        let bytes = std::fs::read(&path).map_err(io(&path))?;
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            // Removed while it was read.
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                return Err(ChangeStoreError::Unknown { id: id.clone() });
+            }
+            Err(error) => return Err(io(&path)(error)),
+        };
         if blake3::hash(&bytes).to_hex().as_str() != document.pixels_blake3 {
             return Err(damaged(&path)("was altered or is truncated (its checksum is wrong)".to_owned()));
         }
@@ -327,8 +357,8 @@ impl ChangeStore {
     pub fn list(&self, kind: ChangeKind) -> Result<Vec<(ChangeId, u64)>, ChangeStoreError> {
         let kept = self.kept(kind)?;
         let limit = unix_s(SystemTime::now()).saturating_sub(self.limits.age.as_secs());
-        let young = kept.into_iter().filter(|kept| kept.created_unix_s >= limit);
-        Ok(young.map(|kept| (kept.id, kept.created_unix_s)).collect())
+        let of = kept.into_iter().map(|kept| (kept.id, unix_s(kept.modified)));
+        Ok(of.filter(|(_, modified_unix_s)| *modified_unix_s >= limit).collect())
     }
 
     /// What is in a folder, the newest first.
@@ -351,9 +381,9 @@ impl ChangeStore {
             let Ok(metadata) = std::fs::metadata(&path) else { continue };
             let Ok(modified) = metadata.modified() else { continue };
             let pixels = std::fs::metadata(path.with_extension("bin")).map_or(0, |metadata| metadata.len());
-            kept.push(Kept { id, created_unix_s: unix_s(modified), bytes: metadata.len() + pixels });
+            kept.push(Kept { id, modified, bytes: metadata.len() + pixels });
         }
-        kept.sort_by(|a, b| b.created_unix_s.cmp(&a.created_unix_s).then_with(|| a.id.cmp(&b.id)));
+        kept.sort_by(|a, b| b.modified.cmp(&a.modified).then_with(|| a.id.cmp(&b.id)));
         Ok(kept)
     }
 
@@ -364,7 +394,7 @@ impl ChangeStore {
         for kept in self.kept(kind)?.into_iter().filter(|kept| kept.id != *newest) {
             count += 1;
             bytes += kept.bytes;
-            let is_old = now_s.saturating_sub(kept.created_unix_s) > self.limits.age.as_secs();
+            let is_old = now_s.saturating_sub(unix_s(kept.modified)) > self.limits.age.as_secs();
             if is_old || count > self.limits.count || bytes > self.limits.bytes {
                 // The document first: without it nothing is there.
                 for extension in ["json", "bin"] {
@@ -392,7 +422,9 @@ impl ChangeStore {
 
     fn write_document<T: Serialize>(&self, id: &ChangeId, content: &T) -> Result<(), ChangeStoreError> {
         let path = self.path(id, "json");
-        let text = to_json(&path, content)?;
+        // The hash is over what is written and not over what it means: that may be told in more than one way.
+        let content = serde_json::to_value(content).map_err(|error| io(&path)(error.into()))?;
+        let text = to_json(&path, &content)?;
         let stored = Stored {
             format: FORMAT,
             created_unix_s: unix_s(SystemTime::now()),
@@ -403,10 +435,7 @@ impl ChangeStore {
     }
 
     /// A document with the time it was kept.
-    fn read_document<T: DeserializeOwned + Serialize>(
-        &self,
-        id: &ChangeId,
-    ) -> Result<(T, u64), ChangeStoreError> {
+    fn read_document<T: DeserializeOwned>(&self, id: &ChangeId) -> Result<(T, u64), ChangeStoreError> {
         let path = self.path(id, "json");
         let text = match std::fs::read(&path) {
             Ok(text) => text,
@@ -415,7 +444,7 @@ impl ChangeStore {
             }
             Err(error) => return Err(io(&path)(error)),
         };
-        let stored: Stored<T> = serde_json::from_slice(&text)
+        let stored: Stored<serde_json::Value> = serde_json::from_slice(&text)
             .map_err(|error| damaged(&path)(format!("is truncated or broken ({error})")))?;
         if stored.format != FORMAT {
             return Err(damaged(&path)(format!(
@@ -426,11 +455,14 @@ impl ChangeStore {
         if blake3::hash(&to_json(&path, &stored.content)?).to_hex().as_str() != stored.blake3 {
             return Err(damaged(&path)("was altered (its checksum is wrong)".to_owned()));
         }
-        let age_s = unix_s(SystemTime::now()).saturating_sub(stored.created_unix_s);
-        if age_s > self.limits.age.as_secs() {
+        // What stands on it may have made it young again since.
+        let kept = std::fs::metadata(&path).and_then(|metadata| metadata.modified()).map_err(io(&path))?;
+        if unix_s(SystemTime::now()).saturating_sub(unix_s(kept)) > self.limits.age.as_secs() {
             return Err(ChangeStoreError::Unknown { id: id.clone() });
         }
-        Ok((stored.content, stored.created_unix_s))
+        let content = serde_json::from_value(stored.content)
+            .map_err(|error| damaged(&path)(format!("is of another form ({error})")))?;
+        Ok((content, stored.created_unix_s))
     }
 
     /// Writes beside the place first, then moves there.
@@ -451,7 +483,7 @@ impl ChangeStore {
 /// Something in a folder.
 struct Kept {
     id: ChangeId,
-    created_unix_s: u64,
+    modified: SystemTime,
     bytes: u64,
 }
 

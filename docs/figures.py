@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""The pictures of README.md that show whose light it is, what if, and what to dim, from a running server.
+
+Usage: docs/figures.py SERVER SCENE FOLDER. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+On Debian: apt-get install python3-requests python3-rasterio python3-pil
+"""
+
+import io
+import math
+import sys
+
+import numpy
+import rasterio
+import requests
+from PIL import Image, ImageDraw, ImageFont
+
+SERVER, SCENE, FOLDER = sys.argv[1:4]
+API = f"{SERVER}/api/v1"
+SITE = {"lat": -1.75, "lon": 36.45}
+# Light and sky alone, without hills.
+OPEN = {"terrain": "off"}
+ZOOM, WEST, NORTH, WIDE, HIGH = 9, 306, 257, 3, 3
+NAIROBI = [[36.60, -1.50], [37.15, -1.50], [37.15, -1.05], [36.60, -1.05], [36.60, -1.50]]
+KENYA = [[33.0, -5.0], [42.5, -5.0], [42.5, 5.5], [33.0, 5.5], [33.0, -5.0]]
+FONT = ImageFont.truetype("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", 17)
+
+
+def ask(method, url, **arguments):
+    answer = requests.request(method, url, timeout=300, **arguments)
+    if not answer.ok:
+        sys.exit(f"{url}: {answer.text}")
+    return answer
+
+
+def picture(url, **params):
+    return Image.open(io.BytesIO(ask("GET", url, params=params).content)).convert("RGBA")
+
+
+def sky(scenario=None, **params):
+    query = {**SITE, **OPEN, "legend": "on", **params}
+    if scenario:
+        query["scenario"] = scenario
+    return picture(f"{API}/scenes/{SCENE}/panorama.png", **query)
+
+
+def zenith(scenario=None, **params):
+    query = {**SITE, **OPEN, **params, **({"scenario": scenario} if scenario else {})}
+    return ask("GET", f"{API}/scenes/{SCENE}/sky", params=query).json()["sky"]["zenith_luminance_cd_m2"]
+
+
+def map_of(layer, **params):
+    """Tiles of a layer over the raster's radiance in grey."""
+    whole = Image.new("RGBA", (256 * WIDE, 256 * HIGH), "black")
+    for column in range(WIDE):
+        for row in range(HIGH):
+            at = f"{ZOOM}/{WEST + column}/{NORTH + row}.png"
+            under = picture(f"{API}/scenes/{SCENE}/tiles/radiance/{at}")
+            grey = Image.merge("RGBA", (*[under.convert("L").point(lambda v: v // 3)] * 3, under.split()[3]))
+            whole.alpha_composite(grey, (256 * column, 256 * row))
+            if layer:
+                whole.alpha_composite(picture(f"{API}/scenes/{SCENE}/tiles/{layer}/{at}", **params), (256 * column, 256 * row))
+    return marked(whole)
+
+
+def place_px(lat, lon):
+    n = 256 * 2**ZOOM
+    x = (lon + 180) / 360 * n - 256 * WEST
+    y = (1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * n - 256 * NORTH
+    return x, y
+
+
+def marked(image):
+    draw = ImageDraw.Draw(image)
+    x, y = place_px(SITE["lat"], SITE["lon"])
+    draw.ellipse((x - 7, y - 7, x + 7, y + 7), outline="white", width=2)
+    return image
+
+
+def plan_map(plan):
+    """Pixels that a plan dims, over the radiance in grey: yellow a little, red all."""
+    whole = map_of(None)
+    raster = rasterio.open(io.BytesIO(ask("GET", f"{API}/plans/{plan}.tif").content))
+    cut = raster.read(1)
+    draw = ImageDraw.Draw(whole)
+    for row, column in zip(*numpy.nonzero(numpy.nan_to_num(cut) > 0)):
+        west, north = raster.transform * (column, row)
+        east, south = raster.transform * (column + 1, row + 1)
+        corners = (*place_px(north, west), *place_px(south, east))
+        draw.rectangle(corners, fill=(255, int(230 * (1 - cut[row, column])), 40))
+    return marked(whole)
+
+
+def sheet(name, rows):
+    """Rows of (picture, caption), all of a row as high as each other."""
+    height = 330
+    lines = []
+    for row in rows:
+        parts = []
+        for image, caption in row:
+            image = image.convert("RGB").resize((round(image.width * height / image.height), height), Image.LANCZOS)
+            part = Image.new("RGB", (image.width, height + 30), "white")
+            part.paste(image, (0, 30))
+            ImageDraw.Draw(part).text((4, 5), caption, fill="black", font=FONT)
+            parts.append(part)
+        line = Image.new("RGB", (sum(part.width + 8 for part in parts), height + 30), "white")
+        x = 0
+        for part in parts:
+            line.paste(part, (x, 0))
+            x += part.width + 8
+        lines.append(line)
+    whole = Image.new("RGB", (max(line.width for line in lines), sum(line.height + 8 for line in lines)), "white")
+    y = 0
+    for line in lines:
+        whole.paste(line, (0, y))
+        y += line.height + 8
+    whole.save(f"{FOLDER}/{name}.png", optimize=True)
+
+
+def scenario(*edits, base=None):
+    body = {"edits": list(edits), **({"base": base} if base else {})}
+    return ask("POST", f"{API}/scenes/{SCENE}/scenarios", json=body).json()["id"]
+
+
+def polygon(ring, **change):
+    return {"polygon": {"type": "Polygon", "coordinates": [ring]}, **change}
+
+
+def plan(**body):
+    return ask("POST", f"{API}/scenes/{SCENE}/plans", params=OPEN, json=body).json()
+
+
+def main():
+    scale = {"min": 3e-5, "max": 3e-3, "width": 640, "height_px": 240}
+    region = "20,1;65,1;65,25;20,25"
+    sheet("whose-light", [[
+        (map_of("influence", **SITE, **OPEN), "whose light is at the zenith"),
+        (map_of("influence", **SITE, **OPEN, measure="region", region=region), "and in the glow of the north-east"),
+        (sky(**scale), "the sky there"),
+    ]])
+    dimmed = scenario(polygon(NAIROBI, factor=0.3))
+    town = {"points": [[36.45, -1.95], [36.47, -1.95]], "radius_m": 2500}
+    new = scenario({"brush": town, "add_radiance_nw_cm2_sr": 60})
+    today = zenith()
+    both = scenario({"brush": town, "add_radiance_nw_cm2_sr": 60}, base=dimmed)
+    ratio = lambda id: f"zenith {100 * (zenith(id) / today - 1):+.0f} %"
+    lamps = {
+        "sodium": scenario(polygon(KENYA, lamp="hps")),
+        "amber": scenario(polygon(KENYA, lamp="pc_amber")),
+        "4000 K": scenario(polygon(KENYA, lamp="led_4000k")),
+        "4000 K, shielded": scenario(polygon(KENYA, lamp="led_4000k", emission="shielded")),
+    }
+    colours = {"style": "realistic", "exposure": 2.5, "projection": "fisheye", "width": 420, "height_px": 420, "sky": "artificial"}
+    sheet("what-if", [
+        [(sky(**scale), "today"), (sky(dimmed, **scale), f"Nairobi dimmed to 30 %: {ratio(dimmed)}")],
+        [(sky(new, **scale), f"a new town in the south: {ratio(new)}"), (sky(both, **scale), f"both: {ratio(both)}")],
+        [(sky(id, **colours), f"{name}: {ratio(id)}") for name, id in lamps.items()],
+    ])
+    near = plan(method="target", sites=[{**SITE, "reduce_by": 0.3}])
+    # The city's middle may stay as it is, and no light may lose more than 80 %.
+    ring = [[36.79, -1.31], [36.86, -1.31], [36.86, -1.26], [36.79, -1.26], [36.79, -1.31]]
+    far = plan(method="target", max_cut=0.8, sites=[{**SITE, "reduce_by": 0.3}],
+               protect={"type": "Polygon", "coordinates": [ring]})
+    threshold = plan(method="threshold", site=SITE, measure="norm", q_a="p98", q_b="p99.5", gamma=0.8)
+    rows = []
+    for name, made in (("least flux that must go", near), ("the same, no light by more than 80 %, the centre not at all", far),
+                       ("the 2 % most influential by norm", threshold)):
+        site = made["sites"][0]
+        share = 100 * made["flux_removed_share"]
+        by = f"{-100 * site['reduced_by']:.0f} %" if made["method"] == "target" else f"{100 * (zenith(made['id']) / today - 1):.0f} %"
+        rows.append([
+            (plan_map(made["id"]), f"{made['dimmed_pixels']} pixels, {share:.2f} % of the flux"),
+            (sky(made["id"], **scale), f"{name}: zenith {by}"),
+        ])
+        print(name, made["id"], made["dimmed_pixels"], share, site["before"], site["after"], site["target"])
+    sheet("what-to-dim", rows)
+    print("today", today, {name: zenith(id) / today for name, id in {**lamps, "dimmed": dimmed, "new": new, "both": both}.items()})
+
+
+if __name__ == "__main__":
+    main()
