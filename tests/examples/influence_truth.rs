@@ -4,10 +4,7 @@
 //! with chances in proportion to their influence on the zenith. Lights are under an open sky on both sides. Minutes: a field
 //! of later orders for every 300 m of source altitude.
 
-use skyglow_engine::{
-    DeviceChoice, Engine, EngineConfig, InfluenceRequest, Measure, Observatory, ObserverHeight, SkyRequest,
-    resident_tables,
-};
+use skyglow_engine::{InfluenceRequest, Measure};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, Band, Direction, ELEVATION_COUNT, EmissionMix, GeoPoint, Horizon, LampPreset,
     LinearMeasure, PointSource, SkyCurve, Turbidity,
@@ -17,7 +14,7 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{SceneId, SceneStore};
-use skyglow_tables::{Scattering, packs_in};
+use skyglow_tests::open_sky::{observatory, open_sky};
 use std::{error::Error, path::Path, time::Instant};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -27,25 +24,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (id, place) = (SceneId::parse(scene)?, GeoPoint::from_deg(latitude.parse()?, longitude.parse()?)?);
     let (turbidity, count) = (Turbidity::new(turbidity.parse()?)?, count.parse::<usize>()?);
-    let (tables, manifests) = resident_tables(&packs_in(Path::new(packs))?)?;
-    let engine =
-        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() })?;
-    let observatory = Observatory::new(engine, manifests, Path::new(data), 1);
+    let observatory = observatory(Path::new(data), Path::new(packs))?;
     let lamp = LampPreset::Mixed.lamp();
-    let sky = SkyRequest {
-        scene: id.clone(),
-        scenario: None,
-        place,
-        observer_height: ObserverHeight::AboveGround(2.0),
-        turbidity,
-        scattering: Scattering::Multiple,
-        cloud_base_m: None,
-        lamp,
-        emission: EmissionMix::garstang(),
-        basis: None,
-        tolerance: None,
-        terrain_hides: false,
-    };
+    let sky = open_sky(id.clone(), place, turbidity);
     let measures = [
         ("zenith", Measure::Zenith),
         ("mean", Measure::Mean),

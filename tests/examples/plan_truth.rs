@@ -3,10 +3,7 @@
 //! `plan_truth DATA_DIR PACKS SCENE LAT LON TURBIDITY REDUCE_BY`. The zenith is the mean over every eighth azimuth within 5° of it.
 //! Lights are under an open sky on both sides. Minutes: a field of later orders for every 300 m of source altitude.
 
-use skyglow_engine::{
-    DeviceChoice, Engine, EngineConfig, InfluenceRequest, Limit, Measure, Observatory, ObserverHeight,
-    PlanMethod, PlanRequest, SkyRequest, TargetSite, resident_tables,
-};
+use skyglow_engine::{InfluenceRequest, Limit, Measure, PlanMethod, PlanRequest, TargetSite};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, Band, Direction, ELEVATION_COUNT, EmissionMix, GeoPoint, Lamp, LampPreset,
     Panorama, PointSource, Turbidity,
@@ -16,7 +13,7 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_scene::{Scene, SceneId, SceneStore};
-use skyglow_tables::{Scattering, packs_in};
+use skyglow_tests::open_sky::{observatory, open_sky};
 use std::{collections::HashMap, error::Error, path::Path, time::Instant};
 
 /// Grid samples whose mean stands for the zenith.
@@ -65,25 +62,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (id, place) = (SceneId::parse(scene)?, GeoPoint::from_deg(latitude.parse()?, longitude.parse()?)?);
     let (turbidity, reduce_by) = (Turbidity::new(turbidity.parse()?)?, reduce_by.parse::<f64>()?);
-    let (tables, manifests) = resident_tables(&packs_in(Path::new(packs))?)?;
-    let engine =
-        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() })?;
-    let observatory = Observatory::new(engine, manifests, Path::new(data), 1);
+    let observatory = observatory(Path::new(data), Path::new(packs))?;
     let lamp = LampPreset::Mixed.lamp();
-    let sky = SkyRequest {
-        scene: id.clone(),
-        scenario: None,
-        place,
-        observer_height: ObserverHeight::AboveGround(2.0),
-        turbidity,
-        scattering: Scattering::Multiple,
-        cloud_base_m: None,
-        lamp,
-        emission: EmissionMix::garstang(),
-        basis: None,
-        tolerance: None,
-        terrain_hides: false,
-    };
+    let sky = open_sky(id.clone(), place, turbidity);
     let influence = InfluenceRequest { sky, measure: Measure::Zenith };
     let site = TargetSite { influence, limit: Limit::ReduceBy(reduce_by) };
     let method = PlanMethod::Target { sites: vec![site], max_cut: 1.0, protect: None };

@@ -11,6 +11,7 @@ pub mod lit_areas;
 pub mod lobe_sum;
 pub mod lobe_truth;
 pub mod merged_sources;
+pub mod open_sky;
 pub mod packs;
 pub mod places;
 pub mod sky_errors;

@@ -87,10 +87,20 @@ fn times_gram_body<const FUSED: bool>(
         let mut sums = [0f32; BLOCK];
         let width = BLOCK.min(stride - first);
         for (row, coefficient) in gram.chunks_exact(stride).zip(&coefficients[..basis_count]) {
-            for (sum, value) in sums.iter_mut().zip(&row[first..]) {
-                *sum = multiply_add::<FUSED>(*coefficient, *value, *sum);
+            let row = &row[first..];
+            // Whole blocks are of a length that the compiler knows.
+            match row.first_chunk::<BLOCK>() {
+                Some(whole) => add_row::<FUSED>(*coefficient, whole, &mut sums),
+                None => add_row::<FUSED>(*coefficient, row, &mut sums),
             }
         }
         product[first..first + width].copy_from_slice(&sums[..width]);
+    }
+}
+
+#[inline(always)]
+fn add_row<const FUSED: bool>(coefficient: f32, row: &[f32], sums: &mut [f32; BLOCK]) {
+    for (sum, value) in sums.iter_mut().zip(row) {
+        *sum = multiply_add::<FUSED>(coefficient, *value, *sum);
     }
 }

@@ -146,6 +146,16 @@ formats! {
         "The most influential pixels as a table; what they depend on stands in the JSON alone.";
 }
 
+/// The format that the Accept header prefers.
+///
+/// # Errors
+/// [`ApiError::NotAcceptable`].
+pub(super) fn preferred_format(headers: &HeaderMap) -> Result<InfluenceFormat, ApiError> {
+    let accept = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
+    let preferred = negotiate_influence(&accept.collect::<Vec<_>>().join(","));
+    preferred.ok_or(ApiError::NotAcceptable { offered: INFLUENCES_OFFERED })
+}
+
 /// `format`: None where the Accept header decides.
 async fn answer(
     state: AppState,
@@ -156,12 +166,7 @@ async fn answer(
     format: Option<InfluenceFormat>,
 ) -> Result<Response<Body>, ApiError> {
     let vary = format.is_none().then_some("accept");
-    let accepted = || {
-        let accept = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
-        let preferred = negotiate_influence(&accept.collect::<Vec<_>>().join(","));
-        preferred.ok_or(ApiError::NotAcceptable { offered: INFLUENCES_OFFERED })
-    };
-    let format = format.map_or_else(accepted, Ok)?;
+    let format = format.map_or_else(|| preferred_format(headers), Ok)?;
     let (id, text) = (scene_id(scene)?, query.map(str::to_owned));
     let body_tag = body.as_ref().map(|body| ETag::of_bytes(body).header());
     let is_get = body.is_none();

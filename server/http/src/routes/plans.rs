@@ -2,10 +2,11 @@
 
 use super::{
     frame::{Answer, Asked},
+    influence::preferred_format,
     sky::AskedSky,
 };
 use crate::{
-    accept::{INFLUENCES_OFFERED, InfluenceFormat, negotiate_influence},
+    accept::InfluenceFormat,
     answers::{PlanAnswer, PlanEntry},
     error::ApiError,
     etag::ETag,
@@ -21,7 +22,7 @@ use crate::{
 use axum::{
     body::{Body, Bytes},
     extract::{Path, RawQuery, State},
-    http::{HeaderMap, Response, header},
+    http::{HeaderMap, Response},
 };
 
 /// Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites
@@ -129,12 +130,7 @@ pub async fn get_plan(
     let id = change_id(id)?;
     let limit = plan_limit(query.as_deref())?;
     let vary = format.is_none().then_some("accept");
-    let accepted = || {
-        let accept = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
-        let preferred = negotiate_influence(&accept.collect::<Vec<_>>().join(","));
-        preferred.ok_or(ApiError::NotAcceptable { offered: INFLUENCES_OFFERED })
-    };
-    let format = format.map_or_else(accepted, Ok)?;
+    let format = format.map_or_else(|| preferred_format(&headers), Ok)?;
     let kept = state.blocking(move |source| Ok(find_plan(source, &id)?)).await?;
     let (tag, created) = (kept.id.to_string(), kept.created_unix_s.to_string());
     let etag = ETag::of(&["plan", &tag, &created, format.extension(), &limit.to_string()]);
