@@ -72,8 +72,14 @@ impl SceneShelf {
     /// # Errors
     /// [`EngineError::ChangeStore`], [`EngineError::Change`].
     pub(crate) fn changed(&self, scene: &Arc<Scene>, id: &ChangeId) -> Result<Changed, EngineError> {
-        // Read each time: it may be gone, or belong to another scene.
         let SceneMetadata { id: scene_id, version, .. } = scene.metadata();
+        // An id is made from its content and a version from its scene's: what was made once need not be read again, only to
+        // be there still.
+        if let Some(changed) = self.changed.get(&(id.clone(), version.clone()))
+            && self.changes.is_there(id)
+        {
+            return Ok(changed);
+        }
         let steps = self.changes.steps(id, scene_id, version)?;
         self.made(scene, id, &steps)
     }

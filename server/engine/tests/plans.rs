@@ -9,9 +9,7 @@ use skyglow_engine::{
     PlanRequest, SkyRequest, TargetSite,
 };
 use skyglow_physics::{EmissionMix, Kept, Lamp, LampChange, LampPreset, Panorama};
-use skyglow_scene::{
-    Area, Boundary, Change, ChangeId, ChangeStore, Edit, PixelFactors, Scenario, Scene, StoredPlan,
-};
+use skyglow_scene::{Area, Boundary, Change, ChangeId, ChangeStore, Edit, Scenario, Scene, StoredPlan};
 use std::path::Path;
 
 /// An observatory over a scene of 80 × 80 pixels at 36.4–37.2° E, 2.0–1.2° S, hilly and lit unevenly.
@@ -150,10 +148,7 @@ fn kept(observatory: &Observatory, outcome: &PlanOutcome, base: Option<ChangeId>
         scene_version: observatory.scene(&town()).unwrap().metadata().version.clone(),
         base,
         answer: serde_json::Value::Null,
-        factors: PixelFactors {
-            codes: outcome.pixels.iter().map(|pixel| pixel.code).collect(),
-            factors: outcome.pixels.iter().map(|pixel| (1.0 - pixel.cut) as f32).collect(),
-        },
+        factors: outcome.factors(),
         effects: outcome.pixels.iter().map(|pixel| pixel.effect as f32).collect(),
     };
     let id = ChangeStore::plan_id(format!("{:?}", outcome.pixels).as_bytes());

@@ -5,7 +5,7 @@ use crate::{
     request::PlanAsk,
     source::{SkySource, SourceError},
 };
-use skyglow_scene::{ChangeId, ChangeStore, PixelFactors, Scene, StoredPlan};
+use skyglow_scene::{ChangeId, ChangeStore, Scene, StoredPlan};
 use std::sync::Arc;
 
 /// A plan that is kept.
@@ -58,10 +58,7 @@ pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, boo
         scene_version,
         base: ask.scenario.clone(),
         answer,
-        factors: PixelFactors {
-            codes: outcome.pixels.iter().map(|pixel| pixel.code).collect(),
-            factors: outcome.pixels.iter().map(|pixel| (1.0 - pixel.cut).clamp(0.0, 1.0) as f32).collect(),
-        },
+        factors: outcome.factors(),
         effects: outcome.pixels.iter().map(|pixel| pixel.effect as f32).collect(),
     };
     source.keep_plan(&id, &plan)?;

@@ -152,14 +152,7 @@ impl InfluenceSolver {
         let taps = &prepared.turbidity_taps;
         let skies: Vec<Vec<f32>> =
             taps.indices().iter().map(|&pack| self.executor.sky(&prepared, pack, false)).collect();
-        let square = |row: usize, column: usize, sky: &Panorama| {
-            solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2)
-        };
-        Ok(blended(skies, taps, false).map_or(0.0, |sky| {
-            let directions =
-                (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| (row, column)));
-            directions.map(|(row, column)| square(row, column, &sky)).sum::<f64>().sqrt()
-        }))
+        Ok(blended(skies, taps, false).map_or(0.0, |sky| luminance_norm(&sky)))
     }
 
     /// d(place on the offset axis)/d(altitude) of a cell, m⁻¹.
@@ -236,6 +229,13 @@ impl InfluenceSolver {
             log.slope *= log.value;
         }
     }
+}
+
+/// (∫ L² dΩ)^½ of the luminance of a sky, cd m⁻² sr^½.
+pub(crate) fn luminance_norm(sky: &Panorama) -> f64 {
+    let square = |row: usize, column: usize| solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2);
+    let directions = (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| (row, column)));
+    directions.map(|(row, column)| square(row, column)).sum::<f64>().sqrt()
 }
 
 /// The sky between those of packs.

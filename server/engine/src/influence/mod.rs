@@ -18,6 +18,7 @@ mod products;
 mod scales;
 mod sensitivity;
 
+pub(crate) use cells::luminance_norm;
 pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
 pub use pixels::influence_of_pixels;
 

@@ -3,10 +3,10 @@
 use super::{InfluenceMap, InfluenceRequest, Observatory, SkyAnswer, SkyRequest, view::View};
 use crate::{
     error::EngineError,
+    influence::luminance_norm,
     reduction::{LeastCut, Reduction, least_cut, percentile, threshold_cuts},
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, Panorama, panorama::solid_angle_sr};
 use skyglow_scene::{Boundary, ChangeStep, PixelFactors, Scene};
 use std::sync::Arc;
 
@@ -157,6 +157,11 @@ impl PlanOutcome {
     pub fn flux_removed_dnb_w(&self) -> f64 {
         self.pixels.iter().fold(0.0, |sum, pixel| sum + pixel.cut * pixel.flux_dnb_w)
     }
+
+    /// What is left of each of [`Self::pixels`].
+    pub fn factors(&self) -> PixelFactors {
+        factors(&self.pixels)
+    }
 }
 
 /// Lit pixels within reach of some sites, each once: lights of several fixtures in a pixel are dimmed together.
@@ -229,16 +234,6 @@ fn factors(pixels: &[DimmedPixel]) -> PixelFactors {
         codes: pixels.iter().map(|pixel| pixel.code).collect(),
         factors: pixels.iter().map(|pixel| (1.0 - pixel.cut).clamp(0.0, 1.0) as f32).collect(),
     }
-}
-
-/// ‖luminance‖ over the sky, cd m⁻² sr^½.
-fn norm(panorama: &Panorama) -> f64 {
-    let square = |row: usize, column: usize| {
-        let luminance = panorama.luminance_cd_m2(row, column);
-        luminance * luminance * solid_angle_sr(row)
-    };
-    let rows = (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| square(row, column)));
-    rows.sum::<f64>().sqrt()
 }
 
 impl PlanRequest {
@@ -383,7 +378,7 @@ impl Observatory {
         let sky = self.render_view(view, sky)?;
         let weights = site.measure.weights(&horizon.unwrap_or_default());
         let panorama = &sky.rendered.panorama;
-        let value = weights.map_or_else(|| norm(panorama), |weights| weights.of(panorama));
+        let value = weights.map_or_else(|| luminance_norm(panorama), |weights| weights.of(panorama));
         Ok(SkyState { value, sky })
     }
 }

@@ -237,6 +237,11 @@ impl ChangeStore {
         self.read_document(id)
     }
 
+    /// Whether there is one of that id, be it readable or not. Cheap.
+    pub fn is_there(&self, id: &ChangeId) -> bool {
+        self.path(id, "json").is_file()
+    }
+
     /// The id that a plan with this content has: all that decides it.
     pub fn plan_id(content: &[u8]) -> ChangeId {
         ChangeId::of_plan(content)
