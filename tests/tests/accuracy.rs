@@ -2,7 +2,10 @@
 //! scattering (`tests/examples/truth.rs`, then `tests/examples/truth_multiple.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
+use skyglow_engine::{
+    BrightnessRequest, DeviceChoice, Engine, EngineConfig, Observatory, RenderRequest, SkyRequest,
+    resident_tables,
+};
 use skyglow_physics::{
     ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
@@ -11,7 +14,7 @@ use skyglow_physics::{
 };
 use skyglow_scene::{RING_COUNT, Scene, SceneId, SceneStore, create_demo, ring_distance_m};
 use skyglow_tables::{Pack, Scattering, packs_in};
-use skyglow_tests::tree;
+use skyglow_tests::{open_sky::open_sky, tree};
 use std::{path::PathBuf, sync::Arc};
 
 /// Largest mean error allowed at any place and turbidity.
@@ -131,5 +134,48 @@ fn skies_of_the_demo_are_those_of_the_stored_truth() {
             let (wrong, _) = compare(&engine, &scene, &truth, index, 1_500.0);
             assert!(wrong.mean > 2.0 * error.mean, "{name} turbidity {turbidity}: {wrong:?}");
         }
+    }
+}
+
+/// A map of every place against the skies of single places, light behind skylines hidden: what far light taken together and tables
+/// between altitudes cost.
+#[test]
+fn the_zenith_of_every_place_is_that_of_its_panorama() {
+    let folder = tempfile::tempdir().unwrap();
+    create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();
+    let (tables, manifests) = resident_tables(&packs_in(&tree::root().join("precomputed")).unwrap()).unwrap();
+    let engine =
+        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() }).unwrap();
+    let observatory = Observatory::new(engine, manifests, folder.path(), 1);
+    let id = SceneId::parse("demo").unwrap();
+    // At a pack and between packs.
+    for (turbidity, most_places) in [(2.5, 20_000), (3.0, 5_000)] {
+        let turbidity = Turbidity::new(turbidity).unwrap();
+        let request = BrightnessRequest {
+            scene: id.clone(),
+            scenario: None,
+            turbidity,
+            scattering: Scattering::Multiple,
+            lamp: LampPreset::Mixed.lamp(),
+            emission: EmissionMix::garstang(),
+            terrain_hides: true,
+            most_places,
+        };
+        let map = observatory.brightness(&request, &|_: f64| true).unwrap();
+        let lattice = map.places().lattice();
+        let mut errors: Vec<f64> = (0..lattice.len())
+            .step_by(lattice.len() / 60)
+            .map(|at| {
+                let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
+                let place = map.open_scene().lattice_place(lattice, column, row);
+                let sky = SkyRequest { terrain_hides: true, ..open_sky(id.clone(), place, turbidity) };
+                let zenith = observatory.sky_blocking(&sky).unwrap().quantities.zenith_luminance_cd_m2;
+                (f64::from(map.places().values()[at]) / zenith - 1.0).abs()
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        let (median, largest) = (errors[errors.len() / 2], errors[errors.len() - 1]);
+        println!("turbidity {}: {median:.5} in the median, {largest:.5} at most", turbidity.value());
+        assert!(median <= 0.003 && largest <= 0.03, "{median} {largest}");
     }
 }

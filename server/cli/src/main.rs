@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_of_later_steps_are_not_listed() {
+    fn the_commands_are_those_agreed_on() {
         let command_line = CommandLine::command();
         let names: Vec<&str> = command_line.get_subcommands().map(clap::Command::get_name).collect();
         assert_eq!(
@@ -99,6 +99,7 @@ mod tests {
                 "influence",
                 "plan",
                 "scenario",
+                "atlas",
                 "reference",
                 "bench",
                 "config"

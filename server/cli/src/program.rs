@@ -14,6 +14,7 @@ use std::{path::Path, sync::Arc};
 /// An engine over the packs of a folder, before the scenes of another.
 ///
 /// * `limits`: what is kept of scenarios and plans.
+/// * `most_places`: of a map of the zenith's brightness.
 ///
 /// # Errors
 /// [`Failure::Work`] where there are no packs, one is refused, or there is no such device.
@@ -22,6 +23,7 @@ pub(crate) fn open(
     packs: &Path,
     device: Device,
     limits: ChangeLimits,
+    most_places: usize,
 ) -> Result<Arc<dyn SkySource>, Failure> {
     let paths = packs_in(packs).map_err(Failure::work)?;
     if paths.is_empty() {
@@ -35,7 +37,8 @@ pub(crate) fn open(
     let engine = Engine::start(config).map_err(Failure::work)?;
     let observatory =
         Observatory::with_limits(engine, manifests, data, observatory::OPEN_SCENE_COUNT, limits);
-    Ok(Arc::new(skyglow_http::ObservatorySource::new(Arc::new(observatory))))
+    let source = skyglow_http::ObservatorySource::new(Arc::new(observatory));
+    Ok(Arc::new(source.with_most_places(most_places)))
 }
 
 /// Makes the demo scene where there is none, or one of an older program.

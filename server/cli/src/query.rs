@@ -94,6 +94,7 @@ fn widest_facts() -> SourceFacts {
     SourceFacts {
         executor: "reference".to_owned(),
         adapter: String::new(),
+        most_places: usize::MAX,
         kinds: Scattering::ALL.iter().map(kind).collect(),
         any_cloud_albedo: Some(CloudBase::DEFAULT_ALBEDO),
         altitude_range_m: (0.0, 100_000.0),

@@ -87,6 +87,12 @@ pub(crate) struct Layer {
     /// Bytes of maps of influences that are kept for the next request and for map tiles [default: 268435456]
     #[arg(long, env = "SKYGLOW_INFLUENCE_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) influence_cache_bytes: Option<u64>,
+    /// Bytes of maps of the zenith's brightness that are kept for map tiles [default: 67108864]
+    #[arg(long, env = "SKYGLOW_BRIGHTNESS_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) brightness_cache_bytes: Option<u64>,
+    /// Places in a map of the zenith's brightness at most; in larger scenes pixels share one by blocks [default: 1200000]
+    #[arg(long, env = "SKYGLOW_BRIGHTNESS_PLACES", value_name = "N", help_heading = "Limits")]
+    pub(crate) brightness_places: Option<usize>,
     /// Scenarios and as many plans that are kept; the oldest go first [default: 1000]
     #[arg(long, env = "SKYGLOW_KEPT_PLANS", value_name = "N", help_heading = "Limits")]
     pub(crate) kept_plans: Option<usize>,
@@ -114,6 +120,8 @@ pub(crate) struct Settings {
     pub(crate) device: Device,
     /// Whether to do without the demo scene.
     pub(crate) no_demo: bool,
+    /// Places in a map of the zenith's brightness at most.
+    pub(crate) brightness_places: usize,
     /// Scenarios and as many plans that are kept.
     pub(crate) kept_plans: usize,
     /// Bytes on disk of each.
@@ -133,6 +141,7 @@ impl Default for Settings {
             packs: folders::default_packs_folder(),
             device: Device::default(),
             no_demo: false,
+            brightness_places: skyglow_engine::MOST_PLACES,
             kept_plans: 1000,
             kept_plans_bytes: 1 << 30,
             kept_plans_days: 90,
@@ -262,7 +271,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 11);
+        assert_eq!(compared, 13);
         assert_eq!(Settings::default().change_limits(), ChangeLimits::default());
     }
 }

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{
+    command,
     server::{Answer, Server},
     skyglow, text,
 };
@@ -12,7 +13,9 @@ use skyglow_physics::Turbidity;
 use skyglow_tables::{PrecomputeOptions, Silent, precompute};
 use std::{
     path::PathBuf,
+    process::Stdio,
     sync::{Arc, Mutex, OnceLock, PoisonError, Weak},
+    time::Duration,
 };
 
 /// Locarno, in the demo scene.
@@ -435,6 +438,50 @@ fn scenarios_and_plans_of_the_command_line_are_those_of_the_api() {
     assert!(refused.stderr.contains("sites"), "{}", refused.stderr);
     let refused = skyglow(&[&["sky", "--scenario", "s-0"], &place[..], &engine[..]].concat());
     assert!(refused.expect_status(2).stderr.contains("scenario"), "an id that is none");
+}
+
+/// A map of brightness that is killed goes on where it was and ends with the same numbers; archives and other layers are written too.
+#[test]
+fn an_atlas_that_was_killed_goes_on_and_ends_with_the_same_numbers() {
+    // It makes the demo.
+    let _server = server();
+    let ground = Ground::get();
+    let (data, packs) = (ground.data(), ground.packs());
+    let program = ["--scene", "demo", "--data", text(&data), "--packs", text(&packs), "--device", "cpu"];
+    let file = |name: &str| ground.folder.join(name);
+    let atlas = |more: &[&str]| skyglow(&[&["atlas"], &program[..], more].concat());
+    let (whole, resumed) = (file("whole.tif"), file("resumed.tif"));
+    let map = ["--places", "300000", "--terrain", "off"];
+    atlas(&[&map[..], &["-o", text(&whole)]].concat()).expect_status(0);
+    assert!(!file("whole.tif.part").exists());
+    let part = file("resumed.tif.part");
+    let output = ["-o", text(&resumed)];
+    let mut killed = command();
+    killed.args([&["atlas"], &program[..], &map[..], &output[..]].concat()).stderr(Stdio::null());
+    let mut killed = killed.spawn().unwrap();
+    let bytes = || std::fs::metadata(&part).map_or(0, |part| part.len());
+    while bytes() < 100_000 && killed.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(bytes() >= 100_000 && !resumed.exists(), "it was killed on its way");
+    let again = atlas(&[&map[..], &output[..]].concat()).expect_status(0);
+    let parts = again.stderr.split("parts=").nth(1).unwrap();
+    let parts: u32 = parts.chars().take_while(char::is_ascii_digit).collect::<String>().parse().unwrap();
+    assert!(parts > 0 && !part.exists(), "{}", again.stderr);
+    assert!(std::fs::read(&whole).unwrap() == std::fs::read(&resumed).unwrap());
+
+    let archive = file("elevation.pmtiles");
+    let small = ["--places", "20000", "--max-zoom", "5", "-o", text(&archive)];
+    atlas(&[&["--layer", "elevation"], &small[..]].concat()).expect_status(0);
+    let bytes = std::fs::read(&archive).unwrap();
+    // Version 3, PNG, zoom levels 0 to 5 (PMTiles specification, header).
+    assert_eq!((&bytes[..8], bytes[99], bytes[100], bytes[101]), (&b"PMTiles\x03"[..], 2, 0, 5));
+    let refused = atlas(&["-o", "map.gif"]).expect_status(2);
+    assert!(refused.stderr.contains(".pmtiles"), "{}", refused.stderr);
+    let nowhere = atlas(&["-o", "/no/such/folder/map.tif"]).expect_status(1);
+    assert!(nowhere.stderr.contains("/no/such/folder"), "{}", nowhere.stderr);
 }
 
 /// The worked examples of `deploy/examples`, as their README has them run: with a shell and curl, and with Python, requests and

@@ -36,9 +36,10 @@ pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
 pub use observatory::{
-    DimmedPixel, InfluenceMap, InfluenceRequest, Level, Limit, Measure, Observatory, Observer,
-    ObserverHeight, Part, PlanMethod, PlanOutcome, PlanRequest, RING_EDGES_M, SECTOR_COUNT, SiteAnswer,
-    SiteOutcome, SitePlan, SkyAnswer, SkyRequest, SkyState, TargetSite, keep_scenario,
+    BrightnessMap, BrightnessRequest, DimmedPixel, InfluenceMap, InfluenceRequest, Level, Limit, MOST_PLACES,
+    Measure, Observatory, Observer, ObserverHeight, Part, PlanMethod, PlanOutcome, PlanRequest, RING_EDGES_M,
+    SECTOR_COUNT, SiteAnswer, SiteOutcome, SitePlan, SkyAnswer, SkyRequest, SkyState, TargetSite,
+    keep_scenario,
 };
 pub use packs::{PackKind, ResidentKind, resident_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};

@@ -1,11 +1,13 @@
 //! From a place in a scene to its sky: the layer that the command line and the HTTP interface share.
 
+mod brightness;
 mod change;
 mod influence;
 mod influence_summary;
 mod plan;
 mod view;
 
+pub use brightness::{BrightnessMap, BrightnessRequest, MOST_PLACES};
 pub use change::keep_scenario;
 pub use influence::{InfluenceMap, InfluenceRequest, Measure};
 pub use influence_summary::{Part, RING_EDGES_M, SECTOR_COUNT};

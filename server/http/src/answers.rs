@@ -1,6 +1,7 @@
 //! The JSON answers and their schemas.
 
 mod assumptions;
+mod brightness;
 mod influence;
 mod panorama;
 mod plan;
@@ -11,6 +12,7 @@ mod site;
 mod sky;
 
 pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, sky_warnings};
+pub use brightness::BrightnessAssumptions;
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
 };

@@ -5,8 +5,8 @@ use crate::{
     error::ApiError,
     layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
     routes::{
-        atmospheres, docs, health, influence, panorama, plans, problems, scenarios, scenes, site, sky,
-        tilejson, tiles, viewer,
+        atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
+        sky, tilejson, tiles, viewer,
     },
     source::SkySource,
     state::AppState,
@@ -75,6 +75,9 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(scenarios::list_scenarios, scenarios::post_scenario))
         .routes(routes!(scenarios::get_scenario))
         .routes(routes!(tilejson::get_tilejson))
+        .routes(routes!(layers::get_radiance_tif))
+        .routes(routes!(layers::get_elevation_tif))
+        .routes(routes!(layers::get_brightness_tif))
         .routes(routes!(atmospheres::list_atmospheres))
         .routes(routes!(docs::get_openapi))
         .routes(routes!(docs::get_docs))

@@ -23,6 +23,8 @@ pub struct HttpConfig {
     pub cache_bytes: u64,
     /// Bytes of maps of influences that are kept for the next request and for map tiles; a map of a million lights takes 36 MB.
     pub influence_cache_bytes: u64,
+    /// Bytes of maps of the zenith's brightness that are kept for map tiles; a map takes 7 MB.
+    pub brightness_cache_bytes: u64,
     /// Where clients reach the server, such as `https://sky.example.org`, for the links inside answers;
     /// without it the request's Host header says so.
     pub public_url: Option<String>,
@@ -39,6 +41,7 @@ impl Default for HttpConfig {
             drain_timeout_s: 10.0,
             cache_bytes: 64 * 1024 * 1024,
             influence_cache_bytes: 256 * 1024 * 1024,
+            brightness_cache_bytes: 64 * 1024 * 1024,
             public_url: None,
         }
     }

@@ -26,6 +26,8 @@ pub struct Metrics {
     refused: Family<Labels, Counter>,
     panics: Counter,
     influences: Counter,
+    brightness_maps: Counter,
+    cache: Family<Labels, Counter>,
     in_flight: Gauge,
 }
 
@@ -41,6 +43,17 @@ impl Metrics {
             Family::<Labels, Histogram>::new_with_constructor(|| Histogram::new(BUCKETS_S.iter().copied()));
         let refused = Family::<Labels, Counter>::default();
         let (panics, influences, in_flight) = (Counter::default(), Counter::default(), Gauge::default());
+        let (brightness_maps, cache) = (Counter::default(), Family::<Labels, Counter>::default());
+        registry.register(
+            "brightness_maps",
+            "Maps of the zenith's brightness found; tiles were cut from those",
+            brightness_maps.clone(),
+        );
+        registry.register(
+            "cache_lookups",
+            "Look-ups in the caches in memory, by cache and result",
+            cache.clone(),
+        );
         registry.register(
             "influence_maps",
             "Maps of influences found; other answers and tiles were cut from those",
@@ -57,7 +70,7 @@ impl Metrics {
         registry.register("http_panics", "Requests that ran into a defect", panics.clone());
         registry.register("http_in_flight", "Requests under way", in_flight.clone());
         registry.register_collector(Box::new(SourceCollector(source)));
-        Self { registry, requests, durations, refused, panics, influences, in_flight }
+        Self { registry, requests, durations, refused, panics, influences, brightness_maps, cache, in_flight }
     }
 
     /// Counts an answered request.
@@ -80,6 +93,17 @@ impl Metrics {
     /// Counts a map of influences that was found.
     pub fn count_influences(&self) {
         self.influences.inc();
+    }
+
+    /// Counts a map of the zenith's brightness that was found.
+    pub fn count_brightness_map(&self) {
+        self.brightness_maps.inc();
+    }
+
+    /// Counts a look-up in a cache.
+    pub fn count_cache(&self, cache: &'static str, was_there: bool) {
+        let result = if was_there { "hit" } else { "miss" };
+        self.cache.get_or_create(&vec![("cache", cache.to_owned()), ("result", result.to_owned())]).inc();
     }
 
     /// Counts a panic.

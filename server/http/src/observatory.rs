@@ -5,19 +5,19 @@ use crate::{
     kind_facts::KindFacts,
     parameters::{BASIS, SCATTERING, TURBIDITY},
     source::{
-        BoxFuture, Circumstances, EyeHeight, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SkySource,
-        SourceError, SourceFacts,
+        BoxFuture, BrightnessQuery, Circumstances, EyeHeight, InfluenceQuery, RenderedSky, SiteFacts,
+        SkyQuery, SkySource, SourceError, SourceFacts,
     },
 };
 use skyglow_engine::{
-    EngineError, EngineStats, InfluenceMap, InfluenceRequest, Observatory, PackKind, PlanOutcome,
-    PlanRequest, ResidentKind,
+    BrightnessMap, BrightnessRequest, EngineError, EngineStats, InfluenceMap, InfluenceRequest, MOST_PLACES,
+    Observatory, PackKind, PlanOutcome, PlanRequest, ResidentKind,
     observatory::{ObserverHeight, SkyRequest},
 };
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{
     ChangeId, ChangeKind, ChangeStoreError, ChangeSummary, Place, RasterTile, Scenario, Scene, SceneError,
-    SceneId, SceneMetadata, StoredPlan, TileLayer,
+    SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
@@ -36,6 +36,7 @@ impl ObservatorySource {
         let facts = SourceFacts {
             executor: info.executor.name().to_owned(),
             adapter: info.adapter.clone(),
+            most_places: MOST_PLACES,
             kinds: info.kinds.iter().map(|kind| kind_facts(kind, observatory.atmospheres())).collect(),
             any_cloud_albedo: None,
             altitude_range_m: (info.altitude_range_m[0], info.altitude_range_m[1]),
@@ -48,6 +49,13 @@ impl ObservatorySource {
                 .join(" "),
         };
         Self { observatory, facts }
+    }
+
+    /// The same with other limits of places in a map of the zenith's brightness.
+    #[must_use]
+    pub fn with_most_places(mut self, most_places: usize) -> Self {
+        self.facts.most_places = most_places;
+        self
     }
 }
 
@@ -240,6 +248,24 @@ impl SkySource for ObservatorySource {
     fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError> {
         let request = InfluenceRequest { sky: sky_request(&query.sky), measure: query.measure.clone() };
         Ok(self.observatory.influence(&request)?)
+    }
+
+    fn brightness(
+        &self,
+        query: &BrightnessQuery,
+        keeper: &dyn SumKeeper,
+    ) -> Result<BrightnessMap, SourceError> {
+        let request = BrightnessRequest {
+            scene: query.scene.clone(),
+            scenario: query.scenario.clone(),
+            turbidity: query.turbidity,
+            scattering: query.scattering,
+            lamp: query.lamp,
+            emission: query.emission,
+            terrain_hides: query.terrain_hides,
+            most_places: query.most_places,
+        };
+        Ok(self.observatory.brightness(&request, keeper)?)
     }
 
     fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {

@@ -232,6 +232,8 @@ parameter_sets! {
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SCENARIO, MEASURE, REGION,
     ];
+    /// Those of the zenith's brightness at every place.
+    BrightnessParameters = [TURBIDITY, SCATTERING, LAMP, EMISSION, TERRAIN, SCENARIO];
     /// Those of a panorama's raw grid.
     GridParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,

@@ -1,5 +1,6 @@
 //! Typed requests from query strings.
 
+mod brightness;
 pub mod geojson;
 mod influence;
 mod plan;
@@ -9,6 +10,7 @@ mod sky;
 mod tests;
 mod view;
 
+pub use brightness::brightness;
 pub use influence::{InfluenceAsk, InfluenceBody, influence};
 pub use plan::{PlanAsk, PlanBody, SiteBody, plan, plan_limit};
 pub use scenario::{AreaBody, BrushBody, EditBody, FixtureBody, LampBody, ScenarioBody, scenario};

@@ -8,11 +8,11 @@ use crate::{
     parameters::{ALTITUDE, CLOUDS, HEIGHT, REGION, SCENARIO},
     problem::{FieldError, Mistake},
 };
-use skyglow_engine::{EngineStats, InfluenceMap, Measure, PlanOutcome, PlanRequest};
+use skyglow_engine::{BrightnessMap, EngineStats, InfluenceMap, Measure, PlanOutcome, PlanRequest};
 use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{
     ChangeError, ChangeId, ChangeSummary, Ground, Place, RasterTile, Scenario, Scene, SceneId, SceneMetadata,
-    StoredPlan, TileLayer,
+    StoredPlan, SumKeeper, TileLayer,
 };
 use skyglow_tables::Scattering;
 use std::{future::Future, pin::Pin, sync::Arc};
@@ -25,6 +25,8 @@ pub struct SourceFacts {
     pub executor: String,
     /// Name of the device.
     pub adapter: String,
+    /// Places of a map of the zenith's brightness at most.
+    pub most_places: usize,
     /// The packs resident, those of a clear sky first, under each sky by scattering, the best last; one at least.
     pub kinds: Vec<KindFacts>,
     /// Albedo of the base of clouds at whatever altitude, where no packs are needed; None where packs decide.
@@ -142,6 +144,27 @@ pub struct InfluenceQuery {
     pub sky: SkyQuery,
     /// What of it.
     pub measure: Measure,
+}
+
+/// The zenith's brightness at every place of a scene. Its `Debug` form is its identity in ETags and the cache.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrightnessQuery {
+    /// The scene.
+    pub scene: SceneId,
+    /// The scenario or plan that changes its lights.
+    pub scenario: Option<ChangeId>,
+    /// Turbidity, in the resident range.
+    pub turbidity: Turbidity,
+    /// Orders of scattering, resident.
+    pub scattering: Scattering,
+    /// The lamp.
+    pub lamp: Lamp,
+    /// Where lamps send their light.
+    pub emission: EmissionMix,
+    /// Whether terrain hides low light.
+    pub terrain_hides: bool,
+    /// Places at most; beyond, pixels share one by blocks.
+    pub most_places: usize,
 }
 
 /// What is at a place.
@@ -490,6 +513,16 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// As [`Self::site`], an altitude out of range, and [`SourceError::EmptyRegion`].
     fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError>;
+    /// Finds the zenith's brightness at every place of a scene; takes seconds to a minute of all cores. `keeper` is told
+    /// of every part that is done, and may end the work.
+    ///
+    /// # Errors
+    /// As [`Self::open_scene`], and a turbidity out of range; [`SourceError::Down`] where it was ended.
+    fn brightness(
+        &self,
+        query: &BrightnessQuery,
+        keeper: &dyn SumKeeper,
+    ) -> Result<BrightnessMap, SourceError>;
     /// Keeps a scenario if it can be painted.
     ///
     /// # Errors

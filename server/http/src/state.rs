@@ -5,10 +5,10 @@ use crate::{
     error::ApiError,
     etag::ETag,
     metrics::Metrics,
-    source::{InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
+    source::{BrightnessQuery, InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
 };
 use moka::{future::Cache, policy::EvictionPolicy};
-use skyglow_engine::InfluenceMap;
+use skyglow_engine::{BrightnessMap, InfluenceMap};
 use skyglow_physics::Panorama;
 use std::{
     sync::{Arc, OnceLock},
@@ -29,6 +29,10 @@ pub struct AppState {
     skies: Cache<String, Arc<RenderedSky>>,
     /// Maps of influences found lately, by what decides them.
     influences: Cache<String, Arc<InfluenceMap>>,
+    /// Maps of the zenith's brightness found lately, by what decides them.
+    brightnesses: Cache<String, Arc<BrightnessMap>>,
+    /// The place for finding one, which takes all cores for seconds.
+    mapping: Arc<Semaphore>,
     /// Places for finding influences, which takes all cores, and memory with the scene's lights.
     finding: Arc<Semaphore>,
     /// Places for heavy work.
@@ -39,6 +43,8 @@ pub struct AppState {
 
 /// How long a map of influences is kept that nobody asks for.
 const INFLUENCES_KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
+/// How long a map of the zenith's brightness is kept that nobody asks for.
+const BRIGHTNESS_KEPT_WHILE_IDLE: Duration = Duration::from_secs(86_400);
 /// Maps of influences that are found at a time; the others wait.
 const MAPS_AT_ONCE: usize = 2;
 /// Bytes that a cached sky takes, about.
@@ -56,6 +62,14 @@ impl AppState {
             // A map holds its scene, which may be gone from disk.
             .time_to_idle(INFLUENCES_KEPT_WHILE_IDLE)
             .build();
+        let weigh =
+            |_: &String, map: &Arc<BrightnessMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
+        let brightnesses = Cache::builder()
+            .max_capacity(config.brightness_cache_bytes)
+            .weigher(weigh)
+            .eviction_policy(EvictionPolicy::lru())
+            .time_to_idle(BRIGHTNESS_KEPT_WHILE_IDLE)
+            .build();
         let metrics = Arc::new(Metrics::new(source.clone()));
         let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
         Self {
@@ -64,6 +78,8 @@ impl AppState {
             metrics,
             skies,
             influences,
+            brightnesses,
+            mapping: Arc::new(Semaphore::new(1)),
             finding: Arc::new(Semaphore::new(MAPS_AT_ONCE)),
             cores: Arc::new(Semaphore::new(2 * cores)),
             openapi: Arc::default(),
@@ -116,10 +132,10 @@ impl AppState {
     /// [`SourceError`].
     pub async fn sky(&self, key: &str, query: Arc<SkyQuery>) -> Result<Arc<RenderedSky>, SourceError> {
         let source = self.source.clone();
-        self.skies
-            .try_get_with_by_ref(key, async move { source.sky(query).await.map(Arc::new) })
-            .await
-            .map_err(|error| SourceError::clone(&error))
+        let entry = self.skies.entry_by_ref(key);
+        let found = entry.or_try_insert_with(async move { source.sky(query).await.map(Arc::new) }).await;
+        self.metrics.count_cache("sky", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
+        found.map(moka::Entry::into_value).map_err(|error| SourceError::clone(&error))
     }
 
     /// Forgets influences that were found in another version of a scene than the one they were asked of.
@@ -144,6 +160,48 @@ impl AppState {
         .await
     }
 
+    /// Forgets a map of the zenith's brightness of another version of a scene than the one it was asked of.
+    pub async fn forget_brightness(&self, key: &str) {
+        self.brightnesses.invalidate(key).await;
+    }
+
+    /// The zenith's brightness at every place, found once for all who ask at the same time, one map at a time, kept for a while.
+    /// Who asked may have gone before it is found: the next finds it.
+    ///
+    /// # Errors
+    /// As [`SkySource::brightness`].
+    pub async fn brightness(
+        &self,
+        key: &str,
+        query: Arc<BrightnessQuery>,
+    ) -> Result<Arc<BrightnessMap>, ApiError> {
+        if let Some(map) = self.brightnesses.get(key).await {
+            self.metrics.count_cache("brightness", true);
+            return Ok(map);
+        }
+        self.metrics.count_cache("brightness", false);
+        let (state, key) = (self.clone(), key.to_owned());
+        let find = async move {
+            let inner = state.clone();
+            let find = async move {
+                let place = inner.mapping.clone().acquire_owned().await.map_err(ApiError::internal)?;
+                let metrics = inner.metrics.clone();
+                let map = inner.blocking(move |source| {
+                    metrics.count_brightness_map();
+                    Ok(Arc::new(source.brightness(&query, &|_: f64| true)?))
+                });
+                let map = map.await;
+                drop(place);
+                map
+            };
+            state.brightnesses.try_get_with(key, find).await
+        };
+        match tokio::spawn(find).await {
+            Ok(found) => found.map_err(|error| ApiError::clone(&error)),
+            Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
+        }
+    }
+
     /// The influences of a query, found once for all who ask at the same time, kept for a while.
     ///
     /// # Errors
@@ -161,6 +219,8 @@ impl AppState {
             })
             .await
         };
-        self.influences.try_get_with_by_ref(key, find).await.map_err(|error| ApiError::clone(&error))
+        let found = self.influences.entry_by_ref(key).or_try_insert_with(find).await;
+        self.metrics.count_cache("influence", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
+        found.map(moka::Entry::into_value).map_err(|error| ApiError::clone(&error))
     }
 }

@@ -69,7 +69,7 @@ pub(crate) struct Light<'a> {
 
 /// Azimuth of the observer seen from a light over 2π, 0..=1, to 2e-5: a thousandth of the step between a skyline's
 /// azimuths. Both are given as unit vectors.
-fn turns_from_light(light: DVec3, observer: DVec3) -> f64 {
+pub(crate) fn turns_from_light(light: DVec3, observer: DVec3) -> f64 {
     // East and north there, both times the light's distance from the Earth's axis.
     let across = light.x * light.x + light.y * light.y;
     let east = light.x * observer.y - light.y * observer.x;
@@ -108,7 +108,17 @@ fn near_bearing(frame: &LocalFrame, target: DVec3) -> Bearing {
     }
 }
 
-impl Light<'_> {
+impl<'a> Light<'a> {
+    /// The skylines that a block's (a pixel's at level 0) are among; None where it is under an open sky.
+    #[inline(always)]
+    pub(crate) fn skylines_of(&self, level: usize, index: usize) -> Option<&'a Skylines> {
+        let skylines = match level {
+            0 => self.skylines,
+            level => self.skylines.and(self.pyramid.level(level).skylines.as_ref()),
+        };
+        known_around(skylines, index)
+    }
+
     /// Calls `visit` with the index of each pixel whose centre may be within `radius_m` of `place` (a few
     /// more may come), by walking down the blocks that reach into the disc; `take_block` may take a block
     /// whole by returning true.

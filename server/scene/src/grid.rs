@@ -148,6 +148,21 @@ impl Grid {
         }
     }
 
+    /// The place at pixel coordinates as a unit vector: (0, 0) is the outer corner of the first pixel; not finite off the world.
+    pub(crate) fn point(&self, x: f64, y: f64) -> DVec3 {
+        match &self.kind {
+            GridKind::Geographic(grid) => {
+                let axes = grid.axes;
+                let (sin_lon, cos_lon) =
+                    (axes.first_longitude_deg + axes.longitude_step_deg * x).to_radians().sin_cos();
+                let (sin_lat, cos_lat) =
+                    (axes.first_latitude_deg + axes.latitude_step_deg * y).to_radians().sin_cos();
+                DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
+            }
+            GridKind::Lattice(lattice) => lattice.point(x, y),
+        }
+    }
+
     /// Centre of a pixel as a unit vector: the normalised mean of its corners; not finite off the world.
     pub(crate) fn center(&self, column: u32, row: u32) -> DVec3 {
         match &self.kind {

@@ -37,6 +37,9 @@ mod mask;
 mod metadata;
 mod morton;
 mod pixel_raster;
+mod place_kernel;
+mod place_raster;
+mod place_sum;
 mod polar_grid;
 mod scene;
 mod scene_id;
@@ -64,6 +67,8 @@ pub use metadata::{
     ExamplePlace, GridMetadata, IngestReport, PixelCount, Place, SceneMetadata, TerrainReport,
 };
 pub use pixel_raster::{RasterError, RasterWords};
+pub use place_kernel::{EvenAxis, PlaceKernel};
+pub use place_sum::{PlaceLattice, PlaceValues, SumKeeper};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 pub use scene::Scene;
 pub use scene_id::SceneId;

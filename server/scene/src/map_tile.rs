@@ -3,6 +3,7 @@
 use crate::error::SceneError;
 use crate::light_layer::LightLayer;
 use crate::morton;
+use crate::place_sum::PlaceValues;
 use crate::scene::Scene;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
@@ -104,6 +105,21 @@ pub(crate) fn sample_pixels(
         scene.layers.iter().map(in_layer).sum()
     };
     sample_with((z, x, y), size_px, |window, column, row| mean_of_pixels(scene, window, column, row, sum))
+}
+
+/// Samples numbers of places.
+pub(crate) fn sample_places(
+    scene: &Scene,
+    places: &PlaceValues,
+    z: u8,
+    x: u32,
+    y: u32,
+    size_px: u32,
+) -> Result<RasterTile, SceneError> {
+    sample_with((z, x, y), size_px, |window, column, row| {
+        let (x, y) = scene.grid.position_of(window.place(column, row, 2, 2))?;
+        places.at(x, y, window.resolution_m(row) / scene.metadata.pixel_size_m)
+    })
 }
 
 fn sample_with(

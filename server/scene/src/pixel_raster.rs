@@ -35,7 +35,7 @@ pub struct RasterWords<'a> {
 }
 
 /// The unit of a band, which the bindings can read and not write.
-fn set_unit(band: &RasterBand<'_>, unit: &str) -> Result<(), RasterError> {
+pub(crate) fn set_unit(band: &RasterBand<'_>, unit: &str) -> Result<(), RasterError> {
     let unit = CString::new(unit).map_err(|error| RasterError(error.to_string()))?;
     #[expect(unsafe_code, reason = "the safe bindings have no such call")]
     // SAFETY: the band is open while it is borrowed, and the text ends in 0 and is copied by the callee.
@@ -48,12 +48,16 @@ fn set_unit(band: &RasterBand<'_>, unit: &str) -> Result<(), RasterError> {
 }
 
 /// A file in memory, gone when this is.
-struct MemoryFile(String);
+pub(crate) struct MemoryFile(String);
 
 impl MemoryFile {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self(format!("/vsimem/skyglow-pixels-{}.tif", NEXT.fetch_add(1, Ordering::Relaxed)))
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.0
     }
 }
 

@@ -11,6 +11,7 @@ use crate::map_tile::{self, PixelNumbers, RasterTile, TileLayer};
 use crate::mask::ValidMask;
 use crate::metadata::{Place, SceneMetadata};
 use crate::morton;
+use crate::place_sum::PlaceValues;
 use crate::polar_grid::{PolarAccumulator, PolarGrid};
 use crate::terrain::{Terrain, nearest_wall_m};
 use glam::DVec3;
@@ -196,6 +197,15 @@ impl Scene {
         self.layers.iter().map(LightLayer::own_bytes).sum()
     }
 
+    /// The lowest and the highest altitude of lights, metres; None without light.
+    pub fn light_altitude_range_m(&self) -> Option<[f32; 2]> {
+        let altitudes = self.layers.iter().flat_map(|layer| layer.lights.pixels.altitude_m.iter().copied());
+        altitudes.fold(None, |range, altitude_m| {
+            let [lowest, highest] = range.unwrap_or([altitude_m; 2]);
+            Some([altitude_m.min(lowest), altitude_m.max(highest)])
+        })
+    }
+
     /// The lights of the raster, as it was ingested.
     pub(crate) fn first_layer(&self) -> &LightLayer {
         &self.layers[0]
@@ -306,5 +316,26 @@ impl Scene {
         size_px: u32,
     ) -> Result<RasterTile, SceneError> {
         map_tile::sample_pixels(self, numbers, z, x, y, size_px)
+    }
+
+    /// [`Self::tile`] of numbers that places have.
+    ///
+    /// # Errors
+    /// As [`Self::tile`].
+    pub fn places_tile(
+        &self,
+        places: &PlaceValues,
+        z: u8,
+        x: u32,
+        y: u32,
+        size_px: u32,
+    ) -> Result<RasterTile, SceneError> {
+        map_tile::sample_places(self, places, z, x, y, size_px)
+    }
+
+    /// The number of a place; `None` off the raster and where it has none.
+    pub fn place_value(&self, places: &PlaceValues, place: GeoPoint) -> Option<f64> {
+        let (x, y) = self.grid.position_of(place)?;
+        places.at(x, y, 1.0)
     }
 }

@@ -953,6 +953,49 @@ export interface Gets {
     };
     answer: Blob;
   };
+  /** The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; by blocks where that would be more than 1.2 million places. The first time it takes seconds. */
+  "/api/v1/scenes/{scene}/layers/brightness.tif": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+    };
+    answer: Blob;
+  };
+  /** Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 16 million pixels. */
+  "/api/v1/scenes/{scene}/layers/elevation.tif": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: Record<string, never>;
+    answer: Blob;
+  };
+  /** Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 16 million pixels. */
+  "/api/v1/scenes/{scene}/layers/radiance.tif": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+    };
+    answer: Blob;
+  };
   /** The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for that format are errors. */
   "/api/v1/scenes/{scene}/panorama": {
     path: {
@@ -1364,12 +1407,12 @@ export interface Gets {
     };
     answer: SkyAnswer;
   };
-  /** Describes a layer of tiles (TileJSON 3.0). That of `radiance` takes the parameter `scenario`, that of `influence` all below, and needs the place; they are handed on to the tiles. */
+  /** Describes a layer of tiles (TileJSON 3.0). Its parameters are those of the layer's tiles, and are handed on to them; that of `influence` needs the place. */
   "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json": {
     path: {
       /** The scene's id */
       scene: string;
-      /** `radiance`, `elevation` or `influence` */
+      /** `radiance`, `elevation`, `brightness` or `influence` */
       layer: string;
     };
     query: {
@@ -1406,19 +1449,19 @@ export interface Gets {
     };
     answer: TileJson;
   };
-  /** A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading; `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `influence` all parameters below, and needs the place. */
+  /** A map tile, 256 pixels a side, or 512 where `y` ends in `@2x`: `radiance` on a logarithmic scale, dark is transparent; `elevation` with hypsometric tints and shading; `brightness`, the artificial luminance at the zenith of every place, from a hundredth of the natural sky to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission`, `terrain`, `influence` all parameters below, and needs the place. */
   "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png": {
     path: {
       /** The scene's id */
       scene: string;
-      /** `radiance`, `elevation` or `influence` */
+      /** `radiance`, `elevation`, `brightness` or `influence` */
       layer: string;
       /** Zoom level */
       z: number;
       /** Column, from 180° west */
       x: number;
-      /** Row, from the north */
-      y: number;
+      /** Row, from the north; with `@2x` behind it for 512 pixels a side */
+      y: string;
     };
     query: {
       /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */

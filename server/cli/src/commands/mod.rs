@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod atlas;
 mod bench;
 mod config;
 mod influence;
@@ -41,6 +42,7 @@ pub(crate) enum Command {
     Influence(influence::Influence),
     Plan(plan::Plan),
     Scenario(scenario::Scenario),
+    Atlas(atlas::Atlas),
     Reference(reference::Reference),
     Bench(bench::Bench),
     Config(config::Config),
@@ -60,6 +62,7 @@ impl Command {
             Command::Influence(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Scenario(command) => command.run(),
+            Command::Atlas(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Bench(command) => command.run(),
             Command::Config(command) => command.run(),
@@ -69,7 +72,11 @@ impl Command {
     /// What is logged when nobody says: long work tells what it does, the rest only what is odd.
     pub(crate) fn default_log_level(&self) -> &'static str {
         match self {
-            Command::Serve(_) | Command::Precompute(_) | Command::Reference(_) | Command::Bench(_) => "info",
+            Command::Serve(_)
+            | Command::Precompute(_)
+            | Command::Reference(_)
+            | Command::Bench(_)
+            | Command::Atlas(_) => "info",
             _ => "warn",
         }
     }

@@ -82,7 +82,8 @@ fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
     if !settings.no_demo {
         program::make_demo_if_missing(&settings.data)?;
     }
-    program::open(&settings.data, &settings.packs, settings.device, settings.change_limits())
+    let most_places = settings.brightness_places.max(1);
+    program::open(&settings.data, &settings.packs, settings.device, settings.change_limits(), most_places)
 }
 
 /// Ready at the first SIGTERM or SIGINT.

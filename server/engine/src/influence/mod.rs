@@ -17,10 +17,12 @@ mod pixels;
 mod products;
 mod scales;
 mod sensitivity;
+mod zenith_kernel;
 
 pub(crate) use cells::luminance_norm;
 pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
 pub use pixels::influence_of_pixels;
+pub use zenith_kernel::{KernelRange, zenith_kernel};
 
 #[cfg(test)]
 mod tests;

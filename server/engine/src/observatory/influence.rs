@@ -2,6 +2,7 @@
 
 use super::{Observatory, Observer, ObserverHeight, Part, SkyRequest, scene_around, view::View};
 use crate::{
+    engine::Engine,
     error::EngineError,
     influence::{InfluenceSolver, MeasureOfCells, influence_of_pixels},
     packs::PackKind,
@@ -188,6 +189,11 @@ impl InfluenceDesk {
         }
     }
 
+    /// Made when it is first asked for.
+    pub(super) fn solver(&self, engine: &Engine) -> &InfluenceSolver {
+        self.solver.get_or_init(|| InfluenceSolver::new(engine.table_set()))
+    }
+
     fn seen(&self, scene: &Arc<Scene>, request: &SkyRequest, hides_lights: bool) -> Seen {
         let place = request.place;
         let (is_above_sea, eye_m) = match request.observer_height {
@@ -237,7 +243,7 @@ impl Observatory {
         if is_region && weights.as_ref().is_some_and(LinearMeasure::is_empty) {
             return Err(EngineError::EmptyRegion);
         }
-        let solver = self.influences.solver.get_or_init(|| InfluenceSolver::new(self.engine.table_set()));
+        let solver = self.influences.solver(&self.engine);
         let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
         let mut parts = Vec::new();
         let (mut before_scaling, mut after_scaling) = (0.0, 0.0);

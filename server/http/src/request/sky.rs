@@ -5,7 +5,7 @@ use crate::{
     parameters as p,
     problem::Mistake,
     reader::Reader,
-    source::{EyeHeight, SkyQuery, SourceFacts},
+    source::{BrightnessQuery, EyeHeight, SkyQuery, SourceFacts},
 };
 use skyglow_display::Sky;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
@@ -58,6 +58,12 @@ impl Conditions {
             tolerance,
             terrain_hides,
         }
+    }
+
+    /// The brightness of all places of a scene under them; what means nothing there is left out.
+    pub(super) fn over_all(self, scene: SceneId, most_places: usize) -> BrightnessQuery {
+        let Self { scenario, turbidity, scattering, lamp, emission, terrain_hides, .. } = self;
+        BrightnessQuery { scene, scenario, turbidity, scattering, lamp, emission, terrain_hides, most_places }
     }
 
     /// The scenario that it is asked with.

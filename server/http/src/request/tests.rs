@@ -8,6 +8,7 @@ use skyglow_tables::{Clouds, Scattering};
 
 pub(super) fn facts() -> SourceFacts {
     SourceFacts {
+        most_places: 1000,
         executor: "cpu".into(),
         adapter: "none".into(),
         kinds: vec![kind(Scattering::Single, (1.5, 6.0), 64)],

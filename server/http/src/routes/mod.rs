@@ -1,10 +1,12 @@
 //! The handlers, one file a resource.
 
 pub mod atmospheres;
+mod brightness;
 pub mod docs;
 mod frame;
 pub mod health;
 pub mod influence;
+pub mod layers;
 pub mod panorama;
 pub mod plans;
 pub mod problems;

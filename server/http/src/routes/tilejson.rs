@@ -1,8 +1,12 @@
 //! What layers of map tiles there are and how they are asked for (TileJSON).
 
 use super::{
+    brightness::AskedBrightness,
     influence::AskedInfluence,
-    tiles::{Layer, PIXEL_0_M, description, influence_description, layer, metadata, scenario_of},
+    tiles::{
+        Layer, PIXEL_0_M, brightness_description, description, influence_description, layer, metadata,
+        scenario_of,
+    },
 };
 use crate::{
     accept::InfluenceFormat,
@@ -11,7 +15,7 @@ use crate::{
     listener::Ends,
     parameters::OptionalInfluenceParameters,
     problem::Problem,
-    request::{influence, scene_id},
+    request::{brightness, influence, scene_id},
     respond::Keep,
     state::AppState,
 };
@@ -21,20 +25,20 @@ use axum::{
     extract::{ConnectInfo, Path, RawQuery, State},
     http::{HeaderMap, Response, header},
 };
-use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
+use skyglow_display::tile::{BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
 use skyglow_engine::Measure;
 use skyglow_scene::{SceneMetadata, TileLayer};
 use std::net::{Ipv6Addr, SocketAddr};
 
-/// Describes a layer of tiles (TileJSON 3.0). That of `radiance` takes the parameter `scenario`, that of `influence` all below,
-/// and needs the place; they are handed on to the tiles.
+/// Describes a layer of tiles (TileJSON 3.0). Its parameters are those of the layer's tiles, and are handed on to them; that of
+/// `influence` needs the place.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json",
     tag = "tiles",
     params(
         ("scene" = String, Path, description = "The scene's id"),
-        ("layer" = String, Path, description = "`radiance`, `elevation` or `influence`"),
+        ("layer" = String, Path, description = "`radiance`, `elevation`, `brightness` or `influence`"),
         OptionalInfluenceParameters,
     ),
     responses(
@@ -61,6 +65,12 @@ pub async fn get_tilejson(
             // A layer of a scenario that is not there is said here, not by every tile.
             metadata(&state, &id, scenario.as_ref()).await?;
             Shown::Scene { layer, query: query.filter(|_| scenario.is_some()) }
+        }
+        Layer::Brightness => {
+            let ask = brightness(query.as_deref(), id.clone(), state.source.facts())?;
+            // Found when the first tile is asked for: it takes seconds.
+            AskedBrightness::prepare(&state, ask).await?;
+            Shown::Brightness { query }
         }
         Layer::Influence => {
             let facts = state.source.facts();
@@ -118,6 +128,10 @@ enum Shown {
         /// As it came, where it names a scenario.
         query: Option<String>,
     },
+    Brightness {
+        /// As it came.
+        query: Option<String>,
+    },
     Influence {
         measure: Measure,
         /// As it came.
@@ -145,6 +159,10 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
                 TileLayer::Elevation => ("m", None),
             };
             (description(*layer, illustrative), query, unit, range)
+        }
+        Shown::Brightness { query } => {
+            let query = query.as_ref().map_or_else(String::new, |query| format!("?{query}"));
+            (brightness_description(illustrative), query, "cd m-2", Some(BRIGHTNESS_RANGE_CD_M2.into()))
         }
         Shown::Influence { measure, query, most } => {
             let range = Some([most / INFLUENCE_SPAN, *most]);

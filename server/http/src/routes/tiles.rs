@@ -1,6 +1,6 @@
 //! Web Mercator map tiles.
 
-use super::influence::AskedInfluence;
+use super::{brightness::AskedBrightness, influence::AskedInfluence};
 use crate::{
     accept::InfluenceFormat,
     answers::measure_name,
@@ -8,7 +8,7 @@ use crate::{
     etag::ETag,
     parameters::OptionalInfluenceParameters,
     problem::{Problem, echo},
-    request::{influence, no_parameters, scenario_alone, scene_id},
+    request::{brightness, influence, no_parameters, scenario_alone, scene_id},
     respond::{Caching, Keep},
     source::{SkySource, SourceError},
     state::AppState,
@@ -21,14 +21,12 @@ use axum::{
 use skyglow_display::{
     Notes,
     notes::ILLUSTRATIVE,
-    tile::{INFLUENCE_SPAN, elevation_tile_png, influence_tile_png, radiance_tile_png},
+    tile::{INFLUENCE_SPAN, brightness_tile_png, elevation_tile_png, influence_tile_png, radiance_tile_png},
 };
 use skyglow_engine::Measure;
 use skyglow_scene::{ChangeId, SceneId, SceneMetadata, TileLayer};
 use utoipa::OpenApi;
 
-/// Pixels a side.
-const TILE_PX: u32 = 256;
 /// Ground size of a pixel of zoom level 0 on the equator, metres.
 pub(super) const PIXEL_0_M: f64 = std::f64::consts::TAU * skyglow_physics::EARTH_RADIUS_M / 256.0;
 
@@ -44,6 +42,8 @@ pub(super) enum Layer {
     Scene(TileLayer),
     /// What lights do to the sky of a place, which the query names.
     Influence,
+    /// The zenith's brightness at every place.
+    Brightness,
 }
 
 pub(super) fn layer(name: &str) -> Result<Layer, ApiError> {
@@ -51,28 +51,38 @@ pub(super) fn layer(name: &str) -> Result<Layer, ApiError> {
         "radiance" => Ok(Layer::Scene(TileLayer::Radiance)),
         "elevation" => Ok(Layer::Scene(TileLayer::Elevation)),
         "influence" => Ok(Layer::Influence),
+        "brightness" => Ok(Layer::Brightness),
         other => Err(ApiError::UnknownTile {
-            reason: format!("the layers are radiance, elevation and influence, not \"{}\"", echo(other)),
+            reason: format!(
+                "the layers are radiance, elevation, brightness and influence, not \"{}\"",
+                echo(other)
+            ),
         }),
     }
 }
 
-/// Zoom level, column and row.
-type Address = (u8, u32, u32);
+/// Zoom level, column and row, and pixels a side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Address {
+    place: (u8, u32, u32),
+    size_px: u32,
+}
 
-/// A map tile, 256 pixels a side: `radiance` on a logarithmic scale, dark is transparent; `elevation` with
-/// hypsometric tints and shading; `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
-/// pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `influence` all parameters below, and needs the place.
+/// A map tile, 256 pixels a side, or 512 where `y` ends in `@2x`: `radiance` on a logarithmic scale, dark is transparent; `elevation`
+/// with hypsometric tints and shading; `brightness`, the artificial luminance at the zenith of every place, from a hundredth of the
+/// natural sky to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
+/// pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission`, `terrain`,
+/// `influence` all parameters below, and needs the place.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{y}.png",
     tag = "tiles",
     params(
         ("scene" = String, Path, description = "The scene's id"),
-        ("layer" = String, Path, description = "`radiance`, `elevation` or `influence`"),
+        ("layer" = String, Path, description = "`radiance`, `elevation`, `brightness` or `influence`"),
         ("z" = u8, Path, description = "Zoom level"),
         ("x" = u32, Path, description = "Column, from 180° west"),
-        ("y" = u32, Path, description = "Row, from the north"),
+        ("y" = String, Path, description = "Row, from the north; with `@2x` behind it for 512 pixels a side"),
         OptionalInfluenceParameters,
     ),
     responses(
@@ -94,7 +104,7 @@ pub async fn get_tile(
     let id = scene_id(&scene)?;
     let layer = layer(&layer_name)?;
     let address = address(&z, &x, &file).ok_or_else(|| ApiError::UnknownTile {
-        reason: "a tile's address ends in z/x/y.png with whole numbers".to_owned(),
+        reason: "a tile's address ends in z/x/y.png or z/x/y@2x.png with whole numbers".to_owned(),
     })?;
     match layer {
         Layer::Scene(layer) => {
@@ -102,6 +112,7 @@ pub async fn get_tile(
             scene_tile(&state, (id, scenario), layer, &layer_name, address, &headers).await
         }
         Layer::Influence => influence_tile(&state, id, query.as_deref(), address, &headers).await,
+        Layer::Brightness => brightness_tile(&state, id, query.as_deref(), address, &headers).await,
     }
 }
 
@@ -122,12 +133,12 @@ async fn scene_tile(
     let notes = Notes::new(&description(layer, scene.illustrative), "");
     let png = state
         .heavy(move |source| {
-            let tile = source.tile(&id, scenario.as_ref(), layer, address, TILE_PX)?;
+            let Address { place, size_px } = address;
+            let tile = source.tile(&id, scenario.as_ref(), layer, place, size_px)?;
             match layer {
-                TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
+                TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, size_px, &notes),
                 TileLayer::Elevation => {
-                    let pixel_m = pixel_m(address.0, address.2);
-                    elevation_tile_png(&tile.values, &tile.has_data, TILE_PX, pixel_m, &notes)
+                    elevation_tile_png(&tile.values, &tile.has_data, size_px, pixel_m(address), &notes)
                 }
             }
             .map_err(ApiError::internal)
@@ -178,31 +189,63 @@ async fn influence_tile(
     let notes = Notes::new(&influence_description(&measure, map.scene().illustrative), "");
     let png = state
         .heavy(move |_| {
-            let tile =
-                map.tile(address, TILE_PX).map_err(|error| ApiError::from(SourceError::from(error)))?;
-            influence_tile_png(&tile.values, &tile.has_data, TILE_PX, map.brightest_colour(), &notes)
+            let Address { place, size_px } = address;
+            let tile = map.tile(place, size_px).map_err(|error| ApiError::from(SourceError::from(error)))?;
+            influence_tile_png(&tile.values, &tile.has_data, size_px, map.brightest_colour(), &notes)
                 .map_err(ApiError::internal)
         })
         .await?;
     Ok(caching.ok("image/png", png))
 }
 
+/// All tiles of one map are cut from one computation.
+async fn brightness_tile(
+    state: &AppState,
+    id: SceneId,
+    query: Option<&str>,
+    address: Address,
+    headers: &HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let asked = AskedBrightness::prepare(state, brightness(query, id, state.source.facts())?).await?;
+    let etag = ETag::of(&["tile", &asked.key, &format!("{address:?}")]);
+    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
+        return Ok(response);
+    }
+    if !exists(address) {
+        // Nobody is to wait seconds to be told so.
+        return Err(ApiError::UnknownTile { reason: "there is no such tile".to_owned() });
+    }
+    let map = asked.find(state).await?;
+    let notes = Notes::new(&brightness_description(map.scene().illustrative), "");
+    let png = state
+        .heavy(move |_| {
+            let Address { place, size_px } = address;
+            let tile = map.tile(place, size_px).map_err(|error| ApiError::from(SourceError::from(error)))?;
+            brightness_tile_png(&tile.values, &tile.has_data, size_px, &notes).map_err(ApiError::internal)
+        })
+        .await?;
+    Ok(caching.ok("image/png", png))
+}
+
 /// An address that does not exist has no tag to match.
-fn exists((z, x, y): Address) -> bool {
+fn exists(Address { place: (z, x, y), .. }: Address) -> bool {
     z <= 24 && x >> z == 0 && y >> z == 0
 }
 
-/// Zoom level, column and row.
+/// From the parts of a path.
 fn address(z: &str, x: &str, file: &str) -> Option<Address> {
-    Some((z.parse().ok()?, x.parse().ok()?, file.strip_suffix(".png")?.parse().ok()?))
+    let row = file.strip_suffix(".png")?;
+    let (row, size_px) = row.strip_suffix("@2x").map_or((row, 256), |row| (row, 512));
+    Some(Address { place: (z.parse().ok()?, x.parse().ok()?, row.parse().ok()?), size_px })
 }
 
 /// Ground size of a pixel in the middle of a row of tiles, metres.
-fn pixel_m(z: u8, y: u32) -> f64 {
+fn pixel_m(Address { place: (z, _, y), size_px }: Address) -> f64 {
     let rows = f64::from(z).exp2();
     let mercator = std::f64::consts::PI * (1.0 - 2.0 * (f64::from(y) + 0.5) / rows);
     // cos(gudermannian(m)) = 1/cosh(m).
-    PIXEL_0_M / rows / mercator.cosh()
+    PIXEL_0_M * 256.0 / f64::from(size_px) / rows / mercator.cosh()
 }
 
 /// What a layer shows, and whether that was measured.
@@ -213,6 +256,13 @@ pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
         }
         TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading",
     };
+    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows.to_owned() }
+}
+
+/// What is said of the layer of brightness.
+pub(super) fn brightness_description(illustrative: bool) -> String {
+    let shows = "Artificial luminance at the zenith, 1.71e-6 to 6.84e-3 cd m-2 (a hundredth of the natural sky of 22.0 mag arcsec-2 \
+                 to forty times that) on a logarithmic scale; less is transparent";
     if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows.to_owned() }
 }
 
@@ -232,17 +282,24 @@ mod tests {
 
     #[test]
     fn tile_addresses_are_whole_numbers_and_png() {
-        assert_eq!(address("3", "1", "2.png"), Some((3, 1, 2)));
-        for (z, x, file) in
-            [("3", "1", "2"), ("3", "-1", "2.png"), ("300", "1", "2.png"), ("a", "1", "2.png")]
-        {
+        assert_eq!(address("3", "1", "2.png"), Some(Address { place: (3, 1, 2), size_px: 256 }));
+        assert_eq!(address("3", "1", "2@2x.png"), Some(Address { place: (3, 1, 2), size_px: 512 }));
+        for (z, x, file) in [
+            ("3", "1", "2"),
+            ("3", "1", "2@3x.png"),
+            ("3", "-1", "2.png"),
+            ("300", "1", "2.png"),
+            ("a", "1", "2.png"),
+        ] {
             assert_eq!(address(z, x, file), None);
         }
     }
 
     #[test]
     fn a_pixel_of_zoom_level_0_is_156_km_on_the_equator() {
-        assert!((pixel_m(0, 0) - 156_366.0).abs() < 100.0);
-        assert!(pixel_m(10, 0) < pixel_m(10, 512));
+        let pixel_m = |z, y, size_px| pixel_m(Address { place: (z, 0, y), size_px });
+        assert!((pixel_m(0, 0, 256) - 156_366.0).abs() < 100.0);
+        assert!(pixel_m(10, 0, 256) < pixel_m(10, 512, 256));
+        assert_eq!(pixel_m(3, 1, 256), 2.0 * pixel_m(3, 1, 512));
     }
 }

@@ -1,12 +1,13 @@
 //! A program behind the interface that does as it is told.
 
-use skyglow_engine::{EngineStats, InfluenceMap, PlanOutcome, PlanRequest};
+use skyglow_engine::{BrightnessMap, EngineStats, InfluenceMap, PlanOutcome, PlanRequest};
 use skyglow_http::{
     SkySource,
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     kind_facts::KindFacts,
     source::{
-        BoxFuture, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
+        BoxFuture, BrightnessQuery, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery,
+        SourceError, SourceFacts,
     },
 };
 use skyglow_physics::{
@@ -14,7 +15,7 @@ use skyglow_physics::{
 };
 use skyglow_scene::{
     ChangeId, ChangeSummary, GridMetadata, Ground, IngestReport, Place, RasterTile, Scenario, Scene, SceneId,
-    SceneMetadata, StoredPlan, TileLayer,
+    SceneMetadata, StoredPlan, SumKeeper, TileLayer,
 };
 use skyglow_tables::{Clouds, Scattering};
 use std::{
@@ -57,6 +58,7 @@ impl Default for Fake {
             facts: SourceFacts {
                 executor: "cpu".into(),
                 adapter: "made up".into(),
+                most_places: 1000,
                 kinds: vec![KindFacts {
                     clouds: None,
                     scattering: Scattering::Single,
@@ -300,6 +302,11 @@ impl SkySource for Fake {
     fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError> {
         self.known(&query.sky.scene)?;
         Err(SourceError::Down("a made-up program knows no influences".into()))
+    }
+
+    fn brightness(&self, query: &BrightnessQuery, _: &dyn SumKeeper) -> Result<BrightnessMap, SourceError> {
+        self.known(&query.scene)?;
+        Err(SourceError::Down("a made-up program knows no brightness".into()))
     }
 
     /// Neither are scenarios and plans.

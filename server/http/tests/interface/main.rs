@@ -14,4 +14,5 @@ mod resources;
 mod scattering;
 mod server;
 mod whole;
+mod whole_layers;
 mod whole_plans;

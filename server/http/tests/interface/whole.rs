@@ -1,6 +1,6 @@
 //! The real program behind the interface: the demo scene, the CPU executor, made-up tables.
 
-use crate::{server::header, whole_plans};
+use crate::{server::header, whole_layers, whole_plans};
 use serde_json::{Value, json};
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
 use skyglow_http::{HttpConfig, ObservatorySource, SkySource, router, serve};
@@ -29,7 +29,8 @@ impl Whole {
         })
         .await
         .unwrap();
-        let source = Arc::new(ObservatorySource::new(Arc::new(observatory)));
+        let source = ObservatorySource::new(Arc::new(observatory)).with_most_places(20_000);
+        let source = Arc::new(source);
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let base = format!("http://{}", listener.local_addr().unwrap());
         let app = router(source.clone(), HttpConfig::default());
@@ -104,6 +105,9 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
     whole_plans::scenarios_change_every_query(&whole, (lat, lon), &sky).await;
     whole_plans::plans_are_made_kept_and_handed_out(&whole, (lat, lon), &sky).await;
     whole_plans::bodies_that_cannot_be_meant_are_refused(&whole, (lat, lon)).await;
+
+    whole_layers::brightness_is_that_of_the_skies(&whole, (lat, lon)).await;
+    whole_layers::layers_come_as_rasters(&whole, (lat, lon)).await;
 
     let (status, problem) = whole.json("/api/v1/scenes/demo/sky?lat=80&lon=0").await;
     assert_eq!((status, &problem["bounds"]), (404, &scene["bounds"]));

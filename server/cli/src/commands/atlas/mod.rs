@@ -1,0 +1,228 @@
+//! `skyglow atlas`: a map layer of a whole scene, to a file.
+
+mod part_file;
+mod tiles;
+
+use self::part_file::PartFile;
+use crate::{
+    failure::Failure,
+    flags::ProgramFlags,
+    progress::Stages,
+    query::{self, QueryFlags},
+};
+use clap::{Args, ValueEnum};
+use skyglow_engine::BrightnessMap;
+use skyglow_http::{
+    answers::BrightnessAssumptions,
+    parameters::BrightnessParameters,
+    request,
+    source::{BrightnessQuery, SourceFacts},
+};
+use skyglow_scene::{PlaceValues, RasterWords, Scene, SceneId, SumKeeper, TileLayer};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Bake a map layer of a whole scene to a cloud-optimized GeoTIFF or a PMTiles archive
+///
+/// A map of brightness that was interrupted goes on where it was: what is found so far is kept in FILE.part.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  skyglow atlas --scene demo -o brightness.tif\n  skyglow atlas --scene demo --turbidity 3.5 -o brightness.pmtiles"
+)]
+pub(crate) struct Atlas {
+    /// The scene's id
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
+    scene: SceneId,
+    /// What it shows; radiance takes --scenario of the parameters, elevation none
+    #[arg(long, env = "SKYGLOW_LAYER", value_enum, default_value = "brightness")]
+    layer: Layer,
+    /// File to write; its ending says the format: .tif or .pmtiles
+    #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
+    output: Output,
+    /// Places at most: where the scene has more pixels, blocks of them share one
+    #[arg(long, env = "SKYGLOW_PLACES", value_name = "N", default_value_t = 16_000_000,
+          value_parser = clap::value_parser!(u32).range(1..=400_000_000))]
+    places: u32,
+    /// Deepest zoom level of PMTiles [default: that at which a tile's pixel is no larger than the scene's]
+    #[arg(long, env = "SKYGLOW_MAX_ZOOM", value_name = "Z", value_parser = clap::value_parser!(u8).range(0..=14))]
+    max_zoom: Option<u8>,
+    #[command(flatten)]
+    query: QueryFlags<BrightnessParameters>,
+    #[command(flatten)]
+    program: ProgramFlags,
+}
+
+/// What a map shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Layer {
+    /// The artificial luminance at the zenith of every place.
+    Brightness,
+    /// The scene's lights.
+    Radiance,
+    /// The ground.
+    Elevation,
+}
+
+/// A file of a map.
+#[derive(Clone, Debug)]
+struct Output {
+    path: PathBuf,
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    GeoTiff,
+    PmTiles,
+}
+
+fn output(text: &str) -> Result<Output, String> {
+    let path = PathBuf::from(text);
+    let format = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("tif" | "tiff") => Format::GeoTiff,
+        Some("pmtiles") => Format::PmTiles,
+        _ => return Err("the ending must be .tif or .pmtiles".to_owned()),
+    };
+    Ok(Output { path, format })
+}
+
+/// What is found, and what is said of it.
+struct Found {
+    scene: Arc<Scene>,
+    places: PlaceValues,
+    unit: &'static str,
+    description: &'static str,
+    /// JSON.
+    assumptions: String,
+}
+
+impl Atlas {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.ask(&self.program.facts())?;
+        if let Some(folder) = self.output.path.parent().filter(|folder| !folder.as_os_str().is_empty())
+            && !folder.is_dir()
+        {
+            return Err(Failure::file(folder, std::io::Error::from(std::io::ErrorKind::NotFound)));
+        }
+        let stages = Stages::new();
+        let part = part_of(&self.output.path);
+        let found = match self.layer {
+            Layer::Brightness => self.brightness(&part, &stages)?,
+            Layer::Radiance => self.of_scene(TileLayer::Radiance)?,
+            Layer::Elevation => self.of_scene(TileLayer::Elevation)?,
+        };
+        match self.output.format {
+            Format::GeoTiff => self.write_raster(&found)?,
+            Format::PmTiles => {
+                let deepest =
+                    self.max_zoom.unwrap_or_else(|| tiles::deepest_zoom(&found.scene, &found.places));
+                tiles::write(&self.output.path, self.layer, &found, deepest, &stages)?;
+            }
+        }
+        PartFile::remove(&part);
+        let lattice = found.places.lattice();
+        tracing::info!(
+            "{}: {} x {} places, {} pixel(s) of the scene from one to the next",
+            self.output.path.display(),
+            lattice.columns,
+            lattice.rows,
+            lattice.step
+        );
+        Ok(())
+    }
+
+    fn ask(&self, facts: &SourceFacts) -> Result<BrightnessQuery, Failure> {
+        let query = request::brightness(Some(self.query.query()), self.scene.clone(), facts)
+            .map_err(|error| query::failure(&error))?;
+        Ok(BrightnessQuery { most_places: self.places as usize, ..query })
+    }
+
+    fn brightness(&self, part: &Path, stages: &Stages) -> Result<Found, Failure> {
+        let source = self.program.source()?;
+        let ask = self.ask(source.facts())?;
+        let scene = source
+            .open_scene(&ask.scene, ask.scenario.as_ref())
+            .map_err(|error| query::failure(&error.into()))?;
+        let key = format!("{ask:?} {} {}", scene.metadata().version, source.facts().pack_checksums);
+        let keeper = Keeper { file: PartFile::open(part, &key)?, stages };
+        stages.begin("brightness of places", 1000);
+        let map: BrightnessMap = source
+            .brightness(&ask, &keeper)
+            .map_err(|error| keeper.failure(part).unwrap_or_else(|| query::failure(&error.into())))?;
+        let assumptions = BrightnessAssumptions::new(&ask, &map, source.facts());
+        for warning in &assumptions.warnings {
+            tracing::warn!("{warning}");
+        }
+        Ok(Found {
+            scene,
+            places: map.places().clone(),
+            unit: "cd m-2",
+            description: "artificial luminance at the zenith",
+            assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
+        })
+    }
+
+    fn of_scene(&self, layer: TileLayer) -> Result<Found, Failure> {
+        let source = self.program.source()?;
+        let ask = self.ask(source.facts())?;
+        let scenario = ask.scenario.as_ref().filter(|_| layer == TileLayer::Radiance);
+        let scene = source.open_scene(&ask.scene, scenario).map_err(|error| query::failure(&error.into()))?;
+        let places = scene.layer_at_places(layer, scene.place_lattice(self.places as usize));
+        let places =
+            places.ok_or_else(|| Failure::Work("a layer of another size than its places".to_owned()))?;
+        let (unit, description) = match layer {
+            TileLayer::Radiance => ("nW cm-2 sr-1", "upward radiance"),
+            TileLayer::Elevation => ("m", "terrain elevation"),
+        };
+        let assumptions = serde_json::json!({
+            "scene": scene.metadata().id,
+            "version": scene.metadata().version,
+            "scenario": scenario.map(ToString::to_string),
+        });
+        Ok(Found { places, unit, description, assumptions: assumptions.to_string(), scene })
+    }
+
+    fn write_raster(&self, found: &Found) -> Result<(), Failure> {
+        let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", found.assumptions.as_str())];
+        let words = RasterWords { description: found.description, unit: found.unit, notes: &notes };
+        let bytes = found.scene.places_geotiff(&found.places, &words).map_err(Failure::work)?;
+        let path = &self.output.path;
+        // Whole or not there: a reader never sees half a file.
+        let unfinished = path.with_extension("unfinished");
+        let written = std::fs::write(&unfinished, bytes).and_then(|()| std::fs::rename(&unfinished, path));
+        written.map_err(|error| Failure::file(path, error))
+    }
+}
+
+/// Where what is found so far is kept.
+fn part_of(output: &Path) -> PathBuf {
+    let mut name = output.as_os_str().to_owned();
+    name.push(".part");
+    PathBuf::from(name)
+}
+
+struct Keeper<'a> {
+    file: PartFile,
+    stages: &'a Stages,
+}
+
+impl Keeper<'_> {
+    /// What ended the work, if it was the file.
+    fn failure(&self, path: &Path) -> Option<Failure> {
+        self.file.error().map(|error| Failure::Work(format!("{}: {error}", path.display())))
+    }
+}
+
+impl SumKeeper for Keeper<'_> {
+    fn kept(&self, stretch: u64, count: usize) -> Option<Vec<f32>> {
+        self.file.kept(stretch, count)
+    }
+
+    fn keep(&self, stretch: u64, sums: &[f32], share: f64) -> bool {
+        self.stages.set((1000.0 * share) as u64);
+        self.file.keep(stretch, sums)
+    }
+}

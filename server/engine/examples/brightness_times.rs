@@ -1,0 +1,116 @@
+//! Brightness of a whole scene beside the panoramas of single places: time and error.
+//!
+//! `brightness_times DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT`: at COUNT places of the scene, drawn evenly from those of
+//! the map, the zenith of the map beside that of the sky that `skyglow sky` gives, and how many times faster all were found
+//! together.
+
+use skyglow_engine::{
+    BrightnessRequest, DeviceChoice, Engine, EngineConfig, Observatory, ObserverHeight, SkyRequest,
+    resident_tables,
+};
+use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
+use skyglow_scene::SceneId;
+use skyglow_tables::{Scattering, packs_in};
+use std::{error::Error, path::Path, time::Instant};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, data, packs, scene, turbidity, terrain, most_places, count] = arguments.as_slice() else {
+        return Err("usage: brightness_times DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT".into());
+    };
+    let (tables, manifests) = resident_tables(&packs_in(Path::new(packs))?)?;
+    let engine =
+        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() })?;
+    let observatory = Observatory::new(engine, manifests, Path::new(data), 1);
+    let (id, turbidity) = (SceneId::parse(scene)?, Turbidity::new(turbidity.parse()?)?);
+    let request = BrightnessRequest {
+        scene: id.clone(),
+        scenario: None,
+        turbidity,
+        scattering: Scattering::Multiple,
+        lamp: LampPreset::Mixed.lamp(),
+        emission: EmissionMix::garstang(),
+        terrain_hides: terrain == "on",
+        most_places: most_places.parse()?,
+    };
+    observatory.scene(&id)?;
+    let start = Instant::now();
+    let map = observatory.brightness(&request, &|_: f64| true)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let lattice = map.places().lattice();
+    println!(
+        "{} x {} places, every {} pixels, {} lit pixels: {seconds:.2} s ({})",
+        lattice.columns,
+        lattice.rows,
+        lattice.step,
+        map.scene().lit_pixels,
+        map.steps
+            .iter()
+            .map(|(name, time)| format!("{name} {:.2}", time.as_secs_f64()))
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    let count = count.parse::<usize>()?;
+    let start = Instant::now();
+    let mut errors = Vec::new();
+    let mut dark = 0;
+    for number in 0..count {
+        let spread = |ratio: f64, length: u32| (number as f64 * ratio).fract() * f64::from(length);
+        let (column, row) =
+            (spread(0.754_877_666, lattice.columns) as u32, spread(0.569_840_291, lattice.rows) as u32);
+        let found = map.places().values()[(row * lattice.columns + column) as usize];
+        let place = map.open_scene().lattice_place(lattice, column, row);
+        let sky = SkyRequest {
+            scene: id.clone(),
+            scenario: None,
+            place,
+            observer_height: ObserverHeight::AboveGround(2.0),
+            turbidity,
+            scattering: request.scattering,
+            cloud_base_m: None,
+            lamp: request.lamp,
+            emission: request.emission,
+            basis: None,
+            tolerance: None,
+            terrain_hides: request.terrain_hides,
+        };
+        let Ok(sky) = observatory.sky_blocking(&sky) else { continue };
+        let wanted = sky.quantities.zenith_luminance_cd_m2;
+        // A ten-thousandth of the natural sky.
+        if wanted < 1.7e-8 {
+            dark += 1;
+        } else {
+            errors.push((100.0 * (f64::from(found) / wanted - 1.0), place, wanted));
+        }
+    }
+    let each_s = start.elapsed().as_secs_f64() / count as f64;
+    errors.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize].0.abs();
+    println!(
+        "{} places ({dark} more under 1.7e-8 cd m-2): error of the zenith {:.3} % mean, {:.3} % median, {:.3} % 90th, {:.3} % 99th, {:.3} % largest",
+        errors.len(),
+        errors.iter().map(|error| error.0.abs()).sum::<f64>() / errors.len() as f64,
+        at(0.5),
+        at(0.9),
+        at(0.99),
+        at(1.0),
+    );
+    println!(
+        "mean with its sign {:+.3} %",
+        errors.iter().map(|error| error.0).sum::<f64>() / errors.len() as f64
+    );
+    println!(
+        "a panorama {:.2} ms; all places by panoramas {:.0} s, {:.0} times as long",
+        1e3 * each_s,
+        each_s * lattice.len() as f64,
+        each_s * lattice.len() as f64 / seconds
+    );
+    for (error, place, luminance) in errors.iter().rev().take(6) {
+        println!(
+            "{error:+.2} % at {:.4} {:.4}, {luminance:.2e} cd m-2",
+            place.latitude_deg(),
+            place.longitude_deg()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,232 @@
+//! How bright the zenith is at every place of a scene: the layer that the public knows from the World Atlas.
+
+use super::Observatory;
+use crate::{
+    error::EngineError,
+    influence::{KernelRange, zenith_kernel},
+    packs::PackKind,
+    prepare::Prepared,
+    request::RenderRequest,
+};
+use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Turbidity};
+use skyglow_scene::{
+    ChangeId, PlaceKernel, PlaceValues, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata, SumKeeper,
+};
+use skyglow_tables::Scattering;
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// The observer's eye above the ground, metres.
+const EYE_HEIGHT_M: f64 = 2.0;
+/// Most places of a map: more pixels share one by blocks.
+pub const MOST_PLACES: usize = 1_200_000;
+
+/// One map of the zenith's brightness asked for: under a clear sky, two metres above the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrightnessRequest {
+    /// The scene.
+    pub scene: SceneId,
+    /// The scenario or plan that changes its lights; None for the scene as it is.
+    pub scenario: Option<ChangeId>,
+    /// Turbidity, in the resident range.
+    pub turbidity: Turbidity,
+    /// Orders of scattering, of which packs are resident.
+    pub scattering: Scattering,
+    /// The lamp.
+    pub lamp: Lamp,
+    /// Where lamps send their light.
+    pub emission: EmissionMix,
+    /// Whether terrain hides the low light of lamps behind it.
+    pub terrain_hides: bool,
+    /// Places at most; beyond, pixels share one by blocks.
+    pub most_places: usize,
+}
+
+impl BrightnessRequest {
+    fn kind(&self) -> PackKind {
+        PackKind { cloud_base_m: None, scattering: self.scattering }
+    }
+}
+
+/// The artificial luminance at the zenith (the mean within 5° of it), cd m⁻², at places all over a scene.
+#[derive(Clone, Debug)]
+pub struct BrightnessMap {
+    scene: Arc<Scene>,
+    places: PlaceValues,
+    /// How long each step took.
+    pub steps: Vec<(&'static str, Duration)>,
+}
+
+impl BrightnessMap {
+    /// The scene as it was.
+    pub fn scene(&self) -> &SceneMetadata {
+        self.scene.metadata()
+    }
+
+    /// The scene, open.
+    pub fn open_scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Luminance at the places, cd m⁻²; NaN where the ground is higher than the packs reach.
+    pub fn places(&self) -> &PlaceValues {
+        &self.places
+    }
+
+    /// Luminance at a place, cd m⁻², between places linear; None off the raster and where none is known.
+    pub fn at(&self, place: GeoPoint) -> Option<f64> {
+        self.scene.place_value(&self.places, place)
+    }
+
+    /// A map tile, cd m⁻².
+    ///
+    /// # Errors
+    /// [`EngineError::Scene`] for a tile that does not exist.
+    pub fn tile(&self, (z, x, y): (u8, u32, u32), size_px: u32) -> Result<RasterTile, EngineError> {
+        Ok(self.scene.places_tile(&self.places, z, x, y, size_px)?)
+    }
+
+    /// Bytes that a cache keeps with it; the scene is kept elsewhere.
+    pub fn byte_count(&self) -> usize {
+        self.places.byte_count()
+    }
+}
+
+impl Observatory {
+    /// How bright the zenith is at every place of a scene: the sum over its lights of what the packs say each does to it, found
+    /// on the processor. Seconds to a minute of all cores; reads files. Not for asynchronous threads.
+    ///
+    /// Of the places' panoramas it differs by what far light taken together and tables between altitudes make of it: 0.1 % in the
+    /// median. Between the packs' turbidities the logarithms of the sums are blended.
+    ///
+    /// * `keeper`: as [`Scene::sum_at_places`] has it; the stretches of a pack after the first have numbers of their own.
+    ///
+    /// # Errors
+    /// As [`Self::sky`]; [`EngineError::Stopped`] where the keeper ended it.
+    pub fn brightness(
+        &self,
+        request: &BrightnessRequest,
+        keeper: &dyn SumKeeper,
+    ) -> Result<BrightnessMap, EngineError> {
+        let mut steps = Vec::new();
+        let mut clock = Instant::now();
+        let mut step = |name: &'static str| {
+            steps.push((name, clock.elapsed()));
+            clock = Instant::now();
+        };
+        let scene = self.shelf.changed_scene(&request.scene, request.scenario.as_ref())?;
+        let solver = self.influences.solver(&self.engine);
+        let to_render = |turbidity: Turbidity| RenderRequest {
+            polar: Arc::new(dark()),
+            observer_altitude_m: 0.0,
+            turbidity,
+            scattering: request.scattering,
+            cloud_base_m: None,
+            emission: request.emission,
+            flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
+            basis: None,
+        };
+        let set = self.engine.table_set();
+        let taps = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_taps;
+        let lattice = scene.place_lattice(request.most_places);
+        let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
+        let eye_m = |ground_m: f32| {
+            let eye_m = ground_m + EYE_HEIGHT_M as f32;
+            if eye_m <= highest_m as f32 { eye_m.max(lowest_m as f32) } else { f32::NAN }
+        };
+        let altitudes_m: Vec<f32> = scene.ground_altitudes_m(lattice).into_iter().map(eye_m).collect();
+        step("ground");
+        let observers_m = altitudes_m.iter().filter(|m| !m.is_nan()).fold(None, |range, &altitude_m| {
+            let [lowest, highest]: [f32; 2] = range.unwrap_or([altitude_m; 2]);
+            Some([lowest.min(altitude_m), highest.max(altitude_m)])
+        });
+        let dark_places = || altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect::<Vec<f32>>();
+        let hides = request.terrain_hides && self.hides_lights(request.kind());
+        let (Some(observers_m), Some(lights_m)) = (observers_m, scene.light_altitude_range_m()) else {
+            return map(scene, lattice, dark_places(), steps);
+        };
+        let range =
+            KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
+        let mut of_packs: Vec<Vec<f32>> = Vec::new();
+        for &pack in taps.indices() {
+            let at_pack =
+                to_render(Turbidity::new(set.tables()[pack].turbidity).unwrap_or(request.turbidity));
+            let kernel = |fixture: &skyglow_physics::Fixture| {
+                let of_fixture = RenderRequest {
+                    emission: fixture.emission(request.emission),
+                    flux_per_dnb_flux: fixture.flux_per_dnb_flux(&request.lamp),
+                    ..at_pack.clone()
+                };
+                zenith_kernel(solver, &of_fixture, &range, hides)
+            };
+            let kernels: Vec<PlaceKernel> =
+                scene.fixtures().iter().map(kernel).collect::<Result<_, EngineError>>()?;
+            step("kernel");
+            let of_pack = OfPack { keeper, pack: of_packs.len(), packs: taps.indices().len() };
+            let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, &of_pack);
+            of_packs.push(sums.ok_or(EngineError::Stopped)?);
+            step("sums");
+        }
+        let luminance_cd_m2 = match of_packs.len() {
+            1 => of_packs.swap_remove(0),
+            _ => blended(&of_packs, taps.weights()),
+        };
+        map(scene, lattice, luminance_cd_m2, steps)
+    }
+}
+
+/// What is kept of one pack among several.
+struct OfPack<'a> {
+    keeper: &'a dyn SumKeeper,
+    pack: usize,
+    packs: usize,
+}
+
+impl OfPack<'_> {
+    fn number(&self, stretch: u64) -> u64 {
+        (self.pack as u64) << 48 | stretch
+    }
+}
+
+impl SumKeeper for OfPack<'_> {
+    fn kept(&self, stretch: u64, count: usize) -> Option<Vec<f32>> {
+        self.keeper.kept(self.number(stretch), count)
+    }
+
+    fn keep(&self, stretch: u64, sums: &[f32], share: f64) -> bool {
+        self.keeper.keep(self.number(stretch), sums, (self.pack as f64 + share) / self.packs as f64)
+    }
+}
+
+fn map(
+    scene: Arc<Scene>,
+    lattice: skyglow_scene::PlaceLattice,
+    luminance_cd_m2: Vec<f32>,
+    steps: Vec<(&'static str, Duration)>,
+) -> Result<BrightnessMap, EngineError> {
+    let places = PlaceValues::new(lattice, luminance_cd_m2).ok_or(EngineError::Stopped)?;
+    Ok(BrightnessMap { scene, places, steps })
+}
+
+/// The logarithms of what the packs say, with their weights; 0 where one says 0.
+fn blended(of_packs: &[Vec<f32>], weights: &[f64]) -> Vec<f32> {
+    let of_place = |place: usize| {
+        let logs = of_packs.iter().zip(weights).map(|(sums, weight)| weight * f64::from(sums[place]).ln());
+        let is_dark = of_packs.iter().any(|sums| sums[place] == 0.0);
+        if is_dark { 0.0 } else { logs.sum::<f64>().exp() as f32 }
+    };
+    (0..of_packs[0].len()).map(of_place).collect()
+}
+
+/// A grid without light.
+fn dark() -> PolarGrid {
+    PolarGrid {
+        observer: GeoPoint::from_rad_unchecked(0.0, 0.0),
+        azimuth_start: vec![0; skyglow_scene::AZIMUTH_COLUMN_COUNT + 1],
+        cells: Vec::new(),
+        flux_dnb_w: 0.0,
+        coverage: 0.0,
+    }
+}

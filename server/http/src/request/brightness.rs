@@ -1,0 +1,26 @@
+//! Requests for the brightness of all places.
+
+use super::sky::read_conditions;
+use crate::{
+    error::ApiError,
+    parameters::{BrightnessParameters, ParameterSet},
+    reader::Reader,
+    source::{BrightnessQuery, SourceFacts},
+};
+use skyglow_scene::SceneId;
+
+/// Reads the parameters of the zenith's brightness at every place.
+///
+/// # Errors
+/// [`ApiError::Parameters`] with every mistake.
+pub fn brightness(
+    query: Option<&str>,
+    scene: SceneId,
+    facts: &SourceFacts,
+) -> Result<BrightnessQuery, ApiError> {
+    let mut reader = Reader::new(query, BrightnessParameters::ALL);
+    let conditions = read_conditions(&mut reader, facts);
+    reader.finish()?;
+    let conditions = conditions.ok_or_else(|| ApiError::internal("a map was neither read nor refused"))?;
+    Ok(conditions.over_all(scene, facts.most_places))
+}

@@ -1,0 +1,49 @@
+//! How bright the zenith is at every place of a scene.
+
+use super::tiles::metadata;
+use crate::{error::ApiError, etag::ETag, source::BrightnessQuery, state::AppState};
+use skyglow_engine::BrightnessMap;
+use skyglow_scene::SceneMetadata;
+use std::sync::Arc;
+
+/// A map that may be found: the scene's version is known.
+#[derive(Clone, Debug)]
+pub(super) struct AskedBrightness {
+    query: Arc<BrightnessQuery>,
+    /// The scene, with its changes.
+    pub(super) scene: SceneMetadata,
+    /// What decides the map, as text for ETags. It is found on the processor, whatever renders skies.
+    pub(super) key: String,
+}
+
+impl AskedBrightness {
+    /// Looks up the scene; finds nothing yet.
+    ///
+    /// # Errors
+    /// No such scene or scenario.
+    pub(super) async fn prepare(state: &AppState, query: BrightnessQuery) -> Result<Self, ApiError> {
+        let scene = metadata(state, &query.scene, query.scenario.as_ref()).await?;
+        let checksums = &state.source.facts().pack_checksums;
+        let key = ETag::of(&["brightness", &format!("{query:?}"), &scene.version, checksums]).header();
+        Ok(Self { query: Arc::new(query), scene, key })
+    }
+
+    /// What it is asked with.
+    pub(super) fn query(&self) -> &BrightnessQuery {
+        &self.query
+    }
+
+    /// Finds the map, or takes the one found before.
+    ///
+    /// # Errors
+    /// As [`AppState::brightness`], and [`ApiError::Busy`] where the scene was ingested again meanwhile.
+    pub(super) async fn find(&self, state: &AppState) -> Result<Arc<BrightnessMap>, ApiError> {
+        let map = state.brightness(&self.key, Arc::clone(&self.query)).await?;
+        if map.scene().version != self.scene.version {
+            // The key is that of the scene before.
+            state.forget_brightness(&self.key).await;
+            return Err(ApiError::Busy { retry_after_s: 1 });
+        }
+        Ok(map)
+    }
+}

@@ -1,0 +1,130 @@
+//! Map layers as rasters.
+
+use super::{
+    brightness::AskedBrightness,
+    tiles::{brightness_description, description, metadata, scenario_of},
+};
+use crate::{
+    answers::BrightnessAssumptions,
+    error::ApiError,
+    etag::ETag,
+    parameters::{BrightnessParameters, NoParameters, ScenarioParameters},
+    problem::Problem,
+    request::{brightness, scene_id},
+    respond::{Caching, Keep},
+    state::AppState,
+};
+use axum::{
+    body::Body,
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, Response},
+};
+use skyglow_scene::{RasterWords, TileLayer};
+
+/// Pixels of a raster at most; beyond, pixels of the scene share one by blocks.
+const MOST_PIXELS: usize = 16_000_000;
+
+macro_rules! layers {
+    ($($get:ident, $name:literal, $parameters:ident, $layer:expr, $answer:ident, $doc:literal;)*) => {$(
+        #[doc = $doc]
+        #[utoipa::path(
+            get,
+            path = concat!("/api/v1/scenes/{scene}/layers/", $name, ".tif"),
+            tag = "tiles",
+            params(("scene" = String, Path, description = "The scene's id"), $parameters),
+            responses(
+                (status = 200, description = "The raster", body = Vec<u8>, content_type = "image/tiff"),
+                (status = 304, description = "The client has this answer already; nothing was computed"),
+                (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+                (status = 404, description = "No such scene or scenario", body = Problem, content_type = "application/problem+json"),
+                (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+                (status = 422, description = "Turbidity out of range", body = Problem, content_type = "application/problem+json"),
+                (status = 503, description = "Busy, or not found within the time allowed; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+            )
+        )]
+        pub async fn $get(
+            State(state): State<AppState>,
+            Path(scene): Path<String>,
+            RawQuery(query): RawQuery,
+            headers: HeaderMap,
+        ) -> Result<Response<Body>, ApiError> {
+            $answer(&state, &scene, query.as_deref(), &headers, $layer).await
+        }
+    )*};
+}
+
+layers! {
+    get_radiance_tif, "radiance", ScenarioParameters,
+        TileLayer::Radiance, scene_layer,
+        "Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 16 million pixels.";
+    get_elevation_tif, "elevation", NoParameters,
+        TileLayer::Elevation, scene_layer,
+        "Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 16 million pixels.";
+    get_brightness_tif, "brightness", BrightnessParameters,
+        (), brightness_layer,
+        "The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; by blocks where that would be more than 1.2 million places. The first time it takes seconds.";
+}
+
+async fn scene_layer(
+    state: &AppState,
+    scene: &str,
+    query: Option<&str>,
+    headers: &HeaderMap,
+    layer: TileLayer,
+) -> Result<Response<Body>, ApiError> {
+    let id = scene_id(scene)?;
+    let scenario = scenario_of(query, layer)?;
+    let scene = metadata(state, &id, scenario.as_ref()).await?;
+    let etag = ETag::of(&["layer", &scene.version, &format!("{layer:?}")]);
+    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    if let Some(response) = caching.not_modified(headers) {
+        return Ok(response);
+    }
+    let bytes = state
+        .heavy(move |source| {
+            let scene = source.open_scene(&id, scenario.as_ref())?;
+            let places = scene.layer_at_places(layer, scene.place_lattice(MOST_PIXELS));
+            let places =
+                places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
+            let unit = match layer {
+                TileLayer::Radiance => "nW cm-2 sr-1",
+                TileLayer::Elevation => "m",
+            };
+            let metadata = scene.metadata();
+            let version = metadata.version.as_str();
+            let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("SCENE_VERSION", version)];
+            let description = description(layer, metadata.illustrative);
+            scene
+                .places_geotiff(&places, &RasterWords { description: &description, unit, notes: &notes })
+                .map_err(ApiError::internal)
+        })
+        .await?;
+    Ok(caching.ok("image/tiff", bytes))
+}
+
+async fn brightness_layer(
+    state: &AppState,
+    scene: &str,
+    query: Option<&str>,
+    headers: &HeaderMap,
+    (): (),
+) -> Result<Response<Body>, ApiError> {
+    let ask = brightness(query, scene_id(scene)?, state.source.facts())?;
+    let asked = AskedBrightness::prepare(state, ask).await?;
+    let caching = Caching { etag: ETag::of(&["layer", &asked.key]), keep: Keep::Minutes, vary: None };
+    if let Some(response) = caching.not_modified(headers) {
+        return Ok(response);
+    }
+    let map = asked.find(state).await?;
+    let assumptions = BrightnessAssumptions::new(asked.query(), &map, state.source.facts());
+    let bytes = state
+        .heavy(move |_| {
+            let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
+            let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
+            let description = brightness_description(map.scene().illustrative);
+            let words = RasterWords { description: &description, unit: "cd m-2", notes: &notes };
+            map.open_scene().places_geotiff(map.places(), &words).map_err(ApiError::internal)
+        })
+        .await?;
+    Ok(caching.ok("image/tiff", bytes))
+}

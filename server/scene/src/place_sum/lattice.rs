@@ -1,0 +1,118 @@
+//! The places that something is found for: points spread evenly over a raster.
+
+use crate::grid::Grid;
+use crate::scene::Scene;
+use glam::DVec3;
+use rayon::prelude::*;
+use skyglow_physics::GeoPoint;
+
+/// Places on a scene's raster: the middles of blocks of `step` × `step` pixels, of less where the raster has less. What is left of
+/// the raster beyond the last whole block has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlaceLattice {
+    /// Pixels from one place to the next.
+    pub step: u32,
+    /// Places from west to east (along the raster's rows).
+    pub columns: u32,
+    /// Places from north to south (along the raster's columns).
+    pub rows: u32,
+    /// Pixels from one place to the next along either axis.
+    steps: [u32; 2],
+}
+
+impl PlaceLattice {
+    /// On a raster of so many pixels, a place for each where those are `most` at most, else for blocks of the smallest
+    /// power of two that makes it so.
+    pub fn within(width: u32, height: u32, most: usize) -> Self {
+        let mut step = 1u32;
+        while (width / step).max(1) as usize * (height / step).max(1) as usize > most.max(1) {
+            step *= 2;
+        }
+        let steps = [step.min(width), step.min(height)];
+        Self { step, columns: (width / step).max(1), rows: (height / step).max(1), steps }
+    }
+
+    /// How many places there are.
+    pub fn len(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Whether there are none, which no lattice has.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The geotransform of a raster with a pixel for each place, from that of the scene's raster.
+    pub(crate) fn geotransform(&self, pixels: [f64; 6]) -> [f64; 6] {
+        let [across, down] = self.steps.map(f64::from);
+        let [x, x_column, x_row, y, y_column, y_row] = pixels;
+        [x, x_column * across, x_row * down, y, y_column * across, y_row * down]
+    }
+
+    /// Pixel coordinates of a place by its column and row, which may lie between places.
+    pub(super) fn position(&self, column: f64, row: f64) -> (f64, f64) {
+        let [across, down] = self.steps.map(f64::from);
+        ((column + 0.5) * across, (row + 0.5) * down)
+    }
+
+    /// Column and row of pixel coordinates, which may lie between places.
+    pub(super) fn place_at(&self, x: f64, y: f64) -> (f64, f64) {
+        let [across, down] = self.steps.map(f64::from);
+        (x / across - 0.5, y / down - 0.5)
+    }
+
+    pub(crate) fn point(&self, grid: &Grid, column: f64, row: f64) -> DVec3 {
+        let (x, y) = self.position(column, row);
+        grid.point(x, y)
+    }
+}
+
+impl Scene {
+    /// A place for each pixel, or for blocks of them where that would be more than `most`.
+    pub fn place_lattice(&self, most: usize) -> PlaceLattice {
+        PlaceLattice::within(self.grid.width, self.grid.height, most)
+    }
+
+    /// A place of a lattice by its column and row.
+    pub fn lattice_place(&self, lattice: PlaceLattice, column: u32, row: u32) -> GeoPoint {
+        GeoPoint::from_vector(lattice.point(&self.grid, f64::from(column), f64::from(row)))
+    }
+
+    /// Altitude of the ground at every place of a lattice, metres above sea level, at least 0, row by row from the north; NaN off
+    /// the world.
+    pub fn ground_altitudes_m(&self, lattice: PlaceLattice) -> Vec<f32> {
+        let mut altitudes = vec![0f32; lattice.len()];
+        if self.terrain.is_empty() && self.grid.axes().is_some() {
+            return altitudes;
+        }
+        altitudes.par_chunks_mut(lattice.columns as usize).enumerate().for_each(|(row, altitudes)| {
+            for (column, altitude_m) in altitudes.iter_mut().enumerate() {
+                let point = lattice.point(&self.grid, column as f64, row as f64);
+                *altitude_m = if point.is_finite() {
+                    self.terrain.ground(GeoPoint::from_vector(point)).altitude_m() as f32
+                } else {
+                    f32::NAN
+                };
+            }
+        });
+        altitudes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lattices_have_as_many_places_as_allowed_and_lie_on_the_raster() {
+        for (width, height, most, step) in
+            [(10, 7, 70, 1), (10, 7, 69, 2), (1, 1, 1, 1), (1000, 3, 130, 8), (5, 5, 0, 4)]
+        {
+            let lattice = PlaceLattice::within(width, height, most);
+            assert_eq!(lattice.step, step, "{width} {height} {most}");
+            assert!(lattice.len() <= most.max(1));
+            let (x, y) = lattice.position(f64::from(lattice.columns - 1), f64::from(lattice.rows - 1));
+            assert!(x < f64::from(width) && y < f64::from(height));
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Lights near a patch of ground, added place by place: where a pixel is wider than a point, the mean over its ground.
+
+use super::ground::{Candidate, Lump};
+use crate::gather::{Light, turns_from_light};
+use crate::grid::Grid;
+use crate::morton;
+use crate::place_kernel::{PlaceKernel, RingPosition};
+use glam::{DVec3, Vec3};
+use skyglow_physics::EARTH_RADIUS_M;
+use skyglow_physics::source_pixel::{NEAREST_SOURCE_M, SPLIT_WITHIN_M};
+
+/// Gauss's two points of −1..=1.
+const GAUSS: f32 = 0.577_350_26;
+
+/// Who is at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Observer {
+    pub(super) direction: DVec3,
+    /// From the middle of the patch, metres.
+    pub(super) place_m: Vec3,
+    /// Metres above sea level.
+    pub(super) altitude_m: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct NearLight {
+    candidate: Candidate,
+    direction: DVec3,
+    /// From the middle of the patch, metres.
+    place_m: Vec3,
+    /// From the middle of a pixel to the middles of its eastern and southern side, metres; 0 for blocks.
+    halves_m: [Vec3; 2],
+    flux_dnb_w: f32,
+    altitude_m: f32,
+    is_open: bool,
+}
+
+/// The lights near a patch.
+#[derive(Debug, Default)]
+pub(super) struct NearLights(Vec<NearLight>);
+
+impl NearLights {
+    pub(super) fn push(
+        &mut self,
+        grid: &Grid,
+        lights: &[(Light<'_>, &PlaceKernel)],
+        middle: DVec3,
+        candidate: Candidate,
+        lump: &Lump,
+    ) {
+        let (light, _) = &lights[candidate.layer as usize];
+        let index = candidate.index as usize;
+        let mut halves_m = [Vec3::ZERO; 2];
+        if candidate.level == 0 {
+            let (column, row) = morton::decode(light.pixels.codes[index]);
+            let [a, b, c, d] = grid.corners(column, row);
+            halves_m = [b + c - a - d, c + d - a - b].map(|sum| (0.25 * EARTH_RADIUS_M * sum).as_vec3());
+        }
+        self.0.push(NearLight {
+            candidate,
+            direction: lump.direction,
+            place_m: (EARTH_RADIUS_M * (lump.direction - middle)).as_vec3(),
+            halves_m,
+            flux_dnb_w: lump.flux_dnb_w as f32,
+            altitude_m: lump.altitude_m as f32,
+            is_open: light.skylines_of(candidate.level as usize, index).is_none(),
+        });
+    }
+
+    /// What they add up to.
+    pub(super) fn at(&self, lights: &[(Light<'_>, &PlaceKernel)], observer: &Observer) -> f32 {
+        self.0.iter().map(|near| near.at(lights, observer)).sum()
+    }
+}
+
+impl NearLight {
+    fn at(&self, lights: &[(Light<'_>, &PlaceKernel)], observer: &Observer) -> f32 {
+        let (light, kernel) = &lights[self.candidate.layer as usize];
+        let away_m = self.place_m - observer.place_m;
+        let square_m2 = away_m.length_squared();
+        let Some(ring) = RingPosition::of_square(square_m2) else {
+            return 0.0;
+        };
+        let (candidate, offset_m) = (self.candidate, self.altitude_m - observer.altitude_m);
+        let skylines = match self.is_open {
+            true => None,
+            false => light.skylines_of(candidate.level as usize, candidate.index as usize),
+        };
+        let turns = skylines.map_or(0.0, |_| turns_from_light(self.direction, observer.direction));
+        let (below, up) = kernel.altitudes().position(observer.altitude_m);
+        let one = |ring: RingPosition| {
+            let blocking = skylines.map_or(0.0, |skylines| {
+                skylines.blocking(candidate.index as usize, turns, ring.log_distance()) as f32
+            });
+            let [low, high] = [below, below + 1].map(|node| kernel.at(node, ring, offset_m, blocking));
+            low + up * (high - low)
+        };
+        // Pixels beyond 5 km are points, as everywhere.
+        const POINTS_BEYOND_M2: f32 = (SPLIT_WITHIN_M * SPLIT_WITHIN_M) as f32;
+        if square_m2 >= POINTS_BEYOND_M2 {
+            return self.flux_dnb_w * one(ring);
+        }
+        let of_point = |away_m: Vec3| RingPosition::of_square(away_m.length_squared()).map_or(0.0, one);
+        self.flux_dnb_w * mean_over_ground(away_m, self.halves_m, &of_point)
+    }
+}
+
+/// The mean of something over a parallelogram around `away_m` from the observer, given half its sides: in parts that are small
+/// beside their distance, nearer than 250 m beside that.
+fn mean_over_ground(away_m: Vec3, [east, south]: [Vec3; 2], of_point: &impl Fn(Vec3) -> f32) -> f32 {
+    let longest_m2 = 4.0 * east.length_squared().max(south.length_squared());
+    let ratio = (longest_m2 / away_m.length_squared().max(NEAREST_SOURCE_M.powi(2) as f32)).sqrt();
+    if ratio <= 1.0 / 6.0 {
+        return of_point(away_m);
+    }
+    let (apart, is_split) = if ratio <= 0.5 { (GAUSS, false) } else { (0.5, true) };
+    let corners = [(-apart, -apart), (apart, -apart), (-apart, apart), (apart, apart)];
+    let of_part = |(along, down): (f32, f32)| {
+        let away_m = away_m + along * east + down * south;
+        if is_split {
+            mean_over_ground(away_m, [0.5 * east, 0.5 * south], of_point)
+        } else {
+            of_point(away_m)
+        }
+    };
+    0.25 * corners.into_iter().map(of_part).sum::<f32>()
+}
