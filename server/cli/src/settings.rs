@@ -6,7 +6,7 @@ use clap::{Args, builder::BoolishValueParser};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skyglow_engine::DeviceChoice;
-use skyglow_http::HttpConfig;
+use skyglow_http::{Access, ApiKey, HttpConfig, access::AccessError};
 use skyglow_scene::ChangeLimits;
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -72,6 +72,15 @@ pub(crate) struct Layer {
     /// Longest request body, bytes; then 413 [default: 2097152]
     #[arg(long, env = "SKYGLOW_BODY_LIMIT_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) body_limit_bytes: Option<usize>,
+    /// Longest upload of a scene's rasters together, bytes; then 413 [default: 2147483648]
+    #[arg(long, env = "SKYGLOW_UPLOAD_LIMIT_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) upload_limit_bytes: Option<usize>,
+    /// Longest time for an upload to arrive and be checked, seconds [default: 1800]
+    #[arg(long, env = "SKYGLOW_UPLOAD_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
+    pub(crate) upload_timeout_s: Option<f64>,
+    /// Pixels that an uploaded raster may have [default: 400000000]
+    #[arg(long, env = "SKYGLOW_UPLOAD_PIXELS", value_name = "N", help_heading = "Limits")]
+    pub(crate) upload_pixels: Option<u64>,
     /// Requests a second from one client on average, 0 for no limit; more are answered 429 [default: 100]
     #[arg(long, env = "SKYGLOW_REQUESTS_PER_SECOND", value_name = "N", help_heading = "Limits")]
     pub(crate) requests_per_second: Option<f64>,
@@ -102,6 +111,12 @@ pub(crate) struct Layer {
     /// Days that scenarios and plans are kept [default: 90]
     #[arg(long, env = "SKYGLOW_KEPT_PLANS_DAYS", value_name = "DAYS", help_heading = "Limits")]
     pub(crate) kept_plans_days: Option<u32>,
+    /// File with the operator's token, 20 characters or more: it lets PUT and DELETE scenes [default: none, and nobody may]
+    #[arg(long, env = "SKYGLOW_OPERATOR_TOKEN_FILE", value_name = "FILE")]
+    pub(crate) operator_token_file: Option<PathBuf>,
+    /// TOML file of [[key]] tables: name, blake3 of the key, requests_per_second, request_burst, requests_per_day
+    #[arg(long, env = "SKYGLOW_API_KEYS_FILE", value_name = "FILE")]
+    pub(crate) api_keys_file: Option<PathBuf>,
     /// Where clients reach the server, for links in answers [default: as the request's Host header says]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,
@@ -128,6 +143,10 @@ pub(crate) struct Settings {
     pub(crate) kept_plans_bytes: u64,
     /// Days that they are kept.
     pub(crate) kept_plans_days: u32,
+    /// File with the operator's token.
+    pub(crate) operator_token_file: Option<PathBuf>,
+    /// File of known clients.
+    pub(crate) api_keys_file: Option<PathBuf>,
     /// Limits of the interface.
     #[serde(flatten)]
     pub(crate) http: HttpConfig,
@@ -145,12 +164,87 @@ impl Default for Settings {
             kept_plans: 1000,
             kept_plans_bytes: 1 << 30,
             kept_plans_days: 90,
+            operator_token_file: None,
+            api_keys_file: None,
             http: HttpConfig::default(),
         }
     }
 }
 
+/// The file of known clients.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct KeysFile {
+    #[serde(default)]
+    key: Vec<ApiKey>,
+}
+
 impl Settings {
+    /// What no server can run with, each setting by its name.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] with everything that is wrong.
+    pub(crate) fn check(self) -> Result<Self, Failure> {
+        let http = &self.http;
+        let mut wrong = Vec::new();
+        let mut require = |is_fine: bool, name: &str, allowed: &str| {
+            if !is_fine {
+                wrong.push(format!("{name} must be {allowed}"));
+            }
+        };
+        let is_time = |seconds: f64| seconds > 0.0 && seconds <= 86_400.0;
+        require(is_time(http.request_timeout_s), "request_timeout_s", "above 0 and at most 86400");
+        require(is_time(http.upload_timeout_s), "upload_timeout_s", "above 0 and at most 86400");
+        require((0.0..=86_400.0).contains(&http.drain_timeout_s), "drain_timeout_s", "0 to 86400");
+        let rate = http.requests_per_second;
+        require(
+            rate.is_finite() && rate >= 0.0,
+            "requests_per_second",
+            "a number of 0 or more; 0 is no limit",
+        );
+        require(http.request_burst > 0, "request_burst", "1 or more");
+        require(http.concurrent_requests > 0, "concurrent_requests", "1 or more");
+        require(http.body_limit_bytes >= 1024, "body_limit_bytes", "1024 or more");
+        require(http.upload_pixels > 0, "upload_pixels", "1 or more");
+        require(self.brightness_places > 0, "brightness_places", "1 or more");
+        require(self.kept_plans > 0, "kept_plans", "1 or more");
+        let is_url = |url: &String| {
+            let rest = url.strip_prefix("https://").or_else(|| url.strip_prefix("http://"));
+            rest.is_some_and(|rest| {
+                !rest.is_empty() && !rest.contains(|c: char| c.is_whitespace() || "?#<>\"".contains(c))
+            })
+        };
+        let url = http.public_url.as_ref();
+        require(url.is_none_or(is_url), "public_url", "an address such as https://sky.example.org");
+        if wrong.is_empty() { Ok(self) } else { Err(Failure::Work(wrong.join("; "))) }
+    }
+
+    /// Who may do more than read: reads the files of secrets.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] naming the file and what is wrong with it; never what is in it.
+    pub(crate) fn access(&self) -> Result<Access, Failure> {
+        let read = |path: &PathBuf| std::fs::read_to_string(path).map_err(|error| Failure::file(path, error));
+        let token = self.operator_token_file.as_ref().map(read).transpose()?;
+        let keys = match &self.api_keys_file {
+            Some(path) => {
+                let text = read(path)?;
+                let file: KeysFile =
+                    toml::from_str(&text).map_err(|error| broken_toml(path, &text, &error))?;
+                file.key
+            }
+            None => Vec::new(),
+        };
+        Access::new(token.as_deref().map(str::trim), keys).map_err(|error| {
+            let path = match error {
+                AccessError::WeakToken => &self.operator_token_file,
+                _ => &self.api_keys_file,
+            };
+            let path = path.as_deref().unwrap_or(Path::new("configuration"));
+            Failure::Work(format!("{}: {error}", path.display()))
+        })
+    }
+
     /// What is kept of scenarios and plans.
     pub(crate) fn change_limits(&self) -> ChangeLimits {
         ChangeLimits {
@@ -161,6 +255,13 @@ impl Settings {
     }
 }
 
+/// The file, the line and what is wrong there.
+fn broken_toml(path: &Path, text: &str, error: &toml::de::Error) -> Failure {
+    let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+    let reason = error.message().lines().next().unwrap_or_default().to_owned();
+    Failure::Work(format!("{}:{line}: {reason}", path.display()))
+}
+
 impl Layer {
     /// Reads a TOML file.
     ///
@@ -168,11 +269,7 @@ impl Layer {
     /// [`Failure::Work`] with the file, the line and what is wrong there.
     pub(crate) fn from_file(path: &Path) -> Result<Self, Failure> {
         let text = std::fs::read_to_string(path).map_err(|e| Failure::file(path, e))?;
-        toml::from_str(&text).map_err(|error| {
-            let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            let reason = error.message().lines().next().unwrap_or_default().to_owned();
-            Failure::Work(format!("{}:{line}: {reason}", path.display()))
-        })
+        toml::from_str(&text).map_err(|error| broken_toml(path, &text, &error))
     }
 
     /// This layer over that of a file, if any, over the defaults.
@@ -189,7 +286,8 @@ impl Layer {
         for layer in [below, self] {
             table.extend(Table::try_from(layer).map_err(Failure::work)?);
         }
-        table.try_into().map_err(Failure::work)
+        let settings: Settings = table.try_into().map_err(Failure::work)?;
+        settings.check()
     }
 }
 
@@ -235,6 +333,41 @@ mod tests {
     }
 
     #[test]
+    fn numbers_that_no_server_can_run_with_are_refused_all_at_once_by_name() {
+        let file = "request_timeout_s = 0\nrequest_burst = 0\npublic_url = \"sky.example.org\"\nrequests_per_second = -1\n";
+        let refused = Layer::default().over(&from_text(file).unwrap()).unwrap_err().to_string();
+        for name in ["request_timeout_s", "request_burst", "public_url", "requests_per_second"] {
+            assert!(refused.contains(&format!("{name} must be")), "{refused}");
+        }
+        assert!(!refused.contains("drain"), "{refused}");
+    }
+
+    #[test]
+    fn secrets_are_read_from_files_and_what_is_wrong_with_them_never_shows_them() {
+        let write = |text: &str| {
+            let file = tempfile::NamedTempFile::new().unwrap();
+            std::fs::write(file.path(), text).unwrap();
+            file
+        };
+        let hash = skyglow_http::access::hash_of("key");
+        let keys = write(&format!(
+            "[[key]]\nname = \"city\"\nblake3 = \"{hash}\"\nrequests_per_second = 5\nrequest_burst = 10\n"
+        ));
+        let (token, weak) = (write("a-token-of-some-length-1234\n"), write("secret\n"));
+        let settings = |token: &tempfile::NamedTempFile, keys: &tempfile::NamedTempFile| Settings {
+            operator_token_file: Some(token.path().to_owned()),
+            api_keys_file: Some(keys.path().to_owned()),
+            ..Settings::default()
+        };
+        assert!(settings(&token, &keys).access().unwrap().has_operator());
+        let refused = settings(&weak, &keys).access().unwrap_err().to_string();
+        assert!(refused.contains("20 characters") && !refused.contains("secret"), "{refused}");
+        let broken = write("[[key]]\nname = \"city\"\nsecret = 3\n");
+        let refused = settings(&token, &broken).access().unwrap_err().to_string();
+        assert!(refused.contains(":3: unknown field"), "{refused}");
+    }
+
+    #[test]
     fn what_print_writes_can_be_read_back() {
         let mut settings = Settings::default();
         settings.http.public_url = Some("https://sky.example.org".to_owned());
@@ -271,7 +404,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 13);
+        assert_eq!(compared, 16);
         assert_eq!(Settings::default().change_limits(), ChangeLimits::default());
     }
 }

@@ -1,18 +1,20 @@
 //! The router: routes, their document, and the layers around them.
 
 use crate::{
+    access::Access,
     config::HttpConfig,
     error::ApiError,
     layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
     routes::{
         atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
-        sky, tilejson, tiles, viewer,
+        sky, tilejson, tiles, uploads, viewer,
     },
     source::SkySource,
     state::AppState,
 };
 use axum::{
     Router,
+    extract::DefaultBodyLimit,
     http::{HeaderName, HeaderValue, Method, header},
     middleware::{from_fn, from_fn_with_state},
     response::Response,
@@ -94,14 +96,24 @@ fn operation() -> OpenApiRouter<AppState> {
 
 /// The OpenAPI document of all routes.
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    let (_, mut document) = api().merge(operation()).split_for_parts();
+    let (_, mut document) = api().merge(uploads()).merge(operation()).split_for_parts();
     document.merge(tiles::TileDocument::openapi());
     document
 }
 
-/// The whole interface over a source, such as [`ObservatorySource`](crate::ObservatorySource).
+/// Routes that change scenes: uploads take longer and are larger than anything else.
+fn uploads() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(uploads::put_scene, uploads::delete_scene))
+}
+
+/// [`router_with_access`] for anyone, who may read.
 pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
-    let state = AppState::new(source, config);
+    router_with_access(source, config, Access::default())
+}
+
+/// The whole interface over a source, such as [`ObservatorySource`](crate::ObservatorySource).
+pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access: Access) -> Router {
+    let state = AppState::new(source, config, access);
     let config = state.config.clone();
     if let Ok(text) = openapi().to_json() {
         // The cell is new, so this sets it.
@@ -114,11 +126,18 @@ pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
         .route("/api/docs/page.js", get(docs::get_docs_script))
         .route("/api/docs/page.css", get(docs::get_docs_style))
         .layer(from_fn_with_state(Room::new(state.clone()), guard))
-        .layer(from_fn_with_state((state.clone(), limiter), limit_rate))
+        .layer(from_fn_with_state((state.clone(), limiter.clone()), limit_rate))
+        .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
         .layer(cors());
+    let (uploads, _) = uploads().split_for_parts();
+    let uploads = uploads
+        .layer(DefaultBodyLimit::disable())
+        .layer(from_fn_with_state((state.clone(), limiter), limit_rate))
+        .layer(RequestBodyLimitLayer::new(config.upload_limit_bytes));
     let (operation, _) = operation().split_for_parts();
     let all = Router::new()
         .merge(api)
+        .merge(uploads)
         .merge(operation)
         .route("/", get(viewer::get_viewer))
         .route("/index.html", get(viewer::get_viewer))
@@ -126,7 +145,6 @@ pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
         .fallback(not_found);
     all.layer(CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(worth_compressing()))
         .layer(from_fn(tag_encodings))
-        .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
         .layer(from_fn_with_state(state.clone(), problems_only))
         .layer(from_fn_with_state(state.clone(), catch_panic))
         .layer(from_fn(secure))

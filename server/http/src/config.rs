@@ -13,6 +13,12 @@ pub struct HttpConfig {
     pub request_timeout_s: f64,
     /// Longest request body, bytes; then 413.
     pub body_limit_bytes: usize,
+    /// Longest upload of a scene's rasters together, bytes; then 413.
+    pub upload_limit_bytes: usize,
+    /// Longest time for an upload to arrive and be checked, seconds.
+    pub upload_timeout_s: f64,
+    /// Pixels that an uploaded raster may have.
+    pub upload_pixels: u64,
     /// Requests a second that one client address may send on average; 0 for no limit. More are answered 429.
     pub requests_per_second: f64,
     /// Requests that one client address may send at once.
@@ -36,6 +42,9 @@ impl Default for HttpConfig {
             concurrent_requests: 128,
             request_timeout_s: 30.0,
             body_limit_bytes: 2 * 1024 * 1024,
+            upload_limit_bytes: 2 * 1024 * 1024 * 1024,
+            upload_timeout_s: 1800.0,
+            upload_pixels: 400_000_000,
             requests_per_second: 100.0,
             request_burst: 1000,
             drain_timeout_s: 10.0,
@@ -51,6 +60,11 @@ impl HttpConfig {
     /// The longest time for one answer.
     pub fn request_timeout(&self) -> Duration {
         seconds(self.request_timeout_s)
+    }
+
+    /// The longest time for an upload.
+    pub fn upload_timeout(&self) -> Duration {
+        seconds(self.upload_timeout_s)
     }
 
     /// The longest time for the answers under way at the end.

@@ -81,6 +81,27 @@ pub enum ApiError {
         /// A status from 400 to 499.
         u16,
     ),
+    /// A token or key that nobody has, or none where one is needed.
+    #[error("this needs the token or key of somebody who may: Authorization: Bearer …")]
+    Unauthorized,
+    /// Nobody may: the server was started without an operator's token.
+    #[error("this server takes no uploads: it was started without an operator's token")]
+    UploadsOff,
+    /// A known client that may not.
+    #[error("only the operator may do this")]
+    OperatorOnly,
+    /// What was uploaded cannot be meant.
+    #[error("{reason}")]
+    BadUpload {
+        /// Why, in one sentence.
+        reason: String,
+    },
+    /// A known client's requests of a day are used up.
+    #[error("this key's requests of the day are used up; there are more in {retry_after_s} s")]
+    QuotaUsed {
+        /// Seconds to the next day.
+        retry_after_s: u64,
+    },
     /// This client sends too much.
     #[error("this address sent more requests than it may; try again in {retry_after_s} s")]
     TooManyRequests {
@@ -177,6 +198,17 @@ impl ApiError {
                 "unreadable",
                 "The request cannot be read",
             ),
+            ApiError::Unauthorized => (StatusCode::UNAUTHORIZED, "unauthorized", "A token or key is needed"),
+            ApiError::UploadsOff => (StatusCode::FORBIDDEN, "uploads-off", "This server takes no uploads"),
+            ApiError::OperatorOnly => {
+                (StatusCode::FORBIDDEN, "operator-only", "Only the operator may do this")
+            }
+            ApiError::BadUpload { .. } => {
+                (StatusCode::UNPROCESSABLE_ENTITY, "bad-upload", "What was uploaded cannot be meant")
+            }
+            ApiError::QuotaUsed { .. } => {
+                (StatusCode::TOO_MANY_REQUESTS, "quota-used", "The key's requests of the day are used up")
+            }
             ApiError::TooManyRequests { .. } => {
                 (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", "Too many requests from this address")
             }
@@ -196,9 +228,9 @@ impl ApiError {
     /// Seconds after which trying again makes sense.
     fn retry_after_s(&self) -> Option<u64> {
         match self {
-            ApiError::TooManyRequests { retry_after_s } | ApiError::Busy { retry_after_s } => {
-                Some((*retry_after_s).max(1))
-            }
+            ApiError::TooManyRequests { retry_after_s }
+            | ApiError::QuotaUsed { retry_after_s }
+            | ApiError::Busy { retry_after_s } => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::EngineDown => Some(2),
             ApiError::Storage { .. } => Some(60),
             _ => None,
@@ -268,6 +300,9 @@ impl IntoResponse for ApiError {
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+        if status == StatusCode::UNAUTHORIZED {
+            headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+        }
         if let Some(seconds) = retry_after_s {
             headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
         }

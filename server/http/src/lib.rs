@@ -6,6 +6,7 @@
 //! Status codes are in one table in [`error`].
 
 pub mod accept;
+pub mod access;
 pub mod answers;
 pub mod app;
 pub mod config;
@@ -31,7 +32,8 @@ pub mod source;
 pub mod stamp;
 pub mod state;
 
-pub use app::{openapi, router};
+pub use access::{Access, ApiKey};
+pub use app::{openapi, router, router_with_access};
 pub use config::HttpConfig;
 pub use observatory::ObservatorySource;
 pub use serve::serve;

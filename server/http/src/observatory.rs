@@ -16,11 +16,11 @@ use skyglow_engine::{
 };
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{
-    ChangeId, ChangeKind, ChangeStoreError, ChangeSummary, Place, RasterTile, Scenario, Scene, SceneError,
-    SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer,
+    ChangeId, ChangeKind, ChangeStoreError, ChangeSummary, IngestOptions, Place, RasterTile, Scenario, Scene,
+    SceneError, SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder, ingest,
 };
 use skyglow_tables::{Clouds, Manifest};
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 /// An observatory with what is fixed after the start.
 #[derive(Debug)]
@@ -127,6 +127,40 @@ impl From<SceneError> for SourceError {
     }
 }
 
+/// Why an upload is refused: files by the names of their fields, for nobody outside knows the server's folders.
+fn refused(error: SceneError, options: &IngestOptions) -> SourceError {
+    let field = |path: &Path| {
+        if path == options.radiance {
+            "radiance".to_owned()
+        } else if Some(path) == options.places.as_deref() {
+            "places".to_owned()
+        } else {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+            format!("terrain \"{}\"", name.unwrap_or_default())
+        }
+    };
+    // The library that reads rasters names files with their folders.
+    let folder = options.radiance.ancestors().nth(2).map(|folder| format!("{}/", folder.display()));
+    let without_folder = |reason: &str| match &folder {
+        Some(folder) if folder.len() > 1 => reason.replace(folder, ""),
+        _ => reason.to_owned(),
+    };
+    match &error {
+        SceneError::Unreadable { path, reason } => {
+            let reason = without_folder(reason);
+            SourceError::BadUpload(format!("{} cannot be read as a raster: {reason}", field(path)))
+        }
+        SceneError::Refused { path, reason } => {
+            SourceError::BadUpload(format!("{}: {}", field(path), without_folder(reason)))
+        }
+        SceneError::InvalidOption { option, reason } => {
+            SourceError::BadUpload(format!("{}: {reason}", option.trim_start_matches('-')))
+        }
+        SceneError::InvalidId { .. } => SourceError::BadUpload(error.to_string()),
+        _ => SourceError::Storage(error.to_string()),
+    }
+}
+
 impl From<ChangeStoreError> for SourceError {
     fn from(error: ChangeStoreError) -> Self {
         match error {
@@ -210,6 +244,24 @@ impl SkySource for ObservatorySource {
 
     fn scenes(&self) -> Result<Vec<SceneMetadata>, SourceError> {
         Ok(self.observatory.scenes()?)
+    }
+
+    fn upload_folder(&self) -> Result<UploadFolder, SourceError> {
+        self.observatory.store().upload_folder().map_err(|error| SourceError::Storage(error.to_string()))
+    }
+
+    fn ingest(&self, options: &IngestOptions) -> Result<(SceneMetadata, bool), SourceError> {
+        let store = self.observatory.store();
+        let was_there = options.id.as_ref().is_some_and(|id| store.exists(id));
+        let scene = ingest(store, options, &mut |_| {}).map_err(|error| refused(error, options))?;
+        Ok((scene, was_there))
+    }
+
+    fn remove_scene(&self, id: &SceneId) -> Result<(), SourceError> {
+        self.observatory.store().remove(id).map_err(|error| match error {
+            SceneError::Io { .. } => SourceError::Storage(error.to_string()),
+            other => other.into(),
+        })
     }
 
     fn scene(&self, id: &SceneId) -> Result<SceneMetadata, SourceError> {

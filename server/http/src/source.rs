@@ -11,8 +11,8 @@ use crate::{
 use skyglow_engine::{BrightnessMap, EngineStats, InfluenceMap, Measure, PlanOutcome, PlanRequest};
 use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{
-    ChangeError, ChangeId, ChangeSummary, Ground, Place, RasterTile, Scenario, Scene, SceneId, SceneMetadata,
-    StoredPlan, SumKeeper, TileLayer,
+    ChangeError, ChangeId, ChangeSummary, Ground, IngestOptions, Place, RasterTile, Scenario, Scene, SceneId,
+    SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
 };
 use skyglow_tables::Scattering;
 use std::{future::Future, pin::Pin, sync::Arc};
@@ -256,6 +256,9 @@ pub enum SourceError {
     /// A plan that cannot be meant.
     #[error("{0}")]
     BadPlan(String),
+    /// What was uploaded cannot be meant.
+    #[error("{0}")]
+    BadUpload(String),
     /// Nothing can be kept.
     #[error("{0}")]
     Storage(String),
@@ -439,6 +442,7 @@ impl From<SourceError> for ApiError {
                 message: reason,
                 code: Mistake::NotAllowed,
             }]),
+            SourceError::BadUpload(reason) => ApiError::BadUpload { reason },
             SourceError::Storage(reason) => ApiError::Storage { reason },
             SourceError::UnknownTile(reason) => ApiError::UnknownTile { reason },
             SourceError::Busy => ApiError::Busy { retry_after_s: 1 },
@@ -471,6 +475,22 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// [`SourceError::Broken`].
     fn scenes(&self) -> Result<Vec<SceneMetadata>, SourceError>;
+    /// A new folder for files that come in, on the same disk as the scenes; gone when it is dropped.
+    ///
+    /// # Errors
+    /// [`SourceError::Storage`].
+    fn upload_folder(&self) -> Result<UploadFolder, SourceError>;
+    /// Checks files and makes a scene of them, in place of the one of that id if there is one, which stays where they are refused;
+    /// and whether there was one. Takes seconds to minutes.
+    ///
+    /// # Errors
+    /// [`SourceError::BadUpload`], [`SourceError::Storage`].
+    fn ingest(&self, options: &IngestOptions) -> Result<(SceneMetadata, bool), SourceError>;
+    /// Removes a scene; requests under way keep it.
+    ///
+    /// # Errors
+    /// [`SourceError::UnknownScene`], [`SourceError::Storage`].
+    fn remove_scene(&self, id: &SceneId) -> Result<(), SourceError>;
     /// One scene.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! What every handler shares.
 
 use crate::{
+    access::Access,
     config::HttpConfig,
     error::ApiError,
     etag::ETag,
@@ -21,6 +22,10 @@ use tokio::sync::Semaphore;
 pub struct AppState {
     /// The program behind.
     pub source: Arc<dyn SkySource>,
+    /// Who may do more than read.
+    pub access: Arc<Access>,
+    /// Places for uploads, each of which takes disk, memory and a core for a while.
+    pub uploads: Arc<Semaphore>,
     /// What the interface was told.
     pub config: Arc<HttpConfig>,
     /// Counters.
@@ -52,7 +57,7 @@ const SKY_BYTES: u64 = 4 * Panorama::LEN as u64 + 2048;
 
 impl AppState {
     /// The state over a source.
-    pub fn new(source: Arc<dyn SkySource>, config: HttpConfig) -> Self {
+    pub fn new(source: Arc<dyn SkySource>, config: HttpConfig, access: Access) -> Self {
         let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
         let weigh = |_: &String, map: &Arc<InfluenceMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
         let influences = Cache::builder()
@@ -74,6 +79,8 @@ impl AppState {
         let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
         Self {
             source,
+            access: Arc::new(access),
+            uploads: Arc::new(Semaphore::new(1)),
             config: Arc::new(config),
             metrics,
             skies,

@@ -53,8 +53,11 @@ pub(crate) fn ingest_as(
     options.check()?;
     let places = options.places.as_deref().map(places::read).transpose()?.unwrap_or_default();
     let source = open::radiance(options)?;
+    options
+        .check_size(source.dataset.raster_size())
+        .map_err(|reason| SceneError::Refused { path: options.radiance.clone(), reason })?;
     let mut light = radiance::read(&source, progress)?;
-    let terrain = terrain_files::read(&options.terrain, progress)?;
+    let terrain = terrain_files::read(options, progress)?;
     terrain_files::raise(&terrain, &mut light, progress);
     let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
     let has_skylines = skylines.is_some();

@@ -73,4 +73,4 @@ pub use polar_grid::{AZIMUTH_COLUMN_COUNT, PolarCell, PolarGrid, RING_COUNT, rin
 pub use scene::Scene;
 pub use scene_id::SceneId;
 pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_REACHES_M};
-pub use store::{SceneList, SceneStore};
+pub use store::{SceneList, SceneStore, UploadFolder};

@@ -14,6 +14,7 @@ const PREFIX: &str = ".ingest-";
 const ASIDE: &str = "old";
 
 /// A folder for one ingest; removed when it is dropped before it was moved to its place.
+#[derive(Debug)]
 pub(crate) struct Staging {
     folder: TempDir,
     lock: File,
@@ -65,6 +66,13 @@ impl Staging {
         drop((self.lock, older));
         Ok(())
     }
+}
+
+/// Removes a scene's folder by one rename, so that it is whole or not there, and then its files.
+pub(crate) fn remove(folder: &Path, parent: &Path) -> Result<(), SceneError> {
+    let staging = Staging::below(parent)?;
+    // Inside a folder of its own: what a kill leaves there is no scene set aside, and is not put back.
+    std::fs::rename(folder, staging.path().join("removed")).map_err(SceneError::io(folder))
 }
 
 /// A folder, in use until the answer is dropped. Where the file system has no locks none is cleared either.

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::sections::{Flaw, Sections, unpack_ascending};
 use crate::skylines::Skylines;
-use crate::staging;
+use crate::staging::{self, Staging};
 use crate::stored::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE};
 use crate::terrain::Terrain;
 use std::io::ErrorKind;
@@ -26,6 +26,17 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct SceneStore {
     scenes_dir: PathBuf,
+}
+
+/// A folder for files that come in.
+#[derive(Debug)]
+pub struct UploadFolder(Staging);
+
+impl UploadFolder {
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
 }
 
 /// The scenes of a folder.
@@ -61,6 +72,26 @@ impl SceneStore {
     /// folder. Answers how many folders are gone.
     pub fn clear_stale(&self) -> usize {
         staging::clear_stale(&self.scenes_dir)
+    }
+
+    /// A new folder for files that come in, beside the scenes: gone when it is dropped, and cleared with what killed ingests left.
+    ///
+    /// # Errors
+    /// [`SceneError::Io`].
+    pub fn upload_folder(&self) -> Result<UploadFolder, SceneError> {
+        std::fs::create_dir_all(&self.scenes_dir).map_err(SceneError::io(&self.scenes_dir))?;
+        Ok(UploadFolder(Staging::below(&self.scenes_dir)?))
+    }
+
+    /// Removes a scene. Whoever has it open keeps it.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownScene`], [`SceneError::Io`].
+    pub fn remove(&self, id: &SceneId) -> Result<(), SceneError> {
+        if !self.exists(id) {
+            return Err(SceneError::UnknownScene { id: id.to_string() });
+        }
+        staging::remove(&self.scene_dir(id), &self.scenes_dir)
     }
 
     /// What is said about each scene, by id. Reads `metadata.json` alone; a damaged scene does not hide the others.

@@ -2,7 +2,12 @@
 
 use crate::{failure::Failure, flags::JsonFlags, settings::Layer};
 use clap::{Args, Subcommand};
-use std::path::PathBuf;
+use skyglow_http::{Access, ApiKey, access::hash_of};
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
 
 /// Check, print or describe the configuration of the server
 #[derive(Debug, Args)]
@@ -32,6 +37,13 @@ enum Action {
         #[command(flatten)]
         json: JsonFlags,
     },
+    /// Make a key for a known client: prints the key, and what goes into --api-keys-file
+    #[command(after_help = "Example:\n  skyglow config key --name city-of-x >> notes.txt")]
+    Key {
+        /// The client's name in logs and metrics
+        #[arg(long, env = "SKYGLOW_NAME")]
+        name: String,
+    },
     /// Print the JSON Schema of the file
     #[command(after_help = "Example:\n  skyglow config schema > skyglow.schema.json")]
     Schema,
@@ -42,7 +54,8 @@ impl Config {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self.action {
             Action::Check { config } => {
-                Layer::default().over_file(Some(&config))?;
+                // The files of secrets that it names are looked at too.
+                Layer::default().over_file(Some(&config))?.access()?;
                 super::print_line(&format!("{} is correct", config.display()))
             }
             Action::Print { flags, config, json } => {
@@ -53,7 +66,33 @@ impl Config {
                     super::print_line(toml::to_string(&settings).map_err(Failure::work)?.trim_end())
                 }
             }
+            Action::Key { name } => {
+                let key = random_key()?;
+                let entry = ApiKey {
+                    name,
+                    blake3: hash_of(&key),
+                    requests_per_second: 50.0,
+                    request_burst: 500,
+                    requests_per_day: Some(100_000),
+                };
+                Access::new(None, vec![entry.clone()]).map_err(|error| Failure::Usage(error.to_string()))?;
+                let entry = toml::to_string(&entry).map_err(Failure::work)?;
+                super::print_line(&format!(
+                    "# For the client, and nowhere else: {key}\n[[key]]\n{}",
+                    entry.trim_end()
+                ))
+            }
             Action::Schema => super::print_json(&schemars::schema_for!(Layer)),
         }
     }
+}
+
+/// 24 random bytes of the system, hexadecimal.
+fn random_key() -> Result<String, Failure> {
+    let source = Path::new("/dev/urandom");
+    let mut bytes = [0u8; 24];
+    File::open(source)
+        .and_then(|mut file| file.read_exact(&mut bytes))
+        .map_err(|error| Failure::file(source, error))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }

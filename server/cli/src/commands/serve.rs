@@ -6,7 +6,7 @@ use crate::{
     settings::{Layer, Settings},
 };
 use clap::Args;
-use skyglow_http::{SkySource, router, serve};
+use skyglow_http::{SkySource, router_with_access, serve};
 use skyglow_scene::SceneStore;
 use std::{future::Future, path::PathBuf, sync::Arc};
 use tokio::{
@@ -45,6 +45,7 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     let listener =
         TcpListener::bind(address).await.map_err(|error| Failure::Work(format!("{address}: {error}")))?;
     let http = settings.http.clone();
+    let access = settings.access()?;
     let started = tokio::task::spawn_blocking(move || start(&settings));
     let source = tokio::select! {
         source = started => source.map_err(Failure::work)??,
@@ -58,7 +59,7 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     }
     tracing::info!(executor = facts.executor, adapter = facts.adapter, "serving http://{address}");
     let (end, ended) = tokio::sync::oneshot::channel::<()>();
-    let serving = serve(listener, router(source, http.clone()), &http, async {
+    let serving = serve(listener, router_with_access(source, http.clone(), access), &http, async {
         // An error says that the sender is gone, which is an end as well.
         let _ = ended.await;
     });

@@ -1,6 +1,6 @@
 //! A token bucket for each client address. The address is the connection's own: a header can be forged.
 
-use crate::{error::ApiError, listener::Ends, state::AppState};
+use crate::{access::Client, error::ApiError, listener::Ends, state::AppState};
 use axum::{
     extract::{ConnectInfo, Request, State},
     middleware::Next,
@@ -74,20 +74,38 @@ fn group(client: IpAddr) -> IpAddr {
     }
 }
 
-/// Answers 429 to a client that sends too much.
+/// Answers 429 to a client that sends too much, and 401 to one whose token or key nobody has. Known clients have rates of their
+/// own, the operator none.
 pub async fn limit_rate(
     State((state, limiter)): State<(AppState, Arc<RateLimiter>)>,
     request: Request,
     next: Next,
 ) -> Response {
-    let client = request.extensions().get::<ConnectInfo<Ends>>().map(|info| info.0.client.ip());
-    if let Some(client) = client
-        && let Err(wait_s) = limiter.take(client, Instant::now())
-    {
-        state.metrics.count_refused("rate");
-        return ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }.into_response();
+    let address = request.extensions().get::<ConnectInfo<Ends>>().map(|info| info.0.client.ip());
+    // Secrets are guessed at no higher rate than anything else is asked.
+    let of_address =
+        |address: Option<IpAddr>| match address.map(|address| limiter.take(address, Instant::now())) {
+            Some(Err(wait_s)) => Err(ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }),
+            _ => Ok(()),
+        };
+    let allowed = match state.access.client(request.headers()) {
+        Ok(Client::Operator) => Ok(()),
+        Ok(Client::Key(name)) => state.access.count(name),
+        Ok(Client::Anyone) => of_address(address),
+        Err(error) => of_address(address).and(Err(error)),
+    };
+    match allowed {
+        Ok(()) => next.run(request).await,
+        Err(error) => {
+            let reason = match error {
+                ApiError::Unauthorized => "secret",
+                ApiError::QuotaUsed { .. } => "quota",
+                _ => "rate",
+            };
+            state.metrics.count_refused(reason);
+            error.into_response()
+        }
     }
-    next.run(request).await
 }
 
 #[cfg(test)]

@@ -16,4 +16,5 @@ pub mod site;
 pub mod sky;
 pub mod tilejson;
 pub mod tiles;
+pub mod uploads;
 pub mod viewer;

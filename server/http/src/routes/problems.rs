@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 20] = [
+pub const KINDS: [(&str, &str); 25] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -31,6 +31,11 @@ pub const KINDS: [(&str, &str); 20] = [
     ("not-acceptable", "The resource does not come in any of the formats accepted."),
     ("body-too-long", "The request's body is longer than this server takes."),
     ("unreadable", "The request is not HTTP as this server reads it."),
+    ("unauthorized", "The request carries a token or key that nobody has, or none where one is needed."),
+    ("uploads-off", "The server was started without an operator's token: nobody may change its scenes."),
+    ("operator-only", "A known client asks for what the operator alone may do."),
+    ("bad-upload", "What was uploaded is no scene: the detail says why, and what was there before stays."),
+    ("quota-used", "The key's requests of the day (UTC) are used up; Retry-After says when there are more."),
     ("too-many-requests", "This address sent more than its share; Retry-After says when to go on."),
     ("busy", "The server works on as much as it can; Retry-After says when to try again."),
     ("timeout", "The answer took longer than this server allows."),
@@ -78,6 +83,11 @@ mod tests {
             wrong(Mistake::NotResident),
             ApiError::UnknownScenario { id: String::new() },
             ApiError::StalePlan { id: String::new() },
+            ApiError::Unauthorized,
+            ApiError::UploadsOff,
+            ApiError::OperatorOnly,
+            ApiError::BadUpload { reason: String::new() },
+            ApiError::QuotaUsed { retry_after_s: 1 },
             ApiError::Storage { reason: String::new() },
             ApiError::UnknownScene { id: String::new() },
             ApiError::OutsideScene { latitude_deg: 0.0, longitude_deg: 0.0, bounds: [0.0; 4] },

@@ -46,7 +46,8 @@ async fn every_path_of_the_document_answers_and_every_route_is_in_it() {
         .filter(|path| path.starts_with("/api/v1"))
         .collect();
     assert_eq!(by_hand, ["/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}"]);
-    assert_eq!(paths.len(), registered + by_hand.len());
+    // Scenes are read and changed at one path, by routers of their own.
+    assert_eq!(paths.len() + 1, registered + by_hand.len());
 }
 
 #[tokio::test]

@@ -14,8 +14,8 @@ use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
 };
 use skyglow_scene::{
-    ChangeId, ChangeSummary, GridMetadata, Ground, IngestReport, Place, RasterTile, Scenario, Scene, SceneId,
-    SceneMetadata, StoredPlan, SumKeeper, TileLayer,
+    ChangeId, ChangeSummary, GridMetadata, Ground, IngestOptions, IngestReport, Place, RasterTile, Scenario,
+    Scene, SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
 };
 use skyglow_tables::{Clouds, Scattering};
 use std::{
@@ -239,6 +239,18 @@ impl SkySource for Fake {
 
     fn scenes(&self) -> Result<Vec<SceneMetadata>, SourceError> {
         Ok(vec![self.metadata()])
+    }
+
+    fn upload_folder(&self) -> Result<UploadFolder, SourceError> {
+        Err(SourceError::Storage("a made-up program has no disk".into()))
+    }
+
+    fn ingest(&self, _: &IngestOptions) -> Result<(SceneMetadata, bool), SourceError> {
+        Err(SourceError::Storage("a made-up program has no disk".into()))
+    }
+
+    fn remove_scene(&self, id: &SceneId) -> Result<(), SourceError> {
+        self.known(id).map(drop)
     }
 
     fn scene(&self, id: &SceneId) -> Result<SceneMetadata, SourceError> {

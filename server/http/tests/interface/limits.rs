@@ -144,3 +144,30 @@ async fn a_half_sent_request_does_not_hold_the_server_when_it_is_told_to_end() {
     let ended = tokio::time::timeout(Duration::from_secs(3), server).await;
     assert!(ended.expect("the server must end").unwrap().is_ok());
 }
+
+/// What the dashboard and the alerts of `deploy/grafana` ask for is there to be asked for.
+#[tokio::test]
+async fn every_metric_of_the_dashboard_is_served() {
+    let server = Server::start().await;
+    let metrics = server.answer("/metrics").await.text().await.unwrap();
+    let served: Vec<(&str, &str)> =
+        metrics.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' ')).collect();
+    let mut asked = 0;
+    for file in [
+        include_str!("../../../../deploy/grafana/skyglow.json"),
+        include_str!("../../../../deploy/grafana/alerts.yaml"),
+    ] {
+        for (start, _) in file.match_indices("skyglow_") {
+            let name: String =
+                file[start..].chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
+            let is_it = |&&(known, kind): &&(&str, &str)| match kind {
+                "counter" => name == format!("{known}_total"),
+                "histogram" => name == format!("{known}_bucket"),
+                _ => name == known,
+            };
+            assert!(served.iter().any(|known| is_it(&known)), "{name} is not among {served:?}");
+            asked += 1;
+        }
+    }
+    assert!(asked > 20, "{asked}");
+}

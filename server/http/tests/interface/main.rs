@@ -16,3 +16,4 @@ mod server;
 mod whole;
 mod whole_layers;
 mod whole_plans;
+mod whole_uploads;

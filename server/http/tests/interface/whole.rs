@@ -1,9 +1,11 @@
 //! The real program behind the interface: the demo scene, the CPU executor, made-up tables.
 
-use crate::{server::header, whole_layers, whole_plans};
+use crate::{server::header, whole_layers, whole_plans, whole_uploads};
 use serde_json::{Value, json};
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
-use skyglow_http::{HttpConfig, ObservatorySource, SkySource, router, serve};
+use skyglow_http::{
+    Access, ApiKey, HttpConfig, ObservatorySource, SkySource, access::hash_of, router_with_access, serve,
+};
 use skyglow_scene::{SceneStore, create_demo};
 use skyglow_tables::Scattering;
 use std::sync::Arc;
@@ -14,6 +16,17 @@ pub(crate) struct Whole {
     pub(crate) base: String,
     pub(crate) client: reqwest::Client,
     pub(crate) folder: tempfile::TempDir,
+}
+
+fn access() -> Access {
+    let key = ApiKey {
+        name: "city".into(),
+        blake3: hash_of(whole_uploads::KEY),
+        requests_per_second: 100.0,
+        request_burst: 100,
+        requests_per_day: Some(10),
+    };
+    Access::new(Some(whole_uploads::TOKEN), vec![key]).unwrap()
 }
 
 impl Whole {
@@ -33,7 +46,7 @@ impl Whole {
         let source = Arc::new(source);
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let base = format!("http://{}", listener.local_addr().unwrap());
-        let app = router(source.clone(), HttpConfig::default());
+        let app = router_with_access(source.clone(), HttpConfig::default(), access());
         tokio::spawn(async move {
             serve(listener, app, &HttpConfig::default(), std::future::pending()).await.unwrap();
         });
@@ -108,6 +121,9 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
 
     whole_layers::brightness_is_that_of_the_skies(&whole, (lat, lon)).await;
     whole_layers::layers_come_as_rasters(&whole, (lat, lon)).await;
+
+    whole_uploads::scenes_are_put_and_deleted_by_the_operator(&whole, &place).await;
+    whole_uploads::keys_are_counted(&whole).await;
 
     let (status, problem) = whole.json("/api/v1/scenes/demo/sky?lat=80&lon=0").await;
     assert_eq!((status, &problem["bounds"]), (404, &scene["bounds"]));

@@ -66,9 +66,26 @@ pub struct IngestOptions {
     pub calibration: f64,
     /// Overwrite a scene of the same id.
     pub replace: bool,
+    /// Pixels that a raster may have; None where whoever gives it is trusted.
+    pub most_pixels: Option<u64>,
 }
 
+/// Longest side of a raster of somebody who is not trusted, pixels: five times around the Earth at 15″.
+const LONGEST_SIDE: usize = 500_000;
+
 impl IngestOptions {
+    /// Refuses rasters of absurd size, before memory is taken for a row of one.
+    pub(super) fn check_size(&self, (width, height): (usize, usize)) -> Result<(), String> {
+        let Some(most) = self.most_pixels else { return Ok(()) };
+        let is_small = width.max(height) <= LONGEST_SIDE && width as u64 * height as u64 <= most;
+        let reason = || {
+            format!(
+                "it has {width} x {height} pixels; allowed are {most} in all, and {LONGEST_SIDE} along a side"
+            )
+        };
+        if is_small { Ok(()) } else { Err(reason()) }
+    }
+
     /// The defaults for a raster.
     pub fn new(radiance: impl Into<PathBuf>) -> Self {
         Self {
@@ -84,6 +101,7 @@ impl IngestOptions {
             units: None,
             calibration: 1.0,
             replace: false,
+            most_pixels: None,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::georeference;
 use super::open::{gdal_reason, open_file};
-use super::options::{IngestProgress, IngestStage};
+use super::options::{IngestOptions, IngestProgress, IngestStage};
 use super::radiance::RadianceRaster;
 use super::tally::Tally;
 use crate::error::SceneError;
@@ -11,7 +11,7 @@ use crate::metadata::TerrainReport;
 use crate::morton;
 use crate::terrain::{LayerBuilder, Terrain, TerrainLayer};
 use skyglow_physics::GeoPoint;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Elevations outside this are voids, whatever the file says (deepest shore and highest peak with room).
 const PLAUSIBLE_M: std::ops::RangeInclusive<f64> = -12_000.0..=9_000.0;
@@ -28,9 +28,10 @@ pub(super) struct TerrainFiles {
 
 /// Reads the files.
 pub(super) fn read(
-    paths: &[PathBuf],
+    options: &IngestOptions,
     progress: &mut dyn FnMut(IngestProgress),
 ) -> Result<TerrainFiles, SceneError> {
+    let paths = &options.terrain;
     let mut report = TerrainReport {
         files: paths.len() as u64,
         minimum_m: f64::INFINITY,
@@ -44,7 +45,7 @@ pub(super) fn read(
             done: index as u64,
             total: paths.len() as u64,
         });
-        layers.push(read_layer(path, &mut report)?);
+        layers.push(read_layer(path, options, &mut report)?);
     }
     progress(IngestProgress {
         stage: IngestStage::Terrain,
@@ -54,13 +55,18 @@ pub(super) fn read(
     Ok(TerrainFiles { terrain: Terrain::new(layers), report })
 }
 
-fn read_layer(path: &Path, report: &mut TerrainReport) -> Result<TerrainLayer, SceneError> {
+fn read_layer(
+    path: &Path,
+    options: &IngestOptions,
+    report: &mut TerrainReport,
+) -> Result<TerrainLayer, SceneError> {
     let refuse = |reason: String| SceneError::Refused { path: path.to_owned(), reason };
     let dataset = open_file(path, &["GTiff", "COG", "SRTMHGT"])?;
     if dataset.raster_count() != 1 {
         let reason = format!("terrain has one band, this raster has {}", dataset.raster_count());
         return Err(refuse(reason));
     }
+    options.check_size(dataset.raster_size()).map_err(refuse)?;
     let band = dataset.rasterband(1).map_err(|e| refuse(gdal_reason(e)))?;
     if band.band_type() == gdal::raster::GdalDataType::UInt8 {
         return Err(refuse("it holds 8-bit numbers, as a picture does, not elevations".to_owned()));

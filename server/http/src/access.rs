@@ -1,0 +1,283 @@
+//! Who may do more than read: the operator by a token, known clients by keys with a rate and a daily quota of their own.
+//!
+//! Secrets are kept as BLAKE3 hashes, and compared as such: the time that takes says nothing about them.
+
+use crate::error::ApiError;
+use axum::http::{HeaderMap, header};
+use serde::{Deserialize, Serialize};
+use std::{
+    sync::{Mutex, PoisonError},
+    time::{Instant, SystemTime, UNIX_EPOCH},
+};
+
+/// A client that is known.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ApiKey {
+    /// Its name in logs and metrics.
+    pub name: String,
+    /// BLAKE3 hash of its key, hexadecimal.
+    pub blake3: String,
+    /// Requests a second on average.
+    pub requests_per_second: f64,
+    /// Requests at once.
+    pub request_burst: u32,
+    /// Requests a day (UTC); None for no limit.
+    pub requests_per_day: Option<u64>,
+}
+
+/// Why keys cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AccessError {
+    /// Not a hash.
+    #[error("key \"{name}\": blake3 must be 64 hexadecimal digits")]
+    BadHash {
+        /// Whose.
+        name: String,
+    },
+    /// A name or key twice, or no name.
+    #[error("key \"{name}\": {reason}")]
+    BadKey {
+        /// Whose.
+        name: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// Short enough to be guessed.
+    #[error("the operator's token must be {SHORTEST_TOKEN} characters or longer, without spaces")]
+    WeakToken,
+}
+
+/// BLAKE3 hash of a key, hexadecimal.
+pub fn hash_of(key: &str) -> String {
+    blake3::hash(key.as_bytes()).to_hex().to_string()
+}
+
+/// A token shorter than this could be guessed.
+pub const SHORTEST_TOKEN: usize = 20;
+/// Longest name of a key.
+const LONGEST_NAME: usize = 64;
+
+/// A key with what is left of its rate and quota.
+#[derive(Debug)]
+struct KnownKey {
+    key: ApiKey,
+    hash: blake3::Hash,
+    state: Mutex<KeyState>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct KeyState {
+    tokens: f64,
+    seen: Instant,
+    day: u64,
+    requests_today: u64,
+}
+
+/// The operator and the known clients.
+#[derive(Debug, Default)]
+pub struct Access {
+    operator: Option<blake3::Hash>,
+    keys: Vec<KnownKey>,
+}
+
+/// Who asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Client<'a> {
+    /// Somebody.
+    Anyone,
+    /// The operator.
+    Operator,
+    /// A known client, by its name.
+    Key(&'a str),
+}
+
+impl Access {
+    /// * `token`: the operator's; None where nobody may upload.
+    ///
+    /// # Errors
+    /// [`AccessError`].
+    pub fn new(token: Option<&str>, keys: Vec<ApiKey>) -> Result<Self, AccessError> {
+        let is_weak = |token: &str| token.len() < SHORTEST_TOKEN || token.contains(char::is_whitespace);
+        if token.is_some_and(is_weak) {
+            return Err(AccessError::WeakToken);
+        }
+        let mut known: Vec<KnownKey> = Vec::new();
+        for key in keys {
+            let refuse = |reason| AccessError::BadKey { name: key.name.clone(), reason };
+            let hash = blake3::Hash::from_hex(&key.blake3)
+                .map_err(|_| AccessError::BadHash { name: key.name.clone() })?;
+            if key.name.is_empty() || key.name.len() > LONGEST_NAME || key.name.contains(char::is_control) {
+                return Err(refuse("a name has 1 to 64 characters"));
+            }
+            if !(key.requests_per_second > 0.0 && key.requests_per_second.is_finite())
+                || key.request_burst == 0
+            {
+                return Err(refuse("its rate and burst must be above 0"));
+            }
+            if known.iter().any(|other| other.key.name == key.name || other.hash == hash) {
+                return Err(refuse("its name or its hash is there twice"));
+            }
+            let state = KeyState {
+                tokens: f64::from(key.request_burst),
+                seen: Instant::now(),
+                day: 0,
+                requests_today: 0,
+            };
+            known.push(KnownKey { key, hash, state: Mutex::new(state) });
+        }
+        Ok(Self { operator: token.map(|token| blake3::hash(token.as_bytes())), keys: known })
+    }
+
+    /// Whether there is an operator at all.
+    pub fn has_operator(&self) -> bool {
+        self.operator.is_some()
+    }
+
+    /// Who a request is from: by `Authorization: Bearer`, or `X-Api-Key`.
+    ///
+    /// # Errors
+    /// [`ApiError::Unauthorized`] for a token or key that nobody has.
+    pub fn client(&self, headers: &HeaderMap) -> Result<Client<'_>, ApiError> {
+        let Some(secret) = secret_of(headers)? else { return Ok(Client::Anyone) };
+        let hash = blake3::hash(secret.as_bytes());
+        // All are looked at, whichever is the one.
+        let operator = self.operator.is_some_and(|operator| operator == hash);
+        let key =
+            self.keys.iter().fold(None, |found, known| if known.hash == hash { Some(known) } else { found });
+        match (operator, key) {
+            (true, _) => Ok(Client::Operator),
+            (false, Some(known)) => Ok(Client::Key(&known.key.name)),
+            (false, None) => Err(ApiError::Unauthorized),
+        }
+    }
+
+    /// Counts a request of a known client.
+    ///
+    /// # Errors
+    /// [`ApiError::TooManyRequests`] or [`ApiError::QuotaUsed`].
+    pub fn count(&self, name: &str) -> Result<(), ApiError> {
+        let now_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
+        self.count_at(name, Instant::now(), now_s)
+    }
+
+    fn count_at(&self, name: &str, now: Instant, now_s: u64) -> Result<(), ApiError> {
+        let Some(known) = self.keys.iter().find(|known| known.key.name == name) else { return Ok(()) };
+        let key = &known.key;
+        let mut state = known.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let elapsed_s = now.saturating_duration_since(state.seen).as_secs_f64();
+        state.tokens = (state.tokens + elapsed_s * key.requests_per_second).min(f64::from(key.request_burst));
+        state.seen = now;
+        let (day, second) = (now_s / 86_400, now_s % 86_400);
+        // A clock that was set back does not give the quota anew.
+        if day > state.day {
+            (state.day, state.requests_today) = (day, 0);
+        }
+        if key.requests_per_day.is_some_and(|most| state.requests_today >= most) {
+            return Err(ApiError::QuotaUsed { retry_after_s: 86_400 - second });
+        }
+        if state.tokens < 1.0 {
+            let wait_s = (1.0 - state.tokens) / key.requests_per_second;
+            return Err(ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 });
+        }
+        state.tokens -= 1.0;
+        state.requests_today += 1;
+        Ok(())
+    }
+}
+
+/// The token or key that a request carries.
+fn secret_of(headers: &HeaderMap) -> Result<Option<&str>, ApiError> {
+    if let Some(value) = headers.get(header::AUTHORIZATION) {
+        let bearer = value.to_str().ok().and_then(|value| {
+            let (scheme, token) = value.split_once(' ')?;
+            scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
+        });
+        return bearer.map(Some).ok_or(ApiError::Unauthorized);
+    }
+    match headers.get("x-api-key") {
+        Some(value) => value.to_str().map(Some).map_err(|_| ApiError::Unauthorized),
+        None => Ok(None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::http::HeaderValue;
+    use std::time::Duration;
+
+    const TOKEN: &str = "a-token-of-some-length-1234";
+
+    fn key(name: &str, secret: &str) -> ApiKey {
+        ApiKey {
+            name: name.to_owned(),
+            blake3: hash_of(secret),
+            requests_per_second: 2.0,
+            request_burst: 3,
+            requests_per_day: Some(5),
+        }
+    }
+
+    fn with(name: &'static str, value: &str) -> HeaderMap {
+        HeaderMap::from_iter([(name.parse().unwrap(), HeaderValue::from_str(value).unwrap())])
+    }
+
+    #[test]
+    fn the_operator_and_known_clients_are_told_from_anyone_and_wrong_secrets_refused() {
+        let token = TOKEN;
+        let access = Access::new(Some(token), vec![key("city", "k1"), key("park", "k2")]).unwrap();
+        assert_eq!(access.client(&HeaderMap::new()), Ok(Client::Anyone));
+        assert_eq!(access.client(&with("authorization", &format!("Bearer {token}"))), Ok(Client::Operator));
+        assert_eq!(access.client(&with("authorization", "bearer k2")), Ok(Client::Key("park")));
+        assert_eq!(access.client(&with("x-api-key", "k1")), Ok(Client::Key("city")));
+        for (name, value) in [
+            ("authorization", "Bearer k3"),
+            ("authorization", "Basic azE="),
+            ("x-api-key", ""),
+            ("authorization", "k1"),
+        ] {
+            assert_eq!(access.client(&with(name, value)), Err(ApiError::Unauthorized), "{name} {value}");
+        }
+        // Without a token in force no text is the operator's.
+        assert_eq!(
+            Access::default().client(&with("authorization", &format!("Bearer {token}"))),
+            Err(ApiError::Unauthorized)
+        );
+    }
+
+    #[test]
+    fn keys_have_a_rate_and_a_quota_of_a_day_that_a_clock_set_back_does_not_renew() {
+        let access = Access::new(None, vec![key("city", "k1"), key("park", "k2")]).unwrap();
+        let (start, noon_s) = (Instant::now(), 20_000 * 86_400 + 43_200);
+        for _ in 0..3 {
+            assert_eq!(access.count_at("city", start, noon_s), Ok(()));
+        }
+        assert_eq!(
+            access.count_at("city", start, noon_s),
+            Err(ApiError::TooManyRequests { retry_after_s: 1 })
+        );
+        assert_eq!(access.count_at("park", start, noon_s), Ok(()));
+        let later = start + Duration::from_secs(60);
+        assert_eq!(access.count_at("city", later, noon_s + 60), Ok(()));
+        assert_eq!(access.count_at("city", later, noon_s + 60), Ok(()));
+        let used = Err(ApiError::QuotaUsed { retry_after_s: 43_140 });
+        assert_eq!(access.count_at("city", later, noon_s + 60), used);
+        assert!(access.count_at("city", later, noon_s - 86_400).is_err());
+        assert_eq!(access.count_at("city", later, noon_s + 86_400), Ok(()));
+    }
+
+    #[test]
+    fn keys_and_tokens_that_cannot_be_meant_are_refused_by_name() {
+        let refused =
+            |key: ApiKey| Access::new(None, vec![self::key("city", "k1"), key]).unwrap_err().to_string();
+        assert!(refused(ApiKey { blake3: "12".into(), ..key("park", "k2") }).contains("park"));
+        assert!(refused(key("city", "k2")).contains("twice"));
+        assert!(refused(key("park", "k1")).contains("twice"));
+        assert!(refused(key("", "k2")).contains("1 to 64"));
+        assert!(refused(ApiKey { requests_per_second: f64::NAN, ..key("park", "k2") }).contains("above 0"));
+        for weak in ["short", "with a space in the middle"] {
+            assert_eq!(Access::new(Some(weak), Vec::new()).unwrap_err(), AccessError::WeakToken);
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! Changing scenes: for the operator alone.
+
+use crate::etag::ETag;
+use crate::{
+    access::Client,
+    answers::SceneAnswer,
+    error::ApiError,
+    problem::{FieldError, Mistake, Problem, echo},
+    request::{no_parameters, scene_id},
+    respond::{Caching, Keep},
+    state::AppState,
+};
+use axum::{
+    body::Body,
+    extract::{FromRequest, Multipart, Path, RawQuery, Request, State, multipart::Field},
+    http::{HeaderMap, HeaderValue, Response, StatusCode, header},
+};
+use skyglow_scene::{IngestOptions, RadianceUnit, SceneId};
+use std::{
+    path::{Path as FilePath, PathBuf},
+    time::Duration,
+};
+use tokio::{fs::File, io::AsyncWriteExt};
+use utoipa::ToSchema;
+
+/// Longest text of a field that is no file, bytes.
+const LONGEST_TEXT: usize = 4096;
+/// Files of terrain at most.
+const MOST_TERRAIN: usize = 256;
+/// Longest wait for the next piece of a file.
+const LONGEST_PAUSE: Duration = Duration::from_secs(30);
+
+/// A scene's files and what is to be known of them, as `skyglow ingest` has it.
+#[derive(Debug, ToSchema)]
+#[expect(dead_code, reason = "for the document: the fields are read one by one as they come")]
+pub struct SceneUpload {
+    /// Upward radiance: GeoTIFF, COG, or a NASA Black Marble HDF5 granule.
+    #[schema(value_type = String, format = Binary)]
+    radiance: Vec<u8>,
+    /// Terrain, GeoTIFF or SRTM `.hgt`; may be given several times, the first that has a value wins.
+    #[schema(value_type = Option<String>, format = Binary)]
+    terrain: Option<Vec<u8>>,
+    /// GeoJSON or CSV with name, latitude, longitude and population.
+    #[schema(value_type = Option<String>, format = Binary)]
+    places: Option<Vec<u8>>,
+    /// Title for people; by default the id.
+    title: Option<String>,
+    /// When the radiances were taken.
+    date: Option<String>,
+    /// Whom to credit.
+    attribution: Option<String>,
+    /// Subdataset or band to read, by name or number.
+    band: Option<String>,
+    /// Factor on the stored numbers.
+    scale: Option<f64>,
+    /// `nw-cm2-sr` or `w-m2-sr`.
+    units: Option<String>,
+    /// Factor on every radiance.
+    calibration: Option<f64>,
+}
+
+/// Makes a scene of rasters, in place of the one of that id if there is one. They are checked before anything is replaced, and
+/// requests under way keep the scene that they have. For the operator: `Authorization: Bearer` with the server's token.
+#[utoipa::path(
+    put,
+    path = "/api/v1/scenes/{scene}",
+    tag = "scenes",
+    params(("scene" = String, Path, description = "The scene's id")),
+    request_body(content = SceneUpload, content_type = "multipart/form-data"),
+    responses(
+        (status = 200, description = "The scene, which takes the place of the one before", body = SceneAnswer),
+        (status = 201, description = "The scene, which is new", body = SceneAnswer),
+        (status = 400, description = "A body that is no form of such fields", body = Problem, content_type = "application/problem+json"),
+        (status = 401, description = "No token, or a wrong one", body = Problem, content_type = "application/problem+json"),
+        (status = 403, description = "Not the operator, or the server takes no uploads", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No scene can have this id", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Rasters that cannot be meant; what was there before stays", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Another upload is under way, no room on disk, or too slow; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn put_scene(
+    State(state): State<AppState>,
+    Path(scene): Path<String>,
+    RawQuery(query): RawQuery,
+    request: Request,
+) -> Result<Response<Body>, ApiError> {
+    only_operator(&state, request.headers())?;
+    let id = scene_id(&scene)?;
+    no_parameters(query.as_deref())?;
+    let Ok(_place) = state.uploads.clone().try_acquire_owned() else {
+        state.metrics.count_refused("busy");
+        return Err(ApiError::Busy { retry_after_s: 30 });
+    };
+    let limit = state.config.upload_timeout();
+    match tokio::time::timeout(limit, upload(&state, id, request)).await {
+        Ok(answer) => answer,
+        Err(_) => {
+            state.metrics.count_refused("timeout");
+            Err(ApiError::Timeout { limit_s: state.config.upload_timeout_s })
+        }
+    }
+}
+
+/// Removes a scene; requests under way keep it. For the operator.
+#[utoipa::path(
+    delete,
+    path = "/api/v1/scenes/{scene}",
+    tag = "scenes",
+    params(("scene" = String, Path, description = "The scene's id")),
+    responses(
+        (status = 204, description = "It is gone"),
+        (status = 401, description = "No token, or a wrong one", body = Problem, content_type = "application/problem+json"),
+        (status = 403, description = "Not the operator, or the server takes no uploads", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "The disk does not let it go", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn delete_scene(
+    State(state): State<AppState>,
+    Path(scene): Path<String>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Result<StatusCode, ApiError> {
+    only_operator(&state, &headers)?;
+    let id = scene_id(&scene)?;
+    no_parameters(query.as_deref())?;
+    let removed = id.clone();
+    state.blocking(move |source| Ok(source.remove_scene(&removed)?)).await?;
+    tracing::info!(scene = %id, "a scene was removed by the operator");
+    Ok(StatusCode::NO_CONTENT)
+}
+
+fn only_operator(state: &AppState, headers: &HeaderMap) -> Result<(), ApiError> {
+    if !state.access.has_operator() {
+        return Err(ApiError::UploadsOff);
+    }
+    match state.access.client(headers)? {
+        Client::Operator => Ok(()),
+        Client::Key(_) => Err(ApiError::OperatorOnly),
+        Client::Anyone => Err(ApiError::Unauthorized),
+    }
+}
+
+async fn upload(state: &AppState, id: SceneId, request: Request) -> Result<Response<Body>, ApiError> {
+    let mut form = Multipart::from_request(request, &()).await.map_err(|error| {
+        field_error("body", None, error.body_text(), "a form (multipart/form-data) with the file `radiance`")
+    })?;
+    let folder = state.blocking(|source| Ok(source.upload_folder()?)).await?;
+    let mut options = IngestOptions::new(PathBuf::new());
+    (options.id, options.replace) = (Some(id.clone()), true);
+    options.most_pixels = Some(state.config.upload_pixels);
+    loop {
+        let next = tokio::time::timeout(LONGEST_PAUSE, form.next_field()).await.map_err(|_| too_slow())?;
+        let Some(field) = next.map_err(|error| unreadable(state, &error))? else { break };
+        take(state, folder.path(), field, &mut options).await?;
+    }
+    if options.radiance.as_os_str().is_empty() {
+        return Err(field_error("radiance", None, Mistake::Missing.words().to_owned(), "a raster"));
+    }
+    let (scene, was_there) = state
+        .blocking(move |source| {
+            let made = source.ingest(&options)?;
+            drop(folder);
+            Ok(made)
+        })
+        .await?;
+    tracing::info!(scene = %id, version = scene.version, replaced = was_there, "a scene was uploaded by the operator");
+    let etag = ETag::of(&["uploaded", &scene.version]);
+    let caching = Caching { etag, keep: Keep::Revalidate, vary: None };
+    let mut response = caching.json(&SceneAnswer::from(scene))?;
+    if !was_there {
+        *response.status_mut() = StatusCode::CREATED;
+    }
+    if let Ok(location) = HeaderValue::from_str(&format!("/api/v1/scenes/{id}")) {
+        response.headers_mut().insert(header::LOCATION, location);
+    }
+    Ok(response)
+}
+
+/// Takes a field into the options, a file into the folder.
+async fn take(
+    state: &AppState,
+    folder: &FilePath,
+    field: Field<'_>,
+    options: &mut IngestOptions,
+) -> Result<(), ApiError> {
+    let name = field.name().unwrap_or_default().to_owned();
+    let is_repeated = match name.as_str() {
+        "radiance" => !options.radiance.as_os_str().is_empty(),
+        "places" => options.places.is_some(),
+        "terrain" => options.terrain.len() >= MOST_TERRAIN,
+        _ => false,
+    };
+    if is_repeated {
+        return Err(field_error(
+            &name,
+            None,
+            Mistake::Repeated.words().to_owned(),
+            "one, or 256 files of terrain",
+        ));
+    }
+    match name.as_str() {
+        "radiance" => options.radiance = keep(state, folder, "radiance", "tif", field).await?,
+        "places" => options.places = Some(keep(state, folder, "places", "csv", field).await?),
+        "terrain" => {
+            let part = format!("terrain{}", options.terrain.len());
+            options.terrain.push(keep(state, folder, &part, "tif", field).await?);
+        }
+        "title" | "date" | "attribution" | "band" | "scale" | "units" | "calibration" => {
+            let text = text_of(state, &name, field).await?;
+            let number = |allowed: &str| {
+                let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+                number.ok_or_else(|| {
+                    field_error(&name, Some(&text), Mistake::Malformed.words().to_owned(), allowed)
+                })
+            };
+            match name.as_str() {
+                "title" => options.title = Some(text),
+                "date" => options.date = Some(text),
+                "attribution" => options.attribution = Some(text),
+                "band" => options.band = Some(text),
+                "scale" => options.scale = Some(number("a number above 0")?),
+                "calibration" => options.calibration = number("a number above 0")?,
+                _ => {
+                    let units = RadianceUnit::parse(&text);
+                    options.units = Some(units.map_err(|error| {
+                        field_error("units", Some(&text), error.to_string(), "nw-cm2-sr or w-m2-sr")
+                    })?);
+                }
+            }
+        }
+        _ => {
+            let allowed =
+                "radiance, terrain, places, title, date, attribution, band, scale, units, calibration";
+            let message = Mistake::UnknownParameter.words().to_owned();
+            return Err(field_error(&echo(&name), None, message, allowed));
+        }
+    }
+    Ok(())
+}
+
+/// Writes a file into a folder of its own, for rasters may look for others beside them.
+async fn keep(
+    state: &AppState,
+    folder: &FilePath,
+    part: &str,
+    ending: &str,
+    mut field: Field<'_>,
+) -> Result<PathBuf, ApiError> {
+    let storage = |error: std::io::Error| ApiError::Storage { reason: error.to_string() };
+    let own = folder.join(part);
+    tokio::fs::create_dir(&own).await.map_err(storage)?;
+    let path = own.join(field.file_name().and_then(plain_name).unwrap_or_else(|| format!("{part}.{ending}")));
+    let mut file = File::create(&path).await.map_err(storage)?;
+    while let Some(piece) = tokio::time::timeout(LONGEST_PAUSE, field.chunk())
+        .await
+        .map_err(|_| too_slow())?
+        .map_err(|error| unreadable(state, &error))?
+    {
+        file.write_all(&piece).await.map_err(storage)?;
+    }
+    file.flush().await.map_err(storage)?;
+    Ok(path)
+}
+
+/// A client's name of a file where it can be one here: granules and `.hgt` say by it what ground they are of.
+fn plain_name(name: &str) -> Option<String> {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
+    let is_name =
+        (1..=120).contains(&name.len()) && !name.starts_with(['.', '-']) && name.bytes().all(is_plain);
+    is_name.then(|| name.to_owned())
+}
+
+async fn text_of(state: &AppState, name: &str, mut field: Field<'_>) -> Result<String, ApiError> {
+    let mut bytes = Vec::new();
+    while let Some(piece) = tokio::time::timeout(LONGEST_PAUSE, field.chunk())
+        .await
+        .map_err(|_| too_slow())?
+        .map_err(|error| unreadable(state, &error))?
+    {
+        bytes.extend_from_slice(&piece);
+        if bytes.len() > LONGEST_TEXT {
+            return Err(field_error(name, None, "is too long".to_owned(), "4096 bytes at most"));
+        }
+    }
+    String::from_utf8(bytes)
+        .map_err(|_| field_error(name, None, Mistake::Malformed.words().to_owned(), "text in UTF-8"))
+}
+
+fn field_error(name: &str, value: Option<&str>, message: String, allowed: &str) -> ApiError {
+    ApiError::Parameters(vec![FieldError {
+        parameter: name.to_owned(),
+        value: value.map(echo),
+        allowed: allowed.to_owned(),
+        message,
+        code: Mistake::NotAllowed,
+    }])
+}
+
+fn too_slow() -> ApiError {
+    ApiError::Unreadable(StatusCode::REQUEST_TIMEOUT.as_u16())
+}
+
+fn unreadable(state: &AppState, error: &axum::extract::multipart::MultipartError) -> ApiError {
+    if error.status() == StatusCode::PAYLOAD_TOO_LARGE {
+        return ApiError::BodyTooLong { limit_bytes: state.config.upload_limit_bytes };
+    }
+    field_error("body", None, error.body_text(), "a form (multipart/form-data) with the file `radiance`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_stay_where_they_are_plain() {
+        for name in ["N46E008.hgt", "VNP46A4.A2023001.h21v08.001.h5", "a_b-c.tif"] {
+            assert_eq!(plain_name(name).as_deref(), Some(name));
+        }
+        let long = "a".repeat(121);
+        for name in
+            ["", ".", "..", ".hidden", "../x.tif", "a/b", "a\\b", "-o", "a b", "ä.tif", "a\0", long.as_str()]
+        {
+            assert_eq!(plain_name(name), None, "{name:?}");
+        }
+    }
+}
