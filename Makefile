@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve test packs bench stress viewer
+.PHONY: help serve test packs bench stress load soak faults container deny viewer
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -21,6 +21,22 @@ bench: ## run time against error on this machine, in minutes: a table, and targe
 	@cargo build --release --package skyglow
 	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" target/release/skyglow bench --packs precomputed --out target/bench \
 		$(foreach file,$(wildcard tests/truth/*.json),--truth $(file))
+
+load: ## throughput and latency by wrk on loopback, with plain Rust and with lavapipe, in minutes
+	@scripts/load.sh
+
+soak: ## a mixed load and the server's memory beside it (MINUTES=20)
+	@scripts/soak.sh $(MINUTES)
+
+faults: ## kill it, fill its disk, damage its files, starve its connections, under load
+	@scripts/faults.sh
+
+container: ## build the image's root file system without a container engine and start it as one would (as root)
+	@deploy/container/test.sh
+
+deny: ## licences, bans and sources of every dependency (cargo-deny)
+	@command -v cargo-deny >/dev/null 2>&1 || cargo install --locked cargo-deny
+	@cargo deny check licenses bans sources
 
 viewer: ## rebuild web/dist, the viewer's built form, from its sources
 	@scripts/system_packages.sh test

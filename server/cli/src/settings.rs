@@ -93,6 +93,9 @@ pub(crate) struct Layer {
     /// Bytes of computed skies that are kept for the next request [default: 67108864]
     #[arg(long, env = "SKYGLOW_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) cache_bytes: Option<u64>,
+    /// Bytes of pictures, rasters and map tiles that are kept as they were sent [default: 67108864]
+    #[arg(long, env = "SKYGLOW_ANSWER_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) answer_cache_bytes: Option<u64>,
     /// Bytes of maps of influences that are kept for the next request and for map tiles [default: 268435456]
     #[arg(long, env = "SKYGLOW_INFLUENCE_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) influence_cache_bytes: Option<u64>,
@@ -404,7 +407,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 16);
+        assert_eq!(compared, 17);
         assert_eq!(Settings::default().change_limits(), ChangeLimits::default());
     }
 }

@@ -68,6 +68,20 @@ impl<'a> GroundMap<'a> {
         shown == Shown::Ground
     }
 
+    /// Elevation of the ground in each column of an equirectangular picture, radians; None where nothing hides.
+    pub(crate) fn tops_rad(&self, azimuths_rad: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
+        let horizon = self.horizon?;
+        Some(azimuths_rad.map(|azimuth_rad| horizon.elevation_at_rad(azimuth_rad)).collect())
+    }
+
+    /// [`Self::is_ground`] of the next pixel of such a picture.
+    #[inline(always)]
+    pub(crate) fn is_ground_below(&mut self, top_rad: f64, elevation_rad: f64) -> bool {
+        let shown = if elevation_rad < top_rad { Shown::Ground } else { Shown::Sky };
+        self.shown.push(shown);
+        shown == Shown::Ground
+    }
+
     /// Draws the line along the upper edge of the ground, on the ground's side, at `offset_px` from the left.
     pub(crate) fn draw_skyline(&self, canvas: &mut RgbImage, offset_px: u32) {
         let (width, height) = self.size_px;

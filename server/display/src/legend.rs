@@ -83,6 +83,15 @@ pub(crate) struct Beyond {
     pub(crate) above: bool,
 }
 
+impl Beyond {
+    /// Looks at one luminance.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, luminance_cd_m2: f64, (dark, bright): (f64, f64)) {
+        self.below |= luminance_cd_m2 < dark;
+        self.above |= luminance_cd_m2 > bright;
+    }
+}
+
 /// Draws the strip below the sky: colour bar with both units, or the exposure.
 pub(crate) fn draw_strip(
     canvas: &mut RgbImage,

@@ -18,6 +18,7 @@ pub mod ground;
 pub mod legend;
 pub mod notes;
 pub mod options;
+mod panels;
 pub mod picture;
 pub mod projection;
 pub mod raster;

@@ -5,7 +5,8 @@ use crate::{
     error::DisplayError,
     ground::{GroundMap, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
-    options::{PictureOptions, Style},
+    options::{PictureOptions, Projection, Style},
+    panels::{Columns, Row},
     projection::View,
     realistic::ToneMap,
     sampler::{Sampler, taps},
@@ -21,14 +22,48 @@ enum Painter<'a> {
     FalseColour {
         luminance_cd_m2: Vec<f64>,
         table: Box<[[u8; 3]; TABLE_LEN]>,
-        /// Entry `i + 1` of the table starts at `starts_cd_m2[i]`: no logarithm per pixel.
-        starts_cd_m2: Box<[f64; TABLE_LEN - 1]>,
+        starts: Box<Starts>,
         ends_cd_m2: (f64, f64),
     },
     Realistic {
         sampler: Sampler<'a>,
         tone_map: Box<ToneMap>,
     },
+}
+
+/// Where the colours of a table start: entry `i + 1` at `cd_m2[i]`. No logarithm per pixel.
+struct Starts {
+    cd_m2: [f64; TABLE_LEN - 1],
+    /// Entries for each power of 2, and log2 of where the first starts.
+    per_octave: f32,
+    first_octave: f32,
+}
+
+impl Starts {
+    fn new((dark, bright): (f64, f64)) -> Self {
+        let steps = (TABLE_LEN - 1) as f64;
+        Self {
+            cd_m2: std::array::from_fn(|i| dark * ((i as f64 + 0.5) / steps * (bright / dark).ln()).exp()),
+            per_octave: (steps / (bright / dark).log2()) as f32,
+            first_octave: (dark.log2() + 0.5 / steps * (bright / dark).log2()) as f32,
+        }
+    }
+
+    /// The entry of a luminance: how many of the others start at or below it.
+    #[inline(always)]
+    fn entry(&self, luminance_cd_m2: f64) -> usize {
+        // The exponent and mantissa of a float are its logarithm to a twelfth of an octave: a guess that steps of one mend.
+        let octave = (luminance_cd_m2 as f32).to_bits() as f32 * (1.0 / (1u32 << 23) as f32) - 127.0;
+        let guess = (octave - self.first_octave) * self.per_octave;
+        let mut entry = guess.clamp(0.0, self.cd_m2.len() as f32) as usize;
+        while entry < self.cd_m2.len() && self.cd_m2[entry] <= luminance_cd_m2 {
+            entry += 1;
+        }
+        while entry > 0 && self.cd_m2[entry - 1] > luminance_cd_m2 {
+            entry -= 1;
+        }
+        entry
+    }
 }
 
 impl<'a> Painter<'a> {
@@ -45,9 +80,7 @@ impl<'a> Painter<'a> {
                     table: Box::new(colormap.table()),
                     // With room for rounding: the ends themselves are inside.
                     ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
-                    starts_cd_m2: Box::new(std::array::from_fn(|i| {
-                        dark * ((i as f64 + 0.5) / (TABLE_LEN - 1) as f64 * (bright / dark).ln()).exp()
-                    })),
+                    starts: Box::new(Starts::new((dark, bright))),
                 }
             }
             Style::Realistic { exposure_ev } => Painter::Realistic {
@@ -60,13 +93,12 @@ impl<'a> Painter<'a> {
     /// The colour of a direction; notes in `beyond` what the colours cannot tell apart from their ends.
     fn rgb(&self, direction: Direction, beyond: &mut Beyond) -> Option<[u8; 3]> {
         match self {
-            Painter::FalseColour { luminance_cd_m2, table, starts_cd_m2, ends_cd_m2 } => {
+            Painter::FalseColour { luminance_cd_m2, table, starts, ends_cd_m2 } => {
                 let taps = taps(direction)?;
                 let luminance: f64 =
                     (0..4).map(|tap| taps.weight[tap] * luminance_cd_m2[taps.offset[tap]]).sum();
-                beyond.below |= luminance < ends_cd_m2.0;
-                beyond.above |= luminance > ends_cd_m2.1;
-                Some(table[starts_cd_m2.partition_point(|&start| start <= luminance)])
+                beyond.note(luminance, *ends_cd_m2);
+                Some(table[starts.entry(luminance)])
             }
             Painter::Realistic { sampler, tone_map } => {
                 sampler.radiance_w_m2_sr(direction).map(|radiance| tone_map.rgb(radiance))
@@ -95,15 +127,39 @@ pub fn picture(
     let offset_px = (canvas_width_px - options.width_px) / 2;
     let mut canvas = RgbImage::from_pixel(canvas_width_px, canvas_height_px, Rgb(GROUND_RGB));
     let mut beyond = Beyond::default();
-    for y in 0..options.height_px {
-        for x in 0..options.width_px {
-            let direction = view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            if ground.is_ground(direction) {
-                canvas.put_pixel(x + offset_px, y, Rgb(TERRAIN_RGB));
-            } else if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, &mut beyond)) {
+    let columns = match options.projection {
+        Projection::Equirectangular => Columns::new(&view, options.width_px),
+        _ => None,
+    };
+    // Rows and columns of an equirectangular picture are found once.
+    if let (Some(columns), Painter::FalseColour { luminance_cd_m2, table, starts, ends_cd_m2 }) =
+        (&columns, &painter)
+    {
+        let azimuth_rad = |x: u32| {
+            view.direction_at(f64::from(x) + 0.5, 0.5).map_or(0.0, |direction| direction.azimuth_rad)
+        };
+        let tops_rad = ground.tops_rad((0..options.width_px).map(azimuth_rad));
+        for y in 0..options.height_px {
+            let direction = view.direction_at(0.5, f64::from(y) + 0.5);
+            let elevation_rad = direction.map_or(0.0, |direction| direction.elevation_rad);
+            let Some(row) = Row::new(luminance_cd_m2, elevation_rad) else { continue };
+            for x in 0..options.width_px {
+                let is_ground = match &tops_rad {
+                    Some(tops_rad) => ground.is_ground_below(tops_rad[x as usize], elevation_rad),
+                    None => false,
+                };
+                let rgb = if is_ground {
+                    TERRAIN_RGB
+                } else {
+                    let luminance = row.at(columns, x as usize);
+                    beyond.note(luminance, *ends_cd_m2);
+                    table[starts.entry(luminance)]
+                };
                 canvas.put_pixel(x + offset_px, y, Rgb(rgb));
             }
         }
+    } else {
+        paint_each(&mut canvas, offset_px, options, &view, &painter, &mut ground, &mut beyond);
     }
     ground.draw_skyline(&mut canvas, offset_px);
     if options.legend {
@@ -111,6 +167,28 @@ pub fn picture(
         legend::draw_strip(&mut canvas, options, beyond)?;
     }
     Ok(canvas)
+}
+
+/// Every pixel by its own direction.
+fn paint_each(
+    canvas: &mut RgbImage,
+    offset_px: u32,
+    options: &PictureOptions,
+    view: &View,
+    painter: &Painter<'_>,
+    ground: &mut GroundMap<'_>,
+    beyond: &mut Beyond,
+) {
+    for y in 0..options.height_px {
+        for x in 0..options.width_px {
+            let direction = view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            if ground.is_ground(direction) {
+                canvas.put_pixel(x + offset_px, y, Rgb(TERRAIN_RGB));
+            } else if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, beyond)) {
+                canvas.put_pixel(x + offset_px, y, Rgb(rgb));
+            }
+        }
+    }
 }
 
 /// Width and height of the whole picture, legend included, pixels.
@@ -167,6 +245,43 @@ mod tests {
             picture(&beacon(0, 64), &Horizon::flat(), &plain(Projection::Equirectangular, 256, 64)).unwrap();
         assert_eq!(image.get_pixel(64, 63).0, [255; 3]);
         assert_eq!(image.pixels().filter(|p| p.0 != [0; 3]).count(), 1);
+    }
+
+    #[test]
+    fn a_colour_is_that_of_the_last_start_at_or_below_for_any_number() {
+        for ends in [(1e-5, 0.1), (3e-9, 2e-3), (0.2, 0.3)] {
+            let starts = Starts::new(ends);
+            let known: Vec<f64> =
+                starts.cd_m2.iter().flat_map(|&s| [s.next_down(), s, s.next_up()]).collect();
+            let spread = (0..4000).map(|i| ends.0 * 1e-3 * (i as f64 * 0.01).exp());
+            for luminance in known.into_iter().chain(spread).chain([0.0, -1e-9, 1e30, f64::MIN_POSITIVE]) {
+                let wanted = starts.cd_m2.partition_point(|&start| start <= luminance);
+                assert_eq!(starts.entry(luminance), wanted, "{luminance:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_picture_by_rows_and_columns_is_that_of_every_direction() {
+        let panorama = Panorama::from_samples(
+            (0..Panorama::LEN).map(|i| 1e-9 * (1.0 + ((i * 7919) % 100_003) as f32)).collect(),
+        )
+        .unwrap();
+        let hills = (0..AZIMUTH_COUNT).map(|c| 0.2 * (c as f64 * 0.1).sin().max(0.0)).collect();
+        for horizon in [Horizon::flat(), Horizon::new(hills).unwrap()] {
+            let options = plain(Projection::Equirectangular, 640, 150);
+            let fast = picture(&panorama, &horizon, &options).unwrap();
+            let shown = without_ground(&panorama, &horizon);
+            let (painter, mut ground) =
+                (Painter::new(&shown, &options), GroundMap::new(&horizon, (640, 150)));
+            let view = View::new(options.projection, 640, 150);
+            let mut slow = RgbImage::from_pixel(640, 150, Rgb(GROUND_RGB));
+            paint_each(&mut slow, 0, &options, &view, &painter, &mut ground, &mut Beyond::default());
+            ground.draw_skyline(&mut slow, 0);
+            // Sums in another order may fall on the other side of a colour's start.
+            let differing = fast.pixels().zip(slow.pixels()).filter(|(a, b)| a != b).count();
+            assert!(differing < 10, "{differing}");
+        }
     }
 
     #[test]

@@ -27,6 +27,8 @@ pub struct HttpConfig {
     pub drain_timeout_s: f64,
     /// Bytes of rendered skies that are kept for the next request.
     pub cache_bytes: u64,
+    /// Bytes of pictures, rasters and map tiles that are kept as they were sent.
+    pub answer_cache_bytes: u64,
     /// Bytes of maps of influences that are kept for the next request and for map tiles; a map of a million lights takes 36 MB.
     pub influence_cache_bytes: u64,
     /// Bytes of maps of the zenith's brightness that are kept for map tiles; a map takes 7 MB.
@@ -49,6 +51,7 @@ impl Default for HttpConfig {
             request_burst: 1000,
             drain_timeout_s: 10.0,
             cache_bytes: 64 * 1024 * 1024,
+            answer_cache_bytes: 64 * 1024 * 1024,
             influence_cache_bytes: 256 * 1024 * 1024,
             brightness_cache_bytes: 64 * 1024 * 1024,
             public_url: None,

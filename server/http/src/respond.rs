@@ -50,8 +50,8 @@ impl Caching {
     }
 
     /// 200 with a body.
-    pub fn ok(&self, media_type: &'static str, body: Vec<u8>) -> Response<Body> {
-        let mut response = Response::new(Body::from(body));
+    pub fn ok(&self, media_type: &'static str, body: impl Into<Body>) -> Response<Body> {
+        let mut response = Response::new(body.into());
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type));
         self.put(headers, &self.etag.header());

@@ -8,10 +8,12 @@ use crate::{
     metrics::Metrics,
     source::{BrightnessQuery, InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
 };
+use axum::body::Bytes;
 use moka::{future::Cache, policy::EvictionPolicy};
 use skyglow_engine::{BrightnessMap, InfluenceMap};
 use skyglow_physics::Panorama;
 use std::{
+    future::Future,
     sync::{Arc, OnceLock},
     time::Duration,
 };
@@ -32,6 +34,8 @@ pub struct AppState {
     pub metrics: Arc<Metrics>,
     /// Skies rendered lately, by what decides them.
     skies: Cache<String, Arc<RenderedSky>>,
+    /// Answers made lately, by their tags.
+    answers: Cache<String, Arc<MadeAnswer>>,
     /// Maps of influences found lately, by what decides them.
     influences: Cache<String, Arc<InfluenceMap>>,
     /// Maps of the zenith's brightness found lately, by what decides them.
@@ -46,6 +50,26 @@ pub struct AppState {
     pub openapi: Arc<OnceLock<String>>,
 }
 
+/// An answer as it is sent.
+#[derive(Clone, Debug, Default)]
+pub struct MadeAnswer {
+    /// The body.
+    pub bytes: Bytes,
+    /// What it had to do without.
+    pub warnings: Vec<String>,
+    /// How long the steps took when it was made.
+    pub times: String,
+}
+
+impl From<Vec<u8>> for MadeAnswer {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self { bytes: bytes.into(), ..Self::default() }
+    }
+}
+
+/// Bytes that an answer takes in the cache beside its body, about.
+const ANSWER_BYTES: usize = 512;
+
 /// How long a map of influences is kept that nobody asks for.
 const INFLUENCES_KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
 /// How long a map of the zenith's brightness is kept that nobody asks for.
@@ -59,6 +83,10 @@ impl AppState {
     /// The state over a source.
     pub fn new(source: Arc<dyn SkySource>, config: HttpConfig, access: Access) -> Self {
         let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
+        let weigh = |_: &String, answer: &Arc<MadeAnswer>| {
+            u32::try_from(answer.bytes.len() + ANSWER_BYTES).unwrap_or(u32::MAX)
+        };
+        let answers = Cache::builder().max_capacity(config.answer_cache_bytes).weigher(weigh).build();
         let weigh = |_: &String, map: &Arc<InfluenceMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
         let influences = Cache::builder()
             .max_capacity(config.influence_cache_bytes)
@@ -84,6 +112,7 @@ impl AppState {
             config: Arc::new(config),
             metrics,
             skies,
+            answers,
             influences,
             brightnesses,
             mapping: Arc::new(Semaphore::new(1)),
@@ -143,6 +172,21 @@ impl AppState {
         let found = entry.or_try_insert_with(async move { source.sky(query).await.map(Arc::new) }).await;
         self.metrics.count_cache("sky", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
         found.map(moka::Entry::into_value).map_err(|error| SourceError::clone(&error))
+    }
+
+    /// The answer of a tag, made once for all who ask at the same time, kept for a while.
+    ///
+    /// # Errors
+    /// Those of `make`.
+    pub async fn answer(
+        &self,
+        etag: &ETag,
+        make: impl Future<Output = Result<MadeAnswer, ApiError>>,
+    ) -> Result<Arc<MadeAnswer>, ApiError> {
+        let make = async move { make.await.map(Arc::new) };
+        let found = self.answers.entry(etag.header()).or_try_insert_with(make).await;
+        self.metrics.count_cache("answer", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
+        found.map(moka::Entry::into_value).map_err(|error| ApiError::clone(&error))
     }
 
     /// Forgets influences that were found in another version of a scene than the one they were asked of.

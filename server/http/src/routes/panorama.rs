@@ -1,6 +1,6 @@
 //! The sky of a place as picture, raster or JSON.
 
-use super::sky::{AskedSky, put_times, put_warnings};
+use super::sky::{AskedSky, put_times, put_warnings, times_of};
 use crate::{
     accept::{Format, OFFERED, negotiate},
     answers::{PanoramaAnswer, sky_warnings},
@@ -11,7 +11,7 @@ use crate::{
     problem::Problem,
     request::{panorama, scene_id},
     respond::{Caching, Keep},
-    state::AppState,
+    state::{AppState, MadeAnswer},
 };
 use axum::{
     body::Body,
@@ -118,19 +118,24 @@ async fn answer(
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
-    let rendered = asked.render(&state).await?;
-    let warnings =
-        sky_warnings(&asked.query, &asked.scene, rendered.circumstances.ground, state.source.facts());
-    let worker = (state.clone(), asked, rendered.clone());
-    let body = state
-        .heavy(move |_| {
-            let (state, asked, rendered) = worker;
-            let assumptions = asked.assumptions(&state, &rendered);
-            draw(assumptions, &rendered, &view, format).map_err(ApiError::internal)
-        })
-        .await?;
-    let mut response = caching.ok(format.media_type(), body);
-    put_times(&mut response, &rendered);
-    put_warnings(&mut response, &warnings);
+    let make = async {
+        let rendered = asked.render(&state).await?;
+        let warnings =
+            sky_warnings(&asked.query, &asked.scene, rendered.circumstances.ground, state.source.facts());
+        let times = times_of(&rendered);
+        let worker = (state.clone(), asked);
+        let bytes = state
+            .heavy(move |_| {
+                let (state, asked) = worker;
+                let assumptions = asked.assumptions(&state, &rendered);
+                draw(assumptions, &rendered, &view, format).map_err(ApiError::internal)
+            })
+            .await?;
+        Ok(MadeAnswer { bytes: bytes.into(), warnings, times })
+    };
+    let made = state.answer(&caching.etag, make).await?;
+    let mut response = caching.ok(format.media_type(), made.bytes.clone());
+    put_times(&mut response, &made.times);
+    put_warnings(&mut response, &made.warnings);
     Ok(response)
 }

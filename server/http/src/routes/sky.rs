@@ -55,7 +55,7 @@ pub async fn get_sky(
     let answer =
         SkyAnswer { assumptions: asked.assumptions(&state, &rendered), sky: (&rendered.quantities).into() };
     let mut response = caching.json(&answer)?;
-    put_times(&mut response, &rendered);
+    put_times(&mut response, &times_of(&rendered));
     put_warnings(&mut response, &answer.assumptions.warnings);
     Ok(response)
 }
@@ -123,14 +123,17 @@ pub fn put_warnings(response: &mut Response<Body>, warnings: &[String]) {
     }
 }
 
+/// How long the passes took, as the header has it.
+pub fn times_of(rendered: &RenderedSky) -> String {
+    let time = |(name, microseconds): &(&str, f64)| {
+        format!("{};dur={:.3}", name.replace(' ', "_"), microseconds * 1e-3)
+    };
+    rendered.passes.iter().map(time).collect::<Vec<_>>().join(", ")
+}
+
 /// Says how long the passes took, outside the body, which stays the same for the same request.
-pub fn put_times(response: &mut Response<Body>, rendered: &RenderedSky) {
-    let times: Vec<String> = rendered
-        .passes
-        .iter()
-        .map(|(name, microseconds)| format!("{};dur={:.3}", name.replace(' ', "_"), microseconds * 1e-3))
-        .collect();
-    if let Ok(value) = HeaderValue::from_str(&times.join(", "))
+pub fn put_times(response: &mut Response<Body>, times: &str) {
+    if let Ok(value) = HeaderValue::from_str(times)
         && !times.is_empty()
     {
         response.headers_mut().insert("server-timing", value);

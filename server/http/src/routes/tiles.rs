@@ -11,7 +11,7 @@ use crate::{
     request::{brightness, influence, no_parameters, scenario_alone, scene_id},
     respond::{Caching, Keep},
     source::{SkySource, SourceError},
-    state::AppState,
+    state::{AppState, MadeAnswer},
 };
 use axum::{
     body::Body,
@@ -25,6 +25,7 @@ use skyglow_display::{
 };
 use skyglow_engine::Measure;
 use skyglow_scene::{ChangeId, SceneId, SceneMetadata, TileLayer};
+use std::future::Future;
 use utoipa::OpenApi;
 
 /// Ground size of a pixel of zoom level 0 on the equator, metres.
@@ -131,20 +132,28 @@ async fn scene_tile(
         return Ok(response);
     }
     let notes = Notes::new(&description(layer, scene.illustrative), "");
-    let png = state
-        .heavy(move |source| {
-            let Address { place, size_px } = address;
-            let tile = source.tile(&id, scenario.as_ref(), layer, place, size_px)?;
-            match layer {
-                TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, size_px, &notes),
-                TileLayer::Elevation => {
-                    elevation_tile_png(&tile.values, &tile.has_data, size_px, pixel_m(address), &notes)
-                }
+    let draw = state.heavy(move |source| {
+        let Address { place, size_px } = address;
+        let tile = source.tile(&id, scenario.as_ref(), layer, place, size_px)?;
+        match layer {
+            TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, size_px, &notes),
+            TileLayer::Elevation => {
+                elevation_tile_png(&tile.values, &tile.has_data, size_px, pixel_m(address), &notes)
             }
-            .map_err(ApiError::internal)
-        })
-        .await?;
-    Ok(caching.ok("image/png", png))
+        }
+        .map_err(ApiError::internal)
+    });
+    kept(state, &caching, draw).await
+}
+
+/// A tile, drawn once for all who ask at the same time and kept for a while.
+async fn kept(
+    state: &AppState,
+    caching: &Caching,
+    draw: impl Future<Output = Result<Vec<u8>, ApiError>>,
+) -> Result<Response<Body>, ApiError> {
+    let made = state.answer(&caching.etag, async { draw.await.map(MadeAnswer::from) }).await?;
+    Ok(caching.ok("image/png", made.bytes.clone()))
 }
 
 /// The scenario that a layer is shown of: terrain has none.
@@ -185,17 +194,18 @@ async fn influence_tile(
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
     }
-    let map = asked.find(state).await?;
-    let notes = Notes::new(&influence_description(&measure, map.scene().illustrative), "");
-    let png = state
-        .heavy(move |_| {
+    let draw = async {
+        let map = asked.find(state).await?;
+        let notes = Notes::new(&influence_description(&measure, map.scene().illustrative), "");
+        let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
             let tile = map.tile(place, size_px).map_err(|error| ApiError::from(SourceError::from(error)))?;
             influence_tile_png(&tile.values, &tile.has_data, size_px, map.brightest_colour(), &notes)
                 .map_err(ApiError::internal)
-        })
-        .await?;
-    Ok(caching.ok("image/png", png))
+        };
+        state.heavy(draw).await
+    };
+    kept(state, &caching, draw).await
 }
 
 /// All tiles of one map are cut from one computation.
@@ -216,16 +226,17 @@ async fn brightness_tile(
         // Nobody is to wait seconds to be told so.
         return Err(ApiError::UnknownTile { reason: "there is no such tile".to_owned() });
     }
-    let map = asked.find(state).await?;
-    let notes = Notes::new(&brightness_description(map.scene().illustrative), "");
-    let png = state
-        .heavy(move |_| {
+    let draw = async {
+        let map = asked.find(state).await?;
+        let notes = Notes::new(&brightness_description(map.scene().illustrative), "");
+        let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
             let tile = map.tile(place, size_px).map_err(|error| ApiError::from(SourceError::from(error)))?;
             brightness_tile_png(&tile.values, &tile.has_data, size_px, &notes).map_err(ApiError::internal)
-        })
-        .await?;
-    Ok(caching.ok("image/png", png))
+        };
+        state.heavy(draw).await
+    };
+    kept(state, &caching, draw).await
 }
 
 /// An address that does not exist has no tag to match.

@@ -53,6 +53,17 @@ impl TerrainLayer {
 
     /// A sample of a level, metres; `None` for voids and outside.
     pub(crate) fn sample_m(&self, level: usize, column: i64, row: i64) -> Option<f64> {
+        self.sample_of_tile_m(level, column, row, &mut None)
+    }
+
+    /// The same with the tile that was looked into last: neighbours are mostly in one.
+    fn sample_of_tile_m(
+        &self,
+        level: usize,
+        column: i64,
+        row: i64,
+        last: &mut Option<(usize, Arc<Vec<f32>>)>,
+    ) -> Option<f64> {
         let index = &self.levels[level];
         let (column, row) = (usize::try_from(column).ok()?, usize::try_from(row).ok()?);
         if column >= index.width || row >= index.height {
@@ -62,7 +73,11 @@ impl TerrainLayer {
         if index.tiles[number].length == 0 {
             return None;
         }
-        let value = self.tile(level, number)[row % SIDE * SIDE + column % SIDE];
+        let (_, samples) = match last {
+            Some(known) if known.0 == number => known,
+            other => other.insert((number, self.tile(level, number))),
+        };
+        let value = samples[row % SIDE * SIDE + column % SIDE];
         value.is_finite().then_some(f64::from(value))
     }
 
@@ -127,17 +142,18 @@ impl TerrainLayer {
         let (x, y) = (column / size - 0.5, row / size - 0.5);
         let (x0, y0) = (x.floor(), y.floor());
         let (s, t) = (x - x0, y - y0);
-        let (mut sum, mut total) = (0.0, 0.0);
+        let (mut sum, mut total, mut last) = (0.0, 0.0, None);
         for (dc, dr, weight) in
             [(0, 0, (1.0 - s) * (1.0 - t)), (1, 0, s * (1.0 - t)), (0, 1, (1.0 - s) * t), (1, 1, s * t)]
         {
-            if let Some(elevation_m) = self.sample_m(level, x0 as i64 + dc, y0 as i64 + dr) {
+            let (column, row) = (x0 as i64 + dc, y0 as i64 + dr);
+            if let Some(elevation_m) = self.sample_of_tile_m(level, column, row, &mut last) {
                 sum += weight * elevation_m;
                 total += weight;
-            } else if weight > 0.0 && self.is_outside(level, x0 as i64 + dc, y0 as i64 + dr) {
+            } else if weight > 0.0 && self.is_outside(level, column, row) {
                 // Half a sample at the raster's edge belongs to the edge sample.
-                let (c, r) = self.clamped(level, x0 as i64 + dc, y0 as i64 + dr);
-                if let Some(elevation_m) = self.sample_m(level, c, r) {
+                let (column, row) = self.clamped(level, column, row);
+                if let Some(elevation_m) = self.sample_of_tile_m(level, column, row, &mut last) {
                     sum += weight * elevation_m;
                     total += weight;
                 }
