@@ -41,7 +41,7 @@ scenarios="$base/api/v1/scenes/demo/scenarios"
 # Killed under load.
 start "$work/data" precomputed || fail "no start"
 before="$(curl -fs "$base/api/v1/scenes")"
-id="$(curl -fs -X POST "$scenarios" -d "$paint" | sed 's/.*"id":"\([^"]*\)".*/\1/')"
+id="$(curl -fs -X POST "$scenarios" -d "$paint" | sed 's/.*"id":"\(s-[0-9a-f]*\)".*/\1/')"
 MIX=mixed wrk --threads 2 --connections 16 --duration 5s --script deploy/load/mix.lua "$base" >/dev/null 2>&1 &
 load=$!
 sleep 2
@@ -104,6 +104,9 @@ say "damaged pack: refused by its name ($(tail -1 "$work/log" | cut -c1-120))"
 printf 'x' | dd of="$work/data/scenes/demo/light.bin" bs=1 seek=5000 conv=notrunc 2>/dev/null
 start "$work/data" precomputed --no-demo || fail "one damaged scene keeps the server from starting"
 code="$(curl -s -o "$work/answer" -w '%{http_code}' "$base/api/v1/scenes/demo/sky?lat=46.17&lon=8.79")"
-say "damaged scene: the server starts, its skies are answered with $code"
+[ "$code" = 500 ] || fail "a damaged scene is answered with $code"
+grep -q light.bin "$work/log" || fail "the damaged file is not named in the log"
+curl -fs "$base/readyz" >/dev/null || fail "not ready beside a damaged scene"
+say "damaged scene: the server starts, says in its log which file, and answers its skies with 500"
 stop
 say "passed"

@@ -29,7 +29,8 @@ done
 say "ready after $waited s, the demo made on the way: $(cat "$work/ready")"
 grep -q lavapipe "$work/ready" || fail "another executor than lavapipe"
 
-pid="$(pgrep -f '^/usr/local/bin/skyglow serve' | head -1)"
+# The first process of the new namespace.
+pid="$(pgrep -P "$outer" | head -1)"
 uid="$(awk '/^Uid:/ { print $2 }' "/proc/$pid/status")"
 [ "$uid" = 10001 ] || fail "it runs as user $uid"
 capabilities="$(awk '/^CapEff:/ { print $2 }' "/proc/$pid/status")"

@@ -211,6 +211,9 @@ impl Settings {
         require(http.upload_pixels > 0, "upload_pixels", "1 or more");
         require(self.brightness_places > 0, "brightness_places", "1 or more");
         require(self.kept_plans > 0, "kept_plans", "1 or more");
+        let map_bytes = 6 * self.brightness_places as u64;
+        let allowed = "6 times brightness_places or more: no map would be kept";
+        require(http.brightness_cache_bytes >= map_bytes, "brightness_cache_bytes", allowed);
         let is_url = |url: &String| {
             let rest = url.strip_prefix("https://").or_else(|| url.strip_prefix("http://"));
             rest.is_some_and(|rest| {
@@ -232,8 +235,11 @@ impl Settings {
         let keys = match &self.api_keys_file {
             Some(path) => {
                 let text = read(path)?;
-                let file: KeysFile =
-                    toml::from_str(&text).map_err(|error| broken_toml(path, &text, &error))?;
+                // What the parser says would show what is there, which may be a key.
+                let file: KeysFile = toml::from_str(&text).map_err(|error| {
+                    let place = format!("{}:{}", path.display(), line_of(&text, &error));
+                    Failure::Work(format!("{place}: is not as a file of keys is"))
+                })?;
                 file.key
             }
             None => Vec::new(),
@@ -258,11 +264,15 @@ impl Settings {
     }
 }
 
+/// The line that an error is in, from 1.
+fn line_of(text: &str, error: &toml::de::Error) -> usize {
+    error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count())
+}
+
 /// The file, the line and what is wrong there.
 fn broken_toml(path: &Path, text: &str, error: &toml::de::Error) -> Failure {
-    let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
     let reason = error.message().lines().next().unwrap_or_default().to_owned();
-    Failure::Work(format!("{}:{line}: {reason}", path.display()))
+    Failure::Work(format!("{}:{}: {reason}", path.display(), line_of(text, error)))
 }
 
 impl Layer {
@@ -367,7 +377,7 @@ mod tests {
         assert!(refused.contains("20 characters") && !refused.contains("secret"), "{refused}");
         let broken = write("[[key]]\nname = \"city\"\nsecret = 3\n");
         let refused = settings(&token, &broken).access().unwrap_err().to_string();
-        assert!(refused.contains(":3: unknown field"), "{refused}");
+        assert!(refused.contains(":3: ") && !refused.contains("secret"), "{refused}");
     }
 
     #[test]

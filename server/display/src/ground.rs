@@ -53,7 +53,9 @@ pub(crate) struct GroundMap<'a> {
 impl<'a> GroundMap<'a> {
     /// For a picture of `size_px` whose pixels come row by row.
     pub(crate) fn new(horizon: &'a Horizon, size_px: (u32, u32)) -> Self {
-        Self { horizon: (!horizon.is_flat()).then_some(horizon), shown: Vec::new(), size_px }
+        let horizon = (!horizon.is_flat()).then_some(horizon);
+        let pixels = horizon.map_or(0, |_| size_px.0 as usize * size_px.1 as usize);
+        Self { horizon, shown: Vec::with_capacity(pixels), size_px }
     }
 
     /// Whether the next pixel shows ground that hides the sky, or lies below such ground.

@@ -31,38 +31,46 @@ enum Painter<'a> {
     },
 }
 
-/// Where the colours of a table start: entry `i + 1` at `cd_m2[i]`. No logarithm per pixel.
+/// Where the colours of a table start. No logarithm and no branch per pixel.
 struct Starts {
-    cd_m2: [f64; TABLE_LEN - 1],
-    /// Entries for each power of 2, and log2 of where the first starts.
+    /// Entry `i` holds luminances from `cd_m2[i]` to below `cd_m2[i + 1]`; the ends are infinite.
+    cd_m2: [f64; TABLE_LEN + 1],
+    /// Entries for each power of 2, and log2 of where the second starts.
     per_octave: f32,
-    first_octave: f32,
+    second_octave: f32,
 }
 
 impl Starts {
     fn new((dark, bright): (f64, f64)) -> Self {
         let steps = (TABLE_LEN - 1) as f64;
+        let start = |i: usize| dark * ((i as f64 - 0.5) / steps * (bright / dark).ln()).exp();
         Self {
-            cd_m2: std::array::from_fn(|i| dark * ((i as f64 + 0.5) / steps * (bright / dark).ln()).exp()),
+            cd_m2: std::array::from_fn(|i| match i {
+                0 => f64::NEG_INFINITY,
+                TABLE_LEN => f64::INFINITY,
+                i => start(i),
+            }),
             per_octave: (steps / (bright / dark).log2()) as f32,
-            first_octave: (dark.log2() + 0.5 / steps * (bright / dark).log2()) as f32,
+            second_octave: start(1).log2() as f32,
         }
     }
 
-    /// The entry of a luminance: how many of the others start at or below it.
+    /// The entry that holds a luminance.
     #[inline(always)]
     fn entry(&self, luminance_cd_m2: f64) -> usize {
-        // The exponent and mantissa of a float are its logarithm to a twelfth of an octave: a guess that steps of one mend.
-        let octave = (luminance_cd_m2 as f32).to_bits() as f32 * (1.0 / (1u32 << 23) as f32) - 127.0;
-        let guess = (octave - self.first_octave) * self.per_octave;
-        let mut entry = guess.clamp(0.0, self.cd_m2.len() as f32) as usize;
-        while entry < self.cd_m2.len() && self.cd_m2[entry] <= luminance_cd_m2 {
-            entry += 1;
+        // Exponent and mantissa of a float give its logarithm to 0.007 octaves, which is less than an entry on any scale that is not
+        // too narrow: the guess is right or beside it.
+        let bits = (luminance_cd_m2.max(0.0) as f32).to_bits();
+        let part = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000) - 1.0;
+        let octave = (bits >> 23) as f32 - 127.0 + part * (1.344 - 0.344 * part);
+        let guess = 1.0 + (octave - self.second_octave) * self.per_octave;
+        let guess = guess.clamp(0.0, (TABLE_LEN - 1) as f32) as usize;
+        let mut entry = guess + usize::from(self.cd_m2[guess + 1] <= luminance_cd_m2);
+        entry -= usize::from(self.cd_m2[entry] > luminance_cd_m2);
+        if self.cd_m2[entry] <= luminance_cd_m2 && luminance_cd_m2 < self.cd_m2[entry + 1] {
+            return entry;
         }
-        while entry > 0 && self.cd_m2[entry - 1] > luminance_cd_m2 {
-            entry -= 1;
-        }
-        entry
+        self.cd_m2[1..TABLE_LEN].partition_point(|&start| start <= luminance_cd_m2)
     }
 }
 
@@ -143,19 +151,22 @@ pub fn picture(
             let direction = view.direction_at(0.5, f64::from(y) + 0.5);
             let elevation_rad = direction.map_or(0.0, |direction| direction.elevation_rad);
             let Some(row) = Row::new(luminance_cd_m2, elevation_rad) else { continue };
-            for x in 0..options.width_px {
+            let first = 3 * (y as usize * canvas_width_px as usize + offset_px as usize);
+            let pixels = canvas.as_flat_samples_mut().samples[first..first + 3 * options.width_px as usize]
+                .chunks_exact_mut(3);
+            for (x, pixel) in pixels.enumerate() {
                 let is_ground = match &tops_rad {
-                    Some(tops_rad) => ground.is_ground_below(tops_rad[x as usize], elevation_rad),
+                    Some(tops_rad) => ground.is_ground_below(tops_rad[x], elevation_rad),
                     None => false,
                 };
                 let rgb = if is_ground {
                     TERRAIN_RGB
                 } else {
-                    let luminance = row.at(columns, x as usize);
+                    let luminance = row.at(columns, x);
                     beyond.note(luminance, *ends_cd_m2);
                     table[starts.entry(luminance)]
                 };
-                canvas.put_pixel(x + offset_px, y, Rgb(rgb));
+                pixel.copy_from_slice(&rgb);
             }
         }
     } else {
@@ -251,11 +262,11 @@ mod tests {
     fn a_colour_is_that_of_the_last_start_at_or_below_for_any_number() {
         for ends in [(1e-5, 0.1), (3e-9, 2e-3), (0.2, 0.3)] {
             let starts = Starts::new(ends);
-            let known: Vec<f64> =
-                starts.cd_m2.iter().flat_map(|&s| [s.next_down(), s, s.next_up()]).collect();
+            let own = &starts.cd_m2[1..TABLE_LEN];
+            let known: Vec<f64> = own.iter().flat_map(|&s| [s.next_down(), s, s.next_up()]).collect();
             let spread = (0..4000).map(|i| ends.0 * 1e-3 * (i as f64 * 0.01).exp());
             for luminance in known.into_iter().chain(spread).chain([0.0, -1e-9, 1e30, f64::MIN_POSITIVE]) {
-                let wanted = starts.cd_m2.partition_point(|&start| start <= luminance);
+                let wanted = own.partition_point(|&start| start <= luminance);
                 assert_eq!(starts.entry(luminance), wanted, "{luminance:e}");
             }
         }

@@ -14,7 +14,7 @@ use std::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ApiKey {
-    /// Its name in logs and metrics.
+    /// Its name in the log.
     pub name: String,
     /// BLAKE3 hash of its key, hexadecimal.
     pub blake3: String,
@@ -188,12 +188,12 @@ impl Access {
 
 /// The token or key that a request carries.
 fn secret_of(headers: &HeaderMap) -> Result<Option<&str>, ApiError> {
-    if let Some(value) = headers.get(header::AUTHORIZATION) {
-        let bearer = value.to_str().ok().and_then(|value| {
-            let (scheme, token) = value.split_once(' ')?;
-            scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
-        });
-        return bearer.map(Some).ok_or(ApiError::Unauthorized);
+    let bearer = |value: &'_ str| value.get(..7).is_some_and(|scheme| scheme.eq_ignore_ascii_case("bearer "));
+    // Other schemes are between the client and a proxy.
+    if let Some(value) = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok())
+        && bearer(value)
+    {
+        return Ok(value.get(7..).map(str::trim));
     }
     match headers.get("x-api-key") {
         Some(value) => value.to_str().map(Some).map_err(|_| ApiError::Unauthorized),
@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(access.client(&with("x-api-key", "k1")), Ok(Client::Key("city")));
         for (name, value) in [
             ("authorization", "Bearer k3"),
-            ("authorization", "Basic azE="),
+            ("authorization", "Bearer "),
             ("x-api-key", ""),
             ("authorization", "k1"),
         ] {

@@ -42,6 +42,8 @@ pub struct AppState {
     brightnesses: Cache<String, Arc<BrightnessMap>>,
     /// The place for finding one, which takes all cores for seconds.
     mapping: Arc<Semaphore>,
+    /// Places for that and before it: more is not begun.
+    mapping_line: Arc<Semaphore>,
     /// Places for finding influences, which takes all cores, and memory with the scene's lights.
     finding: Arc<Semaphore>,
     /// Places for heavy work.
@@ -72,8 +74,12 @@ const ANSWER_BYTES: usize = 512;
 
 /// How long a map of influences is kept that nobody asks for.
 const INFLUENCES_KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
-/// How long a map of the zenith's brightness is kept that nobody asks for.
-const BRIGHTNESS_KEPT_WHILE_IDLE: Duration = Duration::from_secs(86_400);
+/// Maps of the zenith's brightness that are found or wait for it: nobody can have more begun, whether they wait for them or not.
+const MAPS_IN_LINE: usize = 4;
+/// How long a map of the zenith's brightness is kept that nobody asks for: it holds its scene, which may be gone from disk.
+const BRIGHTNESS_KEPT_WHILE_IDLE: Duration = Duration::from_secs(3600);
+/// How long an answer is kept at most: a scene that is replaced while it is made may leave it under the tag of the one before.
+const ANSWERS_KEPT: Duration = Duration::from_secs(600);
 /// Maps of influences that are found at a time; the others wait.
 const MAPS_AT_ONCE: usize = 2;
 /// Bytes that a cached sky takes, about.
@@ -86,7 +92,11 @@ impl AppState {
         let weigh = |_: &String, answer: &Arc<MadeAnswer>| {
             u32::try_from(answer.bytes.len() + ANSWER_BYTES).unwrap_or(u32::MAX)
         };
-        let answers = Cache::builder().max_capacity(config.answer_cache_bytes).weigher(weigh).build();
+        let answers = Cache::builder()
+            .max_capacity(config.answer_cache_bytes)
+            .weigher(weigh)
+            .time_to_live(ANSWERS_KEPT)
+            .build();
         let weigh = |_: &String, map: &Arc<InfluenceMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
         let influences = Cache::builder()
             .max_capacity(config.influence_cache_bytes)
@@ -116,6 +126,7 @@ impl AppState {
             influences,
             brightnesses,
             mapping: Arc::new(Semaphore::new(1)),
+            mapping_line: Arc::new(Semaphore::new(MAPS_IN_LINE)),
             finding: Arc::new(Semaphore::new(MAPS_AT_ONCE)),
             cores: Arc::new(Semaphore::new(2 * cores)),
             openapi: Arc::default(),
@@ -235,6 +246,10 @@ impl AppState {
         let find = async move {
             let inner = state.clone();
             let find = async move {
+                let Ok(_in_line) = inner.mapping_line.clone().try_acquire_owned() else {
+                    inner.metrics.count_refused("busy");
+                    return Err(ApiError::Busy { retry_after_s: 20 });
+                };
                 let place = inner.mapping.clone().acquire_owned().await.map_err(ApiError::internal)?;
                 let metrics = inner.metrics.clone();
                 let map = inner.blocking(move |source| {

@@ -16,9 +16,11 @@ pub struct EvenAxis {
 }
 
 impl EvenAxis {
-    /// The fewest nodes, from `first_m` on, that reach `last_m`.
-    pub fn reaching(first_m: f64, last_m: f64, step_m: f64) -> Self {
-        let steps = ((last_m - first_m) / step_m).ceil().max(1.0);
+    /// From `first_m` to `last_m` by steps of `step_m` or less, of which there are `most` at most; one step where both are the same.
+    pub fn between(first_m: f64, last_m: f64, step_m: f64, most: usize) -> Self {
+        let range_m = (last_m - first_m).max(0.0);
+        let steps = (range_m / step_m).ceil().clamp(1.0, most.max(1) as f64);
+        let step_m = if range_m > 0.0 { range_m / steps } else { step_m };
         Self { first_m, step_m, count: 1 + steps as usize }
     }
 
@@ -58,11 +60,11 @@ pub(crate) struct RingPosition {
 }
 
 impl RingPosition {
-    /// Of a squared distance, m²: nearer than 250 m counts as there. None beyond 300 km.
+    /// Of a squared distance, m²: nearer than 250 m counts as there. None beyond 300 km, and for no number.
     #[inline(always)]
     pub(crate) fn of_square(square_m2: f32) -> Option<Self> {
         const FARTHEST_M2: f32 = (FARTHEST_SOURCE_M * FARTHEST_SOURCE_M) as f32;
-        if square_m2 > FARTHEST_M2 {
+        if square_m2.is_nan() || square_m2 > FARTHEST_M2 {
             return None;
         }
         const PER_NEAREST_M2: f32 = (1.0 / (NEAREST_SOURCE_M * NEAREST_SOURCE_M)) as f32;
@@ -174,7 +176,12 @@ mod tests {
             assert_eq!(kernel.at(0, near, 900.0, 0.0), value(0, 0, 4, 0));
         }
         assert!(RingPosition::of_square(300_100f32.powi(2)).is_none());
-        assert_eq!(EvenAxis::reaching(-30.0, 70.0, 50.0).count, 3);
-        assert_eq!(EvenAxis::reaching(5.0, 5.0, 50.0).count, 2);
+        assert!(RingPosition::of_square(f32::NAN).is_none());
+        assert_eq!(EvenAxis::between(-30.0, 75.0, 50.0, 9), axis(-30.0, 35.0, 4));
+        assert_eq!(EvenAxis::between(5.0, 5.0, 50.0, 9).count, 2);
+        for range_m in (1..2_000).map(|i| 7.77 * f64::from(i)) {
+            let axis = EvenAxis::between(-3.3, range_m - 3.3, 50.0, 255);
+            assert!(axis.count <= 256 && (axis.node_m(axis.count - 1) - range_m + 3.3).abs() < 1e-6);
+        }
     }
 }

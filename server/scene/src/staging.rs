@@ -5,6 +5,7 @@ use crate::error::SceneError;
 use crate::scene_id::SceneId;
 use crate::stored::METADATA_FILE;
 use std::fs::File;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -72,7 +73,14 @@ impl Staging {
 pub(crate) fn remove(folder: &Path, parent: &Path) -> Result<(), SceneError> {
     let staging = Staging::below(parent)?;
     // Inside a folder of its own: what a kill leaves there is no scene set aside, and is not put back.
-    std::fs::rename(folder, staging.path().join("removed")).map_err(SceneError::io(folder))
+    std::fs::rename(folder, staging.path().join("removed")).map_err(|error| match error.kind() {
+        // Somebody else was faster.
+        ErrorKind::NotFound => {
+            let id = folder.file_name().map(|name| name.to_string_lossy().into_owned());
+            SceneError::UnknownScene { id: id.unwrap_or_default() }
+        }
+        _ => SceneError::io(folder)(error),
+    })
 }
 
 /// A folder, in use until the answer is dropped. Where the file system has no locks none is cleared either.

@@ -132,12 +132,26 @@ impl SceneStore {
         StoredScene::parse(&text, id).map_err(damaged(id, METADATA_FILE))
     }
 
-    /// Opens a scene, every file of it checked against its hash.
+    /// Opens a scene, every file of it checked against its hash. One that is replaced or removed meanwhile is the new one, or none.
     ///
     /// # Errors
     /// [`SceneError::UnknownScene`]; [`SceneError::Damaged`] naming the file; [`SceneError::Io`].
     pub fn open(&self, id: &SceneId) -> Result<Scene, SceneError> {
-        let stored = self.read_metadata(id)?;
+        let mut stored = self.read_metadata(id)?;
+        loop {
+            let version = stored.metadata.version.clone();
+            let error = match self.open_stored(id, stored) {
+                Err(error @ (SceneError::Damaged { .. } | SceneError::Io { .. })) => error,
+                opened => return opened,
+            };
+            stored = self.read_metadata(id)?;
+            if stored.metadata.version == version {
+                return Err(error);
+            }
+        }
+    }
+
+    fn open_stored(&self, id: &SceneId, stored: StoredScene) -> Result<Scene, SceneError> {
         let dir = self.scene_dir(id);
         let read = |name: &str| -> Result<Option<Vec<u8>>, SceneError> {
             let Some(file) = stored.files.iter().find(|file| file.name == name) else { return Ok(None) };

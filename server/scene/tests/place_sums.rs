@@ -23,7 +23,7 @@ fn brightening(altitude_m: f64, distance_m: f64, offset_m: f64, blocking: f64) -
 
 fn kernel(skylines: bool) -> PlaceKernel {
     let (altitudes, offsets) =
-        (EvenAxis::reaching(0.0, 4000.0, 250.0), EvenAxis::reaching(-4000.0, 4000.0, 50.0));
+        (EvenAxis::between(0.0, 4000.0, 250.0, 99), EvenAxis::between(-4000.0, 4000.0, 50.0, 999));
     let blocking_count = if skylines { BLOCKING_COUNT } else { 1 };
     let mut values = Vec::new();
     for altitude in 0..altitudes.count {
@@ -231,4 +231,54 @@ fn coarser_lattices_have_the_sums_of_the_middles_of_their_blocks_and_dark_or_end
     let kernels: Vec<PlaceKernel> = dark.fixtures().iter().map(|_| kernel(false)).collect();
     let sums = dark.sum_at_places(lattice, &altitudes_m, &kernels, false, &|_: f64| true).unwrap();
     assert!(sums.iter().all(|sum| *sum == 0.0));
+}
+
+/// A raster whose corners are off the world, in equal-area meridians that bend towards the poles: places there have no sum, and those
+/// beside the edge of the world have theirs.
+#[test]
+fn places_beside_the_edge_of_the_world_have_their_sums_and_those_beyond_have_none() {
+    let mut raster = TestRaster::scattered(240, 200);
+    let step_m = 10_000.0;
+    // A sinusoidal grid near 180 degrees east and 60 degrees north; beyond the edge of the world it is dark.
+    for (at, value) in raster.values.iter_mut().enumerate() {
+        let (x, y) = (8_900_000.0 + step_m * (at % 240) as f64, 7_600_000.0 - step_m * (at / 240) as f64);
+        let edge = std::f64::consts::PI * 6_371_007.181 * (y / 6_371_007.181).cos();
+        if x > edge - 2.0 * step_m {
+            *value = 0.0;
+        }
+    }
+    raster.geotransform = [8_900_000.0, step_m, 0.0, 7_600_000.0, 0.0, -step_m];
+    raster.epsg = None;
+    let bench = Bench::new();
+    let path = bench.path("light.tif");
+    raster.write_f32(&path);
+    let mut dataset = gdal::Dataset::open_ex(
+        &path,
+        gdal::DatasetOptions { open_flags: gdal::GdalOpenFlags::GDAL_OF_UPDATE, ..Default::default() },
+    )
+    .unwrap();
+    let crs = "+proj=sinu +lon_0=0 +R=6371007.181 +units=m +no_defs";
+    dataset.set_spatial_ref(&gdal::spatial_ref::SpatialRef::from_proj4(crs).unwrap()).unwrap();
+    dataset.close().unwrap();
+    let mut options = skyglow_scene::IngestOptions::new(path);
+    options.replace = true;
+    let Ok(metadata) = bench.ingest(&options) else { panic!("the raster is refused") };
+    let scene = bench.store.open(&metadata.id).unwrap();
+    let lattice = scene.place_lattice(usize::MAX);
+    let (sums, altitudes_m) = sums(&scene, lattice, false);
+    let nowhere = sums.iter().filter(|sum| sum.is_nan()).count();
+    assert!(nowhere > 100 && nowhere < sums.len() / 2, "{nowhere}");
+    let mut compared = 0;
+    for at in (0..lattice.len()).step_by(397) {
+        assert_eq!(sums[at].is_nan(), altitudes_m[at].is_nan());
+        if sums[at].is_nan() {
+            continue;
+        }
+        let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
+        let place = scene.lattice_place(lattice, column, row);
+        let wanted = plain_sum(&scene, place, f64::from(altitudes_m[at]));
+        assert!((f64::from(sums[at]) / wanted - 1.0).abs() < 0.02, "{column} {row}: {} {wanted}", sums[at]);
+        compared += 1;
+    }
+    assert!(compared > 40, "{compared}");
 }

@@ -587,6 +587,30 @@ export type SceneReference = {
   version: string;
 };
 
+/** A scene's files and what is to be known of them, as `skyglow ingest` has it. */
+export type SceneUpload = {
+  /** Whom to credit. */
+  attribution?: string | null;
+  /** Subdataset or band to read, by name or number. */
+  band?: string | null;
+  /** Factor on every radiance. */
+  calibration?: number | null;
+  /** When the radiances were taken. */
+  date?: string | null;
+  /** GeoJSON or CSV with name, latitude, longitude and population. */
+  places?: string | null;
+  /** Upward radiance: GeoTIFF, COG, or a NASA Black Marble HDF5 granule. */
+  radiance: string;
+  /** Factor on the stored numbers. */
+  scale?: number | null;
+  /** Terrain, GeoTIFF or SRTM `.hgt`; may be given several times, the first that has a value wins. */
+  terrain?: string | null;
+  /** Title for people; by default the id. */
+  title?: string | null;
+  /** `nw-cm2-sr` or `w-m2-sr`. */
+  units?: string | null;
+};
+
 /** Lights in some direction. */
 export type SectorAnswer = PartAnswer & {
   /** First azimuth, degrees clockwise from north. */
@@ -975,7 +999,7 @@ export interface Gets {
     };
     answer: Blob;
   };
-  /** Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 16 million pixels. */
+  /** Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 4 million pixels. */
   "/api/v1/scenes/{scene}/layers/elevation.tif": {
     path: {
       /** The scene's id */
@@ -984,7 +1008,7 @@ export interface Gets {
     query: Record<string, never>;
     answer: Blob;
   };
-  /** Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 16 million pixels. */
+  /** Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 4 million pixels. */
   "/api/v1/scenes/{scene}/layers/radiance.tif": {
     path: {
       /** The scene's id */

@@ -40,7 +40,7 @@ enum Action {
     /// Make a key for a known client: prints the key, and what goes into --api-keys-file
     #[command(after_help = "Example:\n  skyglow config key --name city-of-x >> notes.txt")]
     Key {
-        /// The client's name in logs and metrics
+        /// The client's name in the log
         #[arg(long, env = "SKYGLOW_NAME")]
         name: String,
     },

@@ -29,8 +29,13 @@ impl Serve {
     /// Runs until SIGTERM or SIGINT.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let settings = self.flags.over_file(self.config.as_deref())?;
-        let runtime =
-            tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(Failure::work)?;
+        // Threads for reading and computing: more of them than keep the cores busy only take memory.
+        let cores = std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .enable_all()
+            .max_blocking_threads((8 * cores).clamp(16, 128))
+            .build()
+            .map_err(Failure::work)?;
         let result = runtime.block_on(run(settings));
         // A start that was interrupted may still be at work on a thread: it is not waited for.
         runtime.shutdown_background();

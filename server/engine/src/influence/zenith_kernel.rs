@@ -12,8 +12,8 @@ use std::sync::Arc;
 const ALTITUDE_STEP_M: f64 = 250.0;
 /// Smallest step of the heights of lights over places, metres: a fifth of the nearest distance.
 const OFFSET_STEP_M: f64 = 50.0;
-/// Most heights of lights over places.
-const MOST_OFFSETS: f64 = 256.0;
+/// Most heights of lights over places: each has a column of a grid.
+const MOST_OFFSETS: usize = AZIMUTH_COUNT;
 
 /// Places and lights that a table is to be for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,14 +27,13 @@ pub struct KernelRange {
 impl KernelRange {
     fn altitudes(&self) -> EvenAxis {
         let [lowest_m, highest_m] = self.observers_m;
-        EvenAxis::reaching(lowest_m, highest_m, ALTITUDE_STEP_M)
+        EvenAxis::between(lowest_m, highest_m, ALTITUDE_STEP_M, usize::MAX)
     }
 
     fn offsets(&self) -> EvenAxis {
         let first_m = self.lights_m[0] - self.observers_m[1];
         let last_m = self.lights_m[1] - self.observers_m[0];
-        let step_m = OFFSET_STEP_M.max((last_m - first_m) / (MOST_OFFSETS - 1.0));
-        EvenAxis::reaching(first_m, last_m, step_m)
+        EvenAxis::between(first_m, last_m, OFFSET_STEP_M, MOST_OFFSETS - 1)
     }
 }
 

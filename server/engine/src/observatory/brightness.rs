@@ -88,9 +88,9 @@ impl BrightnessMap {
         Ok(self.scene.places_tile(&self.places, z, x, y, size_px)?)
     }
 
-    /// Bytes that a cache keeps with it; the scene is kept elsewhere.
+    /// Bytes that a cache keeps with it, those of a changed scene's own lights among them; the scene itself is kept elsewhere.
     pub fn byte_count(&self) -> usize {
-        self.places.byte_count()
+        self.places.byte_count() + self.scene.own_bytes()
     }
 }
 
@@ -106,6 +106,19 @@ impl Observatory {
     /// # Errors
     /// As [`Self::sky`]; [`EngineError::Stopped`] where the keeper ended it.
     pub fn brightness(
+        &self,
+        request: &BrightnessRequest,
+        keeper: &dyn SumKeeper,
+    ) -> Result<BrightnessMap, EngineError> {
+        // Threads of its own: in those that skies are rendered by, skies would wait until the map is found.
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
+            Ok(threads) => threads.install(|| self.find_brightness(request, keeper)),
+            Err(_) => self.find_brightness(request, keeper),
+        }
+    }
+
+    fn find_brightness(
         &self,
         request: &BrightnessRequest,
         keeper: &dyn SumKeeper,

@@ -1,5 +1,6 @@
 //! Request ids, counts and the log line of each request.
 
+use super::KnownClient;
 use crate::state::AppState;
 use axum::{
     extract::{MatchedPath, Request, State},
@@ -30,7 +31,8 @@ pub async fn observe(State(state): State<AppState>, request: Request, next: Next
     let status = response.status().as_u16();
     let duration = start.elapsed();
     state.metrics.count(&method, &route, status, duration);
-    tracing::info!(%method, %route, status, ms = duration.as_secs_f64() * 1e3, id, "request");
+    let client = response.extensions().get::<KnownClient>().map(|known| known.0.as_str());
+    tracing::info!(%method, %route, status, ms = duration.as_secs_f64() * 1e3, id, client, "request");
     if let Ok(value) = HeaderValue::from_str(&id) {
         response.headers_mut().insert(REQUEST_ID, value);
     }

@@ -74,6 +74,10 @@ fn group(client: IpAddr) -> IpAddr {
     }
 }
 
+/// The name of the key that a request came with, for the log.
+#[derive(Clone, Debug)]
+pub struct KnownClient(pub String);
+
 /// Answers 429 to a client that sends too much, and 401 to one whose token or key nobody has. Known clients have rates of their
 /// own, the operator none.
 pub async fn limit_rate(
@@ -88,13 +92,17 @@ pub async fn limit_rate(
             Some(Err(wait_s)) => Err(ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }),
             _ => Ok(()),
         };
+    let mut known = None;
     let allowed = match state.access.client(request.headers()) {
         Ok(Client::Operator) => Ok(()),
-        Ok(Client::Key(name)) => state.access.count(name),
+        Ok(Client::Key(name)) => {
+            known = Some(KnownClient(name.to_owned()));
+            state.access.count(name)
+        }
         Ok(Client::Anyone) => of_address(address),
         Err(error) => of_address(address).and(Err(error)),
     };
-    match allowed {
+    let mut response = match allowed {
         Ok(()) => next.run(request).await,
         Err(error) => {
             let reason = match error {
@@ -105,7 +113,11 @@ pub async fn limit_rate(
             state.metrics.count_refused(reason);
             error.into_response()
         }
+    };
+    if let Some(known) = known {
+        response.extensions_mut().insert(known);
     }
+    response
 }
 
 #[cfg(test)]

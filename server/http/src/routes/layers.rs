@@ -2,6 +2,7 @@
 
 use super::{
     brightness::AskedBrightness,
+    sky::put_warnings,
     tiles::{brightness_description, description, metadata, scenario_of},
 };
 use crate::{
@@ -12,7 +13,8 @@ use crate::{
     problem::Problem,
     request::{brightness, scene_id},
     respond::{Caching, Keep},
-    state::AppState,
+    source::SkySource,
+    state::{AppState, MadeAnswer},
 };
 use axum::{
     body::Body,
@@ -22,7 +24,7 @@ use axum::{
 use skyglow_scene::{RasterWords, TileLayer};
 
 /// Pixels of a raster at most; beyond, pixels of the scene share one by blocks.
-const MOST_PIXELS: usize = 16_000_000;
+const MOST_PIXELS: usize = 4_000_000;
 
 macro_rules! layers {
     ($($get:ident, $name:literal, $parameters:ident, $layer:expr, $answer:ident, $doc:literal;)*) => {$(
@@ -56,10 +58,10 @@ macro_rules! layers {
 layers! {
     get_radiance_tif, "radiance", ScenarioParameters,
         TileLayer::Radiance, scene_layer,
-        "Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 16 million pixels.";
+        "Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 4 million pixels.";
     get_elevation_tif, "elevation", NoParameters,
         TileLayer::Elevation, scene_layer,
-        "Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 16 million pixels.";
+        "Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 4 million pixels.";
     get_brightness_tif, "brightness", BrightnessParameters,
         (), brightness_layer,
         "The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; by blocks where that would be more than 1.2 million places. The first time it takes seconds.";
@@ -80,26 +82,24 @@ async fn scene_layer(
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
-    let bytes = state
-        .heavy(move |source| {
-            let scene = source.open_scene(&id, scenario.as_ref())?;
-            let places = scene.layer_at_places(layer, scene.place_lattice(MOST_PIXELS));
-            let places =
-                places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
-            let unit = match layer {
-                TileLayer::Radiance => "nW cm-2 sr-1",
-                TileLayer::Elevation => "m",
-            };
-            let metadata = scene.metadata();
-            let version = metadata.version.as_str();
-            let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("SCENE_VERSION", version)];
-            let description = description(layer, metadata.illustrative);
-            scene
-                .places_geotiff(&places, &RasterWords { description: &description, unit, notes: &notes })
-                .map_err(ApiError::internal)
-        })
-        .await?;
-    Ok(caching.ok("image/tiff", bytes))
+    let make = state.find(move |source| {
+        let scene = source.open_scene(&id, scenario.as_ref())?;
+        let places = scene.layer_at_places(layer, scene.place_lattice(MOST_PIXELS));
+        let places = places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
+        let unit = match layer {
+            TileLayer::Radiance => "nW cm-2 sr-1",
+            TileLayer::Elevation => "m",
+        };
+        let metadata = scene.metadata();
+        let version = metadata.version.as_str();
+        let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("SCENE_VERSION", version)];
+        let description = description(layer, metadata.illustrative);
+        scene
+            .places_geotiff(&places, &RasterWords { description: &description, unit, notes: &notes })
+            .map_err(ApiError::internal)
+    });
+    let made = state.answer(&caching.etag, async { make.await.map(MadeAnswer::from) }).await?;
+    Ok(caching.ok("image/tiff", made.bytes.clone()))
 }
 
 async fn brightness_layer(
@@ -115,16 +115,22 @@ async fn brightness_layer(
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
-    let map = asked.find(state).await?;
-    let assumptions = BrightnessAssumptions::new(asked.query(), &map, state.source.facts());
-    let bytes = state
-        .heavy(move |_| {
+    let make = async {
+        let map = asked.find(state).await?;
+        let assumptions = BrightnessAssumptions::new(asked.query(), &map, state.source.facts());
+        let warnings = assumptions.warnings.clone();
+        let write = move |_: &dyn SkySource| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
             let description = brightness_description(map.scene().illustrative);
             let words = RasterWords { description: &description, unit: "cd m-2", notes: &notes };
             map.open_scene().places_geotiff(map.places(), &words).map_err(ApiError::internal)
-        })
-        .await?;
-    Ok(caching.ok("image/tiff", bytes))
+        };
+        let bytes = state.find(write).await?;
+        Ok(MadeAnswer { bytes: bytes.into(), warnings, ..MadeAnswer::default() })
+    };
+    let made = state.answer(&caching.etag, make).await?;
+    let mut response = caching.ok("image/tiff", made.bytes.clone());
+    put_warnings(&mut response, &made.warnings);
+    Ok(response)
 }

@@ -20,7 +20,7 @@ use std::{
     path::{Path as FilePath, PathBuf},
     time::Duration,
 };
-use tokio::{fs::File, io::AsyncWriteExt};
+use tokio::{fs::File, io::AsyncWriteExt, sync::OwnedSemaphorePermit};
 use utoipa::ToSchema;
 
 /// Longest text of a field that is no file, bytes.
@@ -88,12 +88,12 @@ pub async fn put_scene(
     only_operator(&state, request.headers())?;
     let id = scene_id(&scene)?;
     no_parameters(query.as_deref())?;
-    let Ok(_place) = state.uploads.clone().try_acquire_owned() else {
+    let Ok(place) = state.uploads.clone().try_acquire_owned() else {
         state.metrics.count_refused("busy");
         return Err(ApiError::Busy { retry_after_s: 30 });
     };
     let limit = state.config.upload_timeout();
-    match tokio::time::timeout(limit, upload(&state, id, request)).await {
+    match tokio::time::timeout(limit, upload(&state, id, request, place)).await {
         Ok(answer) => answer,
         Err(_) => {
             state.metrics.count_refused("timeout");
@@ -142,7 +142,13 @@ fn only_operator(state: &AppState, headers: &HeaderMap) -> Result<(), ApiError> 
     }
 }
 
-async fn upload(state: &AppState, id: SceneId, request: Request) -> Result<Response<Body>, ApiError> {
+/// * `place`: held until the files are gone, whether somebody still waits or not.
+async fn upload(
+    state: &AppState,
+    id: SceneId,
+    request: Request,
+    place: OwnedSemaphorePermit,
+) -> Result<Response<Body>, ApiError> {
     let mut form = Multipart::from_request(request, &()).await.map_err(|error| {
         field_error("body", None, error.body_text(), "a form (multipart/form-data) with the file `radiance`")
     })?;
@@ -161,7 +167,7 @@ async fn upload(state: &AppState, id: SceneId, request: Request) -> Result<Respo
     let (scene, was_there) = state
         .blocking(move |source| {
             let made = source.ingest(&options)?;
-            drop(folder);
+            drop((folder, place));
             Ok(made)
         })
         .await?;

@@ -144,7 +144,11 @@ impl Fake {
             terrain: true,
             light_skylines: true,
             places_count: 1,
-            version: self.version.lock().unwrap().clone(),
+            // A real scene's is a hash of all that is said of it.
+            version: {
+                let measured = if self.illustrative.load(Ordering::SeqCst) { "" } else { "-measured" };
+                format!("{}{measured}", self.version.lock().unwrap())
+            },
         }
     }
 

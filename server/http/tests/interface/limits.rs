@@ -149,6 +149,10 @@ async fn a_half_sent_request_does_not_hold_the_server_when_it_is_told_to_end() {
 #[tokio::test]
 async fn every_metric_of_the_dashboard_is_served() {
     let server = Server::start().await;
+    // What has a label is served once there was something to count.
+    assert_eq!(server.answer("/api/v1/scenes/demo/sky?lat=-1&lon=37").await.status(), 200);
+    let refused = server.client.get(format!("{}/api/v1/scenes", server.base)).header("x-api-key", "nobodys");
+    assert_eq!(refused.send().await.unwrap().status(), 401);
     let metrics = server.answer("/metrics").await.text().await.unwrap();
     let served: Vec<(&str, &str)> =
         metrics.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' ')).collect();

@@ -13,6 +13,9 @@ use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
 
 /// Largest distance of a light from the middle of its block beside the distance of the ground that takes the block for its lights.
 pub(super) const FAR_LIGHT_RATIO: f64 = 0.06;
+/// Longest side of the patches whose lights are added place by place, metres, but for patches of one place: nearer than that, all
+/// lights are near.
+const LARGEST_SMALL_PATCH_M: f64 = 8_000.0;
 /// Nodes of a patch.
 const PATCH_NODES: usize = NODE_COUNT * NODE_COUNT;
 
@@ -37,20 +40,19 @@ impl Patch {
         }
     }
 
+    /// Its halves along its longer side, along both where those are alike.
     fn parts(&self) -> impl Iterator<Item = Self> {
         let Self { columns, rows } = *self;
-        let is_long = |stretch: Stretch| stretch.len() > FEWEST_PLACES;
+        let longest = columns.len().max(rows.len());
         let of = move |stretch: Stretch| {
-            stretch
-                .halves()
-                .take(if is_long(stretch) { 2 } else { 0 })
-                .chain((!is_long(stretch)).then_some(stretch))
+            let count = if 2 * stretch.len() > longest { 2 } else { 0 };
+            stretch.halves().take(count).chain((count == 0).then_some(stretch))
         };
         of(rows).flat_map(move |rows| of(columns).map(move |columns| Self { columns, rows }))
     }
 
-    fn is_small(&self) -> bool {
-        self.columns.len() <= FEWEST_PLACES && self.rows.len() <= FEWEST_PLACES
+    fn longest(&self) -> u32 {
+        self.columns.len().max(self.rows.len())
     }
 }
 
@@ -75,6 +77,8 @@ pub(super) struct Lump {
 pub(super) struct Spreader<'a> {
     pub(super) grid: &'a Grid,
     pub(super) lattice: PlaceLattice,
+    /// From one place to the next, metres.
+    pub(super) step_m: f64,
     pub(super) altitudes_m: &'a [f32],
     pub(super) lights: &'a [(Light<'a>, &'a PlaceKernel)],
 }
@@ -96,6 +100,13 @@ struct PatchGround {
     nodes: [DVec3; PATCH_NODES],
     /// From the middle, metres.
     nodes_m: [Vec3; PATCH_NODES],
+}
+
+impl PatchGround {
+    /// Whether all of it is on the Earth, as far as its nodes and its border say.
+    fn is_whole(&self) -> bool {
+        self.radius_m.is_finite() && self.nodes.iter().all(|node| node.is_finite())
+    }
 }
 
 impl Spreader<'_> {
@@ -127,8 +138,15 @@ impl Spreader<'_> {
         };
         let ground = self.ground_of(patch);
         let mut of_nodes = NodeSums::inherit(patch, (lowest, highest), inherited);
-        let left = self.take_far(&ground, candidates, &mut of_nodes);
-        if !patch.is_small() {
+        // A patch over the edge of the world has nodes that are nowhere: only its parts are asked.
+        let left = match ground.is_whole() {
+            true => self.take_far(&ground, candidates, &mut of_nodes),
+            false => candidates.to_vec(),
+        };
+        let is_small = patch.longest() <= FEWEST_PLACES
+            && f64::from(patch.longest()) * self.step_m <= LARGEST_SMALL_PATCH_M
+            && ground.is_whole();
+        if !is_small && patch.len() > 1 {
             for part in patch.parts() {
                 self.add(part, &left, Some(&of_nodes), write);
             }
@@ -192,7 +210,10 @@ impl Spreader<'_> {
         let sides = columns.map(|column| [(column, north), (column, south)]).into_iter().flatten();
         let sides = sides.chain(rows.map(|row| [(west, row), (east, row)]).into_iter().flatten());
         let border = corners.into_iter().chain(sides).map(|(column, row)| point(column, row));
-        let radius_m = border.map(|point| EARTH_RADIUS_M * point.distance(middle)).fold(0.0, f64::max);
+        // No number where one of them is nowhere.
+        let larger = |a: f64, b: f64| if b <= a { a } else { b };
+        let radius_m = border.map(|point| EARTH_RADIUS_M * point.distance(middle)).fold(0.0, larger);
+        let radius_m = if middle.is_finite() { radius_m } else { f64::NAN };
         let nodes_m = nodes.map(|node| (EARTH_RADIUS_M * (node - middle)).as_vec3());
         PatchGround { middle, radius_m, nodes, nodes_m }
     }

@@ -78,7 +78,8 @@ impl Scene {
                 Some((layer.light(&self.grid, calibration, hides), &kernels[kind]))
             })
             .collect();
-        let spreader = Spreader { grid: &self.grid, lattice, altitudes_m, lights: &lights };
+        let step_m = self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step);
+        let spreader = Spreader { grid: &self.grid, lattice, step_m, altitudes_m, lights: &lights };
         let roots: Vec<Candidate> = (0u32..)
             .zip(&lights)
             .filter(|(_, (light, _))| light.pyramid.top() > 0)

@@ -14,6 +14,7 @@ use clap::{Args, ValueEnum};
 use skyglow_engine::BrightnessMap;
 use skyglow_http::{
     answers::BrightnessAssumptions,
+    etag::ETag,
     parameters::BrightnessParameters,
     request,
     source::{BrightnessQuery, SourceFacts},
@@ -102,6 +103,7 @@ impl Atlas {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.ask(&self.program.facts())?;
+        self.check_parameters()?;
         if let Some(folder) = self.output.path.parent().filter(|folder| !folder.as_os_str().is_empty())
             && !folder.is_dir()
         {
@@ -134,6 +136,20 @@ impl Atlas {
         Ok(())
     }
 
+    /// Refuses parameters that mean nothing for the layer: silence would hide a slip.
+    fn check_parameters(&self) -> Result<(), Failure> {
+        let allowed: &[&str] = match self.layer {
+            Layer::Brightness => return Ok(()),
+            Layer::Radiance => &["scenario"],
+            Layer::Elevation => &[],
+        };
+        let mut given = self.query.query().split('&').filter_map(|pair| pair.split_once('='));
+        match given.find(|(name, _)| !allowed.contains(name)) {
+            Some((name, _)) => Err(Failure::Usage(format!("--{name} means nothing for this layer"))),
+            None => Ok(()),
+        }
+    }
+
     fn ask(&self, facts: &SourceFacts) -> Result<BrightnessQuery, Failure> {
         let query = request::brightness(Some(self.query.query()), self.scene.clone(), facts)
             .map_err(|error| query::failure(&error))?;
@@ -146,7 +162,9 @@ impl Atlas {
         let scene = source
             .open_scene(&ask.scene, ask.scenario.as_ref())
             .map_err(|error| query::failure(&error.into()))?;
-        let key = format!("{ask:?} {} {}", scene.metadata().version, source.facts().pack_checksums);
+        // A tag knows the program too: another one's numbers are not gone on with.
+        let checksums = &source.facts().pack_checksums;
+        let key = ETag::of(&["atlas", &format!("{ask:?}"), &scene.metadata().version, checksums]).header();
         let keeper = Keeper { file: PartFile::open(part, &key)?, stages };
         stages.begin("brightness of places", 1000);
         let map: BrightnessMap = source

@@ -39,6 +39,9 @@ impl PartFile {
             .truncate(false)
             .open(path)
             .map_err(failure)?;
+        if file.try_lock().is_err() {
+            return Err(Failure::Work(format!("{}: another run writes it", path.display())));
+        }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(failure)?;
         let mut head = MAGIC.to_vec();
@@ -50,6 +53,11 @@ impl PartFile {
                 length = end;
             }
             tracing::info!(parts = kept.len(), "going on with {}", path.display());
+        } else if !bytes.is_empty() && !bytes.starts_with(MAGIC) {
+            return Err(Failure::Work(format!(
+                "{}: is there already and not of this program",
+                path.display()
+            )));
         } else {
             file.seek(SeekFrom::Start(0)).and_then(|_| file.write_all(&head)).map_err(failure)?;
         }
@@ -147,6 +155,12 @@ mod tests {
         std::fs::write(&path, &whole).unwrap();
         assert!(PartFile::open(&path, "b").unwrap().kept(1, 2).is_none());
         assert!(PartFile::open(&path, "a").unwrap().kept(1, 2).is_none());
+        let running = PartFile::open(&path, "a").unwrap();
+        assert!(PartFile::open(&path, "a").is_err());
+        drop(running);
+        std::fs::write(&path, b"somebody's own").unwrap();
+        assert!(PartFile::open(&path, "a").is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"somebody's own");
         PartFile::remove(&path);
         PartFile::remove(&path);
         assert!(!path.exists());
