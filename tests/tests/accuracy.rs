@@ -2,10 +2,7 @@
 //! scattering (`tests/examples/truth.rs`, then `tests/examples/truth_multiple.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
-use skyglow_engine::{
-    BrightnessRequest, DeviceChoice, Engine, EngineConfig, Observatory, RenderRequest, SkyRequest,
-    resident_tables,
-};
+use skyglow_engine::{BrightnessRequest, DeviceChoice, Engine, EngineConfig, RenderRequest, SkyRequest};
 use skyglow_physics::{
     ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
@@ -14,7 +11,10 @@ use skyglow_physics::{
 };
 use skyglow_scene::{RING_COUNT, Scene, SceneId, SceneStore, create_demo, ring_distance_m};
 use skyglow_tables::{Pack, Scattering, packs_in};
-use skyglow_tests::{open_sky::open_sky, tree};
+use skyglow_tests::{
+    open_sky::{observatory, open_sky},
+    tree,
+};
 use std::{path::PathBuf, sync::Arc};
 
 /// Largest mean error allowed at any place and turbidity.
@@ -143,10 +143,7 @@ fn skies_of_the_demo_are_those_of_the_stored_truth() {
 fn the_zenith_of_every_place_is_that_of_its_panorama() {
     let folder = tempfile::tempdir().unwrap();
     create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();
-    let (tables, manifests) = resident_tables(&packs_in(&tree::root().join("precomputed")).unwrap()).unwrap();
-    let engine =
-        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() }).unwrap();
-    let observatory = Observatory::new(engine, manifests, folder.path(), 1);
+    let observatory = observatory(folder.path(), &tree::root().join("precomputed")).unwrap();
     let id = SceneId::parse("demo").unwrap();
     // At a pack and between packs.
     for (turbidity, most_places) in [(2.5, 20_000), (3.0, 5_000)] {
