@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve test packs bench stress load soak faults container deny viewer
+.PHONY: help serve test packs bench stress load soak faults container fuzz deny viewer
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -34,9 +34,11 @@ faults: ## kill it, fill its disk, damage its files, starve its connections, und
 container: ## build the image's root file system without a container engine and start it as one would (as root)
 	@deploy/container/test.sh
 
+fuzz: ## bytes that nobody meant to every parser (SECONDS=60 each; needs the nightly compiler)
+	@scripts/fuzz.sh $(SECONDS)
+
 deny: ## licences, bans and sources of every dependency (cargo-deny)
-	@command -v cargo-deny >/dev/null 2>&1 || cargo install --locked cargo-deny
-	@cargo deny check licenses bans sources
+	@scripts/dependencies.sh
 
 viewer: ## rebuild web/dist, the viewer's built form, from its sources
 	@scripts/system_packages.sh test

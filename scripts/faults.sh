@@ -1,38 +1,12 @@
 #!/bin/sh
 # Faults under load, on loopback: what is lost, what answers 500. Stops at the first thing that is not as it should be.
 set -eu
-cd "$(dirname "$0")/.."
-export NODEVICE_SELECT="${NODEVICE_SELECT:-1}" XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}"
-program="${CARGO_TARGET_DIR:-target}/release/skyglow"
-[ -x "$program" ] || cargo build --release --package skyglow
-command -v wrk >/dev/null 2>&1 || apt-get install -y -q --no-install-recommends wrk >/dev/null
-work="$(mktemp -d)"
-server=""
-trap 'kill -9 $server 2>/dev/null || true; umount "$work/small" 2>/dev/null || true; rm -rf "$work"' EXIT
-port=18092
-base="http://127.0.0.1:$port"
+. "$(dirname "$0")/loaded_server.sh"
 say() { echo "faults: $*"; }
 fail() {
     say "FAILED: $*"
     tail -5 "$work/log" 2>/dev/null || true
     exit 1
-}
-start() { # start DATA PACKS [ARGUMENTS]
-    data="$1"
-    packs="$2"
-    shift 2
-    "$program" serve --listen "127.0.0.1:$port" --data "$data" --packs "$packs" --requests-per-second 0 "$@" >"$work/log" 2>&1 &
-    server=$!
-    for _ in $(seq 240); do
-        curl -fs "$base/readyz" >/dev/null 2>&1 && return 0
-        kill -0 "$server" 2>/dev/null || return 1
-        sleep 0.25
-    done
-    return 1
-}
-stop() {
-    kill -TERM "$server"
-    wait "$server" || fail "SIGTERM ends it with $?"
 }
 internal() { curl -fs "$base/metrics" | grep -E '^skyglow_http_requests_total.*status="500"' || true; }
 paint='{"title": "dim", "edits": [{"brush": {"points": [[8.79, 46.17]], "radius_m": 6000}, "factor": 0.5}]}'
@@ -42,11 +16,12 @@ scenarios="$base/api/v1/scenes/demo/scenarios"
 start "$work/data" precomputed || fail "no start"
 before="$(curl -fs "$base/api/v1/scenes")"
 id="$(curl -fs -X POST "$scenarios" -d "$paint" | sed 's/.*"id":"\(s-[0-9a-f]*\)".*/\1/')"
-MIX=mixed wrk --threads 2 --connections 16 --duration 5s --script deploy/load/mix.lua "$base" >/dev/null 2>&1 &
+ask mixed 16 5 >/dev/null 2>&1 &
 load=$!
 sleep 2
 kill -9 "$server"
 wait "$load" || true
+load=""
 wait "$server" 2>/dev/null || true
 start "$work/data" precomputed || fail "no start after a kill"
 [ "$(curl -fs "$base/api/v1/scenes")" = "$before" ] || fail "scenes differ after a kill"
@@ -75,7 +50,36 @@ done
 wait "$slow"
 [ -z "$(internal)" ] || fail "internal errors: $(internal)"
 say "300 silent, half-open and unread connections: answers in time beside them"
-stop
+stop || fail "SIGTERM does not end it with 0"
+
+# A clock that jumps by days and back, under load. (Not the one that never jumps, as no system's does.)
+faketime="$(ls /usr/lib/*/faketime/libfaketime.so.1 2>/dev/null | head -1)"
+if [ -n "$faketime" ]; then
+    echo "+0" >"$work/clock"
+    export LD_PRELOAD="$faketime" FAKETIME_TIMESTAMP_FILE="$work/clock" FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1
+    start "$work/data" precomputed || fail "no start with a false clock"
+    unset LD_PRELOAD FAKETIME_TIMESTAMP_FILE FAKETIME_NO_CACHE FAKETIME_DONT_FAKE_MONOTONIC
+    id="$(curl -fs -X POST "$scenarios" -d "$paint" | sed 's/.*"id":"\(s-[0-9a-f]*\)".*/\1/')"
+    today="$(curl -fsI "$base/healthz" | sed -n 's/^date: //p')"
+    ask mixed 16 12 >"$work/answers" &
+    load=$!
+    for jump in +3d -3d +30d +0; do
+        sleep 2
+        echo "$jump" >"$work/clock"
+        sleep 0.2
+        curl -fs "$base/api/v1/scenes/demo/sky?lat=46.2&lon=8.7" >/dev/null || fail "no sky after the clock went $jump"
+        curl -fs "$base/api/v1/scenarios/$id" >/dev/null || fail "scenario $id is lost after the clock went $jump"
+        [ "$jump" != +3d ] || [ "$(curl -fsI "$base/healthz" | sed -n 's/^date: //p')" != "$today" ] || fail "the clock did not jump"
+    done
+    wait "$load" || fail "the load broke off"
+    load=""
+    grep -q '"not_2xx": 0, "broken": 0' "$work/answers" || fail "refused or broken: $(cat "$work/answers")"
+    [ -z "$(internal)" ] || fail "internal errors: $(internal)"
+    stop || fail "SIGTERM does not end it with 0"
+    say "clock three and thirty days off and back, under load: every answer good, the scenario is there"
+else
+    say "SKIPPED the clock: libfaketime is not there (apt-get install libfaketime)"
+fi
 
 # A full disk.
 mkdir "$work/small"
@@ -88,7 +92,7 @@ if mount -t tmpfs -o size=40m tmpfs "$work/small" 2>/dev/null; then
     rm "$work/small/fill"
     curl -fs -X POST "$scenarios" -d "$paint" >/dev/null || fail "nothing is kept once there is room"
     [ -z "$(internal)" ] || fail "internal errors: $(internal)"
-    stop
+    stop || fail "SIGTERM does not end it with 0"
     say "full disk: 503 for what is to be kept, skies go on, and it is kept once there is room"
 else
     say "SKIPPED the full disk: nothing can be mounted here"
@@ -108,5 +112,5 @@ code="$(curl -s -o "$work/answer" -w '%{http_code}' "$base/api/v1/scenes/demo/sk
 grep -q light.bin "$work/log" || fail "the damaged file is not named in the log"
 curl -fs "$base/readyz" >/dev/null || fail "not ready beside a damaged scene"
 say "damaged scene: the server starts, says in its log which file, and answers its skies with 500"
-stop
+stop || fail "SIGTERM does not end it with 0"
 say "passed"

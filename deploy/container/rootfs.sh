@@ -18,7 +18,7 @@ program="${CARGO_TARGET_DIR:-target}/release/skyglow"
 mkdir -p "$(dirname "$root")"
 echo "rootfs: a bare Debian in $root" >&2
 mmdebstrap --quiet --variant=minbase bookworm "$root"
-# Inside, the same sources as here: mirrors and proxies of this machine.
+# Inside, the same sources as here: mirrors and proxies of the host.
 cp deploy/container/setup.sh "$root/setup.sh"
 cp /etc/resolv.conf "$root/etc/resolv.conf" 2>/dev/null || true
 cp -r /etc/apt/apt.conf.d/. "$root/etc/apt/apt.conf.d/" 2>/dev/null || true

@@ -12,6 +12,7 @@ pub mod lobe_sum;
 pub mod lobe_truth;
 pub mod merged_sources;
 pub mod open_sky;
+pub mod outside;
 pub mod packs;
 pub mod places;
 pub mod sky_errors;

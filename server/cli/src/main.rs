@@ -36,7 +36,10 @@ struct CommandLine {
 
 fn main() -> ExitCode {
     let command_line = CommandLine::parse();
-    logging::start(command_line.command.default_log_level());
+    // The server reads first where its traces go.
+    if !matches!(command_line.command, commands::Command::Serve(_)) {
+        logging::start(command_line.command.default_log_level());
+    }
     match command_line.command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -87,6 +87,9 @@ pub(crate) struct Layer {
     /// Requests that one client may send at once [default: 1000]
     #[arg(long, env = "SKYGLOW_REQUEST_BURST", value_name = "N", help_heading = "Limits")]
     pub(crate) request_burst: Option<u32>,
+    /// Scenarios, counted by 16 kB of body, that one client may have kept in a day, a plan counting as 8; 0 for no limit [default: 500]
+    #[arg(long, env = "SKYGLOW_KEPT_PER_DAY", value_name = "N", help_heading = "Limits")]
+    pub(crate) kept_per_day: Option<u32>,
     /// Longest time for the answers under way when the server is told to end, seconds [default: 10]
     #[arg(long, env = "SKYGLOW_DRAIN_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) drain_timeout_s: Option<f64>,
@@ -120,6 +123,9 @@ pub(crate) struct Layer {
     /// TOML file of [[key]] tables: name, blake3 of the key, requests_per_second, request_burst, requests_per_day
     #[arg(long, env = "SKYGLOW_API_KEYS_FILE", value_name = "FILE")]
     pub(crate) api_keys_file: Option<PathBuf>,
+    /// Collector that spans of requests are sent to, by OTLP over HTTP, as http://HOST:4318; OTEL_* variables hold [default: none]
+    #[arg(long, env = "SKYGLOW_OTLP_ENDPOINT", value_name = "URL")]
+    pub(crate) otlp_endpoint: Option<String>,
     /// Where clients reach the server, for links in answers [default: as the request's Host header says]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,
@@ -150,6 +156,8 @@ pub(crate) struct Settings {
     pub(crate) operator_token_file: Option<PathBuf>,
     /// File of known clients.
     pub(crate) api_keys_file: Option<PathBuf>,
+    /// Collector of spans.
+    pub(crate) otlp_endpoint: Option<String>,
     /// Limits of the interface.
     #[serde(flatten)]
     pub(crate) http: HttpConfig,
@@ -169,6 +177,7 @@ impl Default for Settings {
             kept_plans_days: 90,
             operator_token_file: None,
             api_keys_file: None,
+            otlp_endpoint: None,
             http: HttpConfig::default(),
         }
     }
@@ -222,6 +231,9 @@ impl Settings {
         };
         let url = http.public_url.as_ref();
         require(url.is_none_or(is_url), "public_url", "an address such as https://sky.example.org");
+        let collector = self.otlp_endpoint.as_ref();
+        let is_plain = |url: &String| url.starts_with("http://") && is_url(url);
+        require(collector.is_none_or(is_plain), "otlp_endpoint", "an address such as http://collector:4318");
         if wrong.is_empty() { Ok(self) } else { Err(Failure::Work(wrong.join("; "))) }
     }
 
@@ -394,6 +406,7 @@ mod tests {
         assert_eq!(schema["additionalProperties"], serde_json::json!(false));
         let mut settings = Settings::default();
         settings.http.public_url = Some(String::new());
+        settings.otlp_endpoint = Some(String::new());
         let settings = serde_json::to_value(settings).unwrap();
         let names = |value: &serde_json::Value| {
             let mut names: Vec<String> = value.as_object().unwrap().keys().cloned().collect();
@@ -417,7 +430,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 17);
+        assert_eq!(compared, 18);
         assert_eq!(Settings::default().change_limits(), ChangeLimits::default());
     }
 }

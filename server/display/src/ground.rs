@@ -35,7 +35,7 @@ pub(crate) fn without_ground<'a>(panorama: &'a Panorama, horizon: &Horizon) -> C
 
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shown {
+pub(crate) enum Shown {
     Sky,
     Ground,
     /// Corners of a fisheye.
@@ -48,6 +48,9 @@ pub(crate) struct GroundMap<'a> {
     horizon: Option<&'a Horizon>,
     shown: Vec<Shown>,
     size_px: (u32, u32),
+    /// Elevation of the ground in each column of an equirectangular picture, radians, and the highest of all.
+    tops_rad: Vec<f64>,
+    highest_rad: f64,
 }
 
 impl<'a> GroundMap<'a> {
@@ -55,7 +58,8 @@ impl<'a> GroundMap<'a> {
     pub(crate) fn new(horizon: &'a Horizon, size_px: (u32, u32)) -> Self {
         let horizon = (!horizon.is_flat()).then_some(horizon);
         let pixels = horizon.map_or(0, |_| size_px.0 as usize * size_px.1 as usize);
-        Self { horizon, shown: Vec::with_capacity(pixels), size_px }
+        let shown = Vec::with_capacity(pixels);
+        Self { horizon, shown, size_px, tops_rad: Vec::new(), highest_rad: f64::NEG_INFINITY }
     }
 
     /// Whether the next pixel shows ground that hides the sky, or lies below such ground.
@@ -70,18 +74,25 @@ impl<'a> GroundMap<'a> {
         shown == Shown::Ground
     }
 
-    /// Elevation of the ground in each column of an equirectangular picture, radians; None where nothing hides.
-    pub(crate) fn tops_rad(&self, azimuths_rad: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
-        let horizon = self.horizon?;
-        Some(azimuths_rad.map(|azimuth_rad| horizon.elevation_at_rad(azimuth_rad)).collect())
+    /// Looks along the columns of an equirectangular picture, before [`Self::next_row`].
+    pub(crate) fn see_columns(&mut self, azimuths_rad: impl Iterator<Item = f64>) {
+        if let Some(horizon) = self.horizon {
+            self.tops_rad = azimuths_rad.map(|azimuth_rad| horizon.elevation_at_rad(azimuth_rad)).collect();
+            self.highest_rad = self.tops_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        }
     }
 
-    /// [`Self::is_ground`] of the next pixel of such a picture.
-    #[inline(always)]
-    pub(crate) fn is_ground_below(&mut self, top_rad: f64, elevation_rad: f64) -> bool {
-        let shown = if elevation_rad < top_rad { Shown::Ground } else { Shown::Sky };
-        self.shown.push(shown);
-        shown == Shown::Ground
+    /// What the next row of such a picture shows, which has an elevation; None where all of it is sky.
+    pub(crate) fn next_row(&mut self, elevation_rad: f64) -> Option<&[Shown]> {
+        self.horizon?;
+        let first = self.shown.len();
+        if elevation_rad >= self.highest_rad {
+            self.shown.resize(first + self.tops_rad.len(), Shown::Sky);
+            return None;
+        }
+        let shown = |&top_rad: &f64| if elevation_rad < top_rad { Shown::Ground } else { Shown::Sky };
+        self.shown.extend(self.tops_rad.iter().map(shown));
+        Some(&self.shown[first..])
     }
 
     /// Draws the line along the upper edge of the ground, on the ground's side, at `offset_px` from the left.
@@ -89,7 +100,9 @@ impl<'a> GroundMap<'a> {
         let (width, height) = self.size_px;
         let thickness_px = (f64::from(width) / 1024.0).round().max(1.0) as u32;
         let at = |x: u32, y: u32| self.shown.get((y * width + x) as usize).copied();
-        for y in 0..height {
+        // Above the first ground there is no edge.
+        let first = self.shown.iter().position(|&shown| shown == Shown::Ground).unwrap_or(self.shown.len());
+        for y in first as u32 / width..height {
             for x in 0..width {
                 if at(x, y) != Some(Shown::Ground) {
                     continue;

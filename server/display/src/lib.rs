@@ -24,6 +24,7 @@ pub mod projection;
 pub mod raster;
 pub mod realistic;
 pub mod sampler;
+mod starts;
 mod text;
 pub mod tile;
 

@@ -3,9 +3,21 @@
 
 use crate::{projection::View, sampler::taps};
 use skyglow_physics::{AZIMUTH_COUNT, Direction};
+use std::ops::Range;
 
 /// Where a picture's columns lie between the panorama's.
-pub(crate) struct Columns(Vec<(usize, usize, f64)>);
+pub(crate) struct Columns {
+    /// The panorama's column on the left, the one on the right, and how much of the way from one to the other.
+    between: Vec<(usize, usize, f64)>,
+    runs: Vec<Run>,
+}
+
+/// Columns of a picture side by side that lie between the same two of the panorama.
+pub(crate) struct Run {
+    pub(crate) columns: Range<usize>,
+    pub(crate) left: usize,
+    pub(crate) right: usize,
+}
 
 impl Columns {
     /// Of a picture `width_px` wide; None where the view is not equirectangular.
@@ -16,12 +28,25 @@ impl Columns {
             let [left, right] = [0, 1].map(|tap| taps.offset[tap] % AZIMUTH_COUNT);
             Some((left, right, (taps.weight[1] + taps.weight[3]).min(1.0)))
         };
-        (0..width_px).map(column).collect::<Option<Vec<_>>>().map(Self)
+        let between = (0..width_px).map(column).collect::<Option<Vec<_>>>()?;
+        let mut runs: Vec<Run> = Vec::new();
+        for (x, &(left, right, _)) in between.iter().enumerate() {
+            match runs.last_mut().filter(|run| run.left == left) {
+                Some(run) => run.columns.end = x + 1,
+                None => runs.push(Run { columns: x..x + 1, left, right }),
+            }
+        }
+        Some(Self { between, runs })
+    }
+
+    /// All columns, by what they lie between.
+    pub(crate) fn runs(&self) -> &[Run] {
+        &self.runs
     }
 }
 
 /// A row of a picture: the panorama's values at its elevation, by column of the panorama.
-pub(crate) struct Row(Vec<f64>);
+pub(crate) struct Row(pub(crate) [f64; AZIMUTH_COUNT]);
 
 impl Row {
     /// * `values`: `[row][column]` of the panorama.
@@ -37,14 +62,14 @@ impl Row {
             let above = high[(column + turn) % AZIMUTH_COUNT];
             (1.0 - up) * low[column] + up * above
         };
-        Some(Self((0..AZIMUTH_COUNT).map(value).collect()))
+        Some(Self(std::array::from_fn(value)))
     }
 
     /// The value in a column of the picture.
     #[inline(always)]
     pub(crate) fn at(&self, columns: &Columns, x: usize) -> f64 {
-        let (left, right, along) = columns.0[x];
-        (1.0 - along) * self.0[left] + along * self.0[right]
+        let (left, right, along) = columns.between[x];
+        self.0[left] + along * (self.0[right] - self.0[left])
     }
 }
 

@@ -3,13 +3,14 @@
 use crate::{
     colormap::TABLE_LEN,
     error::DisplayError,
-    ground::{GroundMap, TERRAIN_RGB, without_ground},
+    ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
     options::{PictureOptions, Projection, Style},
     panels::{Columns, Row},
     projection::View,
     realistic::ToneMap,
     sampler::{Sampler, taps},
+    starts::Starts,
 };
 use image::{Rgb, RgbImage};
 use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, Panorama};
@@ -29,49 +30,6 @@ enum Painter<'a> {
         sampler: Sampler<'a>,
         tone_map: Box<ToneMap>,
     },
-}
-
-/// Where the colours of a table start. No logarithm and no branch per pixel.
-struct Starts {
-    /// Entry `i` holds luminances from `cd_m2[i]` to below `cd_m2[i + 1]`; the ends are infinite.
-    cd_m2: [f64; TABLE_LEN + 1],
-    /// Entries for each power of 2, and log2 of where the second starts.
-    per_octave: f32,
-    second_octave: f32,
-}
-
-impl Starts {
-    fn new((dark, bright): (f64, f64)) -> Self {
-        let steps = (TABLE_LEN - 1) as f64;
-        let start = |i: usize| dark * ((i as f64 - 0.5) / steps * (bright / dark).ln()).exp();
-        Self {
-            cd_m2: std::array::from_fn(|i| match i {
-                0 => f64::NEG_INFINITY,
-                TABLE_LEN => f64::INFINITY,
-                i => start(i),
-            }),
-            per_octave: (steps / (bright / dark).log2()) as f32,
-            second_octave: start(1).log2() as f32,
-        }
-    }
-
-    /// The entry that holds a luminance.
-    #[inline(always)]
-    fn entry(&self, luminance_cd_m2: f64) -> usize {
-        // Exponent and mantissa of a float give its logarithm to 0.007 octaves, which is less than an entry on any scale that is not
-        // too narrow: the guess is right or beside it.
-        let bits = (luminance_cd_m2.max(0.0) as f32).to_bits();
-        let part = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000) - 1.0;
-        let octave = (bits >> 23) as f32 - 127.0 + part * (1.344 - 0.344 * part);
-        let guess = 1.0 + (octave - self.second_octave) * self.per_octave;
-        let guess = guess.clamp(0.0, (TABLE_LEN - 1) as f32) as usize;
-        let mut entry = guess + usize::from(self.cd_m2[guess + 1] <= luminance_cd_m2);
-        entry -= usize::from(self.cd_m2[entry] > luminance_cd_m2);
-        if self.cd_m2[entry] <= luminance_cd_m2 && luminance_cd_m2 < self.cd_m2[entry + 1] {
-            return entry;
-        }
-        self.cd_m2[1..TABLE_LEN].partition_point(|&start| start <= luminance_cd_m2)
-    }
 }
 
 impl<'a> Painter<'a> {
@@ -146,27 +104,34 @@ pub fn picture(
         let azimuth_rad = |x: u32| {
             view.direction_at(f64::from(x) + 0.5, 0.5).map_or(0.0, |direction| direction.azimuth_rad)
         };
-        let tops_rad = ground.tops_rad((0..options.width_px).map(azimuth_rad));
+        ground.see_columns((0..options.width_px).map(azimuth_rad));
         for y in 0..options.height_px {
             let direction = view.direction_at(0.5, f64::from(y) + 0.5);
             let elevation_rad = direction.map_or(0.0, |direction| direction.elevation_rad);
             let Some(row) = Row::new(luminance_cd_m2, elevation_rad) else { continue };
             let first = 3 * (y as usize * canvas_width_px as usize + offset_px as usize);
-            let pixels = canvas.as_flat_samples_mut().samples[first..first + 3 * options.width_px as usize]
-                .chunks_exact_mut(3);
-            for (x, pixel) in pixels.enumerate() {
-                let is_ground = match &tops_rad {
-                    Some(tops_rad) => ground.is_ground_below(tops_rad[x], elevation_rad),
-                    None => false,
-                };
-                let rgb = if is_ground {
-                    TERRAIN_RGB
-                } else {
-                    let luminance = row.at(columns, x);
-                    beyond.note(luminance, *ends_cd_m2);
-                    table[starts.entry(luminance)]
-                };
-                pixel.copy_from_slice(&rgb);
+            let (pixels, _) = canvas.as_flat_samples_mut().samples
+                [first..first + 3 * options.width_px as usize]
+                .as_chunks_mut::<3>();
+            let shown = ground.next_row(elevation_rad);
+            let hides = |x: usize| shown.is_some_and(|shown| shown[x] == Shown::Ground);
+            let entries = row.0.map(|luminance_cd_m2| starts.entry(luminance_cd_m2));
+            for run in columns.runs() {
+                let (left, right) = (entries[run.left], entries[run.right]);
+                // Between two samples of one colour lies no other; the first and the last may hide what is beyond them.
+                if left == right && (1..TABLE_LEN - 1).contains(&left) {
+                    pixels[run.columns.clone()].fill(table[left]);
+                    continue;
+                }
+                for x in run.columns.clone().filter(|&x| !hides(x)) {
+                    let luminance_cd_m2 = row.at(columns, x);
+                    beyond.note(luminance_cd_m2, *ends_cd_m2);
+                    pixels[x] = table[starts.entry(luminance_cd_m2)];
+                }
+            }
+            if let Some(shown) = shown {
+                let hidden = pixels.iter_mut().zip(shown).filter(|(_, shown)| **shown == Shown::Ground);
+                hidden.for_each(|(pixel, _)| *pixel = TERRAIN_RGB);
             }
         }
     } else {
@@ -256,20 +221,6 @@ mod tests {
             picture(&beacon(0, 64), &Horizon::flat(), &plain(Projection::Equirectangular, 256, 64)).unwrap();
         assert_eq!(image.get_pixel(64, 63).0, [255; 3]);
         assert_eq!(image.pixels().filter(|p| p.0 != [0; 3]).count(), 1);
-    }
-
-    #[test]
-    fn a_colour_is_that_of_the_last_start_at_or_below_for_any_number() {
-        for ends in [(1e-5, 0.1), (3e-9, 2e-3), (0.2, 0.3)] {
-            let starts = Starts::new(ends);
-            let own = &starts.cd_m2[1..TABLE_LEN];
-            let known: Vec<f64> = own.iter().flat_map(|&s| [s.next_down(), s, s.next_up()]).collect();
-            let spread = (0..4000).map(|i| ends.0 * 1e-3 * (i as f64 * 0.01).exp());
-            for luminance in known.into_iter().chain(spread).chain([0.0, -1e-9, 1e30, f64::MIN_POSITIVE]) {
-                let wanted = own.partition_point(|&start| start <= luminance);
-                assert_eq!(starts.entry(luminance), wanted, "{luminance:e}");
-            }
-        }
     }
 
     #[test]

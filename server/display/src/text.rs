@@ -48,14 +48,29 @@ impl Pen {
         &self,
         picture: &mut RgbImage,
         text: &str,
-        (x_px, top_px): (f32, f32),
+        place_px: (f32, f32),
         align: Align,
         colour: [u8; 3],
     ) {
+        stamp(picture, &self.ink(picture.width(), text, place_px, align), (0, 0), colour);
+    }
+
+    /// The same with a dark rim, readable on any sky.
+    pub(crate) fn draw_with_rim(&self, picture: &mut RgbImage, text: &str, centre_top_px: (f32, f32)) {
+        let ink = self.ink(picture.width(), text, centre_top_px, Align::Centre);
+        for offset in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1, 1), (1, -1)] {
+            stamp(picture, &ink, offset, [0, 0, 0]);
+        }
+        stamp(picture, &ink, (0, 0), [255, 255, 255]);
+    }
+
+    /// The pixels of a text in a picture `width_px` wide.
+    fn ink(&self, width_px: u32, text: &str, (x_px, top_px): (f32, f32), align: Align) -> Vec<Ink> {
         let font = self.font.as_scaled(PxScale::from(self.size_px));
-        let width_px = self.width_px(text);
-        let start_px = if align == Align::Centre { x_px - 0.5 * width_px } else { x_px };
-        let mut pen_px = start_px.min(picture.width() as f32 - width_px - 1.0).max(1.0);
+        let text_px = self.width_px(text);
+        let start_px = if align == Align::Centre { x_px - 0.5 * text_px } else { x_px };
+        let mut pen_px = start_px.min(width_px as f32 - text_px - 1.0).max(1.0);
+        let mut ink = Vec::new();
         for character in text.chars() {
             let id = font.glyph_id(character);
             let glyph = id.with_scale_and_position(self.size_px, point(pen_px, top_px + font.ascent()));
@@ -63,34 +78,33 @@ impl Pen {
             let Some(outline) = self.font.outline_glyph(glyph) else { continue };
             let origin = outline.px_bounds().min;
             outline.draw(|dx, dy, coverage| {
-                let (x, y) = (origin.x + dx as f32, origin.y + dy as f32);
-                if x >= 0.0 && y >= 0.0 && (x as u32) < picture.width() && (y as u32) < picture.height() {
-                    let pixel = picture.get_pixel_mut(x as u32, y as u32);
-                    *pixel = Rgb(std::array::from_fn(|i| {
-                        let (below, above) = (f32::from(pixel.0[i]), f32::from(colour[i]));
-                        (below + (above - below) * coverage.clamp(0.0, 1.0)).round() as u8
-                    }));
+                if coverage > 0.0 {
+                    let (x, y) = (origin.x as i32 + dx as i32, origin.y as i32 + dy as i32);
+                    ink.push(Ink { x, y, coverage: coverage.min(1.0) });
                 }
             });
         }
+        ink
     }
+}
 
-    /// The same with a dark rim, readable on any sky.
-    pub(crate) fn draw_with_rim(&self, picture: &mut RgbImage, text: &str, centre_top_px: (f32, f32)) {
-        let (x, y) = centre_top_px;
-        for (dx, dy) in [
-            (-1.0, 0.0),
-            (1.0, 0.0),
-            (0.0, -1.0),
-            (0.0, 1.0),
-            (-1.0, -1.0),
-            (1.0, 1.0),
-            (-1.0, 1.0),
-            (1.0, -1.0),
-        ] {
-            self.draw(picture, text, (x + dx, y + dy), Align::Centre, [0, 0, 0]);
+/// How much of a pixel a text covers.
+struct Ink {
+    x: i32,
+    y: i32,
+    coverage: f32,
+}
+
+/// Draws ink with an offset; what lies beside the picture is left out.
+fn stamp(picture: &mut RgbImage, ink: &[Ink], (right, down): (i32, i32), colour: [u8; 3]) {
+    for &Ink { x, y, coverage } in ink {
+        let place = u32::try_from(x + right).ok().zip(u32::try_from(y + down).ok());
+        if let Some(pixel) = place.and_then(|(x, y)| picture.get_pixel_mut_checked(x, y)) {
+            *pixel = Rgb(std::array::from_fn(|i| {
+                let (below, above) = (f32::from(pixel.0[i]), f32::from(colour[i]));
+                (below + (above - below) * coverage + 0.5) as u8
+            }));
         }
-        self.draw(picture, text, centre_top_px, Align::Centre, [255, 255, 255]);
     }
 }
 

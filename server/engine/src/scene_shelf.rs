@@ -8,7 +8,11 @@ use skyglow_scene::{
 };
 use std::{
     collections::VecDeque,
-    sync::{Arc, Mutex, PoisonError},
+    hash::{DefaultHasher, Hash, Hasher},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
     time::{Duration, SystemTime},
 };
 
@@ -19,6 +23,9 @@ type Stamp = (SystemTime, u64);
 const CHANGED_BYTES: u64 = 512 << 20;
 /// How long a changed scene is kept that nobody asks for: it holds the scene, which may be gone from disk.
 const KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
+
+/// Scenes that can be read from disk at a time, at most.
+const GATES: usize = 16;
 
 /// A scene with changes, and what they did.
 pub(crate) type Changed = (Arc<Scene>, Arc<ChangeSummary>);
@@ -33,6 +40,10 @@ pub(crate) struct SceneShelf {
     changed: Cache<(ChangeId, String), Changed>,
     /// The one used last is at the front.
     open: Mutex<VecDeque<(SceneId, Stamp, Arc<Scene>)>>,
+    /// Who opens a scene holds one of these, found by its id.
+    gates: [Mutex<()>; GATES],
+    /// How often a scene was read from disk.
+    opened: AtomicUsize,
 }
 
 impl SceneShelf {
@@ -43,7 +54,15 @@ impl SceneShelf {
         };
         let changed =
             Cache::builder().max_capacity(CHANGED_BYTES).weigher(weigh).time_to_idle(KEPT_WHILE_IDLE).build();
-        Self { store, changes, capacity: capacity.max(1), open: Mutex::default(), changed }
+        Self {
+            store,
+            changes,
+            capacity: capacity.max(1),
+            open: Mutex::default(),
+            changed,
+            gates: Default::default(),
+            opened: AtomicUsize::new(0),
+        }
     }
 
     /// Where scenarios and plans are stored.
@@ -153,13 +172,25 @@ impl SceneShelf {
         if let Some(scene) = self.fetch(id, stamp) {
             return Ok(scene);
         }
-        // Opened without the lock: another scene's callers go on meanwhile.
+        // Opened without the lock on the shelf: another scene's callers go on meanwhile, and those of this one wait for the one
+        // that opens it.
+        let _opening = self.gate(id).lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(scene) = self.fetch(id, stamp) {
+            return Ok(scene);
+        }
+        self.opened.fetch_add(1, Ordering::Relaxed);
         let scene = Arc::new(self.store.open(id)?);
         self.forget(id);
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         open.push_front((id.clone(), stamp, Arc::clone(&scene)));
         open.truncate(self.capacity);
         Ok(scene)
+    }
+
+    fn gate(&self, id: &SceneId) -> &Mutex<()> {
+        let mut hasher = DefaultHasher::new();
+        id.as_str().hash(&mut hasher);
+        &self.gates[hasher.finish() as usize % GATES]
     }
 
     fn fetch(&self, id: &SceneId, stamp: Stamp) -> Option<Arc<Scene>> {
@@ -183,5 +214,46 @@ impl SceneShelf {
         })?;
         let modified = metadata.modified().map_err(|source| SceneError::Io { path, source })?;
         Ok((modified, metadata.len()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_scene::{ChangeLimits, IngestOptions, ingest};
+    use std::path::Path;
+
+    /// Stores a scene of two lights.
+    fn store_lights(data: &Path) -> (SceneStore, SceneId) {
+        let raster = data.join("light.tif");
+        std::fs::write(&raster, include_bytes!("../../../tests/fuzz/seeds/raster/smallest")).unwrap();
+        let store = SceneStore::new(data);
+        let id = ingest(&store, &IngestOptions::new(raster), &mut |_| {}).unwrap().id;
+        (store, id)
+    }
+
+    #[test]
+    fn a_scene_that_many_ask_for_at_once_is_opened_once() {
+        let data = tempfile::tempdir().unwrap();
+        let (store, id) = store_lights(data.path());
+        let shelf = SceneShelf::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+        let start = std::sync::Barrier::new(8);
+        let scenes: Vec<Arc<Scene>> = std::thread::scope(|scope| {
+            let ask = || {
+                start.wait();
+                shelf.scene(&id).unwrap()
+            };
+            let asking: Vec<_> = (0..8).map(|_| scope.spawn(ask)).collect();
+            asking.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        assert_eq!(shelf.opened.load(Ordering::Relaxed), 1);
+        assert!(scenes.iter().all(|scene| Arc::ptr_eq(scene, &scenes[0])));
+        // What changed on disk is opened again, once.
+        let metadata = shelf.store().scenes_dir().join(id.as_str()).join("metadata.json");
+        let later = std::fs::metadata(&metadata).unwrap().modified().unwrap() + Duration::from_secs(5);
+        std::fs::File::options().write(true).open(&metadata).unwrap().set_modified(later).unwrap();
+        assert!(!Arc::ptr_eq(&shelf.scene(&id).unwrap(), &scenes[0]));
+        assert!(shelf.scene(&id).is_ok());
+        assert_eq!(shelf.opened.load(Ordering::Relaxed), 2);
     }
 }

@@ -145,6 +145,35 @@ fn a_lost_device_comes_back_by_itself() {
 }
 
 #[test]
+fn a_device_that_is_lost_again_and_again_under_load_loses_no_answer() {
+    let engine = engine(DeviceChoice::Lavapipe, &[2.0, 3.0], 8);
+    wait_until_ready(&engine);
+    let request = request(synthetic::polar_grid(5, 500), 2.5);
+    let wanted = engine.render_blocking(request.clone()).unwrap().panorama;
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                // Until the last loss is behind, and then some.
+                let mut after = 0;
+                while after < 10 {
+                    after += usize::from(engine.stats().device_losses == 3);
+                    assert_eq!(engine.render_blocking(request.clone()).unwrap().panorama, wanted);
+                }
+            });
+        }
+        for lost in 1..=3 {
+            let rendered = engine.stats().rendered;
+            engine.lose_device().unwrap();
+            let is_back = || engine.stats().device_losses == lost && engine.stats().rendered > rendered + 20;
+            while !is_back() {
+                std::thread::yield_now();
+            }
+        }
+    });
+    assert_eq!((engine.stats().device_losses, engine.stats().failed), (3, 0));
+}
+
+#[test]
 fn a_full_queue_is_said_to_be_busy() {
     let tables = synthetic::table_set(&[2.0, 3.0], 64);
     let config =

@@ -4,7 +4,10 @@ use crate::{
     access::Access,
     config::HttpConfig,
     error::ApiError,
-    layers::{RateLimiter, Room, catch_panic, guard, limit_rate, observe, problems_only, tag_encodings},
+    layers::{
+        RateLimiter, Room, catch_panic, guard, limit_keeping, limit_rate, observe, problems_only,
+        tag_encodings,
+    },
     routes::{
         atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
         sky, tilejson, tiles, uploads, viewer,
@@ -30,7 +33,10 @@ use tower_http::{
     cors::{Any, CorsLayer},
     limit::RequestBodyLimitLayer,
 };
-use utoipa::OpenApi;
+use utoipa::{
+    OpenApi,
+    openapi::security::{ApiKey as SecurityApiKey, ApiKeyValue, HttpAuthScheme, HttpBuilder, SecurityScheme},
+};
 use utoipa_axum::{router::OpenApiRouter, routes};
 
 /// The document's head.
@@ -49,9 +55,30 @@ use utoipa_axum::{router::OpenApiRouter, routes};
         (name = "tiles", description = "Map tiles"),
         (name = "atmospheres", description = "Resident table packs"),
         (name = "operation", description = "For those who run the server"),
-    )
+    ),
+    // A key is never needed: it has a rate and a quota of its own.
+    security((), ("api_key" = []), ("bearer_key" = [])),
+    modifiers(&Secrets)
 )]
 struct Document;
+
+/// How clients say who they are.
+struct Secrets;
+
+impl utoipa::Modify for Secrets {
+    fn modify(&self, document: &mut utoipa::openapi::OpenApi) {
+        let components = document.components.get_or_insert_default();
+        let bearer = |description: &str| {
+            let http = HttpBuilder::new().scheme(HttpAuthScheme::Bearer).description(Some(description));
+            SecurityScheme::Http(http.build())
+        };
+        let header =
+            ApiKeyValue::with_description("X-Api-Key", "The key of a client that the operator knows");
+        components.add_security_scheme("api_key", SecurityScheme::ApiKey(SecurityApiKey::Header(header)));
+        components.add_security_scheme("bearer_key", bearer("The same"));
+        components.add_security_scheme("operator_token", bearer("The operator's token"));
+    }
+}
 
 /// Routes below `/api`: what is limited, timed and open to other origins.
 fn api() -> OpenApiRouter<AppState> {
@@ -120,12 +147,15 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         let _ = state.openapi.set(text);
     }
     let limiter = Arc::new(RateLimiter::new(config.requests_per_second, config.request_burst));
+    let per_day = config.kept_per_day;
+    let keeping = Arc::new(RateLimiter::new(f64::from(per_day) / 86_400.0, per_day));
     let (api, _) = api().split_for_parts();
     let api = api
         .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))
         .route("/api/docs/page.js", get(docs::get_docs_script))
         .route("/api/docs/page.css", get(docs::get_docs_style))
         .layer(from_fn_with_state(Room::new(state.clone()), guard))
+        .layer(from_fn_with_state((state.clone(), keeping), limit_keeping))
         .layer(from_fn_with_state((state.clone(), limiter.clone()), limit_rate))
         .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
         .layer(cors());

@@ -5,8 +5,8 @@ use crate::{
     kind_facts::KindFacts,
     parameters::{BASIS, SCATTERING, TURBIDITY},
     source::{
-        BoxFuture, BrightnessQuery, Circumstances, EyeHeight, InfluenceQuery, RenderedSky, SiteFacts,
-        SkyQuery, SkySource, SourceError, SourceFacts,
+        BoxFuture, Circumstances, EyeHeight, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SkySource,
+        SourceError, SourceFacts,
     },
 };
 use skyglow_engine::{
@@ -304,20 +304,10 @@ impl SkySource for ObservatorySource {
 
     fn brightness(
         &self,
-        query: &BrightnessQuery,
+        query: &BrightnessRequest,
         keeper: &dyn SumKeeper,
     ) -> Result<BrightnessMap, SourceError> {
-        let request = BrightnessRequest {
-            scene: query.scene.clone(),
-            scenario: query.scenario.clone(),
-            turbidity: query.turbidity,
-            scattering: query.scattering,
-            lamp: query.lamp,
-            emission: query.emission,
-            terrain_hides: query.terrain_hides,
-            most_places: query.most_places,
-        };
-        Ok(self.observatory.brightness(&request, keeper)?)
+        Ok(self.observatory.brightness(query, keeper)?)
     }
 
     fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {

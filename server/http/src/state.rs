@@ -6,11 +6,11 @@ use crate::{
     error::ApiError,
     etag::ETag,
     metrics::Metrics,
-    source::{BrightnessQuery, InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
+    source::{InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
 };
 use axum::body::Bytes;
 use moka::{future::Cache, policy::EvictionPolicy};
-use skyglow_engine::{BrightnessMap, InfluenceMap};
+use skyglow_engine::{BrightnessMap, BrightnessRequest, InfluenceMap};
 use skyglow_physics::Panorama;
 use std::{
     future::Future,
@@ -18,6 +18,7 @@ use std::{
     time::Duration,
 };
 use tokio::sync::Semaphore;
+use tracing::Instrument;
 
 /// The shared state.
 #[derive(Clone)]
@@ -142,7 +143,8 @@ impl AppState {
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<T, ApiError> {
         let source = self.source.clone();
-        match tokio::task::spawn_blocking(move || work(source.as_ref())).await {
+        let span = tracing::info_span!("work");
+        match tokio::task::spawn_blocking(move || span.in_scope(|| work(source.as_ref()))).await {
             Ok(result) => result,
             Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
         }
@@ -157,7 +159,8 @@ impl AppState {
         &self,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<T, ApiError> {
-        let place = self.cores.clone().acquire_owned().await.map_err(ApiError::internal)?;
+        let waiting = self.cores.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
+        let place = waiting.await.map_err(ApiError::internal)?;
         self.blocking(move |source| {
             let result = work(source);
             drop(place);
@@ -180,7 +183,9 @@ impl AppState {
     pub async fn sky(&self, key: &str, query: Arc<SkyQuery>) -> Result<Arc<RenderedSky>, SourceError> {
         let source = self.source.clone();
         let entry = self.skies.entry_by_ref(key);
-        let found = entry.or_try_insert_with(async move { source.sky(query).await.map(Arc::new) }).await;
+        let render =
+            async move { source.sky(query).await.map(Arc::new) }.instrument(tracing::info_span!("sky"));
+        let found = entry.or_try_insert_with(render).await;
         self.metrics.count_cache("sky", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
         found.map(moka::Entry::into_value).map_err(|error| SourceError::clone(&error))
     }
@@ -235,7 +240,7 @@ impl AppState {
     pub async fn brightness(
         &self,
         key: &str,
-        query: Arc<BrightnessQuery>,
+        query: Arc<BrightnessRequest>,
     ) -> Result<Arc<BrightnessMap>, ApiError> {
         if let Some(map) = self.brightnesses.get(key).await {
             self.metrics.count_cache("brightness", true);

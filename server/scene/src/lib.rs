@@ -34,6 +34,7 @@ mod light_skyline;
 mod lit_pixels;
 mod map_tile;
 mod mask;
+mod mercator;
 mod metadata;
 mod morton;
 mod pixel_raster;
@@ -63,6 +64,7 @@ pub use ground::Ground;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
 pub use light_shares::{CellShare, LightShares, LitPixel};
 pub use map_tile::{PixelNumbers, RasterTile, TileLayer};
+pub use mercator::{tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
 pub use metadata::{
     ExamplePlace, GridMetadata, IngestReport, PixelCount, Place, SceneMetadata, TerrainReport,
 };

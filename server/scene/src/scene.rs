@@ -332,10 +332,4 @@ impl Scene {
     ) -> Result<RasterTile, SceneError> {
         map_tile::sample_places(self, places, z, x, y, size_px)
     }
-
-    /// The number of a place; `None` off the raster and where it has none.
-    pub fn place_value(&self, places: &PlaceValues, place: GeoPoint) -> Option<f64> {
-        let (x, y) = self.grid.position_of(place)?;
-        places.at(x, y, 1.0)
-    }
 }

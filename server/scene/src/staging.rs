@@ -39,8 +39,13 @@ impl Staging {
         self.folder.path()
     }
 
-    /// Renames the folder to `target`; an older scene there is set aside first and removed after.
+    /// Renames the folder to `target`. An older scene there changes places with it and is removed after, so that there is a scene
+    /// all the while; where the file system cannot do that, the older one is set aside first.
     pub(crate) fn move_to(self, target: &Path, id: &SceneId, replace: bool) -> Result<(), SceneError> {
+        if replace && exchanged(self.path(), target) {
+            // The older scene lies where the newer was written, and goes with that folder.
+            return Ok(());
+        }
         let aside = self.path().with_extension(ASIDE);
         let older = if target.exists() {
             if !replace {
@@ -67,6 +72,19 @@ impl Staging {
         drop((self.lock, older));
         Ok(())
     }
+}
+
+/// Lets two folders change places; false where one is missing or the file system cannot.
+#[cfg(target_os = "linux")]
+fn exchanged(one: &Path, other: &Path) -> bool {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE).is_ok()
+}
+
+/// Elsewhere folders are renamed one after another.
+#[cfg(not(target_os = "linux"))]
+fn exchanged(_one: &Path, _other: &Path) -> bool {
+    false
 }
 
 /// Removes a scene's folder by one rename, so that it is whole or not there, and then its files.

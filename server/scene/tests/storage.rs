@@ -7,6 +7,7 @@ mod common;
 use common::{Bench, TestRaster, place};
 use skyglow_scene::{IngestOptions, SceneError, SceneId, SceneStore};
 use std::fs::File;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// A stored scene with light, terrain and places.
@@ -151,6 +152,35 @@ fn replacing_a_scene_leaves_only_the_new_one() {
     let left: Vec<_> =
         std::fs::read_dir(bench.store.scenes_dir()).unwrap().flatten().map(|e| e.file_name()).collect();
     assert_eq!(left, ["light"]);
+}
+
+#[test]
+fn a_scene_that_is_replaced_is_there_all_the_while() {
+    let bench = Bench::new();
+    let id = bench.scene(&TestRaster::scattered(50, 50)).metadata().id.clone();
+    let is_done = AtomicBool::new(false);
+    let opened = std::thread::scope(|scope| {
+        let reader = scope.spawn(|| {
+            let mut opened = 0;
+            while !is_done.load(Ordering::Relaxed) {
+                let width = bench.store.open(&id).unwrap().metadata().grid.width;
+                assert!((50..90).contains(&width));
+                opened += 1;
+            }
+            opened
+        });
+        for width in 51..90 {
+            bench.scene(&TestRaster::scattered(width, 50));
+            if reader.is_finished() {
+                break;
+            }
+        }
+        is_done.store(true, Ordering::Relaxed);
+        reader.join().unwrap()
+    });
+    assert!(opened > 10, "{opened}");
+    // Nothing of the 39 before is left.
+    assert_eq!(std::fs::read_dir(bench.store.scenes_dir()).unwrap().count(), 1);
 }
 
 #[test]

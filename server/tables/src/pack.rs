@@ -10,19 +10,20 @@ use crate::{
     blocked::BlockedTables,
     clouds::Clouds,
     error::TablesError,
-    images::IMAGE_COUNT,
-    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Scattering, Versions},
-    packing::{distance_differences, from_distance_differences, shuffle, unshuffle},
-    resident::{FREQUENCY_COUNT, ResidentTables},
+    manifest::{Manifest, Scattering},
+    packing::{distance_differences, shuffle},
+    resident::ResidentTables,
 };
 use half::f16;
 use rayon::prelude::*;
-use skyglow_physics::{ELEVATION_COUNT, interpolation::lagrange_taps};
+use skyglow_physics::interpolation::lagrange_taps;
 use std::{
     fs::File,
     io::Write,
     path::{Path, PathBuf},
 };
+
+mod reading;
 
 const MAGIC: &[u8; 8] = b"SKYGLOW\x01";
 const HASH_LEN: usize = 32;
@@ -159,116 +160,6 @@ impl Pack {
         Ok(bytes)
     }
 
-    /// Reads and checks a pack: magic, format, checksum, manifest, lengths, finite values.
-    ///
-    /// # Errors
-    /// [`TablesError::Refused`] naming the file and what is wrong with it.
-    pub fn open(path: &Path) -> Result<Self, TablesError> {
-        let bytes = std::fs::read(path).map_err(TablesError::io(path))?;
-        let refused = |reason: String| TablesError::Refused { path: path.to_owned(), reason };
-        if bytes.len() < MAGIC.len() + 8 + HASH_LEN || &bytes[..MAGIC.len()] != MAGIC {
-            return Err(refused("not a skyglow pack, or cut off at its start".to_owned()));
-        }
-        let (body, hash) = bytes.split_at(bytes.len() - HASH_LEN);
-        if blake3::hash(body).as_bytes() != hash {
-            return Err(refused(
-                "its checksum does not fit its content: it is truncated or altered; make it again with \
-                 `skyglow precompute`"
-                    .to_owned(),
-            ));
-        }
-        let mut rest = &body[MAGIC.len()..];
-        let mut take = |what: &str| -> Result<&[u8], TablesError> {
-            let cut_off = || refused(format!("{what} is cut off"));
-            let (length, tail) = rest.split_first_chunk::<8>().ok_or_else(cut_off)?;
-            let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| cut_off())?;
-            let (section, tail) = tail.split_at_checked(length).ok_or_else(cut_off)?;
-            rest = tail;
-            Ok(section)
-        };
-        let unreadable = |error: serde_json::Error| refused(format!("its manifest cannot be read: {error}"));
-        let json = take("the manifest")?;
-        let versions: Versions = serde_json::from_slice(json).map_err(unreadable)?;
-        if versions != Versions::current() {
-            return Err(refused(format!(
-                "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION}; \
-                 make it again with `skyglow precompute`",
-                versions.format_version, versions.model_version
-            )));
-        }
-        let manifest: Manifest = serde_json::from_slice(json).map_err(unreadable)?;
-        let axes = &manifest.axes;
-        let blocked_is_empty = manifest.blocked.as_ref().is_some_and(|blocked| {
-            blocked.observer_altitude_m.is_empty()
-                || blocked.distance_m.is_empty()
-                || blocked.node_count() == 0
-        });
-        if axes.distance_m.is_empty()
-            || axes.observer_altitude_m.is_empty()
-            || axes.offset_count < 3
-            || manifest.basis_count == 0
-            || blocked_is_empty
-            || manifest
-                .blocked
-                .as_ref()
-                .is_some_and(|b| b.basis_count == 0 || b.basis_count > manifest.basis_count)
-        {
-            return Err(refused("an axis of its manifest is empty, or longer than it can be".to_owned()));
-        }
-        let nodes =
-            manifest.axes.observer_altitude_m.len() * IMAGE_COUNT * manifest.axes.geometries_per_observer();
-        let mut section = |what: &str, count: usize, width: usize| -> Result<Vec<u8>, TablesError> {
-            let raw = zstd::bulk::decompress(take(what)?, count * width)
-                .map_err(|error| refused(format!("{what} cannot be unpacked: {error}")))?;
-            if raw.len() != count * width {
-                return Err(refused(format!("{what} has {} bytes instead of {}", raw.len(), count * width)));
-            }
-            Ok(unshuffle(&raw, width))
-        };
-        let log_scale = bytemuck::pod_collect_to_vec::<u8, _>(&section("log_scale", nodes, 4)?);
-        let shape_bytes = section("shape", nodes * manifest.basis_count, 2)?;
-        let row = manifest.axes.offset_count * manifest.basis_count;
-        let bits = bytemuck::pod_collect_to_vec::<u8, u16>(&shape_bytes);
-        let shape = from_distance_differences(bits, manifest.axes.distance_m.len(), row);
-        let spectrum_len = manifest.basis_count * ELEVATION_COUNT * FREQUENCY_COUNT;
-        let basis_spectrum =
-            bytemuck::pod_collect_to_vec::<u8, _>(&section("basis_spectrum", spectrum_len, 4)?);
-        let blocked = match &manifest.blocked {
-            None => None,
-            Some(axes) => {
-                let nodes = axes.node_count();
-                let log_part = section("blocked_log_part", nodes, 4)?;
-                let differences = section("blocked_shape_less_open", nodes * axes.basis_count, 2)?;
-                let bits = bytemuck::pod_collect_to_vec::<u8, u16>(&differences);
-                Some(BlockedTables {
-                    axes: axes.clone(),
-                    log_part: bytemuck::pod_collect_to_vec(&log_part),
-                    shape_less_open: from_distance_differences(
-                        bits,
-                        axes.distance_m.len(),
-                        axes.offset_count * axes.basis_count,
-                    ),
-                })
-            }
-        };
-        let checksum = manifest.checksum.clone();
-        let mut pack = Self::from_parts(manifest, log_scale, shape, basis_spectrum);
-        if let Some(blocked) = blocked {
-            pack.set_blocked(blocked);
-        }
-        if pack.manifest.checksum != checksum {
-            return Err(refused("its data are not those of its manifest".to_owned()));
-        }
-        check_beside(path, &pack.manifest)?;
-        let finite = pack.log_scale.iter().chain(&pack.basis_spectrum).all(|v| v.is_finite())
-            && pack.shape.iter().all(|v| v.is_finite())
-            && pack.blocked.as_ref().is_none_or(|blocked| {
-                blocked.log_part.iter().all(|v| v.is_finite())
-                    && blocked.shape_less_open.iter().all(|v| v.is_finite())
-            });
-        if finite { Ok(pack) } else { Err(refused("it holds values that are not finite".to_owned())) }
-    }
-
     /// The pack on the rings of a polar grid: cubic interpolation in ln r at constant fractional offset node.
     pub fn resident(&self, ring_distance_m: &[f64]) -> ResidentTables {
         let axes = &self.manifest.axes;
@@ -328,24 +219,6 @@ impl Pack {
         };
         tables.blocked = self.blocked.as_ref().map(|blocked| blocked.resident(&tables));
         tables
-    }
-}
-
-/// The manifest beside a pack must be the pack's own.
-fn check_beside(path: &Path, manifest: &Manifest) -> Result<(), TablesError> {
-    let beside = path.with_extension("json");
-    let text = match std::fs::read(&beside) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(TablesError::io(&beside)(error)),
-    };
-    match serde_json::from_slice::<Manifest>(&text) {
-        Ok(other) if &other == manifest => Ok(()),
-        Ok(_) => Err(TablesError::Refused {
-            path: path.to_owned(),
-            reason: format!("{} describes another pack", beside.display()),
-        }),
-        Err(error) => Err(TablesError::Manifest { path: beside, reason: error.to_string() }),
     }
 }
 

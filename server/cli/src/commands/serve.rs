@@ -2,7 +2,7 @@
 
 use crate::{
     failure::Failure,
-    program,
+    logging, program,
     settings::{Layer, Settings},
 };
 use clap::Args;
@@ -29,6 +29,13 @@ impl Serve {
     /// Runs until SIGTERM or SIGINT.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let settings = self.flags.over_file(self.config.as_deref())?;
+        let _traces = match &settings.otlp_endpoint {
+            Some(collector) => Some(logging::start_traced("info", collector)?),
+            None => {
+                logging::start("info");
+                None
+            }
+        };
         // Threads for reading and computing: more of them than keep the cores busy only take memory.
         let cores = std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
         let runtime = tokio::runtime::Builder::new_multi_thread()

@@ -32,6 +32,8 @@ fn encode(
     encoder.set_color(colour);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
+    // On skies hardly longer than what trying all filters on every row gives, in two thirds of the time.
+    encoder.set_filter(png::Filter::Paeth);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     for (keyword, text) in [("Description", notes.description()), ("Assumptions", notes.assumptions_json())] {
         if !text.is_empty() {

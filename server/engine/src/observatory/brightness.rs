@@ -19,11 +19,12 @@ use std::{
 };
 
 /// The observer's eye above the ground, metres.
-const EYE_HEIGHT_M: f64 = 2.0;
+pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
 pub const MOST_PLACES: usize = 1_200_000;
 
-/// One map of the zenith's brightness asked for: under a clear sky, two metres above the ground.
+/// One map of the zenith's brightness asked for: under a clear sky, two metres above the ground. Its `Debug` form is its identity in
+/// ETags and the cache.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightnessRequest {
     /// The scene.
@@ -73,11 +74,6 @@ impl BrightnessMap {
     /// Luminance at the places, cd m⁻²; NaN where the ground is higher than the packs reach.
     pub fn places(&self) -> &PlaceValues {
         &self.places
-    }
-
-    /// Luminance at a place, cd m⁻², between places linear; None off the raster and where none is known.
-    pub fn at(&self, place: GeoPoint) -> Option<f64> {
-        self.scene.place_value(&self.places, place)
     }
 
     /// A map tile, cd m⁻².

@@ -1,6 +1,7 @@
 //! What every number of a sky depends on.
 
 use super::{SceneReference, site::ground_warning};
+use crate::kind_facts::KindFacts;
 use crate::source::{Circumstances, EyeHeight, InfluenceQuery, SkyQuery, SourceFacts, rounded};
 use serde::Serialize;
 use skyglow_engine::{InfluenceMap, Measure};
@@ -149,9 +150,7 @@ impl Assumptions {
             clouds: query.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
             cloud_albedo: facts.cloud_albedo(query),
             terrain_occlusion: query.terrain_hides && scene.terrain,
-            hidden_lights: query.terrain_hides
-                && scene.light_skylines
-                && kind.and_then(|kind| kind.why_open).is_none(),
+            hidden_lights: hides_lights(query.terrain_hides, scene, kind),
             flux_within_300_km_dnb_w: sky.flux_dnb_w,
             basis_count: sky.basis_count,
             basis_error_bound: sky.basis_error_bound,
@@ -172,7 +171,7 @@ pub fn sky_warnings(
         EyeHeight::AboveGround(_) => ground_warning(scene, ground),
         EyeHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, ground),
     };
-    let skyline = skyline_warning(query, scene, facts);
+    let skyline = open_lights_warning(query.terrain_hides, scene, facts.kind(query));
     ground.into_iter().chain(skyline).chain(cloud_warning(query)).collect()
 }
 
@@ -195,13 +194,22 @@ fn cloud_warning(query: &SkyQuery) -> Option<String> {
     })
 }
 
+/// Whether light counts only above the skyline that its source sees towards the observer.
+pub(super) fn hides_lights(terrain_hides: bool, scene: &SceneMetadata, kind: Option<&KindFacts>) -> bool {
+    terrain_hides && scene.light_skylines && kind.and_then(|kind| kind.why_open).is_none()
+}
+
 /// What is said where terrain is wanted and lights behind it are nevertheless seen.
-fn skyline_warning(query: &SkyQuery, scene: &SceneMetadata, facts: &SourceFacts) -> Option<String> {
+pub(super) fn open_lights_warning(
+    terrain_hides: bool,
+    scene: &SceneMetadata,
+    kind: Option<&KindFacts>,
+) -> Option<String> {
     // Without terrain there is nothing to hide behind.
-    if !query.terrain_hides || !scene.terrain {
+    if !terrain_hides || !scene.terrain {
         return None;
     }
-    let reason = match facts.kind(query).and_then(|kind| kind.why_open) {
+    let reason = match kind.and_then(|kind| kind.why_open) {
         Some(reason) => reason,
         None if scene.hidden_lights_are_unknown() => {
             "the scene was stored before skylines were: ingest it again"

@@ -1,9 +1,12 @@
 //! What a map of the zenith's brightness depends on.
 
-use super::{EmissionAnswer, LampAnswer, SceneReference};
-use crate::source::{BrightnessQuery, SourceFacts};
+use super::{
+    EmissionAnswer, LampAnswer, SceneReference,
+    assumptions::{hides_lights, open_lights_warning},
+};
+use crate::source::SourceFacts;
 use serde::Serialize;
-use skyglow_engine::BrightnessMap;
+use skyglow_engine::{BrightnessMap, BrightnessRequest, observatory::EYE_HEIGHT_M};
 use skyglow_scene::ChangeId;
 
 /// What every number of a map of brightness depends on; written into its rasters.
@@ -37,34 +40,24 @@ pub struct BrightnessAssumptions {
 
 impl BrightnessAssumptions {
     /// Those of a map.
-    pub fn new(query: &BrightnessQuery, map: &BrightnessMap, facts: &SourceFacts) -> Self {
+    pub fn new(query: &BrightnessRequest, map: &BrightnessMap, facts: &SourceFacts) -> Self {
         let scene = map.scene();
         let kind = facts.kinds_under(None).find(|kind| kind.scattering == query.scattering);
-        let why_open = kind.and_then(|kind| kind.why_open);
         let edge =
             "light outside the raster is unknown, not absent: near its edges the sky is brighter than this"
                 .to_owned();
-        let open = (query.terrain_hides && scene.terrain)
-            .then(|| match why_open {
-                Some(reason) => Some(reason),
-                None if scene.hidden_lights_are_unknown() => {
-                    Some("the scene was stored before skylines were: ingest it again")
-                }
-                None => None,
-            })
-            .flatten()
-            .map(|reason| format!("lights behind ridges count as if they were not: {reason}"));
+        let open = open_lights_warning(query.terrain_hides, scene, kind);
         Self {
             scene: scene.into(),
             scenario: query.scenario.as_ref().map(ChangeId::to_string),
-            height_m: 2.0,
+            height_m: EYE_HEIGHT_M,
             calibration: scene.calibration,
             turbidity: query.turbidity.value(),
             scattering: query.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
             lamp: query.lamp.into(),
             emission: query.emission.into(),
-            hidden_lights: query.terrain_hides && scene.light_skylines && why_open.is_none(),
+            hidden_lights: hides_lights(query.terrain_hides, scene, kind),
             step_pixels: map.places().lattice().step,
             warnings: std::iter::once(edge).chain(open).collect(),
         }

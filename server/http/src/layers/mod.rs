@@ -8,5 +8,5 @@ mod refusals;
 
 pub use guard::{Room, guard};
 pub use observe::observe;
-pub use rate_limit::{KnownClient, RateLimiter, limit_rate};
+pub use rate_limit::{KnownClient, RateLimiter, limit_keeping, limit_rate};
 pub use refusals::{catch_panic, problems_only, tag_encodings};

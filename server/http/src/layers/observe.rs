@@ -4,19 +4,28 @@ use super::KnownClient;
 use crate::state::AppState;
 use axum::{
     extract::{MatchedPath, Request, State},
-    http::{HeaderName, HeaderValue},
+    http::{HeaderMap, HeaderName, HeaderValue},
     middleware::Next,
     response::Response,
 };
+use opentelemetry::{
+    Context,
+    propagation::{Extractor, TextMapPropagator},
+    trace::Status,
+};
+use opentelemetry_sdk::propagation::TraceContextPropagator;
 use std::{
     sync::atomic::{AtomicU64, Ordering},
     time::{Instant, SystemTime, UNIX_EPOCH},
 };
+use tracing::Instrument;
+use tracing_opentelemetry::OpenTelemetrySpanExt;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 const LONGEST_ID: usize = 64;
 
-/// Gives each request an id (the client's own where it is short and plain), counts it and logs it.
+/// Gives each request an id (the client's own where it is short and plain), counts it, logs it, and opens the span that what is
+/// logged and traced on its way belongs to; that one continues the trace of the client (W3C Trace Context) where there is one.
 pub async fn observe(State(state): State<AppState>, request: Request, next: Next) -> Response {
     let start = Instant::now();
     let _under_way = state.metrics.under_way();
@@ -27,8 +36,19 @@ pub async fn observe(State(state): State<AppState>, request: Request, next: Next
         .get::<MatchedPath>()
         .map_or_else(|| "other".to_owned(), |path| path.as_str().to_owned());
     let id = request_id(&request);
-    let mut response = next.run(request).await;
+    let span =
+        tracing::info_span!("request", otel.name = format!("{method} {route}"), otel.kind = "server", id);
+    // Fails where nobody traces, and then there is nothing to continue.
+    let _not_traced = span.set_parent(parent(request.headers()));
+    let mut response = next.run(request).instrument(span.clone()).await;
     let status = response.status().as_u16();
+    span.set_attribute("http.request.method", method.clone());
+    span.set_attribute("http.route", route.clone());
+    span.set_attribute("http.response.status_code", i64::from(status));
+    if status >= 500 {
+        span.set_status(Status::error(""));
+    }
+    drop(span);
     let duration = start.elapsed();
     state.metrics.count(&method, &route, status, duration);
     let client = response.extensions().get::<KnownClient>().map(|known| known.0.as_str());
@@ -37,6 +57,20 @@ pub async fn observe(State(state): State<AppState>, request: Request, next: Next
         response.headers_mut().insert(REQUEST_ID, value);
     }
     response
+}
+
+/// The client's span.
+fn parent(headers: &HeaderMap) -> Context {
+    struct Headers<'a>(&'a HeaderMap);
+    impl Extractor for Headers<'_> {
+        fn get(&self, key: &str) -> Option<&str> {
+            self.0.get(key)?.to_str().ok()
+        }
+        fn keys(&self) -> Vec<&str> {
+            self.0.keys().map(HeaderName::as_str).collect()
+        }
+    }
+    TraceContextPropagator::new().extract(&Headers(headers))
 }
 
 fn request_id(request: &Request) -> String {

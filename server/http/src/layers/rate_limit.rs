@@ -3,6 +3,7 @@
 use crate::{access::Client, error::ApiError, listener::Ends, state::AppState};
 use axum::{
     extract::{ConnectInfo, Request, State},
+    http::{Method, header},
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -41,6 +42,14 @@ impl RateLimiter {
     /// # Errors
     /// Seconds until there is one.
     pub fn take(&self, client: IpAddr, now: Instant) -> Result<(), f64> {
+        self.take_some(client, 1.0, now)
+    }
+
+    /// Takes several tokens at once, all there ever are at most.
+    ///
+    /// # Errors
+    /// Seconds until there are so many.
+    fn take_some(&self, client: IpAddr, count: f64, now: Instant) -> Result<(), f64> {
         if self.tokens_per_second.is_nan() || self.tokens_per_second <= 0.0 {
             return Ok(());
         }
@@ -57,11 +66,12 @@ impl RateLimiter {
         let elapsed_s = now.saturating_duration_since(bucket.seen).as_secs_f64();
         bucket.tokens = (bucket.tokens + elapsed_s * self.tokens_per_second).min(self.burst);
         bucket.seen = now;
-        if bucket.tokens >= 1.0 {
-            bucket.tokens -= 1.0;
+        let count = count.min(self.burst);
+        if bucket.tokens >= count {
+            bucket.tokens -= count;
             Ok(())
         } else {
-            Err((1.0 - bucket.tokens) / self.tokens_per_second)
+            Err((count - bucket.tokens) / self.tokens_per_second)
         }
     }
 }
@@ -118,6 +128,39 @@ pub async fn limit_rate(
         response.extensions_mut().insert(known);
     }
     response
+}
+
+/// Bytes of a body that count as one scenario.
+const SCENARIO_BYTES: f64 = 16_384.0;
+/// Scenarios that a plan counts as: it holds every pixel that it dims.
+const PLAN_SCENARIOS: f64 = 8.0;
+
+/// Answers 429 to an address that has more scenarios and plans kept than its share of a day: what is kept is not without end, and
+/// what one client keeps pushes out what others kept. Known clients have their quotas.
+pub async fn limit_keeping(
+    State((state, limiter)): State<(AppState, Arc<RateLimiter>)>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let path = request.uri().path();
+    let kept = match request.method() {
+        &Method::POST if path.ends_with("/scenarios") => 1.0,
+        &Method::POST if path.ends_with("/plans") => PLAN_SCENARIOS,
+        _ => return next.run(request).await,
+    };
+    let address = request.extensions().get::<ConnectInfo<Ends>>().map(|info| info.0.client.ip());
+    let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));
+    if let Some(address) = address.filter(|_| is_anyone) {
+        let length = request.headers().get(header::CONTENT_LENGTH).and_then(|value| value.to_str().ok());
+        // A body of unknown length is taken for the longest.
+        let length = length.and_then(|text| text.parse().ok()).unwrap_or(state.config.body_limit_bytes);
+        let count = kept * (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
+        if let Err(wait_s) = limiter.take_some(address, count, Instant::now()) {
+            state.metrics.count_refused("keeping");
+            return ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }.into_response();
+        }
+    }
+    next.run(request).await
 }
 
 #[cfg(test)]

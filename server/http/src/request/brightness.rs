@@ -5,8 +5,9 @@ use crate::{
     error::ApiError,
     parameters::{BrightnessParameters, ParameterSet},
     reader::Reader,
-    source::{BrightnessQuery, SourceFacts},
+    source::SourceFacts,
 };
+use skyglow_engine::BrightnessRequest;
 use skyglow_scene::SceneId;
 
 /// Reads the parameters of the zenith's brightness at every place.
@@ -17,7 +18,7 @@ pub fn brightness(
     query: Option<&str>,
     scene: SceneId,
     facts: &SourceFacts,
-) -> Result<BrightnessQuery, ApiError> {
+) -> Result<BrightnessRequest, ApiError> {
     let mut reader = Reader::new(query, BrightnessParameters::ALL);
     let conditions = read_conditions(&mut reader, facts);
     reader.finish()?;

@@ -5,9 +5,10 @@ use crate::{
     parameters as p,
     problem::Mistake,
     reader::Reader,
-    source::{BrightnessQuery, EyeHeight, SkyQuery, SourceFacts},
+    source::{EyeHeight, SkyQuery, SourceFacts},
 };
 use skyglow_display::Sky;
+use skyglow_engine::BrightnessRequest;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
@@ -61,9 +62,18 @@ impl Conditions {
     }
 
     /// The brightness of all places of a scene under them; what means nothing there is left out.
-    pub(super) fn over_all(self, scene: SceneId, most_places: usize) -> BrightnessQuery {
+    pub(super) fn over_all(self, scene: SceneId, most_places: usize) -> BrightnessRequest {
         let Self { scenario, turbidity, scattering, lamp, emission, terrain_hides, .. } = self;
-        BrightnessQuery { scene, scenario, turbidity, scattering, lamp, emission, terrain_hides, most_places }
+        BrightnessRequest {
+            scene,
+            scenario,
+            turbidity,
+            scattering,
+            lamp,
+            emission,
+            terrain_hides,
+            most_places,
+        }
     }
 
     /// The scenario that it is asked with.

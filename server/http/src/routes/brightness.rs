@@ -1,15 +1,15 @@
 //! How bright the zenith is at every place of a scene.
 
 use super::tiles::metadata;
-use crate::{error::ApiError, etag::ETag, source::BrightnessQuery, state::AppState};
-use skyglow_engine::BrightnessMap;
+use crate::{error::ApiError, etag::ETag, state::AppState};
+use skyglow_engine::{BrightnessMap, BrightnessRequest};
 use skyglow_scene::SceneMetadata;
 use std::sync::Arc;
 
 /// A map that may be found: the scene's version is known.
 #[derive(Clone, Debug)]
 pub(super) struct AskedBrightness {
-    query: Arc<BrightnessQuery>,
+    query: Arc<BrightnessRequest>,
     /// The scene, with its changes.
     pub(super) scene: SceneMetadata,
     /// What decides the map, as text for ETags. It is found on the processor, whatever renders skies.
@@ -21,7 +21,7 @@ impl AskedBrightness {
     ///
     /// # Errors
     /// No such scene or scenario.
-    pub(super) async fn prepare(state: &AppState, query: BrightnessQuery) -> Result<Self, ApiError> {
+    pub(super) async fn prepare(state: &AppState, query: BrightnessRequest) -> Result<Self, ApiError> {
         let scene = metadata(state, &query.scene, query.scenario.as_ref()).await?;
         let checksums = &state.source.facts().pack_checksums;
         let key = ETag::of(&["brightness", &format!("{query:?}"), &scene.version, checksums]).header();
@@ -29,7 +29,7 @@ impl AskedBrightness {
     }
 
     /// What it is asked with.
-    pub(super) fn query(&self) -> &BrightnessQuery {
+    pub(super) fn query(&self) -> &BrightnessRequest {
         &self.query
     }
 

@@ -41,6 +41,7 @@ use axum::{
         (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
+        (status = 429, description = "More than one client may have kept in a day, or too many requests; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Busy, or nothing can be kept; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]

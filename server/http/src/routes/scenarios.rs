@@ -38,6 +38,7 @@ fn read_answer(source: &dyn SkySource, id: &ChangeId) -> Result<ScenarioAnswer, 
         (status = 404, description = "No such scene, or no such scenario or plan to go on from", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "It goes on from a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
+        (status = 429, description = "More than one client may have kept in a day, or too many requests; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Busy, or nothing can be kept; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]

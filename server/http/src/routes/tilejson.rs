@@ -4,8 +4,7 @@ use super::{
     brightness::AskedBrightness,
     influence::AskedInfluence,
     tiles::{
-        Layer, PIXEL_0_M, brightness_description, description, influence_description, layer, metadata,
-        scenario_of,
+        Layer, brightness_description, description, influence_description, layer, metadata, scenario_of,
     },
 };
 use crate::{
@@ -27,7 +26,7 @@ use axum::{
 };
 use skyglow_display::tile::{BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
 use skyglow_engine::Measure;
-use skyglow_scene::{SceneMetadata, TileLayer};
+use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
 use std::net::{Ipv6Addr, SocketAddr};
 
 /// Describes a layer of tiles (TileJSON 3.0). Its parameters are those of the layer's tiles, and are handed on to them; that of
@@ -146,7 +145,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     // Across the antimeridian the eastern edge is counted on.
     let width_deg = if west > east { east + 360.0 - west } else { east - west };
     let centre_deg = (west + 0.5 * width_deg + 180.0).rem_euclid(360.0) - 180.0;
-    let finest = (PIXEL_0_M / scene.pixel_size_m.max(1.0)).log2().ceil().clamp(4.0, 16.0);
+    let finest = (zoom_0_pixel_m() / scene.pixel_size_m.max(1.0)).log2().ceil().clamp(4.0, 16.0);
     // Terrain is usually finer than the lights.
     let maxzoom =
         finest as u8 + if matches!(shown, Shown::Scene { layer: TileLayer::Elevation, .. }) { 2 } else { 0 };

@@ -21,15 +21,15 @@ use axum::{
 use skyglow_display::{
     Notes,
     notes::ILLUSTRATIVE,
-    tile::{INFLUENCE_SPAN, brightness_tile_png, elevation_tile_png, influence_tile_png, radiance_tile_png},
+    tile::{
+        BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_tile_png,
+        elevation_tile_png, influence_tile_png, radiance_tile_png,
+    },
 };
 use skyglow_engine::Measure;
-use skyglow_scene::{ChangeId, SceneId, SceneMetadata, TileLayer};
+use skyglow_scene::{ChangeId, SceneId, SceneMetadata, TileLayer, tile_pixel_m};
 use std::future::Future;
 use utoipa::OpenApi;
-
-/// Ground size of a pixel of zoom level 0 on the equator, metres.
-pub(super) const PIXEL_0_M: f64 = std::f64::consts::TAU * skyglow_physics::EARTH_RADIUS_M / 256.0;
 
 /// The document of the tiles: their route's last part is one segment to the router and two things to a reader.
 #[derive(OpenApi)]
@@ -138,7 +138,9 @@ async fn scene_tile(
         match layer {
             TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, size_px, &notes),
             TileLayer::Elevation => {
-                elevation_tile_png(&tile.values, &tile.has_data, size_px, pixel_m(address), &notes)
+                let (z, _, y) = place;
+                let pixel_m = tile_pixel_m(z, y, size_px);
+                elevation_tile_png(&tile.values, &tile.has_data, size_px, pixel_m, &notes)
             }
         }
         .map_err(ApiError::internal)
@@ -251,30 +253,28 @@ fn address(z: &str, x: &str, file: &str) -> Option<Address> {
     Some(Address { place: (z.parse().ok()?, x.parse().ok()?, row.parse().ok()?), size_px })
 }
 
-/// Ground size of a pixel in the middle of a row of tiles, metres.
-fn pixel_m(Address { place: (z, _, y), size_px }: Address) -> f64 {
-    let rows = f64::from(z).exp2();
-    let mercator = std::f64::consts::PI * (1.0 - 2.0 * (f64::from(y) + 0.5) / rows);
-    // cos(gudermannian(m)) = 1/cosh(m).
-    PIXEL_0_M * 256.0 / f64::from(size_px) / rows / mercator.cosh()
-}
-
 /// What a layer shows, and whether that was measured.
 pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
     let shows = match layer {
         TileLayer::Radiance => {
-            "Upward radiance, 0.2 to 200 nW cm-2 sr-1 on a logarithmic scale; dark is transparent"
+            let (dark, bright) = RADIANCE_RANGE_NW_CM2_SR;
+            format!(
+                "Upward radiance, {dark} to {bright} nW cm-2 sr-1 on a logarithmic scale; dark is transparent"
+            )
         }
-        TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading",
+        TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading".to_owned(),
     };
-    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows.to_owned() }
+    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows }
 }
 
 /// What is said of the layer of brightness.
 pub(super) fn brightness_description(illustrative: bool) -> String {
-    let shows = "Artificial luminance at the zenith, 1.71e-6 to 6.84e-3 cd m-2 (a hundredth of the natural sky of 22.0 mag arcsec-2 \
-                 to forty times that) on a logarithmic scale; less is transparent";
-    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows.to_owned() }
+    let (dark, bright) = BRIGHTNESS_RANGE_CD_M2;
+    let shows = format!(
+        "Artificial luminance at the zenith, {dark:e} to {bright:e} cd m-2 (a hundredth of the natural sky of 22.0 mag arcsec-2 to \
+         forty times that) on a logarithmic scale; less is transparent"
+    );
+    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows }
 }
 
 /// What is said of a layer of influences.
@@ -304,13 +304,5 @@ mod tests {
         ] {
             assert_eq!(address(z, x, file), None);
         }
-    }
-
-    #[test]
-    fn a_pixel_of_zoom_level_0_is_156_km_on_the_equator() {
-        let pixel_m = |z, y, size_px| pixel_m(Address { place: (z, 0, y), size_px });
-        assert!((pixel_m(0, 0, 256) - 156_366.0).abs() < 100.0);
-        assert!(pixel_m(10, 0, 256) < pixel_m(10, 512, 256));
-        assert_eq!(pixel_m(3, 1, 256), 2.0 * pixel_m(3, 1, 512));
     }
 }

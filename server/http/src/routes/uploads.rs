@@ -65,6 +65,7 @@ pub struct SceneUpload {
     put,
     path = "/api/v1/scenes/{scene}",
     tag = "scenes",
+    security(("operator_token" = [])),
     params(("scene" = String, Path, description = "The scene's id")),
     request_body(content = SceneUpload, content_type = "multipart/form-data"),
     responses(
@@ -107,6 +108,7 @@ pub async fn put_scene(
     delete,
     path = "/api/v1/scenes/{scene}",
     tag = "scenes",
+    security(("operator_token" = [])),
     params(("scene" = String, Path, description = "The scene's id")),
     responses(
         (status = 204, description = "It is gone"),

@@ -1,13 +1,12 @@
 //! A program behind the interface that does as it is told.
 
-use skyglow_engine::{BrightnessMap, EngineStats, InfluenceMap, PlanOutcome, PlanRequest};
+use skyglow_engine::{BrightnessMap, BrightnessRequest, EngineStats, InfluenceMap, PlanOutcome, PlanRequest};
 use skyglow_http::{
     SkySource,
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     kind_facts::KindFacts,
     source::{
-        BoxFuture, BrightnessQuery, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery,
-        SourceError, SourceFacts,
+        BoxFuture, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
     },
 };
 use skyglow_physics::{
@@ -320,7 +319,7 @@ impl SkySource for Fake {
         Err(SourceError::Down("a made-up program knows no influences".into()))
     }
 
-    fn brightness(&self, query: &BrightnessQuery, _: &dyn SumKeeper) -> Result<BrightnessMap, SourceError> {
+    fn brightness(&self, query: &BrightnessRequest, _: &dyn SumKeeper) -> Result<BrightnessMap, SourceError> {
         self.known(&query.scene)?;
         Err(SourceError::Down("a made-up program knows no brightness".into()))
     }

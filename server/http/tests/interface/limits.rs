@@ -53,6 +53,30 @@ async fn a_client_that_sends_too_much_gets_429_with_retry_after() {
 }
 
 #[tokio::test]
+async fn what_a_client_has_kept_in_a_day_has_a_limit_of_its_own() {
+    let server = Server::with(HttpConfig { kept_per_day: 10, ..HttpConfig::default() }).await;
+    let post = async |path: &str, body: String| {
+        let answer = server.client.post(format!("{}{path}", server.base)).body(body).send().await.unwrap();
+        (answer.status().as_u16(), header(&answer, "retry-after").to_owned())
+    };
+    let scenarios = "/api/v1/scenes/demo/scenarios";
+    // A long one counts by its length: three of 16 kB and a bit.
+    assert_ne!(post(scenarios, " ".repeat(50_000)).await.0, 429);
+    for _ in 0..6 {
+        assert_ne!(post(scenarios, "{}".to_owned()).await.0, 429);
+    }
+    let (status, wait_s) = post(scenarios, "{}".to_owned()).await;
+    assert_eq!(status, 429);
+    assert!((8_000..=8_640).contains(&wait_s.parse::<u32>().unwrap()), "{wait_s}");
+    assert_eq!(post("/api/v1/scenes/demo/plans", "{}".to_owned()).await.0, 429);
+    // What keeps nothing goes on.
+    assert_ne!(post("/api/v1/scenes/demo/influence?lat=46.2&lon=8.8", "{}".to_owned()).await.0, 429);
+    assert_eq!(server.answer("/api/v1/scenes").await.status(), 200);
+    let metrics = server.answer("/metrics").await.text().await.unwrap();
+    assert!(metrics.contains("skyglow_http_refused_total{reason=\"keeping\"} 2"), "{metrics}");
+}
+
+#[tokio::test]
 async fn a_body_that_is_too_long_is_413() {
     let server = Server::with(HttpConfig { body_limit_bytes: 1000, ..HttpConfig::default() }).await;
     let answer = server.get(SKY).body(vec![0u8; 5000]).send().await.unwrap();

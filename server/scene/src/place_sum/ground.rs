@@ -27,15 +27,24 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    /// All of a lattice.
+    pub(super) fn of(lattice: PlaceLattice) -> Self {
+        Self {
+            columns: Stretch { first: 0, last: lattice.columns - 1 },
+            rows: Stretch { first: 0, last: lattice.rows - 1 },
+        }
+    }
+
     pub(super) fn len(&self) -> usize {
         self.columns.len() as usize * self.rows.len() as usize
     }
 
-    /// Copies values, row by row, to where they belong among those of the whole lattice.
-    pub(super) fn write(&self, values: &[f32], lattice_columns: u32, all: &mut [f32]) {
+    /// Copies values, row by row, to where they belong among those of `whole`, which this is a part of.
+    pub(super) fn write(&self, values: &[f32], whole: Self, all: &mut [f32]) {
         let width = self.columns.len() as usize;
-        for (row, values) in (self.rows.first..).zip(values.chunks_exact(width)) {
-            let first = row as usize * lattice_columns as usize + self.columns.first as usize;
+        let columns = whole.columns.len() as usize;
+        for (row, values) in (self.rows.first - whole.rows.first..).zip(values.chunks_exact(width)) {
+            let first = row as usize * columns + (self.columns.first - whole.columns.first) as usize;
             all[first..first + width].copy_from_slice(values);
         }
     }
@@ -113,15 +122,8 @@ impl Spreader<'_> {
     /// The sums at the places of a patch, row by row.
     pub(super) fn of_patch(&self, patch: Patch, candidates: &[Candidate]) -> Vec<f32> {
         let mut sums = vec![f32::NAN; patch.len()];
-        let whole = patch;
         self.add(patch, candidates, None, &mut |part: Patch, values: &[f32]| {
-            let width = part.columns.len() as usize;
-            for (row, values) in (part.rows.first..).zip(values.chunks_exact(width)) {
-                let row = (row - whole.rows.first) as usize;
-                let first = row * whole.columns.len() as usize;
-                let first = first + (part.columns.first - whole.columns.first) as usize;
-                sums[first..first + width].copy_from_slice(values);
-            }
+            part.write(values, patch, &mut sums)
         });
         sums
     }

@@ -115,8 +115,9 @@ impl Scene {
             return None;
         }
         let mut all = vec![0f32; lattice.len()];
+        let whole = Patch::of(lattice);
         for (patch, sums) in patches.iter().zip(found) {
-            patch.write(&sums?, lattice.columns, &mut all);
+            patch.write(&sums?, whole, &mut all);
         }
         Some(all)
     }

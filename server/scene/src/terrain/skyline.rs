@@ -21,6 +21,8 @@ use std::f64::consts::{PI, TAU};
 const LONGEST_STRETCH_M: f64 = 16_000.0;
 /// The shortest: 2 cm.
 const SHORTEST_STRETCH_M: f64 = 1_000.0;
+/// Azimuths looked along in one go by a thread: fewer are not worth another's waking up.
+const COLUMNS_A_TASK: usize = 32;
 
 /// How long the stretches are that are taken as straight.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +62,7 @@ impl Terrain {
             return Horizon::flat();
         }
         let mut tangents = [0.0; AZIMUTH_COUNT];
-        tangents.par_iter_mut().enumerate().for_each(|(column, tangent)| {
+        tangents.par_iter_mut().enumerate().with_min_len(COLUMNS_A_TASK).for_each(|(column, tangent)| {
             *tangent = tangent_towards(&views, &frame, observer_altitude_m, azimuth_rad(column));
         });
         Horizon::from_tangents(&tangents)

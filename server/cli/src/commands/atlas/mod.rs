@@ -12,12 +12,10 @@ use crate::{
 };
 use clap::{Args, ValueEnum};
 use skyglow_engine::BrightnessMap;
+use skyglow_engine::BrightnessRequest;
 use skyglow_http::{
-    answers::BrightnessAssumptions,
-    etag::ETag,
-    parameters::BrightnessParameters,
-    request,
-    source::{BrightnessQuery, SourceFacts},
+    answers::BrightnessAssumptions, etag::ETag, parameters::BrightnessParameters, request,
+    source::SourceFacts,
 };
 use skyglow_scene::{PlaceValues, RasterWords, Scene, SceneId, SumKeeper, TileLayer};
 use std::{
@@ -150,10 +148,10 @@ impl Atlas {
         }
     }
 
-    fn ask(&self, facts: &SourceFacts) -> Result<BrightnessQuery, Failure> {
+    fn ask(&self, facts: &SourceFacts) -> Result<BrightnessRequest, Failure> {
         let query = request::brightness(Some(self.query.query()), self.scene.clone(), facts)
             .map_err(|error| query::failure(&error))?;
-        Ok(BrightnessQuery { most_places: self.places as usize, ..query })
+        Ok(BrightnessRequest { most_places: self.places as usize, ..query })
     }
 
     fn brightness(&self, part: &Path, stages: &Stages) -> Result<Found, Failure> {

@@ -8,17 +8,11 @@ use skyglow_display::{
     notes::ILLUSTRATIVE,
     tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
 };
-use skyglow_scene::{PlaceValues, Scene};
-use std::{
-    f64::consts::{PI, TAU},
-    fs::File,
-    path::Path,
-};
+use skyglow_scene::{PlaceValues, Scene, tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
+use std::{fs::File, path::Path};
 
 /// Pixels a side.
 const TILE_PX: u32 = 256;
-/// Ground size of a pixel of zoom level 0 on the equator, metres.
-const PIXEL_0_M: f64 = TAU * skyglow_physics::EARTH_RADIUS_M / 256.0;
 
 /// The zoom level at which a tile's pixel is no larger than the way between places; 14 at most.
 pub(super) fn deepest_zoom(scene: &Scene, places: &PlaceValues) -> u8 {
@@ -26,7 +20,7 @@ pub(super) fn deepest_zoom(scene: &Scene, places: &PlaceValues) -> u8 {
     let [_, south, _, north] = metadata.bounds;
     let shrunk = (0.5 * (south + north)).to_radians().cos().max(0.05);
     let step_m = metadata.pixel_size_m.max(1.0) * f64::from(places.lattice().step);
-    (PIXEL_0_M * shrunk / step_m).log2().ceil().clamp(0.0, 14.0) as u8
+    (zoom_0_pixel_m() * shrunk / step_m).log2().ceil().clamp(0.0, 14.0) as u8
 }
 
 /// Writes the tiles of a layer down to a zoom level; those that show nothing are left out.
@@ -63,15 +57,8 @@ pub(super) fn write(
         .map_err(Failure::work)?;
     let mut coordinates = Vec::new();
     for z in 0..=deepest {
-        let count = f64::from(z).exp2();
-        let last = count as u32 - 1;
-        let column = |longitude_deg: f64| (((longitude_deg + 180.0) / 360.0 * count) as u32).min(last);
-        let row = |latitude_deg: f64| {
-            let mercator = latitude_deg.clamp(-85.05, 85.05).to_radians().tan().asinh();
-            (((1.0 - mercator / PI) / 2.0 * count) as u32).min(last)
-        };
-        for x in column(first_deg)..=column(last_deg) {
-            coordinates.extend((row(north)..=row(south)).map(|y| (z, x, y)));
+        for x in tile_column(first_deg, z)..=tile_column(last_deg, z) {
+            coordinates.extend((tile_row(north, z)..=tile_row(south, z)).map(|y| (z, x, y)));
         }
     }
     stages.begin("map tiles", coordinates.len() as u64);
@@ -86,8 +73,7 @@ pub(super) fn write(
             Layer::Brightness => brightness_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
             Layer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
             Layer::Elevation => {
-                let rows = f64::from(z).exp2();
-                let pixel_m = PIXEL_0_M / rows / (PI * (1.0 - 2.0 * (f64::from(y) + 0.5) / rows)).cosh();
+                let pixel_m = tile_pixel_m(z, y, TILE_PX);
                 elevation_tile_png(&tile.values, &tile.has_data, TILE_PX, pixel_m, &notes)
             }
         };

@@ -1,27 +1,22 @@
 //! Brightness of a whole scene beside the panoramas of single places: time and error.
 //!
-//! `brightness_times DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT`: at COUNT places of the scene, drawn evenly from those of
+//! `brightness DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT`: at COUNT places of the scene, drawn evenly from those of
 //! the map, the zenith of the map beside that of the sky that `skyglow sky` gives, and how many times faster all were found
 //! together.
 
-use skyglow_engine::{
-    BrightnessRequest, DeviceChoice, Engine, EngineConfig, Observatory, ObserverHeight, SkyRequest,
-    resident_tables,
-};
+use skyglow_engine::{BrightnessRequest, SkyRequest};
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
 use skyglow_scene::SceneId;
-use skyglow_tables::{Scattering, packs_in};
+use skyglow_tables::Scattering;
+use skyglow_tests::open_sky::{observatory, open_sky};
 use std::{error::Error, path::Path, time::Instant};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let [_, data, packs, scene, turbidity, terrain, most_places, count] = arguments.as_slice() else {
-        return Err("usage: brightness_times DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT".into());
+        return Err("usage: brightness DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT".into());
     };
-    let (tables, manifests) = resident_tables(&packs_in(Path::new(packs))?)?;
-    let engine =
-        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() })?;
-    let observatory = Observatory::new(engine, manifests, Path::new(data), 1);
+    let observatory = observatory(Path::new(data), Path::new(packs))?;
     let (id, turbidity) = (SceneId::parse(scene)?, Turbidity::new(turbidity.parse()?)?);
     let request = BrightnessRequest {
         scene: id.clone(),
@@ -60,20 +55,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             (spread(0.754_877_666, lattice.columns) as u32, spread(0.569_840_291, lattice.rows) as u32);
         let found = map.places().values()[(row * lattice.columns + column) as usize];
         let place = map.open_scene().lattice_place(lattice, column, row);
-        let sky = SkyRequest {
-            scene: id.clone(),
-            scenario: None,
-            place,
-            observer_height: ObserverHeight::AboveGround(2.0),
-            turbidity,
-            scattering: request.scattering,
-            cloud_base_m: None,
-            lamp: request.lamp,
-            emission: request.emission,
-            basis: None,
-            tolerance: None,
-            terrain_hides: request.terrain_hides,
-        };
+        let sky =
+            SkyRequest { terrain_hides: request.terrain_hides, ..open_sky(id.clone(), place, turbidity) };
         let Ok(sky) = observatory.sky_blocking(&sky) else { continue };
         let wanted = sky.quantities.zenith_luminance_cd_m2;
         // A ten-thousandth of the natural sky.

@@ -1,0 +1,23 @@
+//! What parsers of bytes from outside must keep to, whatever the bytes: each function here takes any, and panics where the program
+//! would be wrong. Fuzzers call them (`tests/fuzz`), and so does a test with what fuzzers start from and have found.
+
+mod packs;
+mod rasters;
+mod requests;
+
+pub use packs::{pack, smallest_pack};
+pub use rasters::{places, raster, smallest_raster};
+pub use requests::{body, boundary, parameters};
+
+/// A parser's rules.
+pub type Rules = fn(&[u8]);
+
+/// All of them by the names of their fuzz targets, which are those of their folders of seeds.
+pub const ALL: [(&str, Rules); 6] = [
+    ("parameters", parameters),
+    ("body", body),
+    ("boundary", boundary),
+    ("pack", pack),
+    ("raster", raster),
+    ("places", places),
+];

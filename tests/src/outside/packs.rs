@@ -1,0 +1,49 @@
+//! Packs of tables.
+
+use serde_json::{Value, json};
+use skyglow_physics::ELEVATION_COUNT;
+use skyglow_tables::{images::IMAGE_COUNT, pack::Pack, resident::FREQUENCY_COUNT};
+
+/// The description of a pack that comes with the program.
+const MANIFEST: &str = include_str!("../../../precomputed/turbidity-2.50-multiple.json");
+
+/// A pack without its hash, which is put behind it here: whoever alters a file can do so too.
+pub fn pack(content: &[u8]) {
+    let whole = [content, blake3::hash(content).as_bytes()].concat();
+    match Pack::from_bytes(&whole) {
+        Err(reason) => assert!(!reason.is_empty() && reason.len() < 10_000, "{reason}"),
+        Ok(pack) => {
+            let nearest_m = pack.manifest().axes.distance_m[0];
+            let resident = pack.resident(&[nearest_m, 2.0 * nearest_m, 300_000.0]);
+            assert_eq!(resident.ring_distance_m.len(), 3);
+        }
+    }
+}
+
+/// The content of a whole pack with one point on each axis, all values zero; without its hash.
+///
+/// # Panics
+/// Where the description that comes with the program cannot be read.
+#[must_use]
+pub fn smallest_pack() -> Vec<u8> {
+    let sections = [IMAGE_COUNT * 3 * 4, IMAGE_COUNT * 3 * 2, ELEVATION_COUNT * FREQUENCY_COUNT * 4];
+    let mut hasher = blake3::Hasher::new();
+    for bytes in sections {
+        hasher.update(&vec![0; bytes]);
+    }
+    let mut manifest: Value = serde_json::from_str(MANIFEST).unwrap_or_default();
+    manifest["axes"] = json!({ "distance_m": [250.0], "observer_altitude_m": [0.0], "offset_count": 3 });
+    manifest["blocked"] = Value::Null;
+    manifest["basis_count"] = json!(1);
+    manifest["checksum"] = json!(hasher.finalize().to_hex().to_string());
+    let manifest = manifest.to_string();
+    let mut content = b"SKYGLOW\x01".to_vec();
+    content.extend((manifest.len() as u64).to_le_bytes());
+    content.extend(manifest.as_bytes());
+    for bytes in sections {
+        let packed = zstd::bulk::compress(&vec![0; bytes], 19).unwrap_or_default();
+        content.extend((packed.len() as u64).to_le_bytes());
+        content.extend(packed);
+    }
+    content
+}

@@ -1,0 +1,129 @@
+//! Parameters and bodies of requests.
+
+use skyglow_http::{
+    accept::{Format, InfluenceFormat},
+    error::ApiError,
+    kind_facts::KindFacts,
+    request::{self, geojson},
+    source::{SkyQuery, SourceFacts},
+};
+use skyglow_physics::GeoPoint;
+use skyglow_scene::SceneId;
+use skyglow_tables::Scattering;
+
+fn facts() -> SourceFacts {
+    let kind = |scattering, ground_albedo| KindFacts {
+        clouds: None,
+        scattering,
+        turbidity_range: (1.5, 6.0),
+        basis_count: 64,
+        ground_albedo,
+        why_open: None,
+    };
+    SourceFacts {
+        executor: "cpu".to_owned(),
+        adapter: "none".to_owned(),
+        most_places: 1000,
+        kinds: vec![kind(Scattering::Single, None), kind(Scattering::Multiple, Some(0.15))],
+        any_cloud_albedo: None,
+        altitude_range_m: (0.0, 6000.0),
+        pack_checksums: "none".to_owned(),
+    }
+}
+
+#[expect(clippy::panic, reason = "a rule that is broken ends the fuzzer")]
+fn scene() -> SceneId {
+    SceneId::parse("demo").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A refusal is the client's fault, names it, and can be written.
+#[expect(clippy::panic, reason = "a rule that is broken ends the fuzzer")]
+fn check_refusal(error: &ApiError) {
+    let problem = error.problem();
+    assert!((400..500).contains(&problem.status), "{error} is answered {}", problem.status);
+    let text = serde_json::to_string(&problem).unwrap_or_else(|error| panic!("{error}"));
+    assert!(text.len() < 100_000, "a refusal of {} bytes", text.len());
+}
+
+fn check_place(place: GeoPoint) {
+    assert!(place.latitude_deg().abs() <= 90.0 && place.longitude_deg().abs() <= 180.0, "{place:?}");
+}
+
+fn check_sky(query: &SkyQuery) {
+    check_place(query.place);
+    assert!((1.5..=6.0).contains(&query.turbidity.value()), "{query:?}");
+    assert!(query.basis.is_none_or(|count| (1..=64).contains(&count)), "{query:?}");
+    assert!(query.tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()), "{query:?}");
+    assert!(query.eye_height.altitude_m(skyglow_scene::Ground::Unknown).is_finite(), "{query:?}");
+    assert!(query.lamp.flux_per_dnb_flux.iter().all(|flux| flux.is_finite() && *flux >= 0.0), "{query:?}");
+}
+
+/// Query strings: the first byte says of which request.
+pub fn parameters(bytes: &[u8]) {
+    let Some((which, text)) = bytes.split_first() else { return };
+    let text = String::from_utf8_lossy(text);
+    let (query, facts) = (Some(&*text), facts());
+    let checked = match which % 8 {
+        0 => request::sky(query, scene(), &facts).map(|(query, _)| check_sky(&query)),
+        1 => request::panorama(query, scene(), &facts, Format::Png).map(|(query, view)| {
+            check_sky(&query);
+            let options = view.options;
+            assert!(options.width_px.max(options.height_px) <= 4096, "{options:?}");
+        }),
+        2 => request::panorama(query, scene(), &facts, Format::Json).map(|(query, _)| check_sky(&query)),
+        3 => request::influence(query, None, scene(), &facts, InfluenceFormat::Json)
+            .map(|ask| check_sky(&ask.query.sky)),
+        4 => request::influence(query, None, scene(), &facts, InfluenceFormat::Tiff)
+            .map(|ask| check_sky(&ask.query.sky)),
+        5 => request::brightness(query, scene(), &facts).map(|ask| {
+            assert!((1.5..=6.0).contains(&ask.turbidity.value()), "{ask:?}");
+        }),
+        6 => request::place(query).map(|(place, _)| check_place(place)),
+        _ => request::scene_id(&text).map(|id| {
+            let id = id.as_str();
+            assert!(!id.is_empty() && !id.contains(['/', '\\', '.', '\0']), "{id}");
+        }),
+    };
+    if let Err(error) = checked {
+        check_refusal(&error);
+    }
+}
+
+/// JSON bodies: the first byte says of which request.
+pub fn body(bytes: &[u8]) {
+    let Some((which, body)) = bytes.split_first() else { return };
+    let facts = facts();
+    let place = Some("lat=46.17&lon=8.79");
+    let checked = match which % 3 {
+        0 => request::scenario(None, body, scene()).map(|scenario| {
+            // What is kept can be written and read again.
+            let text = serde_json::to_vec(&scenario).unwrap_or_default();
+            let again = serde_json::from_slice::<skyglow_scene::Scenario>(&text);
+            assert!(again.is_ok_and(|again| again == scenario), "{scenario:?}");
+        }),
+        1 => request::plan(None, body, scene(), &facts).map(|ask| {
+            assert!(!ask.skies.is_empty() && ask.skies.len() <= 64);
+            ask.skies.iter().for_each(check_sky);
+        }),
+        _ => request::influence(place, Some(body), scene(), &facts, InfluenceFormat::Json)
+            .map(|ask| check_sky(&ask.query.sky)),
+    };
+    if let Err(error) = checked {
+        check_refusal(&error);
+    }
+}
+
+/// GeoJSON of areas.
+pub fn boundary(bytes: &[u8]) {
+    let Ok(body) = serde_json::from_slice::<geojson::BoundaryBody>(bytes) else { return };
+    if let Err(error) = geojson::polygons(&body) {
+        assert!(!error.to_string().is_empty());
+    }
+    if let Ok(boundary) = geojson::boundary(&body) {
+        for (latitude_deg, longitude_deg) in [(46.17, 8.79), (-90.0, 0.0), (0.0, 180.0)] {
+            if let Ok(place) = GeoPoint::from_deg(latitude_deg, longitude_deg) {
+                let _inside_or_not = boundary.holds(place);
+            }
+        }
+    }
+}
