@@ -1,6 +1,6 @@
 //! Spans of requests, at a collector of OpenTelemetry.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test stops at the first error")]
 
 mod common;
 

@@ -32,7 +32,7 @@ use std::{
 /// A command of the command line.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    Serve(serve::Serve),
+    Serve(Box<serve::Serve>),
     Ingest(ingest::Ingest),
     Scenes(scenes::Scenes),
     Precompute(precompute::Precompute),

@@ -143,9 +143,9 @@ pub async fn limit_keeping(
     next: Next,
 ) -> Response {
     let path = request.uri().path();
-    let kept = match request.method() {
-        &Method::POST if path.ends_with("/scenarios") => 1.0,
-        &Method::POST if path.ends_with("/plans") => PLAN_SCENARIOS,
+    let kept = match *request.method() {
+        Method::POST if path.ends_with("/scenarios") => 1.0,
+        Method::POST if path.ends_with("/plans") => PLAN_SCENARIOS,
         _ => return next.run(request).await,
     };
     let address = request.extensions().get::<ConnectInfo<Ends>>().map(|info| info.0.client.ip());
