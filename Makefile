@@ -37,7 +37,7 @@ container: ## build the image's root file system without a container engine and 
 fuzz: ## bytes that nobody meant to every parser (SECONDS=60 each; needs the nightly compiler)
 	@scripts/fuzz.sh $(SECONDS)
 
-deny: ## licences, bans and sources of every dependency (cargo-deny)
+deny: ## licences, bans, duplicates, sources and known weaknesses of every dependency (cargo-deny)
 	@scripts/dependencies.sh
 
 viewer: ## rebuild web/dist, the viewer's built form, from its sources

@@ -10,7 +10,6 @@ fail() {
 }
 internal() { curl -fs "$base/metrics" | grep -E '^skyglow_http_requests_total.*status="500"' || true; }
 paint='{"title": "dim", "edits": [{"brush": {"points": [[8.79, 46.17]], "radius_m": 6000}, "factor": 0.5}]}'
-scenarios="$base/api/v1/scenes/demo/scenarios"
 
 # Killed under load.
 start "$work/data" precomputed || fail "no start"
@@ -29,10 +28,10 @@ curl -fs "$base/api/v1/scenarios/$id" >/dev/null || fail "scenario $id is lost"
 say "killed under load: starts again, scenes and scenario are there"
 
 # Clients that send nothing, half a request, or read nothing.
-python3 - "$port" <<'PYTHON' &
+python3 - "$port" 300 8 <<'PYTHON' >/dev/null &
 import socket, sys, time
 sockets = []
-for number in range(300):
+for number in range(int(sys.argv[2])):
     s = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
     if number % 3 == 1:
         s.sendall(b"GET /api/v1/scenes/demo/sky?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\nx-slow: ")
@@ -40,7 +39,8 @@ for number in range(300):
         s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
         s.sendall(b"GET /api/v1/scenes/demo/panorama.json?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\n\r\n")
     sockets.append(s)
-time.sleep(8)
+time.sleep(int(sys.argv[3]))
+print(sum(1 for s in sockets if s.fileno() >= 0))
 PYTHON
 slow=$!
 sleep 2
@@ -50,6 +50,35 @@ done
 wait "$slow"
 [ -z "$(internal)" ] || fail "internal errors: $(internal)"
 say "300 silent, half-open and unread connections: answers in time beside them"
+stop || fail "SIGTERM does not end it with 0"
+
+# The same where there is less room and patience: they are let go, and so is what they held.
+start "$work/data" precomputed --connections 512 --idle-timeout-s 2 || fail "no start"
+before="$(ls "/proc/$server/fd" | wc -l)"
+python3 - "$port" 600 12 <<'PYTHON' >/dev/null &
+import socket, sys, time
+sockets = []
+for number in range(int(sys.argv[2])):
+    try:
+        s = socket.create_connection(("127.0.0.1", int(sys.argv[1])), timeout=2)
+        if number % 3 == 1:
+            s.sendall(b"GET /api/v1/scenes/demo/sky?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\nx-slow: ")
+        elif number % 3 == 2:
+            s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
+            s.sendall(b"GET /api/v1/scenes/demo/panorama.json?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\n\r\n")
+        sockets.append(s)
+    except OSError:
+        pass
+time.sleep(int(sys.argv[3]))
+PYTHON
+slow=$!
+sleep 8
+curl -fs -m 5 "$base/api/v1/scenes/demo/sky?lat=46.1&lon=8.7" >/dev/null || fail "no answer after slow clients were let go"
+held="$(ls "/proc/$server/fd" | wc -l)"
+[ "$held" -le $((before + 30)) ] || fail "$held files held beside clients that stall, $before before"
+wait "$slow"
+[ -z "$(internal)" ] || fail "internal errors: $(internal)"
+say "600 of them with 512 places and two seconds' patience: let go, $held files held where $before were, answers in time"
 stop || fail "SIGTERM does not end it with 0"
 
 # A clock that jumps by days and back, under load. (Not the one that never jumps, as no system's does.)

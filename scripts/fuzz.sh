@@ -9,7 +9,9 @@ seconds="${1:-60}"
 [ "$#" -gt 0 ] || set -- parameters body boundary pack raster places
 scripts/system_packages.sh serve
 rustup toolchain list | grep -q '^nightly' || rustup toolchain install nightly --profile minimal
-cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked cargo-fuzz
+cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked cargo-fuzz@0.13.2
+# A build that fails is no find.
+cargo +nightly fuzz build --fuzz-dir tests/fuzz
 status=0
 for target in "$@"; do
     mkdir -p "tests/fuzz/corpus/$target"

@@ -9,8 +9,6 @@ if ! command -v wrk >/dev/null 2>&1; then
     apt-get install -y -q --no-install-recommends wrk >/dev/null
 fi
 work="$(mktemp -d)"
-port=18090
-base="http://127.0.0.1:$port"
 server=""
 load=""
 tidy() {
@@ -25,11 +23,19 @@ start() {
     data="$1"
     packs="$2"
     shift 2
-    "$program" serve --listen "127.0.0.1:$port" --data "$data" --packs "$packs" --requests-per-second 0 --kept-per-day 0 "$@" >"$work/log" 2>&1 &
+    "$program" serve --listen 127.0.0.1:0 --data "$data" --packs "$packs" --requests-per-second 0 --kept-per-day 0 "$@" >"$work/log" 2>&1 &
     server=$!
-    until curl -fs "$base/readyz" >/dev/null 2>&1; do
+    tries=0
+    port=""
+    # Its own port, which its log says: another server's would answer as readily.
+    until [ -n "$port" ] && curl -fs "$base/readyz" >/dev/null 2>&1; do
         kill -0 "$server" 2>/dev/null || return 1
+        tries=$((tries + 1))
+        [ "$tries" -le 480 ] || return 1
         sleep 0.25
+        port="$(sed -n 's/.*http:\/\/127\.0\.0\.1:\([0-9]*\).*/\1/p' "$work/log" | head -1)"
+        base="http://127.0.0.1:$port"
+        scenarios="$base/api/v1/scenes/demo/scenarios"
     done
 }
 

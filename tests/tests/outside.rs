@@ -2,7 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 
-use proptest::{prelude::*, test_runner::TestRunner};
+use proptest::{
+    prelude::*,
+    test_runner::{RngAlgorithm, TestRng, TestRunner},
+};
 use skyglow_tests::{
     outside::{self, Rules, smallest_pack, smallest_raster},
     tree::root,
@@ -47,7 +50,9 @@ fn cut_and_altered(target: &str, rules: Rules, cases: u32) {
         bytes
     });
     let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
-    let run = TestRunner::new(config).run(&altered, |bytes| {
+    // The same each time: chance is the fuzzers' business.
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let run = TestRunner::new_with_rng(config, rng).run(&altered, |bytes| {
         rules(&bytes);
         Ok(())
     });
@@ -90,6 +95,11 @@ fn every_rule_has_its_fuzzer_and_its_seeds() {
         let text = std::fs::read_to_string(source).unwrap();
         assert!(text.contains(&format!("outside::{name}(")), "{name}");
         assert!(folder(name).is_dir());
+        let read = |path: &str| std::fs::read_to_string(root().join(path)).unwrap();
+        assert!(read("tests/fuzz/Cargo.toml").contains(&format!("name = \"{name}\"")), "{name}");
+        let script = read("scripts/fuzz.sh");
+        let targets = script.lines().find(|line| line.contains("|| set -- ")).unwrap();
+        assert!(targets.split_whitespace().any(|word| word == name), "{name}");
     }
 }
 
@@ -117,6 +127,14 @@ fn a_pack_that_says_it_is_huge_is_refused_before_there_is_room_for_it() {
         said(&|m| m["axes"]["offset_count"] = 1_000_000_000_000_u64.into()).contains("longer than it can be")
     );
     assert!(said(&|m| m["axes"]["offset_count"] = 0.into()).contains("is empty"));
+    assert!(
+        said(&|m| {
+            m["axes"]["offset_count"] = 4096.into();
+            m["axes"]["distance_m"] = (1..=4096).collect::<Vec<u32>>().into();
+            m["axes"]["observer_altitude_m"] = vec![0.0, 1.0, 2.0].into();
+        })
+        .contains("larger than a section can be")
+    );
     assert!(said(&|m| m["basis_count"] = 4096.into()).contains("bytes instead of"));
     assert!(said(&|m| m["axes"]["offset_count"] = 4.into()).contains("bytes instead of"));
     assert!(

@@ -7,12 +7,13 @@ import { SkySession } from "./session.ts";
 import { brightness_mag_arcsec2 } from "./photometry.ts";
 import { Legend } from "./sky/legend.ts";
 import { SkyView } from "./sky/sky_view.ts";
-import { fragment_from_state, state_from_fragment, type Place, type ViewState } from "./state.ts";
+import { LAYERS, fragment_from_state, state_from_fragment, type LayerName, type Place, type ViewState } from "./state.ts";
 import { cloud_bases, packs_under } from "./ui/clouds.ts";
 import { Controls, DEFAULT_TURBIDITY } from "./ui/controls.ts";
 import { by_id } from "./ui/dom.ts";
 import { show_downloads } from "./ui/downloads.ts";
 import { coordinates } from "./ui/format.ts";
+import { show_layer_state } from "./ui/layers.ts";
 import { place_name } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
 import { show_numbers, show_site } from "./ui/numbers.ts";
@@ -56,10 +57,8 @@ class Viewer {
     projection: (projection) => this.change({ projection }),
     sky: (sky) => this.change({ sky }),
     colours: (colours) => this.change({ colours }),
-    layer: (layer, opacity) => {
-      this.map?.set_opacity(layer, opacity);
-      this.change({ layers: { ...this.state.layers, [layer]: opacity } });
-    },
+    measure: (measure) => this.change({ measure }),
+    layer: (layer, opacity) => this.change({ layers: { ...this.state.layers, [layer]: opacity } }),
   });
   private readonly session = new SkySession({
     started: () => this.set_busy(true),
@@ -124,6 +123,7 @@ class Viewer {
         this.state = { ...this.state, view };
         this.write_url(false);
       },
+      layer: show_layer_state,
       failed: (reason) => this.notice.show(reason),
     });
   }
@@ -145,7 +145,7 @@ class Viewer {
     this.scene_requests = new AbortController();
     this.places = [];
     this.search.set_places([]);
-    void this.map?.show_scene(scene, this.state.layers, this.state.view === null);
+    void this.map?.show_scene(scene, this.state.view === null);
     void this.map?.show_places([]);
     const { signal } = this.scene_requests;
     api
@@ -221,7 +221,7 @@ class Viewer {
   private show_state(): void {
     this.controls.show(this.state, this.scene());
     this.show_look();
-    for (const layer of ["radiance", "elevation"] as const) this.map?.set_opacity(layer, this.state.layers[layer]);
+    for (const layer of LAYERS) this.show_layer(layer);
     this.map?.mark(this.state.place);
     this.show_title();
     const { scene, place } = this.state;
@@ -237,13 +237,30 @@ class Viewer {
     void this.session.show(scene, parameters);
   }
 
+  private show_layer(layer: LayerName): void {
+    const { scene, place, measure, clouds } = this.state;
+    const query = {
+      elevation: this.scene()?.terrain === true ? {} : null,
+      brightness: clouds === null ? this.conditions() : null,
+      radiance: {},
+      influence: place === null ? null : { ...this.parameters(place), measure },
+    }[layer];
+    const wanted = scene === null || query === null ? null : { scene, query, opacity: this.state.layers[layer] };
+    this.map?.show_layer(layer, wanted);
+  }
+
   private parameters(place: Place): SkyParameters {
-    const { turbidity, scattering, clouds, lamp, emission, terrain } = this.state;
     // Five decimals are a metre; a link restores the very same request.
     const rounded = (degrees: number) => +degrees.toFixed(5);
+    return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), ...this.conditions() };
+  }
+
+  /** What the sky of any place depends on. */
+  private conditions(): Omit<SkyParameters, "lat" | "lon"> {
+    const { turbidity, scattering, clouds, lamp, emission, terrain } = this.state;
     const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }), ...(clouds === null ? {} : { clouds: String(clouds) }) };
     const ground = terrain === "on" ? {} : { terrain };
-    return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), lamp, emission, ...ground, ...air };
+    return { lamp, emission, ...ground, ...air };
   }
 
   private show_look(): void {

@@ -15,7 +15,8 @@ const EVERYTHING: ViewState = {
   projection: "fisheye",
   sky: "total",
   colours: "cividis",
-  layers: { radiance: 0.4, elevation: 0.65 },
+  measure: "horizontal",
+  layers: { elevation: 0.65, brightness: 0.5, radiance: 0.4, influence: 0.9 },
 };
 
 test("a fragment restores everything that it was made from", () => {

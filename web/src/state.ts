@@ -18,8 +18,13 @@ export interface MapView {
 
 const SCATTERING_NAMES: readonly ScatteringName[] = ["multiple", "single"];
 
-export const LAYERS = ["radiance", "elevation"] as const;
+/** From the lowest to the highest on the map. */
+export const LAYERS = ["elevation", "brightness", "radiance", "influence"] as const;
 export type LayerName = (typeof LAYERS)[number];
+
+/** What of the sky lights have their part in, as far as the viewer shows it. */
+export const MEASURES = ["zenith", "mean", "horizontal", "norm"] as const;
+export type MeasureName = (typeof MEASURES)[number];
 
 export type TerrainKind = "on" | "off";
 
@@ -42,6 +47,8 @@ export interface ViewState {
   projection: ProjectionName;
   sky: SkyKind;
   colours: ColourMapName;
+  /** Of the layer of influence. */
+  measure: MeasureName;
   /** Opacity 0..1; 0 is off. */
   layers: Record<LayerName, number>;
 }
@@ -59,7 +66,8 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   projection: "equirectangular",
   sky: "artificial",
   colours: "inferno",
-  layers: { radiance: 0.85, elevation: 0 },
+  measure: "zenith",
+  layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
 };
 
 function number_in(text: string | null, least: number, most: number): number | null {
@@ -105,6 +113,7 @@ export function state_from_fragment(fragment: string): ViewState {
     projection: one_of(query.get("projection"), ["equirectangular", "fisheye"], DEFAULT_STATE.projection),
     sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
     colours: one_of(query.get("colours"), COLOUR_MAPS, DEFAULT_STATE.colours),
+    measure: one_of(query.get("measure"), MEASURES, DEFAULT_STATE.measure),
     layers,
   };
 }
@@ -131,6 +140,7 @@ export function fragment_from_state(state: ViewState): string {
   add("projection", state.projection, DEFAULT_STATE.projection);
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);
+  add("measure", state.measure, DEFAULT_STATE.measure);
   for (const name of LAYERS) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
   return parts.length === 0 ? "" : `#${parts.join("&")}`;
 }

@@ -23,7 +23,9 @@ pub(crate) fn start_traced(default_level: &str, collector: &str) -> Result<Trace
         SpanExporter::builder().with_http().with_endpoint(endpoint).build().map_err(Failure::work)?;
     let version = KeyValue::new("service.version", env!("CARGO_PKG_VERSION"));
     let mut resource = Resource::builder().with_attribute(version);
-    if std::env::var_os("OTEL_SERVICE_NAME").is_none() {
+    let is_named = std::env::var_os("OTEL_SERVICE_NAME").is_some()
+        || std::env::var("OTEL_RESOURCE_ATTRIBUTES").is_ok_and(|text| text.contains("service.name="));
+    if !is_named {
         resource = resource.with_service_name("skyglow");
     }
     let provider =
@@ -54,9 +56,7 @@ fn start_with(default_level: &str, traces: Option<&SdkTracerProvider>) {
         .with_target(false)
         .with_filter(filter);
     // Our own spans alone: those of the exporter would make more of themselves.
-    let own = Targets::new()
-        .with_target("skyglow", tracing::Level::INFO)
-        .with_target("skyglow_http", tracing::Level::INFO);
+    let own = Targets::new().with_target("skyglow", tracing::Level::INFO);
     let traces = traces.map(|provider| {
         tracing_opentelemetry::layer().with_tracer(provider.tracer("skyglow")).with_filter(own)
     });

@@ -87,7 +87,7 @@ pub(crate) struct Layer {
     /// Requests that one client may send at once [default: 1000]
     #[arg(long, env = "SKYGLOW_REQUEST_BURST", value_name = "N", help_heading = "Limits")]
     pub(crate) request_burst: Option<u32>,
-    /// Scenarios, counted by 16 kB of body, that one client may have kept in a day, a plan counting as 8; 0 for no limit [default: 500]
+    /// Scenarios, counted by 16 kB of body, that one client may have kept in a day, a plan counting as 8; 0 for no limit [default: 200]
     #[arg(long, env = "SKYGLOW_KEPT_PER_DAY", value_name = "N", help_heading = "Limits")]
     pub(crate) kept_per_day: Option<u32>,
     /// Longest time for the answers under way when the server is told to end, seconds [default: 10]
@@ -108,7 +108,7 @@ pub(crate) struct Layer {
     /// Places in a map of the zenith's brightness at most; in larger scenes pixels share one by blocks [default: 1200000]
     #[arg(long, env = "SKYGLOW_BRIGHTNESS_PLACES", value_name = "N", help_heading = "Limits")]
     pub(crate) brightness_places: Option<usize>,
-    /// Scenarios and as many plans that are kept; the oldest go first [default: 1000]
+    /// Scenarios and as many plans that are kept; the oldest go first [default: 5000]
     #[arg(long, env = "SKYGLOW_KEPT_PLANS", value_name = "N", help_heading = "Limits")]
     pub(crate) kept_plans: Option<usize>,
     /// Bytes on disk of scenarios, and as many of plans, that are kept [default: 1073741824]
@@ -126,6 +126,15 @@ pub(crate) struct Layer {
     /// Collector that spans of requests are sent to, by OTLP over HTTP, as http://HOST:4318; OTEL_* variables hold [default: none]
     #[arg(long, env = "SKYGLOW_OTLP_ENDPOINT", value_name = "URL")]
     pub(crate) otlp_endpoint: Option<String>,
+    /// Connections at a time, a fourth of them from one address [default: 2048]
+    #[arg(long, env = "SKYGLOW_CONNECTIONS", value_name = "N", help_heading = "Limits")]
+    pub(crate) connections: Option<usize>,
+    /// Longest wait for the head of a request, and for a client to take what it is sent, seconds [default: 30]
+    #[arg(long, env = "SKYGLOW_IDLE_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
+    pub(crate) idle_timeout_s: Option<f64>,
+    /// Networks of proxies that are believed in X-Forwarded-For, as 10.0.0.0/8,fd00::/8 [default: none]
+    #[arg(long, env = "SKYGLOW_TRUSTED_PROXIES", value_name = "NETWORKS", value_delimiter = ',')]
+    pub(crate) trusted_proxies: Option<Vec<String>>,
     /// Where clients reach the server, for links in answers [default: as the request's Host header says]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,
@@ -172,7 +181,7 @@ impl Default for Settings {
             device: Device::default(),
             no_demo: false,
             brightness_places: skyglow_engine::MOST_PLACES,
-            kept_plans: 1000,
+            kept_plans: 5000,
             kept_plans_bytes: 1 << 30,
             kept_plans_days: 90,
             operator_token_file: None,
@@ -214,6 +223,8 @@ impl Settings {
             "requests_per_second",
             "a number of 0 or more; 0 is no limit",
         );
+        require(is_time(http.idle_timeout_s), "idle_timeout_s", "above 0 and at most 86400");
+        require(http.connections >= 4, "connections", "4 or more");
         require(http.request_burst > 0, "request_burst", "1 or more");
         require(http.concurrent_requests > 0, "concurrent_requests", "1 or more");
         require(http.body_limit_bytes >= 1024, "body_limit_bytes", "1024 or more");
@@ -430,7 +441,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 18);
+        assert_eq!(compared, 20);
         assert_eq!(Settings::default().change_limits(), ChangeLimits::default());
     }
 }

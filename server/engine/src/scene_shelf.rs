@@ -172,9 +172,11 @@ impl SceneShelf {
         if let Some(scene) = self.fetch(id, stamp) {
             return Ok(scene);
         }
-        // Opened without the lock on the shelf: another scene's callers go on meanwhile, and those of this one wait for the one
+        // Opened without the lock on the shelf: the callers of open scenes go on meanwhile, and those of this one wait for the one
         // that opens it.
         let _opening = self.gate(id).lock().unwrap_or_else(PoisonError::into_inner);
+        // It may have been replaced while this waited. Were it so while it is read, it is read again for the next.
+        let stamp = self.stamp(id)?;
         if let Some(scene) = self.fetch(id, stamp) {
             return Ok(scene);
         }

@@ -5,9 +5,10 @@ use crate::{
     config::HttpConfig,
     error::ApiError,
     layers::{
-        RateLimiter, Room, catch_panic, guard, limit_keeping, limit_rate, observe, problems_only,
+        RateLimiter, Room, catch_panic, guard, limit_keeping, limit_rate, observe, problems_only, read_body,
         tag_encodings,
     },
+    problem::PROBLEM_JSON,
     routes::{
         atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
         sky, tilejson, tiles, uploads, viewer,
@@ -35,7 +36,10 @@ use tower_http::{
 };
 use utoipa::{
     OpenApi,
-    openapi::security::{ApiKey as SecurityApiKey, ApiKeyValue, HttpAuthScheme, HttpBuilder, SecurityScheme},
+    openapi::{
+        ContentBuilder, Ref, ResponseBuilder,
+        security::{ApiKey as SecurityApiKey, ApiKeyValue, HttpAuthScheme, HttpBuilder, SecurityScheme},
+    },
 };
 use utoipa_axum::{router::OpenApiRouter, routes};
 
@@ -121,10 +125,30 @@ fn operation() -> OpenApiRouter<AppState> {
         .routes(routes!(health::get_metrics))
 }
 
+/// What every path may answer, where it says nothing of it itself.
+fn add_common_refusals(document: &mut utoipa::openapi::OpenApi) {
+    let of_every_path = [
+        ("401", "A token or key that nobody has"),
+        ("429", "Too many requests; Retry-After says when to try again"),
+    ];
+    for (_, item) in document.paths.paths.iter_mut().filter(|(path, _)| path.starts_with("/api/")) {
+        let methods = [&mut item.get, &mut item.post, &mut item.put, &mut item.delete];
+        for operation in methods.into_iter().flatten() {
+            for (status, description) in of_every_path {
+                let problem = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem"))).build();
+                let refusal =
+                    ResponseBuilder::new().description(description).content(PROBLEM_JSON, problem).build();
+                operation.responses.responses.entry(status.to_owned()).or_insert(refusal.into());
+            }
+        }
+    }
+}
+
 /// The OpenAPI document of all routes.
 pub fn openapi() -> utoipa::openapi::OpenApi {
     let (_, mut document) = api().merge(uploads()).merge(operation()).split_for_parts();
     document.merge(tiles::TileDocument::openapi());
+    add_common_refusals(&mut document);
     document
 }
 
@@ -148,7 +172,9 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
     }
     let limiter = Arc::new(RateLimiter::new(config.requests_per_second, config.request_burst));
     let per_day = config.kept_per_day;
-    let keeping = Arc::new(RateLimiter::new(f64::from(per_day) / 86_400.0, per_day));
+    // Half of it at once, and half over the day, is all of it in any day.
+    let half = per_day.div_ceil(2);
+    let keeping = Arc::new(RateLimiter::new(f64::from(half) / 86_400.0, half));
     let (api, _) = api().split_for_parts();
     let api = api
         .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))
@@ -156,6 +182,7 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         .route("/api/docs/page.css", get(docs::get_docs_style))
         .layer(from_fn_with_state(Room::new(state.clone()), guard))
         .layer(from_fn_with_state((state.clone(), keeping), limit_keeping))
+        .layer(from_fn_with_state(state.clone(), read_body))
         .layer(from_fn_with_state((state.clone(), limiter.clone()), limit_rate))
         .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
         .layer(cors());

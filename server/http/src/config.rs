@@ -1,5 +1,6 @@
 //! What the interface can be told.
 
+use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -36,6 +37,12 @@ pub struct HttpConfig {
     pub influence_cache_bytes: u64,
     /// Bytes of maps of the zenith's brightness that are kept for map tiles; a map takes 7 MB.
     pub brightness_cache_bytes: u64,
+    /// Connections at a time; a fourth of them from one address.
+    pub connections: usize,
+    /// Longest wait for the head of a request, and for a client to take some of what it is sent, seconds; then the connection ends.
+    pub idle_timeout_s: f64,
+    /// Networks of proxies that are believed in `X-Forwarded-For`.
+    pub trusted_proxies: Vec<IpNet>,
     /// Where clients reach the server, such as `https://sky.example.org`, for the links inside answers;
     /// without it the request's Host header says so.
     pub public_url: Option<String>,
@@ -52,12 +59,15 @@ impl Default for HttpConfig {
             upload_pixels: 400_000_000,
             requests_per_second: 100.0,
             request_burst: 1000,
-            kept_per_day: 500,
+            kept_per_day: 200,
             drain_timeout_s: 10.0,
             cache_bytes: 64 * 1024 * 1024,
             answer_cache_bytes: 64 * 1024 * 1024,
             influence_cache_bytes: 256 * 1024 * 1024,
             brightness_cache_bytes: 64 * 1024 * 1024,
+            connections: 2048,
+            idle_timeout_s: 30.0,
+            trusted_proxies: Vec::new(),
             public_url: None,
         }
     }
@@ -67,6 +77,11 @@ impl HttpConfig {
     /// The longest time for one answer.
     pub fn request_timeout(&self) -> Duration {
         seconds(self.request_timeout_s)
+    }
+
+    /// The longest time that a client may keep silent.
+    pub fn idle_timeout(&self) -> Duration {
+        seconds(self.idle_timeout_s)
     }
 
     /// The longest time for an upload.

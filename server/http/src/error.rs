@@ -96,6 +96,19 @@ pub enum ApiError {
         /// Why, in one sentence.
         reason: String,
     },
+    /// A page of another site would have something kept.
+    #[error(
+        "pages of other sites have nothing kept here; ask from this server's own page, or without a browser"
+    )]
+    ForeignOrigin,
+    /// An address had its share of a day kept.
+    #[error(
+        "this address had its share of the day's scenarios and plans kept; there is more in {retry_after_s} s"
+    )]
+    KeptEnough {
+        /// Seconds until there is some.
+        retry_after_s: u64,
+    },
     /// A known client's requests of a day are used up.
     #[error("this key's requests of the day are used up; there are more in {retry_after_s} s")]
     QuotaUsed {
@@ -209,6 +222,12 @@ impl ApiError {
             ApiError::QuotaUsed { .. } => {
                 (StatusCode::TOO_MANY_REQUESTS, "quota-used", "The key's requests of the day are used up")
             }
+            ApiError::ForeignOrigin => {
+                (StatusCode::FORBIDDEN, "foreign-origin", "Pages of other sites keep nothing here")
+            }
+            ApiError::KeptEnough { .. } => {
+                (StatusCode::TOO_MANY_REQUESTS, "kept-enough", "The address's share of the day is kept")
+            }
             ApiError::TooManyRequests { .. } => {
                 (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", "Too many requests from this address")
             }
@@ -230,6 +249,7 @@ impl ApiError {
         match self {
             ApiError::TooManyRequests { retry_after_s }
             | ApiError::QuotaUsed { retry_after_s }
+            | ApiError::KeptEnough { retry_after_s }
             | ApiError::Busy { retry_after_s } => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::EngineDown => Some(2),
             ApiError::Storage { .. } => Some(60),

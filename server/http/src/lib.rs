@@ -31,6 +31,7 @@ pub mod serve;
 pub mod source;
 pub mod stamp;
 pub mod state;
+mod trust;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_with_access};

@@ -1,40 +1,23 @@
 //! Connections: the addresses of both ends for the handlers, and a problem document in place of the bare refusals
 //! that the HTTP library writes by itself, before any handler is asked: an address too long (414), headers too
-//! long (431), what is no HTTP (400), a request that never ends (408).
+//! long (431), what is no HTTP (400).
 
 use crate::{
     error::ApiError,
     problem::{PROBLEM_JSON, Problem},
 };
-use axum::{extract::connect_info::Connected, serve::IncomingStream};
 use std::{
+    future::Future,
     io,
     net::SocketAddr,
     pin::Pin,
     task::{Context, Poll, ready},
+    time::Duration,
 };
 use tokio::{
     io::{AsyncRead, AsyncWrite, ReadBuf},
-    net::{TcpListener, TcpStream},
+    time::Sleep,
 };
-
-/// Accepts connections whose bare refusals are problem documents.
-#[derive(Debug)]
-pub struct Listener(pub TcpListener);
-
-impl axum::serve::Listener for Listener {
-    type Io = Connection<TcpStream>;
-    type Addr = SocketAddr;
-
-    async fn accept(&mut self) -> (Self::Io, SocketAddr) {
-        let (stream, address) = axum::serve::Listener::accept(&mut self.0).await;
-        (Connection::new(stream), address)
-    }
-
-    fn local_addr(&self) -> io::Result<SocketAddr> {
-        self.0.local_addr()
-    }
-}
 
 /// The addresses of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,23 +28,38 @@ pub struct Ends {
     pub server: Option<SocketAddr>,
 }
 
-impl Connected<IncomingStream<'_, Listener>> for Ends {
-    fn connect_info(stream: IncomingStream<'_, Listener>) -> Self {
-        Self { client: *stream.remote_addr(), server: stream.io().stream.local_addr().ok() }
-    }
-}
-
-/// A connection. What goes out is passed on as it is, but for refusals without a body.
+/// A connection. What goes out is passed on as it is, but for refusals without a body; a client that takes nothing of it for long
+/// loses the connection.
 #[derive(Debug)]
-pub struct Connection<S> {
+pub(crate) struct Connection<S> {
     stream: S,
     /// What takes the place of a refusal, as far as it is not sent yet.
     pending: Vec<u8>,
+    /// How long a client may take nothing.
+    patience: Duration,
+    /// Ends when that is over; None while it takes what it is sent.
+    stalled: Option<Pin<Box<Sleep>>>,
 }
 
 impl<S> Connection<S> {
-    fn new(stream: S) -> Self {
-        Self { stream, pending: Vec::new() }
+    pub(crate) fn new(stream: S, patience: Duration) -> Self {
+        Self { stream, pending: Vec::new(), patience, stalled: None }
+    }
+
+    /// What a write gave, or the end of patience with it.
+    fn within_patience<T>(
+        &mut self,
+        written: Poll<io::Result<T>>,
+        context: &mut Context<'_>,
+    ) -> Poll<io::Result<T>> {
+        if written.is_ready() {
+            self.stalled = None;
+            return written;
+        }
+        let patience = self.patience;
+        let stalled = self.stalled.get_or_insert_with(|| Box::pin(tokio::time::sleep(patience)));
+        ready!(stalled.as_mut().poll(context));
+        Poll::Ready(Err(io::ErrorKind::TimedOut.into()))
     }
 }
 
@@ -99,7 +97,8 @@ fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
 impl<S: AsyncWrite + Unpin> Connection<S> {
     fn poll_send_pending(&mut self, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         while !self.pending.is_empty() {
-            let sent = ready!(Pin::new(&mut self.stream).poll_write(context, &self.pending))?;
+            let sent = Pin::new(&mut self.stream).poll_write(context, &self.pending);
+            let sent = ready!(self.within_patience(sent, context))?;
             if sent == 0 {
                 return Poll::Ready(Err(io::ErrorKind::WriteZero.into()));
             }
@@ -132,7 +131,10 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Connection<S> {
                 self.pending = answer;
                 Poll::Ready(Ok(bytes.len()))
             }
-            None => Pin::new(&mut self.stream).poll_write(context, bytes),
+            None => {
+                let written = Pin::new(&mut self.stream).poll_write(context, bytes);
+                self.within_patience(written, context)
+            }
         }
     }
 
@@ -148,7 +150,10 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Connection<S> {
                 self.pending = answer;
                 Poll::Ready(Ok(length))
             }
-            None => Pin::new(&mut self.stream).poll_write_vectored(context, pieces),
+            None => {
+                let written = Pin::new(&mut self.stream).poll_write_vectored(context, pieces);
+                self.within_patience(written, context)
+            }
         }
     }
 
@@ -197,7 +202,7 @@ mod tests {
         use tokio::io::{AsyncReadExt, AsyncWriteExt};
         let (near, mut far) = tokio::io::duplex(7);
         let sending = tokio::spawn(async move {
-            let mut connection = Connection::new(near);
+            let mut connection = Connection::new(near, Duration::from_secs(60));
             connection.write_all(b"HTTP/1.1 200 OK\r\n\r\nhello").await?;
             connection.write_all(b"HTTP/1.1 431 Headers\r\ncontent-length: 0\r\n\r\n").await?;
             connection.shutdown().await
@@ -210,5 +215,25 @@ mod tests {
             "{got}"
         );
         assert!(got.ends_with('}'), "{got}");
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_client_that_takes_nothing_loses_the_connection_and_a_slow_one_does_not() {
+        use tokio::io::{AsyncReadExt, AsyncWriteExt};
+        let (near, mut far) = tokio::io::duplex(7);
+        let mut connection = Connection::new(near, Duration::from_secs(10));
+        let reading = tokio::spawn(async move {
+            let mut some = [0; 7];
+            for _ in 0..4 {
+                tokio::time::sleep(Duration::from_secs(8)).await;
+                far.read_exact(&mut some).await.unwrap();
+            }
+            far
+        });
+        connection.write_all(&[1; 28]).await.unwrap();
+        let far = reading.await.unwrap();
+        let error = connection.write_all(&[1; 28]).await.unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::TimedOut);
+        drop(far);
     }
 }

@@ -1,42 +1,146 @@
-//! The server: accepts, and ends in good time.
+//! The server: accepts, gives up on clients that stall, and ends in good time.
 
 use crate::{
     config::HttpConfig,
-    listener::{Ends, Listener},
+    listener::{Connection, Ends},
+    trust::is_trusted,
 };
-use axum::Router;
-use std::{future::Future, io};
-use tokio::{net::TcpListener, sync::oneshot};
+use axum::{Router, body::Body, extract::ConnectInfo};
+use hyper::{server::conn::http1, service::service_fn};
+use hyper_util::{
+    rt::{TokioIo, TokioTimer},
+    server::graceful::GracefulShutdown,
+};
+use std::{
+    collections::HashMap,
+    future::Future,
+    io,
+    net::IpAddr,
+    pin::pin,
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+use tokio::{net::TcpListener, sync::Semaphore};
+use tower::ServiceExt;
+
+/// How long nothing is accepted after the system had no room for a connection.
+const PAUSE: Duration = Duration::from_millis(200);
+/// Part of all connections that one address may hold.
+const SHARE_OF_A_CLIENT: usize = 4;
 
 /// Serves until `ending` is ready; then takes no more connections, lets the answers under way finish, and ends
 /// after `config.drain_timeout_s` whatever is left (a half-sent request would hold it for ever).
 ///
+/// Connections have places, of which one address holds no more than a fourth; who comes when all are taken waits in the system's
+/// queue. A client that does not send the head of a request within `config.idle_timeout_s`, or does not take what it is sent for so
+/// long, loses its connection.
+///
 /// # Errors
-/// What the listener says.
+/// None today: what the listener says is logged, and it goes on.
 pub async fn serve(
     listener: TcpListener,
     router: Router,
     config: &HttpConfig,
     ending: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
-    let (ended, has_ended) = oneshot::channel();
-    let service = router.into_make_service_with_connect_info::<Ends>();
-    let serving = axum::serve(Listener(listener), service).with_graceful_shutdown(async move {
-        ending.await;
-        // Nobody listens only when the server has ended already.
-        let _ = ended.send(());
-    });
-    let drained = async {
-        if has_ended.await.is_err() {
-            std::future::pending::<()>().await;
-        }
-        tokio::time::sleep(config.drain_timeout()).await;
-    };
+    let idle = config.idle_timeout();
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(idle);
+    let places = Arc::new(Semaphore::new(config.connections.clamp(1, Semaphore::MAX_PERMITS)));
+    let share = Arc::new(Share::new((config.connections / SHARE_OF_A_CLIENT).max(1)));
+    let graceful = GracefulShutdown::new();
+    let mut ending = pin!(ending);
+    loop {
+        let place = tokio::select! {
+            place = Arc::clone(&places).acquire_owned() => place.map_err(io::Error::other)?,
+            () = &mut ending => break,
+        };
+        let accepted = tokio::select! {
+            accepted = listener.accept() => accepted,
+            () = &mut ending => break,
+        };
+        let (stream, client) = match accepted {
+            Ok(accepted) => accepted,
+            Err(error) => {
+                // A connection that was given up, or no room for files: it goes on when there is some.
+                tracing::warn!(%error, "a connection was not accepted");
+                tokio::time::sleep(PAUSE).await;
+                continue;
+            }
+        };
+        let held = match is_trusted(client.ip(), &config.trusted_proxies) {
+            true => None,
+            false => match Share::hold(&share, client.ip()) {
+                Some(held) => Some(held),
+                // Closed at once: an answer would have to wait for a request.
+                None => continue,
+            },
+        };
+        // Small answers go out at once.
+        let _best_effort = stream.set_nodelay(true);
+        let ends = Ends { client, server: stream.local_addr().ok() };
+        let router = router.clone();
+        let service = service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
+            let mut request = request.map(Body::new);
+            request.extensions_mut().insert(ConnectInfo(ends));
+            router.clone().oneshot(request)
+        });
+        let connection = http.serve_connection(TokioIo::new(Connection::new(stream, idle)), service);
+        let connection = graceful.watch(connection);
+        tokio::spawn(async move {
+            // What goes wrong with a connection is its client's affair.
+            let _ended = connection.await;
+            drop((place, held));
+        });
+    }
+    drop(listener);
     tokio::select! {
-        result = async { serving.await } => result,
-        () = drained => {
+        () = graceful.shutdown() => {}
+        () = tokio::time::sleep(config.drain_timeout()) => {
             tracing::warn!("some connections did not finish in time");
-            Ok(())
+        }
+    }
+    Ok(())
+}
+
+/// How many connections each address holds.
+#[derive(Debug)]
+struct Share {
+    most: usize,
+    held: Mutex<HashMap<IpAddr, usize>>,
+}
+
+/// A connection that an address holds until this is dropped.
+#[derive(Debug)]
+struct Held {
+    share: Arc<Share>,
+    client: IpAddr,
+}
+
+impl Share {
+    fn new(most: usize) -> Self {
+        Self { most, held: Mutex::default() }
+    }
+
+    fn hold(share: &Arc<Self>, client: IpAddr) -> Option<Held> {
+        let mut held = share.held.lock().unwrap_or_else(PoisonError::into_inner);
+        let count = held.entry(client).or_default();
+        if *count >= share.most {
+            return None;
+        }
+        *count += 1;
+        Some(Held { share: Arc::clone(share), client })
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        let mut held = self.share.held.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(count) = held.get_mut(&self.client) {
+            *count -= 1;
+            if *count == 0 {
+                held.remove(&self.client);
+            }
         }
     }
 }

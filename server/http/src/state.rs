@@ -227,6 +227,11 @@ impl AppState {
         .await
     }
 
+    /// Whether a map of the zenith's brightness is found.
+    pub fn has_brightness(&self, key: &str) -> bool {
+        self.brightnesses.contains_key(key)
+    }
+
     /// Forgets a map of the zenith's brightness of another version of a scene than the one it was asked of.
     pub async fn forget_brightness(&self, key: &str) {
         self.brightnesses.invalidate(key).await;
@@ -255,7 +260,9 @@ impl AppState {
                     inner.metrics.count_refused("busy");
                     return Err(ApiError::Busy { retry_after_s: 20 });
                 };
-                let place = inner.mapping.clone().acquire_owned().await.map_err(ApiError::internal)?;
+                let waiting = inner.mapping.clone().acquire_owned();
+                let waiting = waiting.instrument(tracing::info_span!("wait for another map"));
+                let place = waiting.await.map_err(ApiError::internal)?;
                 let metrics = inner.metrics.clone();
                 let map = inner.blocking(move |source| {
                     metrics.count_brightness_map();
@@ -267,7 +274,7 @@ impl AppState {
             };
             state.brightnesses.try_get_with(key, find).await
         };
-        match tokio::spawn(find).await {
+        match tokio::spawn(find.in_current_span()).await {
             Ok(found) => found.map_err(|error| ApiError::clone(&error)),
             Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
         }

@@ -87,9 +87,10 @@ function api(path, query, response) {
     const grid = { azimuth_count: COLUMNS, elevation_count: ROWS, azimuth_first_deg: 0, azimuth_step_deg: 360 / COLUMNS, elevation_first_deg: 45 / ROWS, elevation_step_deg: 90 / ROWS };
     return json({ ...common, grid, bands_nm: [680, 550, 440], unit: "W m-2 sr-1", radiance: sky, horizon_deg: new Array(COLUMNS).fill(0) });
   }
-  const tiles = /^scenes\/demo\/tiles\/(radiance|elevation)\/(?:(\d+)\/(\d+)\/(\d+)\.png|tilejson\.json)$/.exec(path);
+  const tiles = /^scenes\/demo\/tiles\/(radiance|elevation|brightness|influence)\/(?:(\d+)\/(\d+)\/(\d+)(?:@2x)?\.png|tilejson\.json)$/.exec(path);
   if (tiles?.[2] === undefined && tiles !== null) {
-    return json({ tilejson: "3.0.0", tiles: [`/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`], minzoom: 0, maxzoom: 9, bounds });
+    const [range, unit] = { radiance: [[0.2, 200], "nW cm-2 sr-1"], elevation: [null, "m"], brightness: [[1.71e-6, 6.84e-3], "cd m-2"], influence: [[1e-10, 1e-6], "cd m-2"] }[tiles[1]];
+    return json({ tilejson: "3.0.0", description: tiles[1], range, unit, ready: true, tiles: [`/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`], minzoom: 0, maxzoom: 9, bounds });
   }
   if (tiles !== null) {
     response.writeHead(200, { "content-type": "image/png" });

@@ -46,7 +46,7 @@ export function tile(layer, z, x, y) {
     for (let column = 0; column < SIZE; column++) {
       const longitude = ((x * SIZE + column + 0.5) / world) * 360 - 180;
       let rgba;
-      if (layer === "radiance") {
+      if (layer !== "elevation") {
         let light = 0;
         for (const town of TOWNS) {
           const d = Math.hypot(latitude - town.latitude_deg, longitude - town.longitude_deg);

@@ -9,11 +9,16 @@ type Query<P extends Path> = Gets[P]["query"];
 
 /** What the sky depends on besides the scene. */
 export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission">;
+/** What the tiles of a layer depend on besides the scene. */
+export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 
 /** How often a busy server (429, 503) is asked again before the viewer gives up. */
 const RETRIES = 3;
 const LONGEST_WAIT_S = 10;
+/** How often it is asked whether a layer of tiles is found, and how long: then its tiles say what is wrong. */
+const LAYER_WAIT_S = 0.7;
+const LONGEST_LAYER_WAIT_S = 300;
 
 /** Absolute, so that it also holds inside the map's worker; below a reverse proxy's prefix if there is one. */
 export function url_of<P extends Path>(path: P, values: PathValues<P>, query: Query<P>): string {
@@ -61,4 +66,12 @@ export const api = {
     get("/api/v1/scenes/{scene}/sky", { scene }, parameters, signal),
   panorama: (scene: string, parameters: SkyParameters, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters, signal),
+  /** Describes a layer of tiles once what they show is found. */
+  layer: async (scene: string, layer: string, query: LayerQuery, signal: AbortSignal) => {
+    for (let waited_s = 0; ; waited_s += LAYER_WAIT_S) {
+      const description = await get("/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json", { scene, layer }, query, signal);
+      if (description.ready || waited_s > LONGEST_LAYER_WAIT_S) return description;
+      await pause(LAYER_WAIT_S, signal);
+    }
+  },
 };

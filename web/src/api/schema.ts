@@ -701,6 +701,8 @@ export type TileJson = {
   name: string;
   /** What the darkest and the brightest colour stand for, logarithmic between; null where colours are tints. */
   range?: number[] | null;
+  /** Whether tiles are answered at once; until then they wait for what they show to be found. Ask again to know. */
+  ready: boolean;
   /** `xyz`. */
   scheme: string;
   /** `3.0.0`. */
@@ -1431,7 +1433,7 @@ export interface Gets {
     };
     answer: SkyAnswer;
   };
-  /** Describes a layer of tiles (TileJSON 3.0). Its parameters are those of the layer's tiles, and are handed on to them; that of `influence` needs the place. */
+  /** Describes a layer of tiles (TileJSON 3.0). What takes seconds to find is begun by this, and `ready` says whether it is found. Its parameters are those of the layer's tiles, and are handed on to them; that of `influence` needs the place. */
   "/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json": {
     path: {
       /** The scene's id */

@@ -4,12 +4,12 @@ import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, Scal
 import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
 import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
 import "maplibre-gl/dist/maplibre-gl.css";
-import { url_of } from "../api/client.ts";
 import type { Bounds, NamedPlace, Scene } from "../api/types.ts";
-import { LAYERS, type LayerName, type MapView, type Place } from "../state.ts";
+import type { LayerName, MapView, Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
 import { load_basemap } from "./basemap.ts";
-import { FIRST_LAYER_ABOVE_TILES, night_style } from "./style.ts";
+import { RasterLayers, type LayerState, type WantedLayer } from "./raster_layers.ts";
+import { night_style } from "./style.ts";
 
 // Without this the map stays blank without a word.
 setWorkerUrl(worker_url);
@@ -17,6 +17,7 @@ setWorkerUrl(worker_url);
 export interface SkyMapEvents {
   picked: (place: Place) => void;
   moved: (view: MapView) => void;
+  layer: (name: LayerName, state: LayerState) => void;
   failed: (reason: unknown) => void;
 }
 
@@ -42,6 +43,7 @@ export class SkyMap {
   private readonly map: MapLibreMap;
   private readonly marker: Marker;
   private readonly styled: Promise<unknown>;
+  private readonly layers: RasterLayers;
   private readonly failed_sources = new Set<string>();
   private marked: Place | null = null;
 
@@ -66,6 +68,10 @@ export class SkyMap {
     this.map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
     this.map.addControl(new AttributionControl({ compact: true, customAttribution: "Outlines: Natural Earth" }), "bottom-left");
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
+    this.layers = new RasterLayers(this.map, this.styled, (name, state) => {
+      this.failed_sources.delete(name);
+      events.layer(name, state);
+    });
 
     container.append(make("div", "crosshair"));
     const pin = document.createElement("div");
@@ -128,29 +134,19 @@ export class SkyMap {
     return this.map.getSource<GeoJSONSource>(name);
   }
 
-  /** Shows a scene's outline and tiles, and moves to it where asked. */
-  async show_scene(scene: Scene, opacities: Record<LayerName, number>, move: boolean): Promise<void> {
+  /** Shows a scene's outline, and moves to it where asked. */
+  async show_scene(scene: Scene, move: boolean): Promise<void> {
     const [west, south, east, north] = unwrapped(scene.bounds);
     if (move) this.map.fitBounds([west, south, east, north], { padding: 24, duration: 0 });
     await this.styled;
     this.failed_sources.clear();
     const corners = [[west, south], [east, south], [east, north], [west, north], [west, south]];
     this.source("scene")?.setData({ type: "LineString", coordinates: corners });
-    for (const name of LAYERS) {
-      if (this.map.getLayer(name) !== undefined) this.map.removeLayer(name);
-      if (this.map.getSource(name) !== undefined) this.map.removeSource(name);
-      if (name === "elevation" && !scene.terrain) continue;
-      this.map.addSource(name, { type: "raster", url: url_of("/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json", { scene: scene.id, layer: name }, {}), tileSize: 256 });
-    }
-    // Elevation lies under the lights.
-    for (const name of ["elevation", "radiance"] as const) {
-      if (this.map.getSource(name) === undefined) continue;
-      this.map.addLayer(
-        { id: name, type: "raster", source: name, layout: { visibility: "none" }, paint: { "raster-fade-duration": 150 } },
-        FIRST_LAYER_ABOVE_TILES,
-      );
-      this.set_opacity(name, opacities[name]);
-    }
+  }
+
+  /** Shows a layer of tiles as it is wanted; null where there is nothing to show. */
+  show_layer(name: LayerName, wanted: WantedLayer | null): void {
+    this.layers.want(name, wanted);
   }
 
   async show_places(places: readonly NamedPlace[]): Promise<void> {
@@ -163,12 +159,6 @@ export class SkyMap {
         geometry: { type: "Point", coordinates: [longitude_deg, latitude_deg] },
       })),
     });
-  }
-
-  set_opacity(layer: LayerName, opacity: number): void {
-    if (this.map.getLayer(layer) === undefined) return;
-    this.map.setLayoutProperty(layer, "visibility", opacity > 0 ? "visible" : "none");
-    this.map.setPaintProperty(layer, "raster-opacity", opacity);
   }
 
   mark(place: Place | null): void {

@@ -5,9 +5,10 @@ import type { Atmosphere, Scene } from "../api/types.ts";
 import type { ColourMapName } from "../sky/colour_maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
-import { LAYERS, type LayerName, type TerrainKind, type ViewState } from "../state.ts";
+import { LAYERS, type LayerName, type MeasureName, type TerrainKind, type ViewState } from "../state.ts";
 import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
 import { by_id, debounced, make } from "./dom.ts";
+import { show_layer_hint } from "./layers.ts";
 import { EMISSIONS, LAMPS } from "./lamps.ts";
 import { resident_scatterings, SCATTERINGS, turbidity_ends } from "./scattering.ts";
 
@@ -24,6 +25,7 @@ export interface ControlEvents {
   projection: (projection: ProjectionName) => void;
   sky: (sky: SkyKind) => void;
   colours: (colours: ColourMapName) => void;
+  measure: (measure: MeasureName) => void;
   layer: (layer: LayerName, opacity: number) => void;
 }
 
@@ -84,6 +86,7 @@ export class Controls {
   private readonly emission = by_id("emission", HTMLSelectElement);
   private readonly terrain = by_id("terrain", HTMLSelectElement);
   private readonly colours = by_id("colours", HTMLSelectElement);
+  private readonly measure = by_id("measure", HTMLSelectElement);
   private readonly press_projection: (value: ProjectionName) => void;
   private readonly press_sky: (value: SkyKind) => void;
 
@@ -103,6 +106,7 @@ export class Controls {
     this.emission.addEventListener("change", () => events.emission(this.emission.value));
     this.terrain.addEventListener("change", () => events.terrain(this.terrain.value as TerrainKind));
     this.colours.addEventListener("change", () => events.colours(this.colours.value as ColourMapName));
+    this.measure.addEventListener("change", () => events.measure(this.measure.value as MeasureName));
     this.press_projection = wire_group<ProjectionName>("projection", events.projection);
     this.press_sky = wire_group<SkyKind>("sky-kind", events.sky);
     for (const layer of LAYERS) {
@@ -170,12 +174,14 @@ export class Controls {
   show(state: ViewState, scene: Scene | null): void {
     if (scene !== null) {
       this.scene.value = scene.id;
-      const parts = [scene.illustrative ? "Illustrative: made up for demonstration, not measured." : "", scene.date ?? "", scene.attribution ?? ""];
+      const parts = [scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? "Illustrative: made up for demonstration, not measured." : "", scene.date ?? "", scene.attribution ?? ""];
       this.scene_note.textContent = parts.filter((part) => part !== "").join(" · ");
       this.scene_note.classList.toggle("illustrative", scene.illustrative);
-      by_id("layer-elevation", HTMLInputElement).disabled = !scene.terrain;
+      show_layer_hint("elevation", scene.terrain ? null : "This scene has no terrain.");
       this.terrain.disabled = !scene.terrain;
     }
+    show_layer_hint("brightness", state.clouds === null ? null : "Under a clear sky alone.");
+    show_layer_hint("influence", state.place === null ? "Pick a place first." : null);
     this.show_air(state.scattering, state.clouds);
     this.turbidity.value = String(state.turbidity ?? DEFAULT_TURBIDITY);
     this.show_turbidity();
@@ -183,6 +189,8 @@ export class Controls {
     fill(this.emission, EMISSIONS, state.emission);
     this.terrain.value = state.terrain;
     this.colours.value = state.colours;
+    this.measure.value = state.measure;
+    this.measure.hidden = state.layers.influence === 0;
     this.press_projection(state.projection);
     this.press_sky(state.sky);
     for (const layer of LAYERS) {

@@ -30,7 +30,11 @@ function wire_toggle(id: string, on: boolean, changed: (on: boolean) => void): v
   if (on) set(true);
 }
 
+/** Narrower than this, the panel of layers would hide the map. */
+const NARROW = "(max-width: 860px)";
+
 export function wire_switches(resized: () => void): void {
+  by_id("layers", HTMLDetailsElement).open = !matchMedia(NARROW).matches;
   wire_toggle("red-light", stored(RED_LIGHT_KEY) === "on", (on) => {
     document.documentElement.classList.toggle("red-light", on);
     store(RED_LIGHT_KEY, on ? "on" : "off");

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, plain_words } from "../api/problem.ts";
 import { coordinates, ratio, with_prefix } from "./format.ts";
+import { layer_ends, typeset } from "./layers.ts";
 import { distance_and_bearing, place_name } from "./nearby.ts";
 import { terrain_title } from "./numbers.ts";
 import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
@@ -95,4 +96,14 @@ test("a problem document becomes a headline and one sentence for each bad parame
 test("what terrain hides is said in words", () => {
   const title = (terrain_occlusion: boolean, hidden_lights: boolean): string => terrain_title({ terrain_occlusion, hidden_lights });
   assert.deepEqual([title(false, false), title(true, false), title(true, true)], ["nothing", "sky below the horizon", "sky and lights"]);
+});
+
+test("the ends of a layer's colours are told in units that people read", () => {
+  assert.equal(typeset("nW cm-2 sr-1"), "nW/cm²/sr");
+  assert.equal(typeset("cd m-2"), "cd/m²");
+  assert.equal(typeset("lx"), "lx");
+  assert.deepEqual(layer_ends("radiance", { range: [0.2, 200], unit: "nW cm-2 sr-1" }), ["0.2", "200 nW/cm²/sr"]);
+  assert.deepEqual(layer_ends("brightness", { range: [1.71e-6, 6.84e-3], unit: "cd m-2" }), ["1 %", "40 × the natural sky"]);
+  assert.deepEqual(layer_ends("influence", { range: [2e-10, 2e-6], unit: "cd m-2" }), ["1/10,000", "2.00 µcd/m² a pixel"]);
+  assert.deepEqual(layer_ends("elevation", { range: null, unit: "m" }), ["0 m", "6000 m and more"]);
 });

@@ -50,8 +50,16 @@ impl Serve {
     }
 }
 
+/// Every connection is a file: as many as the system lets a process have at most.
+fn more_files() {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    let Rlimit { maximum, .. } = getrlimit(Resource::Nofile);
+    let _best_effort = setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum });
+}
+
 async fn run(settings: Settings) -> Result<(), Failure> {
     let mut ending = std::pin::pin!(told_to_end()?);
+    more_files();
     // The port comes first: a taken one shows at once.
     let address = settings.listen;
     let listener =

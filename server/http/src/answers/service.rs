@@ -53,6 +53,8 @@ pub struct TileJson {
     pub unit: String,
     /// What the darkest and the brightest colour stand for, logarithmic between; null where colours are tints.
     pub range: Option<[f64; 2]>,
+    /// Whether tiles are answered at once; until then they wait for what they show to be found. Ask again to know.
+    pub ready: bool,
     /// URL templates with `{z}`, `{x}`, `{y}`.
     pub tiles: Vec<String>,
     /// Lowest zoom level.

@@ -1,11 +1,13 @@
 //! What every request passes through, from the outside in: request id, count and log, panics, plain refusals made
 //! problems, rate limit, room, timeout.
 
+mod body;
 mod guard;
 mod observe;
 mod rate_limit;
 mod refusals;
 
+pub use body::read_body;
 pub use guard::{Room, guard};
 pub use observe::observe;
 pub use rate_limit::{KnownClient, RateLimiter, limit_keeping, limit_rate};

@@ -18,11 +18,14 @@ use std::{
     sync::atomic::{AtomicU64, Ordering},
     time::{Instant, SystemTime, UNIX_EPOCH},
 };
-use tracing::Instrument;
+use tracing::{Instrument, Span};
 use tracing_opentelemetry::OpenTelemetrySpanExt;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 const LONGEST_ID: usize = 64;
+const METHODS: [&str; 7] = ["GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS", "PATCH"];
+/// Asked every few seconds by whoever watches the server: nobody wants to see that traced.
+const UNTRACED: [&str; 3] = ["/healthz", "/readyz", "/metrics"];
 
 /// Gives each request an id (the client's own where it is short and plain), counts it, logs it, and opens the span that what is
 /// logged and traced on its way belongs to; that one continues the trace of the client (W3C Trace Context) where there is one.
@@ -30,14 +33,19 @@ pub async fn observe(State(state): State<AppState>, request: Request, next: Next
     let start = Instant::now();
     let _under_way = state.metrics.under_way();
     let method = request.method().as_str().to_owned();
-    let method = if method.len() <= 8 { method } else { "OTHER".to_owned() };
+    // A closed list: names that clients make up would be counted for ever.
+    let method = if METHODS.contains(&method.as_str()) { method } else { "OTHER".to_owned() };
     let route = request
         .extensions()
         .get::<MatchedPath>()
         .map_or_else(|| "other".to_owned(), |path| path.as_str().to_owned());
     let id = request_id(&request);
-    let span =
-        tracing::info_span!("request", otel.name = format!("{method} {route}"), otel.kind = "server", id);
+    let span = match UNTRACED.contains(&route.as_str()) {
+        true => Span::none(),
+        false => {
+            tracing::info_span!("request", otel.name = format!("{method} {route}"), otel.kind = "server", id)
+        }
+    };
     // Fails where nobody traces, and then there is nothing to continue.
     let _not_traced = span.set_parent(parent(request.headers()));
     let mut response = next.run(request).instrument(span.clone()).await;

@@ -1,9 +1,10 @@
-//! A token bucket for each client address. The address is the connection's own: a header can be forged.
+//! A token bucket for each client address: the connection's own or, behind trusted proxies, the one that they name.
 
-use crate::{access::Client, error::ApiError, listener::Ends, state::AppState};
+use super::body::BodyLength;
+use crate::{access::Client, error::ApiError, state::AppState, trust::client_address};
 use axum::{
-    extract::{ConnectInfo, Request, State},
-    http::{Method, header},
+    extract::{Request, State},
+    http::{HeaderMap, Method, StatusCode, header},
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -43,6 +44,14 @@ impl RateLimiter {
     /// Seconds until there is one.
     pub fn take(&self, client: IpAddr, now: Instant) -> Result<(), f64> {
         self.take_some(client, 1.0, now)
+    }
+
+    /// Gives tokens back that were taken.
+    fn give_back(&self, client: IpAddr, count: f64) {
+        let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(bucket) = buckets.get_mut(&group(client)) {
+            bucket.tokens = (bucket.tokens + count.min(self.burst)).min(self.burst);
+        }
     }
 
     /// Takes several tokens at once, all there ever are at most.
@@ -95,7 +104,7 @@ pub async fn limit_rate(
     request: Request,
     next: Next,
 ) -> Response {
-    let address = request.extensions().get::<ConnectInfo<Ends>>().map(|info| info.0.client.ip());
+    let address = client_address(&request, &state.config.trusted_proxies);
     // Secrets are guessed at no higher rate than anything else is asked.
     let of_address =
         |address: Option<IpAddr>| match address.map(|address| limiter.take(address, Instant::now())) {
@@ -135,8 +144,9 @@ const SCENARIO_BYTES: f64 = 16_384.0;
 /// Scenarios that a plan counts as: it holds every pixel that it dims.
 const PLAN_SCENARIOS: f64 = 8.0;
 
-/// Answers 429 to an address that has more scenarios and plans kept than its share of a day: what is kept is not without end, and
-/// what one client keeps pushes out what others kept. Known clients have their quotas.
+/// Answers 429 to an address that had more scenarios and plans kept than its share of a day: what is kept is not without end, and
+/// what one client keeps pushes out what others kept. What is refused does not count. Known clients have their quotas. Pages of other
+/// sites keep nothing: a visitor's share is not theirs to spend.
 pub async fn limit_keeping(
     State((state, limiter)): State<(AppState, Arc<RateLimiter>)>,
     request: Request,
@@ -148,19 +158,36 @@ pub async fn limit_keeping(
         Method::POST if path.ends_with("/plans") => PLAN_SCENARIOS,
         _ => return next.run(request).await,
     };
-    let address = request.extensions().get::<ConnectInfo<Ends>>().map(|info| info.0.client.ip());
-    let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));
-    if let Some(address) = address.filter(|_| is_anyone) {
-        let length = request.headers().get(header::CONTENT_LENGTH).and_then(|value| value.to_str().ok());
-        // A body of unknown length is taken for the longest.
-        let length = length.and_then(|text| text.parse().ok()).unwrap_or(state.config.body_limit_bytes);
-        let count = kept * (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
-        if let Err(wait_s) = limiter.take_some(address, count, Instant::now()) {
-            state.metrics.count_refused("keeping");
-            return ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }.into_response();
-        }
+    if is_of_another_site(request.headers(), state.config.public_url.as_deref()) {
+        return ApiError::ForeignOrigin.into_response();
     }
-    next.run(request).await
+    let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));
+    let address = client_address(&request, &state.config.trusted_proxies).filter(|_| is_anyone);
+    let length = request.extensions().get::<BodyLength>().map_or(0, |length| length.0);
+    let count = kept * (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
+    if let Some(Err(wait_s)) = address.map(|address| limiter.take_some(address, count, Instant::now())) {
+        state.metrics.count_refused("keeping");
+        return ApiError::KeptEnough { retry_after_s: wait_s.ceil() as u64 }.into_response();
+    }
+    let response = next.run(request).await;
+    if response.status() != StatusCode::CREATED
+        && let Some(address) = address
+    {
+        limiter.give_back(address, count);
+    }
+    response
+}
+
+/// Whether a browser sends this for a page of another site.
+fn is_of_another_site(headers: &HeaderMap, public_url: Option<&str>) -> bool {
+    let Some(origin) = headers.get(header::ORIGIN) else { return false };
+    let authority =
+        |url: &str| url.split_once("://").map(|(_, rest)| rest.trim_end_matches('/').to_lowercase());
+    let Some(origin) = origin.to_str().ok().and_then(authority) else { return true };
+    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).map(str::to_lowercase);
+    let public = public_url.and_then(authority);
+    host.as_deref() != Some(&origin)
+        && public.is_none_or(|public| public.split('/').next() != Some(origin.as_str()))
 }
 
 #[cfg(test)]
@@ -192,5 +219,24 @@ mod tests {
         let now = Instant::now();
         assert!(one.take(client, now).is_ok());
         assert!(one.take("2001:db8::2".parse().unwrap(), now).is_err());
+    }
+
+    #[test]
+    fn a_page_of_another_site_is_known_by_its_origin() {
+        let headers = |origin: Option<&str>, host: &str| {
+            let mut headers = HeaderMap::new();
+            headers.insert(header::HOST, host.parse().unwrap());
+            if let Some(origin) = origin {
+                headers.insert(header::ORIGIN, origin.parse().unwrap());
+            }
+            headers
+        };
+        let of_another = |origin, public| is_of_another_site(&headers(origin, "127.0.0.1:8080"), public);
+        assert!(!of_another(None, None));
+        assert!(!of_another(Some("http://127.0.0.1:8080"), None));
+        assert!(of_another(Some("http://127.0.0.1:9090"), None) && of_another(Some("null"), None));
+        let public = Some("https://sky.example.org/skyglow/");
+        assert!(!of_another(Some("https://sky.example.org"), public));
+        assert!(of_another(Some("https://sky.example.org.evil.net"), public));
     }
 }

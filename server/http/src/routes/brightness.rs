@@ -5,6 +5,7 @@ use crate::{error::ApiError, etag::ETag, state::AppState};
 use skyglow_engine::{BrightnessMap, BrightnessRequest};
 use skyglow_scene::SceneMetadata;
 use std::sync::Arc;
+use tracing::Instrument;
 
 /// A map that may be found: the scene's version is known.
 #[derive(Clone, Debug)]
@@ -31,6 +32,17 @@ impl AskedBrightness {
     /// What it is asked with.
     pub(super) fn query(&self) -> &BrightnessRequest {
         &self.query
+    }
+
+    /// Whether the map is found; if not, it is begun, and nobody waits for it here.
+    pub(super) fn begin(self, state: &AppState) -> bool {
+        if state.has_brightness(&self.key) {
+            return true;
+        }
+        let state = state.clone();
+        // What is wrong with it the first tile says.
+        tokio::spawn(async move { self.find(&state).await }.in_current_span());
+        false
     }
 
     /// Finds the map, or takes the one found before.

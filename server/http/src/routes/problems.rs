@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 25] = [
+pub const KINDS: [(&str, &str); 27] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -32,6 +32,14 @@ pub const KINDS: [(&str, &str); 25] = [
     ("body-too-long", "The request's body is longer than this server takes."),
     ("unreadable", "The request is not HTTP as this server reads it."),
     ("unauthorized", "The request carries a token or key that nobody has, or none where one is needed."),
+    (
+        "foreign-origin",
+        "A browser asked for a page of another site. Scenarios and plans are kept for this server's own page, and for programs.",
+    ),
+    (
+        "kept-enough",
+        "What is kept of scenarios and plans has an end, so one address has a share of it for a day. Keys have quotas of their own.",
+    ),
     ("uploads-off", "The server was started without an operator's token: nobody may change its scenes."),
     ("operator-only", "A known client asks for what the operator alone may do."),
     ("bad-upload", "What was uploaded is no scene: the detail says why, and what was there before stays."),
@@ -85,6 +93,8 @@ mod tests {
             ApiError::StalePlan { id: String::new() },
             ApiError::Unauthorized,
             ApiError::UploadsOff,
+            ApiError::ForeignOrigin,
+            ApiError::KeptEnough { retry_after_s: 1 },
             ApiError::OperatorOnly,
             ApiError::BadUpload { reason: String::new() },
             ApiError::QuotaUsed { retry_after_s: 1 },

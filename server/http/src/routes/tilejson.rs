@@ -29,7 +29,7 @@ use skyglow_engine::Measure;
 use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
 use std::net::{Ipv6Addr, SocketAddr};
 
-/// Describes a layer of tiles (TileJSON 3.0). Its parameters are those of the layer's tiles, and are handed on to them; that of
+/// Describes a layer of tiles (TileJSON 3.0). What takes seconds to find is begun by this, and `ready` says whether it is found. Its parameters are those of the layer's tiles, and are handed on to them; that of
 /// `influence` needs the place.
 #[utoipa::path(
     get,
@@ -67,9 +67,8 @@ pub async fn get_tilejson(
         }
         Layer::Brightness => {
             let ask = brightness(query.as_deref(), id.clone(), state.source.facts())?;
-            // Found when the first tile is asked for: it takes seconds.
-            AskedBrightness::prepare(&state, ask).await?;
-            Shown::Brightness { query }
+            let is_ready = AskedBrightness::prepare(&state, ask).await?.begin(&state);
+            Shown::Brightness { query, is_ready }
         }
         Layer::Influence => {
             let facts = state.source.facts();
@@ -130,6 +129,7 @@ enum Shown {
     Brightness {
         /// As it came.
         query: Option<String>,
+        is_ready: bool,
     },
     Influence {
         measure: Measure,
@@ -159,7 +159,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
             };
             (description(*layer, illustrative), query, unit, range)
         }
-        Shown::Brightness { query } => {
+        Shown::Brightness { query, .. } => {
             let query = query.as_ref().map_or_else(String::new, |query| format!("?{query}"));
             (brightness_description(illustrative), query, "cd m-2", Some(BRIGHTNESS_RANGE_CD_M2.into()))
         }
@@ -177,6 +177,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
         scheme: "xyz".to_owned(),
         unit: unit.to_owned(),
         range,
+        ready: !matches!(shown, Shown::Brightness { is_ready: false, .. }),
         tiles: vec![format!("{base}/api/v1/scenes/{}/tiles/{name}/{{z}}/{{x}}/{{y}}.png{query}", scene.id)],
         minzoom: 0,
         maxzoom,

@@ -49,6 +49,8 @@ pub(crate) struct Fake {
     pub(crate) ground: Mutex<Ground>,
     pub(crate) horizon: Mutex<Horizon>,
     pub(crate) illustrative: AtomicBool,
+    /// Scenarios, where it keeps any.
+    pub(crate) kept: Mutex<Option<Vec<Scenario>>>,
 }
 
 impl Default for Fake {
@@ -77,6 +79,7 @@ impl Default for Fake {
             ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
             horizon: Mutex::default(),
             illustrative: AtomicBool::new(true),
+            kept: Mutex::default(),
         }
     }
 }
@@ -327,11 +330,20 @@ impl SkySource for Fake {
     /// Neither are scenarios and plans.
     fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
         self.known(&scenario.scene)?;
-        Err(SourceError::Storage("a made-up program keeps nothing".into()))
+        let mut kept = self.kept.lock().unwrap();
+        let Some(kept) = kept.as_mut() else {
+            return Err(SourceError::Storage("a made-up program keeps nothing".into()));
+        };
+        kept.push(scenario.clone());
+        Ok(ChangeId::parse(&format!("s-{:020x}", kept.len())).unwrap())
     }
 
     fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError> {
-        Err(SourceError::UnknownScenario(id.to_string()))
+        let unknown = || SourceError::UnknownScenario(id.to_string());
+        let number = usize::from_str_radix(&id.as_str()[2..], 16).map_err(|_| unknown())?;
+        let kept = self.kept.lock().unwrap();
+        let scenario = kept.as_ref().and_then(|kept| kept.get(number.checked_sub(1)?)).ok_or_else(unknown)?;
+        Ok((scenario.clone(), Arc::default(), 0))
     }
 
     fn plan(&self, request: &PlanRequest) -> Result<PlanOutcome, SourceError> {

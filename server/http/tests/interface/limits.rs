@@ -55,25 +55,119 @@ async fn a_client_that_sends_too_much_gets_429_with_retry_after() {
 #[tokio::test]
 async fn what_a_client_has_kept_in_a_day_has_a_limit_of_its_own() {
     let server = Server::with(HttpConfig { kept_per_day: 10, ..HttpConfig::default() }).await;
+    *server.fake.kept.lock().unwrap() = Some(Vec::new());
     let post = async |path: &str, body: String| {
         let answer = server.client.post(format!("{}{path}", server.base)).body(body).send().await.unwrap();
         (answer.status().as_u16(), header(&answer, "retry-after").to_owned())
     };
     let scenarios = "/api/v1/scenes/demo/scenarios";
-    // A long one counts by its length: three of 16 kB and a bit.
-    assert_ne!(post(scenarios, " ".repeat(50_000)).await.0, 429);
-    for _ in 0..6 {
-        assert_ne!(post(scenarios, "{}".to_owned()).await.0, 429);
+    let paint = |title: &str| {
+        format!(
+            "{{\"title\": \"{title}\", \"edits\": [{{\"brush\": {{\"points\": [[36.8, -1.2]], \"radius_m\": 900}}, \"factor\": 0.5}}]}}"
+        )
+    };
+    // Half of the day's share at once; what is refused does not count.
+    for _ in 0..20 {
+        assert_eq!(post(scenarios, "{}".to_owned()).await.0, 400);
     }
-    let (status, wait_s) = post(scenarios, "{}".to_owned()).await;
+    for number in 0..5 {
+        assert_eq!(post(scenarios, paint(&number.to_string())).await.0, 201);
+    }
+    let (status, wait_s) = post(scenarios, paint("one more")).await;
     assert_eq!(status, 429);
-    assert!((8_000..=8_640).contains(&wait_s.parse::<u32>().unwrap()), "{wait_s}");
+    assert!((17_000..=17_280).contains(&wait_s.parse::<u32>().unwrap()), "{wait_s}");
     assert_eq!(post("/api/v1/scenes/demo/plans", "{}".to_owned()).await.0, 429);
     // What keeps nothing goes on.
     assert_ne!(post("/api/v1/scenes/demo/influence?lat=46.2&lon=8.8", "{}".to_owned()).await.0, 429);
     assert_eq!(server.answer("/api/v1/scenes").await.status(), 200);
     let metrics = server.answer("/metrics").await.text().await.unwrap();
     assert!(metrics.contains("skyglow_http_refused_total{reason=\"keeping\"} 2"), "{metrics}");
+}
+
+#[tokio::test]
+async fn a_long_scenario_counts_by_its_length_and_pages_of_other_sites_keep_nothing() {
+    let server = Server::with(HttpConfig { kept_per_day: 10, ..HttpConfig::default() }).await;
+    *server.fake.kept.lock().unwrap() = Some(Vec::new());
+    let post =
+        |body: String| server.client.post(format!("{}/api/v1/scenes/demo/scenarios", server.base)).body(body);
+    let paint = |spaces: usize| {
+        let edits = "[{\"brush\": {\"points\": [[36.8, -1.2]], \"radius_m\": 900}, \"factor\": 0.5}]";
+        format!("{{\"edits\": {edits}{}}}", " ".repeat(spaces))
+    };
+    let foreign = post(paint(0)).header("origin", "https://evil.example").send().await.unwrap();
+    assert_eq!(foreign.status(), 403);
+    assert_eq!(foreign.json::<serde_json::Value>().await.unwrap()["type"], "/problems/foreign-origin");
+    let own = post(paint(0)).header("origin", server.base.clone()).send().await.unwrap();
+    assert_eq!(own.status(), 201);
+    // 16 kB thrice, and a bit: four of the four that are left.
+    assert_eq!(post(paint(50_000)).send().await.unwrap().status(), 201);
+    let refused = post(paint(0)).send().await.unwrap();
+    assert_eq!(refused.status(), 429);
+    assert_eq!(refused.json::<serde_json::Value>().await.unwrap()["type"], "/problems/kept-enough");
+}
+
+/// What comes on a connection until its end, which must come in time.
+async fn rest_of(stream: &mut tokio::net::TcpStream) -> Vec<u8> {
+    let mut rest = Vec::new();
+    let read = tokio::io::AsyncReadExt::read_to_end(stream, &mut rest);
+    // An end is an end, whichever way it comes.
+    let _ended = tokio::time::timeout(Duration::from_secs(10), read).await.unwrap();
+    rest
+}
+
+#[tokio::test]
+async fn clients_that_say_nothing_or_half_of_it_lose_their_connections() {
+    let server = Server::with(HttpConfig { idle_timeout_s: 0.3, ..HttpConfig::default() }).await;
+    let address = server.base.trim_start_matches("http://").to_owned();
+    for said in ["", "GET /healthz HTTP/1.1\r\nhost: x\r\nx-half: "] {
+        let mut stream = tokio::net::TcpStream::connect(&address).await.unwrap();
+        stream.write_all(said.as_bytes()).await.unwrap();
+        assert!(!rest_of(&mut stream).await.starts_with(b"HTTP/1.1 200"), "{said:?}");
+    }
+    assert_eq!(server.answer("/api/v1/scenes").await.status(), 200);
+}
+
+#[tokio::test]
+async fn a_body_that_comes_byte_by_byte_takes_nobodys_place() {
+    let server = Server::with(HttpConfig { concurrent_requests: 1, ..HttpConfig::default() }).await;
+    let address = server.base.trim_start_matches("http://").to_owned();
+    let mut slow = Vec::new();
+    for _ in 0..5 {
+        let mut stream = tokio::net::TcpStream::connect(&address).await.unwrap();
+        let head = "POST /api/v1/scenes/demo/influence?lat=46.2&lon=8.8 HTTP/1.1\r\nhost: x\r\ncontent-length: 1000\r\n\r\n{";
+        stream.write_all(head.as_bytes()).await.unwrap();
+        slow.push(stream);
+    }
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    assert_eq!(server.answer("/api/v1/scenes").await.status(), 200);
+    drop(slow);
+}
+
+#[tokio::test]
+async fn one_address_holds_no_more_than_a_fourth_of_all_connections() {
+    let server = Server::with(HttpConfig { connections: 8, ..HttpConfig::default() }).await;
+    let address = server.base.trim_start_matches("http://").to_owned();
+    let ask = "GET /healthz HTTP/1.1\r\nhost: x\r\n\r\n";
+    let mut held = Vec::new();
+    for _ in 0..2 {
+        let mut stream = tokio::net::TcpStream::connect(&address).await.unwrap();
+        stream.write_all(ask.as_bytes()).await.unwrap();
+        let mut first = [0; 12];
+        tokio::io::AsyncReadExt::read_exact(&mut stream, &mut first).await.unwrap();
+        assert_eq!(&first, b"HTTP/1.1 200");
+        held.push(stream);
+    }
+    let mut third = tokio::net::TcpStream::connect(&address).await.unwrap();
+    let _closed_maybe = third.write_all(ask.as_bytes()).await;
+    assert!(rest_of(&mut third).await.is_empty());
+    drop(held);
+    // What is let go is had again.
+    let mut tries = 0;
+    while server.get("/healthz").send().await.is_err() {
+        tries += 1;
+        assert!(tries < 100);
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
 }
 
 #[tokio::test]

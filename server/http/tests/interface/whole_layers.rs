@@ -23,8 +23,19 @@ async fn maps_found(whole: &Whole) -> u32 {
 pub(crate) async fn brightness_is_that_of_the_skies(whole: &Whole, (lat, lon): (f64, f64)) {
     // Lamps as bright as the made-up tables are dim.
     let query = "terrain=off&lamp=100,100,100";
+    // To describe the layer begins its map and waits for nothing.
+    let described = format!("/api/v1/scenes/demo/tiles/brightness/tilejson.json?{query}");
+    assert_eq!(whole.json(&described).await.1["ready"], json!(false));
+    let mut tries = 0;
+    while whole.json(&described).await.1["ready"] != json!(true) {
+        tries += 1;
+        assert!(tries < 600, "the map is not found after a minute");
+        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    }
+    let found = maps_found(whole).await;
     let path = format!("/api/v1/scenes/demo/layers/brightness.tif?{query}");
     let answer = whole.get(&path).await;
+    assert_eq!(maps_found(whole).await, found, "what was begun is what is answered");
     assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, "image/tiff"));
     let tag = header(&answer, "etag").to_owned();
     let (values, width) = raster(&answer.bytes().await.unwrap());
@@ -53,8 +64,7 @@ pub(crate) async fn brightness_is_that_of_the_skies(whole: &Whole, (lat, lon): (
     }
     assert!(compared > 8, "{compared}");
 
-    let (_, tilejson) =
-        whole.json(&format!("/api/v1/scenes/demo/tiles/brightness/tilejson.json?{query}")).await;
+    let (_, tilejson) = whole.json(&described).await;
     assert_eq!((&tilejson["unit"], &tilejson["range"][0]), (&json!("cd m-2"), &json!(1.71e-6)));
     let before = maps_found(whole).await;
     let n = 128.0;

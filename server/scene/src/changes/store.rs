@@ -94,7 +94,7 @@ pub struct ChangeLimits {
 
 impl Default for ChangeLimits {
     fn default() -> Self {
-        Self { count: 1_000, bytes: 1 << 30, age: Duration::from_secs(90 * 86_400) }
+        Self { count: 5_000, bytes: 1 << 30, age: Duration::from_secs(90 * 86_400) }
     }
 }
 

@@ -16,7 +16,9 @@ use std::path::Path;
 /// Points of an axis at most.
 const LONGEST_AXIS: usize = 4096;
 /// Bytes of a section at most.
-const LARGEST_SECTION: usize = 1 << 32;
+const LARGEST_SECTION: usize = 1 << 30;
+/// Times its packed length that a section can be at most: a few bytes do not make room for everything.
+const GREATEST_RATIO: usize = 1 << 12;
 
 impl Pack {
     /// Reads and checks a pack: magic, format, checksum, manifest, lengths, finite values.
@@ -110,7 +112,10 @@ impl<'a> Parts<'a> {
             .filter(|bytes| *bytes <= LARGEST_SECTION)
             .ok_or_else(|| format!("{what} would be larger than a section can be"))?;
         let packed = self.take(what)?;
-        // A few bytes may unpack to any number: how many they say is asked before room is made.
+        if expected > GREATEST_RATIO * packed.len() {
+            return Err(format!("{what} is {} bytes, too few for {expected}", packed.len()));
+        }
+        // How many they say is asked before room is made.
         let said = zstd::zstd_safe::get_frame_content_size(packed).ok().flatten();
         if said != Some(expected as u64) {
             let said = said.map_or_else(|| "an unknown number of".to_owned(), |bytes| bytes.to_string());

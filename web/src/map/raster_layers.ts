@@ -1,0 +1,87 @@
+// The layers of tiles on the map: each is asked for when it is to be seen, and again when what it depends on changes.
+
+import type { Map as MapLibreMap } from "maplibre-gl";
+import { api, type LayerQuery } from "../api/client.ts";
+import type { TileJson } from "../api/types.ts";
+import { LAYERS, type LayerName } from "../state.ts";
+import { FIRST_LAYER_ABOVE_TILES } from "./style.ts";
+
+/** A layer as it is to be shown. */
+export interface WantedLayer {
+  scene: string;
+  query: LayerQuery;
+  /** 0..1; 0 is off. */
+  opacity: number;
+}
+
+export type LayerState =
+  | { kind: "off" }
+  | { kind: "finding" }
+  | { kind: "shown"; description: TileJson }
+  | { kind: "failed"; reason: unknown };
+
+/** Pictures of twice the pixels where the screen has them. */
+function templates(tiles: readonly string[]): string[] {
+  return tiles.map((tile) => (devicePixelRatio > 1.5 ? tile.replace("{y}.png", "{y}@2x.png") : tile));
+}
+
+export class RasterLayers {
+  private readonly asked = new Map<LayerName, { key: string; controller: AbortController }>();
+
+  constructor(
+    private readonly map: MapLibreMap,
+    private readonly styled: Promise<unknown>,
+    private readonly changed: (name: LayerName, state: LayerState) => void,
+  ) {}
+
+  /** Shows a layer as it is wanted; null where there is nothing to show. */
+  want(name: LayerName, wanted: WantedLayer | null): void {
+    const key = wanted === null || wanted.opacity === 0 ? "" : JSON.stringify([wanted.scene, wanted.query]);
+    const before = this.asked.get(name);
+    if (wanted !== null && key !== "" && before?.key === key) {
+      this.set_opacity(name, wanted.opacity);
+      return;
+    }
+    if (key === "" && before === undefined) return;
+    before?.controller.abort();
+    this.asked.delete(name);
+    this.remove(name);
+    if (wanted === null || key === "") {
+      this.changed(name, { kind: "off" });
+      return;
+    }
+    const controller = new AbortController();
+    this.asked.set(name, { key, controller });
+    this.changed(name, { kind: "finding" });
+    this.find(name, wanted, controller.signal).catch((reason: unknown) => {
+      if (controller.signal.aborted) return;
+      // Asked for again, it is a new try.
+      this.asked.delete(name);
+      this.changed(name, { kind: "failed", reason });
+    });
+  }
+
+  /** The opacity of a layer that is shown, at once. */
+  set_opacity(name: LayerName, opacity: number): void {
+    if (this.map.getLayer(name) !== undefined) this.map.setPaintProperty(name, "raster-opacity", opacity);
+  }
+
+  private async find(name: LayerName, { scene, query, opacity }: WantedLayer, signal: AbortSignal): Promise<void> {
+    const description = await api.layer(scene, name, query, signal);
+    await this.styled;
+    if (signal.aborted) return;
+    const { minzoom, maxzoom, attribution } = description;
+    const [west = -180, south = -90, east = 180, north = 90] = description.bounds;
+    const credit = attribution == null ? {} : { attribution };
+    this.map.addSource(name, { type: "raster", tiles: templates(description.tiles), tileSize: 256, minzoom, maxzoom, bounds: [west, south, east, north], ...credit });
+    const above = LAYERS.slice(LAYERS.indexOf(name) + 1).find((other) => this.map.getLayer(other) !== undefined);
+    const paint = { "raster-fade-duration": 150, "raster-opacity": opacity };
+    this.map.addLayer({ id: name, type: "raster", source: name, paint }, above ?? FIRST_LAYER_ABOVE_TILES);
+    this.changed(name, { kind: "shown", description });
+  }
+
+  private remove(name: LayerName): void {
+    if (this.map.getLayer(name) !== undefined) this.map.removeLayer(name);
+    if (this.map.getSource(name) !== undefined) this.map.removeSource(name);
+  }
+}
