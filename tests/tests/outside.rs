@@ -135,7 +135,7 @@ fn a_pack_that_says_it_is_huge_is_refused_before_there_is_room_for_it() {
         })
         .contains("larger than a section can be")
     );
-    assert!(said(&|m| m["basis_count"] = 4096.into()).contains("bytes instead of"));
+    assert!(said(&|m| m["basis_count"] = 4096.into()).contains("too few for"));
     assert!(said(&|m| m["axes"]["offset_count"] = 4.into()).contains("bytes instead of"));
     assert!(
         said(&|m| m["axes"]["distance_m"] = serde_json::json!([-5.0])).contains("distances that are none")

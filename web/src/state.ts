@@ -141,6 +141,6 @@ export function fragment_from_state(state: ViewState): string {
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);
   add("measure", state.measure, DEFAULT_STATE.measure);
-  for (const name of LAYERS) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
+  for (const name of LAYERS.toReversed()) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
   return parts.length === 0 ? "" : `#${parts.join("&")}`;
 }

@@ -305,6 +305,19 @@ fn odd_pixels_are_counted_and_shown_and_give_no_light() {
 }
 
 #[test]
+fn light_that_nothing_on_earth_sends_is_refused() {
+    let bench = Bench::new();
+    let path = bench.path("light.tif");
+    TestRaster::scattered(60, 50).write_f32(&path);
+    let mut options = IngestOptions::new(path);
+    options.scale = Some(1e30);
+    let told = bench.refusal(&options);
+    assert!(told.contains("scale is not the right one"), "{told}");
+    options.scale = Some(1.0);
+    assert!(bench.ingest(&options).is_ok());
+}
+
+#[test]
 fn suspicious_units_are_said_and_the_units_option_mends_them() {
     let bench = Bench::new();
     let mut raster = TestRaster::scattered(60, 50);

@@ -3,7 +3,7 @@
 use crate::{error::ApiError, etag::ETag, problem::PROBLEM_JSON, state::AppState};
 use axum::{
     extract::{Request, State},
-    http::{HeaderValue, StatusCode, header},
+    http::{HeaderValue, Method, StatusCode, header},
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -11,6 +11,11 @@ use std::{future::Future, panic::AssertUnwindSafe};
 
 /// Turns the plain-text refusals of the framework into problem documents; keeps their Allow header.
 pub async fn problems_only(State(state): State<AppState>, request: Request, next: Next) -> Response {
+    // Nothing else is put than a scene.
+    let limit_bytes = match *request.method() {
+        Method::PUT => state.config.upload_limit_bytes,
+        _ => state.config.body_limit_bytes,
+    };
     let response = next.run(request).await;
     let status = response.status();
     if !status.is_client_error() && !status.is_server_error() {
@@ -26,7 +31,7 @@ pub async fn problems_only(State(state): State<AppState>, request: Request, next
     let error = match status {
         StatusCode::NOT_FOUND => ApiError::NotFound,
         StatusCode::METHOD_NOT_ALLOWED => ApiError::MethodNotAllowed,
-        StatusCode::PAYLOAD_TOO_LARGE => ApiError::BodyTooLong { limit_bytes: state.config.body_limit_bytes },
+        StatusCode::PAYLOAD_TOO_LARGE => ApiError::BodyTooLong { limit_bytes },
         other if other.is_client_error() => ApiError::Unreadable(other.as_u16()),
         other => ApiError::internal(format!("status {other} without a problem document")),
     };

@@ -3,7 +3,7 @@
 use super::{
     brightness::AskedBrightness,
     sky::put_warnings,
-    tiles::{brightness_description, description, metadata, scenario_of},
+    tiles::{metadata, scenario_of},
 };
 use crate::{
     answers::BrightnessAssumptions,
@@ -21,6 +21,7 @@ use axum::{
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
 };
+use skyglow_display::notes::ILLUSTRATIVE;
 use skyglow_scene::{RasterWords, TileLayer};
 
 /// Pixels of a raster at most; beyond, pixels of the scene share one by blocks.
@@ -67,6 +68,11 @@ layers! {
         "The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; by blocks where that would be more than 1.2 million places. The first time it takes seconds.";
 }
 
+/// What a raster holds, and whether that was measured.
+fn said_of(holds: &str, illustrative: bool) -> String {
+    if illustrative { format!("{holds}; {ILLUSTRATIVE}") } else { holds.to_owned() }
+}
+
 async fn scene_layer(
     state: &AppState,
     scene: &str,
@@ -93,7 +99,10 @@ async fn scene_layer(
         let metadata = scene.metadata();
         let version = metadata.version.as_str();
         let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("SCENE_VERSION", version)];
-        let description = description(layer, metadata.illustrative);
+        let description = match layer {
+            TileLayer::Radiance => said_of("upward radiance", metadata.illustrative),
+            TileLayer::Elevation => said_of("terrain elevation", metadata.illustrative),
+        };
         scene
             .places_geotiff(&places, &RasterWords { description: &description, unit, notes: &notes })
             .map_err(ApiError::internal)
@@ -122,7 +131,7 @@ async fn brightness_layer(
         let write = move |_: &dyn SkySource| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-            let description = brightness_description(map.scene().illustrative);
+            let description = said_of("artificial luminance at the zenith", map.scene().illustrative);
             let words = RasterWords { description: &description, unit: "cd m-2", notes: &notes };
             map.open_scene().places_geotiff(map.places(), &words).map_err(ApiError::internal)
         };

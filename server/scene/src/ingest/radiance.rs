@@ -17,6 +17,8 @@ const STRIP_VALUES: usize = 1 << 22;
 const CAPPED_FROM: u64 = 10;
 /// A largest value that is a multiple of this, nW cm⁻² sr⁻¹, looks like a cap even on one pixel.
 const ROUND_CAP: f64 = 1_000.0;
+/// No light on Earth is near this, nW cm⁻² sr⁻¹: flares of gas reach 1e5.
+const BRIGHTEST_NW_CM2_SR: f64 = 1e7;
 /// More than one lit pixel in this many off the world means a wrong CRS.
 const OFF_WORLD_SHARE: u64 = 100;
 
@@ -181,6 +183,13 @@ impl Seen {
             return Err(format!(
                 "it holds no light: its values run from {} to {}, none above 0",
                 self.minimum, self.maximum
+            ));
+        }
+        if self.maximum > BRIGHTEST_NW_CM2_SR {
+            return Err(format!(
+                "its largest value is {:e} nW cm-2 sr-1, far above all that shines on Earth ({BRIGHTEST_NW_CM2_SR:e}): its unit or its \
+                 scale is not the right one",
+                self.maximum
             ));
         }
         Ok(())
