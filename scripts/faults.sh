@@ -9,6 +9,27 @@ fail() {
     exit 1
 }
 internal() { curl -fs "$base/metrics" | grep -E '^skyglow_http_requests_total.*status="500"' || true; }
+# stall CLIENTS SECONDS: clients that send nothing, half a request, or read nothing of the answer.
+stall() {
+    python3 - "$port" "$1" "$2" <<'PYTHON' >/dev/null
+import socket, sys, time
+port, clients, seconds = map(int, sys.argv[1:])
+sockets = []
+for number in range(clients):
+    try:
+        s = socket.create_connection(("127.0.0.1", port), timeout=2)
+        if number % 3 == 1:
+            s.sendall(b"GET /api/v1/scenes/demo/sky?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\nx-slow: ")
+        elif number % 3 == 2:
+            s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
+            s.sendall(b"GET /api/v1/scenes/demo/panorama.json?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\n\r\n")
+        sockets.append(s)
+    except OSError:
+        pass
+time.sleep(seconds)
+sys.exit(not sockets)
+PYTHON
+}
 paint='{"title": "dim", "edits": [{"brush": {"points": [[8.79, 46.17]], "radius_m": 6000}, "factor": 0.5}]}'
 
 # Killed under load.
@@ -27,21 +48,8 @@ start "$work/data" precomputed || fail "no start after a kill"
 curl -fs "$base/api/v1/scenarios/$id" >/dev/null || fail "scenario $id is lost"
 say "killed under load: starts again, scenes and scenario are there"
 
-# Clients that send nothing, half a request, or read nothing.
-python3 - "$port" 300 8 <<'PYTHON' >/dev/null &
-import socket, sys, time
-sockets = []
-for number in range(int(sys.argv[2])):
-    s = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
-    if number % 3 == 1:
-        s.sendall(b"GET /api/v1/scenes/demo/sky?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\nx-slow: ")
-    elif number % 3 == 2:
-        s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
-        s.sendall(b"GET /api/v1/scenes/demo/panorama.json?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\n\r\n")
-    sockets.append(s)
-time.sleep(int(sys.argv[3]))
-print(sum(1 for s in sockets if s.fileno() >= 0))
-PYTHON
+# Clients that stall.
+stall 300 8 &
 slow=$!
 sleep 2
 for _ in 1 2 3 4 5; do
@@ -55,22 +63,7 @@ stop || fail "SIGTERM does not end it with 0"
 # The same where there is less room and patience: they are let go, and so is what they held.
 start "$work/data" precomputed --connections 512 --idle-timeout-s 2 || fail "no start"
 before="$(ls "/proc/$server/fd" | wc -l)"
-python3 - "$port" 600 12 <<'PYTHON' >/dev/null &
-import socket, sys, time
-sockets = []
-for number in range(int(sys.argv[2])):
-    try:
-        s = socket.create_connection(("127.0.0.1", int(sys.argv[1])), timeout=2)
-        if number % 3 == 1:
-            s.sendall(b"GET /api/v1/scenes/demo/sky?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\nx-slow: ")
-        elif number % 3 == 2:
-            s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
-            s.sendall(b"GET /api/v1/scenes/demo/panorama.json?lat=46.17&lon=8.79 HTTP/1.1\r\nhost: a\r\n\r\n")
-        sockets.append(s)
-    except OSError:
-        pass
-time.sleep(int(sys.argv[3]))
-PYTHON
+stall 600 12 &
 slow=$!
 sleep 8
 curl -fs -m 5 "$base/api/v1/scenes/demo/sky?lat=46.1&lon=8.7" >/dev/null || fail "no answer after slow clients were let go"

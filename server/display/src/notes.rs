@@ -3,6 +3,16 @@
 /// The line below a picture of made-up light.
 pub const ILLUSTRATIVE: &str = "illustrative: made-up light, not measured";
 
+/// A sentence of what something shows, and whether its light is made up.
+pub fn said_of(shows: impl Into<String>, illustrative: bool) -> String {
+    let mut words = shows.into();
+    if illustrative {
+        words.push_str("; ");
+        words.push_str(ILLUSTRATIVE);
+    }
+    words
+}
+
 /// What a file says about its numbers, besides their unit. ASCII, as TIFF wants it.
 ///
 /// | format | description | assumptions |
@@ -59,6 +69,12 @@ impl Notes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn made_up_light_is_said_to_be_made_up() {
+        assert_eq!(said_of("upward radiance", false), "upward radiance");
+        assert_eq!(said_of("upward radiance", true), format!("upward radiance; {ILLUSTRATIVE}"));
+    }
 
     #[test]
     fn notes_are_ascii_and_the_document_stays_the_same_to_a_reader() {

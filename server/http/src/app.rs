@@ -130,15 +130,17 @@ fn add_common_refusals(document: &mut utoipa::openapi::OpenApi) {
     let of_every_path = [
         ("401", "A token or key that nobody has"),
         ("429", "Too many requests; Retry-After says when to try again"),
-    ];
+    ]
+    .map(|(status, description)| {
+        let problem = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem"))).build();
+        (status, ResponseBuilder::new().description(description).content(PROBLEM_JSON, problem).build())
+    });
     for (_, item) in document.paths.paths.iter_mut().filter(|(path, _)| path.starts_with("/api/")) {
         let methods = [&mut item.get, &mut item.post, &mut item.put, &mut item.delete];
         for operation in methods.into_iter().flatten() {
-            for (status, description) in of_every_path {
-                let problem = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem"))).build();
-                let refusal =
-                    ResponseBuilder::new().description(description).content(PROBLEM_JSON, problem).build();
-                operation.responses.responses.entry(status.to_owned()).or_insert(refusal.into());
+            for (status, refusal) in &of_every_path {
+                let responses = &mut operation.responses.responses;
+                responses.entry((*status).to_owned()).or_insert_with(|| refusal.clone().into());
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::{
 };
 use skyglow_display::{
     DisplayError, Notes, PictureOptions, Sky, encode_exr, encode_png, encode_tiff, encode_webp,
-    notes::ILLUSTRATIVE, picture, raster,
+    notes::said_of, picture, raster,
 };
 use thiserror::Error;
 
@@ -68,9 +68,5 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
     if assumptions.clouds != "none" {
         words.push_str(&format!(", clouds at {} m", assumptions.clouds));
     }
-    if scene.illustrative {
-        words.push_str("; ");
-        words.push_str(ILLUSTRATIVE);
-    }
-    Ok(Notes::new(&words, &serde_json::to_string(assumptions)?))
+    Ok(Notes::new(&said_of(words, scene.illustrative), &serde_json::to_string(assumptions)?))
 }

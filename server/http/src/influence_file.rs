@@ -7,7 +7,7 @@ use crate::{
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use skyglow_display::notes::ILLUSTRATIVE;
+use skyglow_display::notes::said_of;
 use skyglow_engine::{InfluenceMap, Measure};
 use skyglow_scene::{RasterError, RasterWords};
 use thiserror::Error;
@@ -138,16 +138,13 @@ fn geotiff(
 ) -> Result<Vec<u8>, InfluenceFileError> {
     let numbers: Vec<u32> = map.pixels().iter().map(|pixel| pixel.number).collect();
     let observer = &assumptions.observer;
-    let mut description = format!(
+    let shows = format!(
         "influence of each lit pixel on the sky at {:.5}, {:.5}: {}",
         observer.latitude_deg,
         observer.longitude_deg,
         measure_name(measure)
     );
-    if assumptions.scene.illustrative {
-        description.push_str("; ");
-        description.push_str(ILLUSTRATIVE);
-    }
+    let description = said_of(shows, assumptions.scene.illustrative);
     let assumptions = serde_json::to_string(assumptions)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
     let words = RasterWords { description: &description, unit: measure.unit(), notes: &notes };

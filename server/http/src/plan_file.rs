@@ -7,7 +7,7 @@ use crate::{
     planning::KeptPlan,
     stamp::rfc3339,
 };
-use skyglow_display::notes::ILLUSTRATIVE;
+use skyglow_display::notes::said_of;
 use skyglow_scene::RasterWords;
 
 /// Encodes a plan; takes milliseconds to a second.
@@ -52,11 +52,8 @@ fn geotiff(kept: &KeptPlan) -> Result<Vec<u8>, InfluenceFileError> {
     let factors = &kept.plan.factors;
     let pixels = factors.codes.iter().zip(&factors.factors).map(|(code, factor)| (*code, 1.0 - factor));
     let pixels: Vec<(u64, f32)> = pixels.collect();
-    let mut description = format!("part of each pixel's light that plan {} takes away", kept.id);
-    if kept.scene.metadata().illustrative {
-        description.push_str("; ");
-        description.push_str(ILLUSTRATIVE);
-    }
+    let shows = format!("part of each pixel's light that plan {} takes away", kept.id);
+    let description = said_of(shows, kept.scene.metadata().illustrative);
     let facts = serde_json::to_string(&kept.plan.answer)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("PLAN", facts.as_str())];
     let words = RasterWords { description: &description, unit: "1", notes: &notes };

@@ -40,7 +40,7 @@ export type Assumptions = {
   terrain_occlusion: boolean;
   /** Turbidity at sea level. */
   turbidity: number;
-  /** What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the scene or the packs do not know, the natural sky behind clouds. */
+  /** What the numbers had to do without, one sentence each: light outside the raster, ground that the terrain does not have, skylines that the scene or the packs do not know, the natural sky behind clouds. */
   warnings: string[];
 };
 

@@ -107,7 +107,6 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
     `Lamps assumed: ${lamp_title(lamp)}. A satellite sees no blue light, so the lamp is a guess, not a measurement.`,
   ];
   if (answer.calibration !== 1) notes.push(`Radiances times ${short_number(answer.calibration)} (the scene's calibration).`);
-  if (answer.coverage < 0.9) notes.push("Light beyond the scene's edge is unknown, so this sky may be brighter than shown.");
   if (scene.illustrative) notes.push("Illustrative scene: made up for demonstration, not measured.");
   const note = make("div", "notes", ...answer.warnings.map(warning), ...notes.map((text) => make("p", "", text)));
   container.replaceChildren(make("div", "headline-numbers", zenith, bortle), list, note);

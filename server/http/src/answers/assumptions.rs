@@ -64,6 +64,9 @@ impl From<EmissionMix> for EmissionAnswer {
     }
 }
 
+/// Covered share of the disc of 300 km from which on nothing is said of what is not covered.
+const ENOUGH_COVERAGE: f64 = 0.9;
+
 /// What every number depends on.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Assumptions {
@@ -109,8 +112,8 @@ pub struct Assumptions {
     pub basis_error_bound: Option<f64>,
     /// What rendered: `gpu`, `lavapipe` or `cpu`.
     pub executor: String,
-    /// What the numbers had to do without, one sentence each: ground that the terrain does not have, skylines that the
-    /// scene or the packs do not know, the natural sky behind clouds.
+    /// What the numbers had to do without, one sentence each: light outside the raster, ground that the terrain does not
+    /// have, skylines that the scene or the packs do not know, the natural sky behind clouds.
     pub warnings: Vec<String>,
 }
 
@@ -155,7 +158,7 @@ impl Assumptions {
             basis_count: sky.basis_count,
             basis_error_bound: sky.basis_error_bound,
             executor: facts.executor.clone(),
-            warnings: sky_warnings(query, scene, sky.ground, facts),
+            warnings: sky_warnings(query, scene, sky, facts),
         }
     }
 }
@@ -164,15 +167,27 @@ impl Assumptions {
 pub fn sky_warnings(
     query: &SkyQuery,
     scene: &SceneMetadata,
-    ground: Ground,
+    sky: &Circumstances,
     facts: &SourceFacts,
 ) -> Vec<String> {
     let ground = match query.eye_height {
-        EyeHeight::AboveGround(_) => ground_warning(scene, ground),
-        EyeHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, ground),
+        EyeHeight::AboveGround(_) => ground_warning(scene, sky.ground),
+        EyeHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, sky.ground),
     };
     let skyline = open_lights_warning(query.terrain_hides, scene, facts.kind(query));
-    ground.into_iter().chain(skyline).chain(cloud_warning(query)).collect()
+    let words = [coverage_warning(sky.coverage), ground, skyline, cloud_warning(query)];
+    words.into_iter().flatten().collect()
+}
+
+/// What is said where much of the light around is unknown.
+fn coverage_warning(coverage: f64) -> Option<String> {
+    (coverage < ENOUGH_COVERAGE).then(|| {
+        format!(
+            "light is known for {:.0} % of the 300 km around: what lies outside the raster is unknown, not absent, and \
+             the sky may be brighter than this",
+            100.0 * coverage
+        )
+    })
 }
 
 /// What is said of an eye more than a metre below the ground.

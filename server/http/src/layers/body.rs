@@ -8,6 +8,7 @@ use axum::{
     middleware::Next,
     response::{IntoResponse, Response},
 };
+use http_body_util::LengthLimitError;
 
 /// Length of a request's body, bytes.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +23,7 @@ pub async fn read_body(State(state): State<AppState>, request: Request, next: Ne
         Ok(Ok(bytes)) => bytes,
         Ok(Err(error)) => {
             let is_long = std::iter::successors(std::error::Error::source(&error), |error| error.source())
-                .any(|error| error.to_string().contains("length limit"));
+                .any(|error| error.is::<LengthLimitError>());
             return match is_long {
                 true => ApiError::BodyTooLong { limit_bytes },
                 false => ApiError::Unreadable(StatusCode::BAD_REQUEST.as_u16()),

@@ -21,7 +21,7 @@ use axum::{
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
 };
-use skyglow_display::notes::ILLUSTRATIVE;
+use skyglow_display::notes::said_of;
 use skyglow_scene::{RasterWords, TileLayer};
 
 /// Pixels of a raster at most; beyond, pixels of the scene share one by blocks.
@@ -66,11 +66,6 @@ layers! {
     get_brightness_tif, "brightness", BrightnessParameters,
         (), brightness_layer,
         "The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; by blocks where that would be more than 1.2 million places. The first time it takes seconds.";
-}
-
-/// What a raster holds, and whether that was measured.
-fn said_of(holds: &str, illustrative: bool) -> String {
-    if illustrative { format!("{holds}; {ILLUSTRATIVE}") } else { holds.to_owned() }
 }
 
 async fn scene_layer(

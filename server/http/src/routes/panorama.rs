@@ -121,7 +121,7 @@ async fn answer(
     let make = async {
         let rendered = asked.render(&state).await?;
         let warnings =
-            sky_warnings(&asked.query, &asked.scene, rendered.circumstances.ground, state.source.facts());
+            sky_warnings(&asked.query, &asked.scene, &rendered.circumstances, state.source.facts());
         let times = times_of(&rendered);
         let worker = (state.clone(), asked);
         let bytes = state

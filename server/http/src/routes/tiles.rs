@@ -20,7 +20,7 @@ use axum::{
 };
 use skyglow_display::{
     Notes,
-    notes::ILLUSTRATIVE,
+    notes::said_of,
     tile::{
         BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_tile_png,
         elevation_tile_png, influence_tile_png, radiance_tile_png,
@@ -264,7 +264,7 @@ pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
         }
         TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading".to_owned(),
     };
-    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows }
+    said_of(shows, illustrative)
 }
 
 /// What is said of the layer of brightness.
@@ -274,7 +274,7 @@ pub(super) fn brightness_description(illustrative: bool) -> String {
         "Artificial luminance at the zenith, {dark:e} to {bright:e} cd m-2 (a hundredth of the natural sky of 22.0 mag arcsec-2 to \
          forty times that) on a logarithmic scale; less is transparent"
     );
-    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows }
+    said_of(shows, illustrative)
 }
 
 /// What is said of a layer of influences.
@@ -284,7 +284,7 @@ pub(super) fn influence_description(measure: &Measure, illustrative: bool) -> St
          to that on a logarithmic scale; less is transparent",
         measure_name(measure)
     );
-    if illustrative { format!("{shows}; {ILLUSTRATIVE}") } else { shows }
+    said_of(shows, illustrative)
 }
 
 #[cfg(test)]

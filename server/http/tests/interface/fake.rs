@@ -47,6 +47,7 @@ pub(crate) struct Fake {
     pub(crate) ready: AtomicBool,
     pub(crate) version: Mutex<String>,
     pub(crate) ground: Mutex<Ground>,
+    pub(crate) coverage: Mutex<f64>,
     pub(crate) horizon: Mutex<Horizon>,
     pub(crate) illustrative: AtomicBool,
     /// Scenarios, where it keeps any.
@@ -77,6 +78,7 @@ impl Default for Fake {
             ready: AtomicBool::new(true),
             version: Mutex::new("v1".into()),
             ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
+            coverage: Mutex::new(0.95),
             horizon: Mutex::default(),
             illustrative: AtomicBool::new(true),
             kept: Mutex::default(),
@@ -182,7 +184,7 @@ impl Fake {
             circumstances: Circumstances {
                 altitude_m,
                 ground: self.ground(),
-                coverage: 0.75,
+                coverage: *self.coverage.lock().unwrap(),
                 calibration: 1.0,
                 local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
                 flux_dnb_w: 1e6,

@@ -62,7 +62,7 @@ async fn tiff_and_json_hold_the_radiance_that_was_rendered() {
     assert_eq!(json["bands_nm"], serde_json::json!([680.0, 550.0, 440.0]));
     assert_eq!(json["unit"], "W m-2 sr-1");
     assert_eq!(json["horizon_deg"].as_array().unwrap().len(), 256);
-    assert_eq!(json["coverage"], 0.75);
+    assert_eq!(json["coverage"], 0.95);
     assert_eq!(json["observer"]["altitude_m"], 1702.0);
     assert!(json["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap() > 0.0);
 }

@@ -38,6 +38,27 @@ async fn scenes_places_sites_and_atmospheres_are_listed() {
 }
 
 #[tokio::test]
+async fn an_answer_says_when_much_of_the_light_around_is_unknown() {
+    let server = Server::start().await;
+    let sky = format!("/api/v1/scenes/demo/sky?{PLACE}");
+    let picture = format!("/api/v1/scenes/demo/panorama.png?{PLACE}");
+    for (coverage, said) in [(1.0, None), (0.9, None), (0.416, Some("known for 42 % of the 300 km around"))] {
+        *server.fake.coverage.lock().unwrap() = coverage;
+        *server.fake.version.lock().unwrap() = format!("{coverage}");
+        let (_, answer) = server.json(&sky).await;
+        assert_eq!(answer["coverage"], coverage);
+        let warnings = answer["warnings"].as_array().unwrap();
+        assert_eq!(warnings.len(), usize::from(said.is_some()), "{answer}");
+        let header = server.answer(&picture).await.headers().get("skyglow-warnings").cloned();
+        assert_eq!(header.is_some(), said.is_some(), "{coverage}");
+        if let (Some(said), Some(header)) = (said, header) {
+            assert!(warnings[0].as_str().unwrap().contains(said), "{answer}");
+            assert!(header.to_str().unwrap().contains(said), "{header:?}");
+        }
+    }
+}
+
+#[tokio::test]
 async fn an_answer_over_a_gap_in_the_terrain_says_which_ground_was_taken() {
     let server = Server::start().await;
     let sky = format!("/api/v1/scenes/demo/sky?{PLACE}");

@@ -5,7 +5,7 @@ use crate::{failure::Failure, progress::Stages};
 use pmtiles::{PmTilesWriter, TileCoord, TileType};
 use skyglow_display::{
     Notes,
-    notes::ILLUSTRATIVE,
+    notes::said_of,
     tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
 };
 use skyglow_scene::{PlaceValues, Scene, tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
@@ -33,8 +33,7 @@ pub(super) fn write(
 ) -> Result<(), Failure> {
     let metadata = found.scene.metadata();
     let [west, south, east, north] = metadata.bounds;
-    let illustrative = if metadata.illustrative { format!("; {ILLUSTRATIVE}") } else { String::new() };
-    let description = format!("{}, {}{illustrative}", found.description, found.unit);
+    let description = said_of(format!("{}, {}", found.description, found.unit), metadata.illustrative);
     let document = serde_json::json!({
         "name": format!("{}: {}", metadata.title, found.description),
         "description": description,
