@@ -73,17 +73,28 @@ function text_of(document) {
   for (const [name, schema] of Object.entries(document.components?.schemas ?? {}).sort(([a], [b]) => (a < b ? -1 : 1))) {
     parts.push(`${comment(schema.description)}export type ${identifier(name)} = ${type_of(schema)};`);
   }
-  const gets = Object.entries(document.paths)
-    .filter(([, item]) => item.get !== undefined)
-    .sort(([a], [b]) => (a < b ? -1 : 1))
-    .map(([path, { get }]) => {
-      const content = get.responses?.["200"]?.content ?? {};
-      const answer = content["application/json"] === undefined ? "Blob" : type_of(content["application/json"].schema);
-      const fields = [`path: ${parameters_of(get, "path", document)};`, `query: ${parameters_of(get, "query", document)};`, `answer: ${answer};`];
-      return `${comment(get.summary)}${JSON.stringify(path)}: {\n  ${indent(fields.join("\n"))}\n};`;
-    });
-  parts.push(`/** Everything that GET answers: by path, what it takes and what comes back. */\nexport interface Gets {\n  ${indent(gets.join("\n"))}\n}`);
+  parts.push(`/** Everything that GET answers: by path, what it takes and what comes back. */\n${operations(document, "get", "Gets")}`);
+  parts.push(`/** Everything that POST answers: by path, what it takes with which body, and what comes back. */\n${operations(document, "post", "Posts")}`);
   return `${parts.join("\n\n")}\n`;
+}
+
+function operations(document, method, name) {
+  const entries = Object.entries(document.paths)
+    .filter(([, item]) => item[method] !== undefined)
+    .sort(([a], [b]) => (a < b ? -1 : 1))
+    .map(([path, { [method]: operation }]) => {
+      const content = (operation.responses?.["200"] ?? operation.responses?.["201"])?.content ?? {};
+      const answer = content["application/json"] === undefined ? "Blob" : type_of(content["application/json"].schema);
+      const body = operation.requestBody?.content?.["application/json"];
+      const fields = [
+        `path: ${parameters_of(operation, "path", document)};`,
+        `query: ${parameters_of(operation, "query", document)};`,
+        ...(body === undefined ? [] : [`body: ${type_of(body.schema)};`]),
+        `answer: ${answer};`,
+      ];
+      return `${comment(operation.summary)}${JSON.stringify(path)}: {\n  ${indent(fields.join("\n"))}\n};`;
+    });
+  return `export interface ${name} {\n  ${indent(entries.join("\n"))}\n}`;
 }
 
 /** The snapshot is a header between two lines `---` and then the document. */

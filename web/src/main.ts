@@ -3,9 +3,11 @@
 import { api, type SkyParameters } from "./api/client.ts";
 import type { Atmosphere, NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
 import type { SkyMap } from "./map/sky_map.ts";
+import { Planning, type PlanWish } from "./planning.ts";
 import { SkySession } from "./session.ts";
 import { brightness_mag_arcsec2 } from "./photometry.ts";
 import { Legend } from "./sky/legend.ts";
+import { text_from_region, type Region } from "./sky/region.ts";
 import { SkyView } from "./sky/sky_view.ts";
 import { LAYERS, fragment_from_state, state_from_fragment, type LayerName, type Place, type ViewState } from "./state.ts";
 import { cloud_bases, packs_under } from "./ui/clouds.ts";
@@ -14,13 +16,18 @@ import { by_id } from "./ui/dom.ts";
 import { show_downloads } from "./ui/downloads.ts";
 import { coordinates } from "./ui/format.ts";
 import { show_layer_state } from "./ui/layers.ts";
+import { Marking } from "./ui/marking.ts";
 import { place_name } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
+import { PlanCard } from "./ui/plan_card.ts";
 import { show_numbers, show_site } from "./ui/numbers.ts";
 import { show_readout } from "./ui/readout.ts";
 import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./ui/scattering.ts";
 import { Search } from "./ui/search.ts";
 import { wire_switches } from "./ui/switches.ts";
+
+/** Opacity of the lights that cause a marked part of the sky. */
+const SHOWN_INFLUENCE = 0.9;
 
 class Viewer {
   private state: ViewState = state_from_fragment(location.hash);
@@ -37,23 +44,34 @@ class Viewer {
   private readonly numbers_card = by_id("numbers-card", HTMLElement);
   private readonly title = by_id("place-title", HTMLElement);
   private readonly legend = new Legend(by_id("legend", HTMLElement));
-  private readonly sky_view = new SkyView(by_id("sky-view", HTMLElement), this.state, (sample) => {
-    show_readout(by_id("sky-readout", HTMLElement), sample, this.state.sky);
-    const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
-    this.legend.point(shown === undefined || sample?.is_below_horizon === true ? null : brightness_mag_arcsec2(shown));
+  private readonly sky_view = new SkyView(by_id("sky-view", HTMLElement), this.state, {
+    pointed: (sample) => {
+      show_readout(by_id("sky-readout", HTMLElement), sample, this.state.sky);
+      const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
+      this.legend.point(shown === undefined || sample?.is_below_horizon === true ? null : brightness_mag_arcsec2(shown));
+    },
+    drawn: (region) => {
+      this.marking.ended();
+      if (region !== null) this.mark(region);
+    },
+  });
+  private readonly marking = new Marking({
+    draw: (on) => this.sky_view.set_drawing(on),
+    unmark: () => this.mark(null),
   });
   private readonly search = new Search(by_id("search", HTMLInputElement), by_id("search-list", HTMLElement), (place) => {
     this.pick(place);
     this.map?.go_to(place);
   });
   private readonly controls = new Controls({
-    scene: (scene) => this.change({ scene, place: null, view: null }, { push: true }),
+    scene: (scene) => this.change({ scene, place: null, scenario: null, view: null }, { push: true }),
     turbidity: (turbidity) => this.change({ turbidity }),
     scattering: (scattering) => this.change({ scattering, turbidity: turbidity_within(this.packs(), scattering, this.state.turbidity) }),
     clouds: (clouds) => this.choose_clouds(clouds),
     lamp: (lamp) => this.change({ lamp }),
     emission: (emission) => this.change({ emission }),
     terrain: (terrain) => this.change({ terrain }),
+    lights: (lights) => this.change({ lights }),
     projection: (projection) => this.change({ projection }),
     sky: (sky) => this.change({ sky }),
     colours: (colours) => this.change({ colours }),
@@ -77,6 +95,27 @@ class Viewer {
       this.notice.show(reason);
     },
     ended: () => this.set_busy(false),
+  });
+
+  private readonly plan_card = new PlanCard({
+    find: (wish) => this.find_plan(wish),
+    drop: () => this.change({ scenario: null }, { push: true }),
+  });
+  private readonly planning = new Planning({
+    searching: () => this.plan_card.searching(),
+    found: (change) => {
+      if (change.kind === "plan") {
+        this.plan_card.show_wish(change.plan);
+        // A plan that was looked for is not in the link yet.
+        if (this.state.scenario !== change.plan.id) this.change({ scenario: change.plan.id, lights: "changed" }, { push: true });
+      }
+      this.show_change();
+    },
+    failed: (reason) => {
+      this.notice.show(reason);
+      if (this.planning.change() === null && this.state.scenario !== null) this.change({ scenario: null });
+      this.show_change();
+    },
   });
 
   async start(): Promise<void> {
@@ -136,7 +175,7 @@ class Viewer {
   private enter_scene(): void {
     if (this.state.scene !== null && this.scene() === null) {
       this.notice.show(new Error(`There is no scene “${this.state.scene}” on this server; showing “${this.scenes[0]?.title ?? ""}” instead.`));
-      this.state = { ...this.state, scene: null, place: null, view: null };
+      this.state = { ...this.state, scene: null, place: null, scenario: null, view: null };
     }
     const scene = this.scene() ?? this.scenes[0];
     if (scene === undefined) return;
@@ -154,6 +193,7 @@ class Viewer {
         this.places = places;
         this.search.set_places(places);
         this.show_title();
+        this.show_change();
         return this.map?.show_places(places);
       })
       .catch((reason: unknown) => {
@@ -224,7 +264,10 @@ class Viewer {
     for (const layer of LAYERS) this.show_layer(layer);
     this.map?.mark(this.state.place);
     this.show_title();
-    const { scene, place } = this.state;
+    const { scene, place, scenario } = this.state;
+    if (scenario === null) this.planning.cancel();
+    else void this.planning.show(scenario);
+    this.show_change();
     if (scene === null || place === null) {
       this.session.cancel();
       this.set_busy(false);
@@ -237,13 +280,42 @@ class Viewer {
     void this.session.show(scene, parameters);
   }
 
+  /** Marks a part of the sky, and shows which lights cause it. */
+  private mark(region: Region | null): void {
+    const { layers, measure } = this.state;
+    const shown = layers.influence === 0 ? SHOWN_INFLUENCE : layers.influence;
+    if (region !== null) this.change({ region, measure: "region", layers: { ...layers, influence: shown } }, { push: true });
+    else this.change({ region, measure: measure === "region" ? "zenith" : measure }, { push: true });
+  }
+
+  private find_plan(wish: PlanWish): void {
+    const { scene, place, scenario } = this.state;
+    if (scene === null || place === null) return;
+    this.notice.clear();
+    const { scenario: _, ...today } = this.conditions();
+    // A plan goes on from what was painted, never from another plan.
+    const painted = scenario?.startsWith("s-") === true ? { scenario } : {};
+    void this.planning.find(scene, place, { ...today, ...painted }, wish);
+  }
+
+  /** What is said of the change of lights, and where it is. */
+  private show_change(): void {
+    if (this.planning.is_searching()) return;
+    const change = this.planning.change();
+    this.plan_card.show(change, this.places);
+    const dimmed = change?.kind === "plan" && this.state.lights === "changed" ? change.plan.pixels : [];
+    void this.map?.show_dimmed(dimmed);
+  }
+
   private show_layer(layer: LayerName): void {
-    const { scene, place, measure, clouds } = this.state;
+    const { scene, place, measure, region, clouds } = this.state;
+    const { scenario } = this.conditions();
+    const marked = measure === "region" && region !== null ? { region: text_from_region(region) } : {};
     const query = {
       elevation: this.scene()?.terrain === true ? {} : null,
       brightness: clouds === null ? this.conditions() : null,
-      radiance: {},
-      influence: place === null ? null : { ...this.parameters(place), measure },
+      radiance: scenario === undefined ? {} : { scenario },
+      influence: place === null ? null : { ...this.parameters(place), measure, ...marked },
     }[layer];
     const wanted = scene === null || query === null ? null : { scene, query, opacity: this.state.layers[layer] };
     this.map?.show_layer(layer, wanted);
@@ -257,20 +329,24 @@ class Viewer {
 
   /** What the sky of any place depends on. */
   private conditions(): Omit<SkyParameters, "lat" | "lon"> {
-    const { turbidity, scattering, clouds, lamp, emission, terrain } = this.state;
+    const { turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights } = this.state;
     const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }), ...(clouds === null ? {} : { clouds: String(clouds) }) };
     const ground = terrain === "on" ? {} : { terrain };
-    return { lamp, emission, ...ground, ...air };
+    const changed = scenario === null || lights === "today" ? {} : { scenario };
+    return { lamp, emission, ...ground, ...air, ...changed };
   }
 
   private show_look(): void {
     document.body.dataset["projection"] = this.state.projection;
     this.legend.show(this.state.colours);
     this.sky_view.set_look(this.state);
+    this.marking.show(this.state.region !== null);
+    this.plan_card.set_region(this.state.region);
   }
 
   private show_title(): void {
     const { place } = this.state;
+    this.sky_view.set_towns(place, this.places);
     if (place === null) this.title.textContent = "";
     else {
       const name = place_name(place, this.places);

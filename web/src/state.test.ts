@@ -5,6 +5,8 @@ import { DEFAULT_STATE, fragment_from_state, state_from_fragment, type ViewState
 const EVERYTHING: ViewState = {
   scene: "kenya-2023",
   place: { latitude_deg: -1.28638, longitude_deg: 36.81722 },
+  scenario: "p-0123456789abcdef0123",
+  lights: "today",
   view: { zoom: 7.31, latitude_deg: -1.25, longitude_deg: 36.9 },
   turbidity: 3.2,
   scattering: "single",
@@ -15,7 +17,12 @@ const EVERYTHING: ViewState = {
   projection: "fisheye",
   sky: "total",
   colours: "cividis",
-  measure: "horizontal",
+  measure: "region",
+  region: [
+    { azimuth_deg: 350, elevation_deg: 2.5 },
+    { azimuth_deg: 20.5, elevation_deg: 3 },
+    { azimuth_deg: 5, elevation_deg: 40 },
+  ],
   layers: { elevation: 0.65, brightness: 0.5, radiance: 0.4, influence: 0.9 },
 };
 
@@ -34,7 +41,7 @@ test("a place on the equator and the prime meridian is not taken for a missing o
 });
 
 test("what makes no sense in a fragment takes its default", () => {
-  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1");
+  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4");
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });
 

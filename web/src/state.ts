@@ -4,6 +4,7 @@ import type { ScatteringName } from "./api/client.ts";
 import { COLOUR_MAPS, type ColourMapName } from "./sky/colour_maps.ts";
 import type { SkyKind } from "./sky/grid.ts";
 import type { ProjectionName } from "./sky/projection.ts";
+import { region_from_text, text_from_region, type Region } from "./sky/region.ts";
 
 export interface Place {
   latitude_deg: number;
@@ -23,15 +24,22 @@ export const LAYERS = ["elevation", "brightness", "radiance", "influence"] as co
 export type LayerName = (typeof LAYERS)[number];
 
 /** What of the sky lights have their part in, as far as the viewer shows it. */
-export const MEASURES = ["zenith", "mean", "horizontal", "norm"] as const;
+export const MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
 export type MeasureName = (typeof MEASURES)[number];
 
 export type TerrainKind = "on" | "off";
+
+/** The scene's lights as they are, or as the scenario has them. */
+export type LightsKind = "today" | "changed";
 
 export interface ViewState {
   /** null until the list of scenes is known. */
   scene: string | null;
   place: Place | null;
+  /** Id of the plan or scenario that changes the scene's lights; null: there is none. */
+  scenario: string | null;
+  /** Which lights are shown where there is a scenario. */
+  lights: LightsKind;
   /** null: fit the scene. */
   view: MapView | null;
   /** null: the server's default. */
@@ -47,8 +55,10 @@ export interface ViewState {
   projection: ProjectionName;
   sky: SkyKind;
   colours: ColourMapName;
-  /** Of the layer of influence. */
+  /** Of the layer of influence; `region` only where there is one. */
   measure: MeasureName;
+  /** The part of the sky that is marked. */
+  region: Region | null;
   /** Opacity 0..1; 0 is off. */
   layers: Record<LayerName, number>;
 }
@@ -56,6 +66,8 @@ export interface ViewState {
 export const DEFAULT_STATE: Readonly<ViewState> = {
   scene: null,
   place: null,
+  scenario: null,
+  lights: "changed",
   view: null,
   turbidity: null,
   scattering: null,
@@ -67,6 +79,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   sky: "artificial",
   colours: "inferno",
   measure: "zenith",
+  region: null,
   layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
 };
 
@@ -95,11 +108,15 @@ export function state_from_fragment(fragment: string): ViewState {
     latitude_deg: number_in(view_latitude ?? null, -90, 90),
     longitude_deg: number_in(view_longitude ?? null, -540, 540),
   };
+  const region = region_from_text(query.get("region"));
+  const measure = one_of(query.get("measure"), MEASURES, DEFAULT_STATE.measure);
   const layers = { ...DEFAULT_STATE.layers };
   for (const name of LAYERS) layers[name] = number_in(query.get(name), 0, 1) ?? layers[name];
   return {
     scene: matching(query.get("scene"), /^[a-z0-9-]{1,64}$/),
     place: latitude_deg !== null && longitude_deg !== null ? { latitude_deg, longitude_deg } : null,
+    scenario: matching(query.get("scenario"), /^[ps]-[0-9a-f]{20}$/),
+    lights: one_of(query.get("lights"), ["today", "changed"], DEFAULT_STATE.lights),
     view:
       view.zoom !== null && view.latitude_deg !== null && view.longitude_deg !== null
         ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }
@@ -113,7 +130,8 @@ export function state_from_fragment(fragment: string): ViewState {
     projection: one_of(query.get("projection"), ["equirectangular", "fisheye"], DEFAULT_STATE.projection),
     sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
     colours: one_of(query.get("colours"), COLOUR_MAPS, DEFAULT_STATE.colours),
-    measure: one_of(query.get("measure"), MEASURES, DEFAULT_STATE.measure),
+    measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
+    region,
     layers,
   };
 }
@@ -127,6 +145,8 @@ export function fragment_from_state(state: ViewState): string {
   add("scene", state.scene, null);
   add("lat", state.place === null ? null : +state.place.latitude_deg.toFixed(5), null);
   add("lon", state.place === null ? null : +state.place.longitude_deg.toFixed(5), null);
+  add("scenario", state.scenario, null);
+  if (state.scenario !== null) add("lights", state.lights, DEFAULT_STATE.lights);
   if (state.view !== null) {
     const { zoom, latitude_deg, longitude_deg } = state.view;
     parts.push(`map=${+zoom.toFixed(2)}/${+latitude_deg.toFixed(4)}/${+longitude_deg.toFixed(4)}`);
@@ -141,6 +161,7 @@ export function fragment_from_state(state: ViewState): string {
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);
   add("measure", state.measure, DEFAULT_STATE.measure);
+  add("region", state.region === null ? null : text_from_region(state.region), null);
   for (const name of LAYERS.toReversed()) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
   return parts.length === 0 ? "" : `#${parts.join("&")}`;
 }

@@ -1,16 +1,18 @@
 // How the viewer asks the server: paths, parameters and answers are those of the OpenAPI document.
 
 import { ApiError, problem_from_response } from "./problem.ts";
-import type { Gets } from "./schema.ts";
+import type { Gets, PlanBody, Posts } from "./schema.ts";
 
 type Path = keyof Gets;
 type PathValues<P extends Path> = Gets[P]["path"];
 type Query<P extends Path> = Gets[P]["query"];
 
 /** What the sky depends on besides the scene. */
-export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission">;
+export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission" | "terrain" | "scenario">;
 /** What the tiles of a layer depend on besides the scene. */
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
+/** What a plan depends on besides its sites. */
+export type PlanQuery = Posts["/api/v1/scenes/{scene}/plans"]["query"];
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 
 /** How often a busy server (429, 503) is asked again before the viewer gives up. */
@@ -22,6 +24,10 @@ const LONGEST_LAYER_WAIT_S = 300;
 
 /** Absolute, so that it also holds inside the map's worker; below a reverse proxy's prefix if there is one. */
 export function url_of<P extends Path>(path: P, values: PathValues<P>, query: Query<P>): string {
+  return address(path, values, query);
+}
+
+function address(path: string, values: object, query: object): string {
   const filled = path.replace(/\{(\w+)\}/g, (_, name: string) => encodeURIComponent(String((values as Record<string, unknown>)[name])));
   const url = new URL(filled.slice(1), document.baseURI);
   url.hash = "";
@@ -39,16 +45,29 @@ function pause(seconds: number, signal: AbortSignal): Promise<void> {
   });
 }
 
-async function get<P extends Path>(path: P, values: PathValues<P>, query: Query<P>, signal: AbortSignal): Promise<Gets[P]["answer"]> {
+function get<P extends Path>(path: P, values: PathValues<P>, query: Query<P>, signal: AbortSignal): Promise<Gets[P]["answer"]> {
+  return ask(url_of(path, values, query), { signal, headers: { accept: "application/json" } });
+}
+
+type Posted<P extends keyof Posts> = Posts[P]["answer"];
+
+function post<P extends keyof Posts>(path: P, values: Posts[P]["path"], query: Posts[P]["query"], body: Posts[P]["body"], signal: AbortSignal): Promise<Posted<P>> {
+  const headers = { accept: "application/json", "content-type": "application/json" };
+  return ask(address(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
+}
+
+/** Asks until there is an answer: the same question has the same answer, also where something is kept. */
+async function ask<A>(url: string, init: RequestInit & { signal: AbortSignal }): Promise<A> {
+  const { signal } = init;
   for (let attempt = 0; ; attempt++) {
     let response: Response;
     try {
-      response = await fetch(url_of(path, values, query), { signal, headers: { accept: "application/json" } });
+      response = await fetch(url, init);
     } catch (reason) {
       if (signal.aborted) throw reason;
       throw new ApiError(0, { title: "The server does not answer", detail: "Is it running? Check the connection and try again." });
     }
-    if (response.ok) return (await response.json()) as Gets[P]["answer"];
+    if (response.ok) return (await response.json()) as A;
     const busy = response.status === 503 || response.status === 429;
     if (!busy || attempt >= RETRIES) throw new ApiError(response.status, await problem_from_response(response));
     const wait_s = Number(response.headers.get("retry-after") ?? NaN);
@@ -66,6 +85,10 @@ export const api = {
     get("/api/v1/scenes/{scene}/sky", { scene }, parameters, signal),
   panorama: (scene: string, parameters: SkyParameters, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters, signal),
+  /** Finds what to dim. */
+  find_plan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) => post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),
+  plan: (plan: string, limit: number, signal: AbortSignal) => get("/api/v1/plans/{plan}", { plan }, { limit }, signal),
+  scenario: (scenario: string, signal: AbortSignal) => get("/api/v1/scenarios/{scenario}", { scenario }, {}, signal),
   /** Describes a layer of tiles once what they show is found. */
   layer: async (scene: string, layer: string, query: LayerQuery, signal: AbortSignal) => {
     for (let waited_s = 0; ; waited_s += LAYER_WAIT_S) {

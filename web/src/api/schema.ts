@@ -1551,3 +1551,256 @@ export interface Gets {
     answer: HealthAnswer;
   };
 }
+
+/** Everything that POST answers: by path, what it takes with which body, and what comes back. */
+export interface Posts {
+  "/api/v1/scenes/{scene}/influence": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    body: InfluenceBody;
+    answer: InfluenceAnswer;
+  };
+  "/api/v1/scenes/{scene}/influence.csv": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    body: InfluenceBody;
+    answer: Blob;
+  };
+  "/api/v1/scenes/{scene}/influence.geojson": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    body: InfluenceBody;
+    answer: Blob;
+  };
+  "/api/v1/scenes/{scene}/influence.json": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    body: InfluenceBody;
+    answer: InfluenceAnswer;
+  };
+  "/api/v1/scenes/{scene}/influence.tif": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+      lat: number;
+      /** Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+      lon: number;
+      /** Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+      height?: number;
+      /** Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+      altitude?: number;
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+      /** What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`. Allowed: norm, zenith, mean, horizontal, region. */
+      measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
+      /** A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+      region?: string;
+    };
+    body: InfluenceBody;
+    answer: Blob;
+  };
+  /** Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites meet limits (`target`). Values before and after come from the forward model. The plan is kept; its id is taken by every query as `scenario`, and the same request for the same scene answers the same plan. */
+  "/api/v1/scenes/{scene}/plans": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: {
+      /** Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+      turbidity?: number;
+      /** Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+      scattering?: "single" | "multiple";
+      /** Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+      lamp?: string;
+      /** How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+      emission?: string;
+      /** Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+      basis?: number;
+      /** Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+      clouds?: string;
+      /** Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+      terrain?: "on" | "off";
+      /** Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+      tolerance?: number;
+      /** Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+      scenario?: string;
+      /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+      limit?: number;
+    };
+    body: PlanBody;
+    answer: PlanAnswer;
+  };
+  /** Paints over a scene: dims, brightens or adds lights, replaces lamps, changes where they shine. The id that is answered is taken by every query as `scenario`; the same body answers the same id. */
+  "/api/v1/scenes/{scene}/scenarios": {
+    path: {
+      /** The scene's id */
+      scene: string;
+    };
+    query: Record<string, never>;
+    body: ScenarioBody;
+    answer: ScenarioAnswer;
+  };
+}

@@ -4,7 +4,7 @@ import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, Scal
 import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
 import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
 import "maplibre-gl/dist/maplibre-gl.css";
-import type { Bounds, NamedPlace, Scene } from "../api/types.ts";
+import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import type { LayerName, MapView, Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
 import { load_basemap } from "./basemap.ts";
@@ -31,6 +31,8 @@ function reachable(address: string): string {
   return url.href;
 }
 
+/** Maps narrower than this begin with their credits folded. */
+const NARROW_PX = 640;
 /** A picked place nearer to the map's edge than this counts as out of view. */
 const EDGE_PX = 40;
 
@@ -68,6 +70,8 @@ export class SkyMap {
     this.map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
     this.map.addControl(new AttributionControl({ compact: true, customAttribution: "Outlines: Natural Earth" }), "bottom-left");
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
+    // On a phone the credits would hide a third of the map; their button opens them.
+    if (container.clientWidth < NARROW_PX) void this.styled.then(() => this.fold_credits());
     this.layers = new RasterLayers(this.map, this.styled, (name, state) => {
       this.failed_sources.delete(name);
       events.layer(name, state);
@@ -107,6 +111,12 @@ export class SkyMap {
   view(): MapView {
     const { lng, lat } = this.map.getCenter();
     return { zoom: this.map.getZoom(), latitude_deg: lat, longitude_deg: lng };
+  }
+
+  private fold_credits(): void {
+    const credits = this.map.getContainer().querySelector(".maplibregl-ctrl-attrib");
+    credits?.classList.remove("maplibregl-compact-show");
+    credits?.removeAttribute("open");
   }
 
   /** A tile that is not there is no news; a source that fails is told once, not for each tile. */
@@ -156,6 +166,19 @@ export class SkyMap {
       features: places.map(({ name, population, longitude_deg, latitude_deg }) => ({
         type: "Feature",
         properties: { name, population: population ?? 0 },
+        geometry: { type: "Point", coordinates: [longitude_deg, latitude_deg] },
+      })),
+    });
+  }
+
+  /** Shows which lights a plan dims, and how far. */
+  async show_dimmed(pixels: readonly DimmedPixel[]): Promise<void> {
+    await this.styled;
+    this.source("dimmed")?.setData({
+      type: "FeatureCollection",
+      features: pixels.map(({ cut, longitude_deg, latitude_deg }) => ({
+        type: "Feature",
+        properties: { cut },
         geometry: { type: "Point", coordinates: [longitude_deg, latitude_deg] },
       })),
     });

@@ -19,6 +19,16 @@ const layers: LayerSpecification[] = [
   { id: "coasts", type: "line", source: "coasts", paint: { "line-color": "#8aa6e6", "line-opacity": 0.6, "line-width": 0.9 } },
   { id: "scene-outline", type: "line", source: "scene", paint: { "line-color": "#f3bd73", "line-opacity": 0.55, "line-width": 1.2, "line-dasharray": [2, 3] } },
   {
+    id: "dimmed",
+    type: "circle",
+    source: "dimmed",
+    paint: {
+      "circle-radius": ["interpolate", ["exponential", 1.7], ["zoom"], 4, 1.2, 8, 4, 12, 24],
+      "circle-color": ["interpolate", ["linear"], ["get", "cut"], 0, "#1d5f74", 1, "#6ff0dc"],
+      "circle-opacity": 0.75,
+    },
+  },
+  {
     id: "country-names",
     type: "symbol",
     source: "names",
@@ -54,7 +64,7 @@ const layers: LayerSpecification[] = [
 export function night_style(): StyleSpecification {
   return {
     version: 8,
-    sources: { graticule: EMPTY, land: EMPTY, coasts: EMPTY, borders: EMPTY, names: EMPTY, scene: EMPTY, places: EMPTY },
+    sources: { graticule: EMPTY, land: EMPTY, coasts: EMPTY, borders: EMPTY, names: EMPTY, scene: EMPTY, dimmed: EMPTY, places: EMPTY },
     layers,
   };
 }

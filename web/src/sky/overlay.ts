@@ -2,6 +2,8 @@
 
 import type { SkyGrid } from "./grid.ts";
 import type { Plot, Projection, SkyDirection } from "./projection.ts";
+import { outline, type Region } from "./region.ts";
+import type { TownOnHorizon } from "./towns.ts";
 
 const CARDINAL = [
   ["N", 0], ["NE", 45], ["E", 90], ["SE", 135], ["S", 180], ["SW", 225], ["W", 270], ["NW", 315],
@@ -98,6 +100,50 @@ export function draw_horizon(context: CanvasRenderingContext2D, projection: Proj
   context.lineWidth = 1.2;
   context.strokeStyle = "rgb(164, 156, 144)";
   context.stroke();
+}
+
+/** Names of the towns behind the glow, over the place on the horizon where it is. */
+export function draw_towns(context: CanvasRenderingContext2D, projection: Projection, plot: Plot, grid: SkyGrid, towns: readonly TownOnHorizon[]): void {
+  context.font = font(11, 550);
+  context.textBaseline = "middle";
+  context.lineJoin = "round";
+  for (const { name, azimuth_deg } of towns) {
+    const horizon_deg = Math.max(grid.horizon_at(azimuth_deg), 0);
+    const foot = projection.point_from_direction({ azimuth_deg, elevation_deg: horizon_deg });
+    const elevation_deg = horizon_deg + (projection.name === "fisheye" ? 9 : (17 / plot.height_px) * 90);
+    const head = projection.point_from_direction({ azimuth_deg, elevation_deg });
+    const half_px = context.measureText(name).width / 2;
+    const right_px = plot.left_px + plot.width_px;
+    const x_px = Math.min(Math.max(head.x_px, plot.left_px + half_px + 3), right_px - half_px - 3);
+    context.textAlign = "center";
+    context.strokeStyle = "rgba(5, 8, 16, 0.85)";
+    context.lineWidth = 1;
+    stroke(context, [[foot.x_px, foot.y_px], [foot.x_px + 0.45 * (head.x_px - foot.x_px), foot.y_px + 0.45 * (head.y_px - foot.y_px)]]);
+    context.lineWidth = 3.5;
+    context.strokeText(name, x_px, head.y_px);
+    context.fillStyle = "#ffffff";
+    context.fillText(name, x_px, head.y_px);
+  }
+}
+
+/** A curve on the sky, closed or still being drawn. Where the strip ends it goes on at the other side. */
+export function draw_curve(context: CanvasRenderingContext2D, projection: Projection, curve: Region, closed: boolean): void {
+  const points = closed ? outline(curve) : curve;
+  context.beginPath();
+  let before_deg: number | null = null;
+  for (const direction of points) {
+    const { x_px, y_px } = projection.point_from_direction(direction);
+    const is_around = projection.name === "equirectangular" && before_deg !== null && Math.abs(direction.azimuth_deg - before_deg) > 180;
+    if (before_deg === null || is_around) context.moveTo(x_px, y_px);
+    else context.lineTo(x_px, y_px);
+    before_deg = direction.azimuth_deg;
+  }
+  context.lineJoin = "round";
+  for (const [colour, width] of [["rgba(0, 0, 0, 0.75)", 4.5], ["#6ff0dc", 2]] as const) {
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.stroke();
+  }
 }
 
 /** The cross that shows which direction the readout speaks of. */

@@ -5,11 +5,13 @@ import type { Atmosphere, Scene } from "../api/types.ts";
 import type { ColourMapName } from "../sky/colour_maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
-import { LAYERS, type LayerName, type MeasureName, type TerrainKind, type ViewState } from "../state.ts";
+import { LAYERS, type LayerName, type LightsKind, type MeasureName, type TerrainKind, type ViewState } from "../state.ts";
 import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
 import { by_id, debounced, make } from "./dom.ts";
+import { wire_group } from "./group.ts";
 import { show_layer_hint } from "./layers.ts";
 import { EMISSIONS, LAMPS } from "./lamps.ts";
+import { set_region_option } from "./marking.ts";
 import { resident_scatterings, SCATTERINGS, turbidity_ends } from "./scattering.ts";
 
 export interface ControlEvents {
@@ -22,6 +24,7 @@ export interface ControlEvents {
   lamp: (lamp: string) => void;
   emission: (emission: string) => void;
   terrain: (terrain: TerrainKind) => void;
+  lights: (lights: LightsKind) => void;
   projection: (projection: ProjectionName) => void;
   sky: (sky: SkyKind) => void;
   colours: (colours: ColourMapName) => void;
@@ -46,34 +49,6 @@ function fill(select: HTMLSelectElement, options: readonly (readonly [string, st
   select.replaceChildren(...all.map(([name, title]) => new Option(title, name, false, name === value)));
 }
 
-/** A button group of which exactly one is pressed; arrow keys move as in radio groups. */
-function wire_group<T extends string>(id: string, chosen: (value: T) => void): (value: T) => void {
-  const group = by_id(id, HTMLElement);
-  const buttons = [...group.querySelectorAll("button")];
-  const press = (value: string) => {
-    for (const button of buttons) {
-      const on = button.value === value;
-      button.setAttribute("aria-checked", String(on));
-      button.tabIndex = on ? 0 : -1;
-    }
-  };
-  buttons.forEach((button, i) => {
-    button.addEventListener("click", () => {
-      press(button.value);
-      chosen(button.value as T);
-    });
-    button.addEventListener("keydown", (event) => {
-      const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
-      const next = step === undefined ? undefined : buttons[(i + step + buttons.length) % buttons.length];
-      if (next === undefined) return;
-      event.preventDefault();
-      next.focus();
-      next.click();
-    });
-  });
-  return press;
-}
-
 export class Controls {
   private readonly scene = by_id("scene", HTMLSelectElement);
   private readonly scene_note = by_id("scene-note", HTMLElement);
@@ -87,6 +62,7 @@ export class Controls {
   private readonly terrain = by_id("terrain", HTMLSelectElement);
   private readonly colours = by_id("colours", HTMLSelectElement);
   private readonly measure = by_id("measure", HTMLSelectElement);
+  private readonly press_lights: (value: LightsKind) => void;
   private readonly press_projection: (value: ProjectionName) => void;
   private readonly press_sky: (value: SkyKind) => void;
 
@@ -107,6 +83,7 @@ export class Controls {
     this.terrain.addEventListener("change", () => events.terrain(this.terrain.value as TerrainKind));
     this.colours.addEventListener("change", () => events.colours(this.colours.value as ColourMapName));
     this.measure.addEventListener("change", () => events.measure(this.measure.value as MeasureName));
+    this.press_lights = wire_group<LightsKind>("lights", events.lights);
     this.press_projection = wire_group<ProjectionName>("projection", events.projection);
     this.press_sky = wire_group<SkyKind>("sky-kind", events.sky);
     for (const layer of LAYERS) {
@@ -189,8 +166,11 @@ export class Controls {
     fill(this.emission, EMISSIONS, state.emission);
     this.terrain.value = state.terrain;
     this.colours.value = state.colours;
+    set_region_option(this.measure, state.region !== null);
     this.measure.value = state.measure;
     this.measure.hidden = state.layers.influence === 0;
+    by_id("lights", HTMLElement).hidden = state.scenario === null;
+    this.press_lights(state.lights);
     this.press_projection(state.projection);
     this.press_sky(state.sky);
     for (const layer of LAYERS) {

@@ -12,6 +12,8 @@ export function short_number(value: number): string {
 export function with_prefix(value: number, unit: string): string {
   const size = Math.abs(value);
   if (size === 0) return `0 ${unit}`;
+  if (size >= 1e6) return `${short_number(value / 1e6)} M${unit}`;
+  if (size >= 1e4) return `${short_number(value / 1e3)} k${unit}`;
   if (size >= 1) return `${short_number(value)} ${unit}`;
   if (size >= 1e-3) return `${short_number(value * 1e3)} m${unit}`;
   if (size >= 1e-6) return `${short_number(value * 1e6)} µ${unit}`;

@@ -24,13 +24,19 @@ export function distance_and_bearing(from: Place, to: Place): { distance_km: num
   };
 }
 
-export function place_name(place: Place, places: readonly NamedPlace[]): string {
+/** The nearest named place, and the way from there; null where none is near. */
+export function nearest_place(place: Place, places: readonly NamedPlace[]): { name: string; distance_km: number; bearing_deg: number } | null {
   let nearest = { distance_km: FARTHEST_KM, bearing_deg: 0, name: "" };
   for (const named of places) {
     const way = distance_and_bearing(named, place);
     if (way.distance_km < nearest.distance_km) nearest = { ...way, name: named.name };
   }
-  if (nearest.name === "") return coordinates(place.latitude_deg, place.longitude_deg);
+  return nearest.name === "" ? null : nearest;
+}
+
+export function place_name(place: Place, places: readonly NamedPlace[]): string {
+  const nearest = nearest_place(place, places);
+  if (nearest === null) return coordinates(place.latitude_deg, place.longitude_deg);
   if (nearest.distance_km < 1.5) return nearest.name;
   return `${Math.round(nearest.distance_km)} km ${compass_name(nearest.bearing_deg)} of ${nearest.name}`;
 }

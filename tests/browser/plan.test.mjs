@@ -1,0 +1,117 @@
+// What to dim: a plan is found for the picked place, its sky is shown beside today's, and a link brings both back.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { assert_no_faults, get_json, launch, numbers_shown, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
+import { demo, sky_path } from "./support/sky.mjs";
+
+let browser;
+let here;
+
+before(async () => {
+  browser = await launch();
+  here = await demo();
+});
+after(() => browser?.close());
+
+const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
+const set_slider = (page, id, value) =>
+  page.$eval(
+    `#${id}`,
+    (slider, value) => {
+      slider.value = value;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    },
+    String(value),
+  );
+
+async function find_plan(page) {
+  await page.click("#plan-find");
+  await page.waitForSelector("#plan-answer .plan-reached");
+}
+
+test("a plan makes the zenith as much darker as wished, says whose light goes, and can be left again", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  assert.ok(await page.locator("#lights").isHidden(), "there is nothing to compare yet");
+  await set_slider(page, "plan-reduction", 40);
+  assert.equal(await page.locator("#plan-reduction-value").textContent(), "40 %");
+  await find_plan(page);
+  const id = new URLSearchParams(new URL(page.url()).hash.slice(1)).get("scenario");
+  const plan = await get_json(`plans/${id}?limit=5000`);
+  const [site] = plan.sites;
+  assert.ok(Math.abs(site.reduced_by - 0.4) < 1e-3, `${site.reduced_by}`);
+  assert.equal(Number(await page.locator(".plan-reached").getAttribute("data-reduced-by")), site.reduced_by);
+  // The sky is the plan's, then today's, then the plan's again.
+  await numbers_shown(page, site.sky_after);
+  await sky_shown(page);
+  const names = here.places.map(({ name }) => name);
+  const towns = await page.locator(".towns li span").allTextContents();
+  assert.ok(towns.length > 0 && towns.slice(0, 6).every((town) => names.includes(town)), `${towns}`);
+  const parts = (await page.locator(".towns li b").allTextContents()).map((part) => Number.parseFloat(part.replace("<", "")));
+  const listed = plan.pixels.reduce((sum, { effect }) => sum + effect, 0);
+  assert.ok(Math.abs(parts.reduce((a, b) => a + b) - 100 * listed) < 3, `${parts} of ${listed}`);
+  await shot(page, "plan");
+  await page.click("#lights button[value=today]");
+  const today = (await get_json(sky_path(here.scene, "sky", here.beside, "&lamp=mixed&emission=garstang"))).sky;
+  await numbers_shown(page, today);
+  assert.match(page.url(), /lights=today/);
+  await page.keyboard.press("ArrowRight");
+  await numbers_shown(page, site.sky_after);
+  // A link or a reload has it all, the wish too.
+  await set_slider(page, "plan-reduction", 10);
+  await page.reload();
+  await page.waitForSelector("#plan-answer .plan-reached");
+  await numbers_shown(page, site.sky_after);
+  assert.equal(await page.locator("#plan-reduction").inputValue(), "40");
+  const files = await page.locator("#plan-answer .links a").evaluateAll((links) => links.map(({ href }) => href));
+  assert.equal(files.length, 4);
+  for (const file of files) assert.equal((await fetch(file)).status, 200, file);
+  await page.click("#plan-drop");
+  await numbers_shown(page, today);
+  assert.ok(!page.url().includes("scenario"));
+  assert.equal(await page.locator("#plan-answer").textContent(), "");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a plan that cannot reach what is wished says why and shows the best there is", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  await set_slider(page, "plan-reduction", 90);
+  await set_slider(page, "plan-cut", 50);
+  await find_plan(page);
+  assert.match((await page.locator("#plan-answer .warning").textContent()) ?? "", /\w{3}/);
+  assert.ok(Math.abs(Number(await page.locator(".plan-reached").getAttribute("data-reduced-by")) - 0.5) < 1e-3);
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a link to a plan that is no longer kept is said to be one, and today's sky is shown", async () => {
+  const opened = await open_page(browser, fragment(here.beside, "&scenario=p-00000000000000000000"));
+  const { page, context } = opened;
+  await page.waitForSelector("#notice:not([hidden])");
+  await page.waitForFunction(() => !location.hash.includes("scenario"));
+  await sky_shown(page);
+  assert.ok(await page.locator("#lights").isHidden());
+  await context.close();
+});
+
+test("a plan is found by keyboard on a phone's page", async () => {
+  const opened = await open_page(browser, fragment(here.beside), PHONE);
+  const { page, context } = opened;
+  await sky_shown(page);
+  await page.focus("#plan-reduction");
+  await page.keyboard.press("ArrowLeft");
+  assert.equal(await page.locator("#plan-reduction-value").textContent(), "25 %");
+  await page.focus("#plan-find");
+  await page.keyboard.press("Enter");
+  await page.waitForSelector("#plan-answer .plan-reached");
+  await page.locator("#plan-card").scrollIntoViewIfNeeded();
+  await shot(page, "plan-phone");
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(wide <= PHONE.viewport.width, `the page is ${wide} px wide`);
+  assert_no_faults(opened);
+  await context.close();
+});

@@ -1,0 +1,125 @@
+// A curve around a part of the sky: the lights that cause it glow on the map, and a plan can be about it.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { assert_no_faults, get_json, launch, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
+import { demo } from "./support/sky.mjs";
+
+let browser;
+let here;
+
+before(async () => {
+  browser = await launch();
+  here = await demo();
+});
+after(() => browser?.close());
+
+const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
+const region_of = (page) => new URLSearchParams(new URL(page.url()).hash.slice(1)).get("region");
+const corners_of = (page) => region_of(page).split(";").map((corner) => corner.split(",").map(Number));
+
+/** Draws an ellipse with the mouse, its middle and size as parts of the picture. */
+async function circle(page, [x, y], [width, height]) {
+  const box = await page.locator(".sky-overlay").boundingBox();
+  const point = (i) => [box.x + box.width * (x + width * Math.cos((i * Math.PI) / 18)), box.y + box.height * (y + height * Math.sin((i * Math.PI) / 18))];
+  await page.mouse.move(...point(0));
+  await page.mouse.down();
+  for (let i = 1; i < 36; i++) await page.mouse.move(...point(i));
+  await page.mouse.up();
+}
+
+test("a curve drawn around the sky's south shows the lights that cause it, and a plan can be about it", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context, asked } = opened;
+  await sky_shown(page);
+  await page.click("#mark");
+  assert.match((await page.locator("#mark-hint").textContent()) ?? "", /Draw around/);
+  // A click is no curve: drawing goes on.
+  const box = await page.locator(".sky-overlay").boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  assert.equal(await page.locator("#mark").getAttribute("aria-pressed"), "true");
+  await circle(page, [0.5, 0.7], [0.06, 0.15]);
+  await page.waitForSelector("#layer-note-influence[data-state=shown]");
+  assert.equal(await page.locator("#mark").textContent(), "Unmark");
+  assert.equal(await page.locator("#mark-hint").textContent(), "");
+  const corners = corners_of(page);
+  assert.ok(corners.length >= 12 && corners.length <= 80, `${corners.length}`);
+  for (const [azimuth_deg] of corners) assert.ok(azimuth_deg > 140 && azimuth_deg < 215, `${azimuth_deg}`);
+  assert.equal(await page.locator("#measure").inputValue(), "region");
+  await page.waitForTimeout(1200);
+  const tile = asked.find((path) => /tiles\/influence\/\d+\//.test(path));
+  const query = new URLSearchParams(tile?.split("?")[1] ?? "");
+  assert.deepEqual([query.get("measure"), query.get("region")], ["region", region_of(page)], `${tile}`);
+  await shot(page, "region");
+
+  await page.selectOption("#plan-measure", "region");
+  await page.click("#plan-find");
+  await page.waitForSelector("#plan-answer .plan-reached");
+  assert.match((await page.locator(".plan-reached").textContent()) ?? "", /30 % darker in the marked part of the sky/);
+  const id = new URLSearchParams(new URL(page.url()).hash.slice(1)).get("scenario");
+  const [site] = (await get_json(`plans/${id}`)).sites;
+  assert.equal(site.measure, "region");
+  assert.ok(Math.abs(site.reduced_by - 0.3) < 1e-3);
+
+  // The mark belongs to the link, and to both projections.
+  await page.reload();
+  await sky_shown(page);
+  assert.deepEqual(corners_of(page), corners);
+  await page.click("#projection button[value=fisheye]");
+  await page.waitForTimeout(300);
+  await shot(page, "region-fisheye");
+  await page.click("#mark");
+  assert.equal(region_of(page), null);
+  assert.equal(await page.locator("#measure").inputValue(), "zenith");
+  assert.equal(await page.locator("#plan-measure").inputValue(), "zenith");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a part of the sky is marked by keyboard, and Escape ends it without a mark", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  await page.click("#mark");
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("#mark").textContent(), "Mark a part");
+  assert.equal(region_of(page), null);
+  await page.focus("#mark");
+  await page.keyboard.press("Enter");
+  const step = async (key, times) => {
+    for (let i = 0; i < times; i++) await page.keyboard.press(`Shift+${key}`);
+    await page.keyboard.press("Enter");
+  };
+  await step("ArrowDown", 2);
+  await step("ArrowRight", 2);
+  await step("ArrowUp", 1);
+  await step("ArrowLeft", 1);
+  await page.keyboard.press("Enter");
+  await page.waitForSelector("#layer-note-influence[data-state=shown]");
+  assert.equal(corners_of(page).length, 4);
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("a finger marks a part of the sky on a phone", async () => {
+  const opened = await open_page(browser, fragment(here.beside, "&projection=fisheye"), PHONE);
+  const { page, context } = opened;
+  await sky_shown(page);
+  await page.locator("#mark").scrollIntoViewIfNeeded();
+  await page.tap("#mark");
+  const client = await context.newCDPSession(page);
+  await page.locator(".sky-overlay").scrollIntoViewIfNeeded();
+  const box = await page.locator(".sky-overlay").boundingBox();
+  const point = (i) => ({ x: box.x + box.width * (0.5 + 0.2 * Math.cos((i * Math.PI) / 12)), y: box.y + box.height * (0.5 + 0.2 * Math.sin((i * Math.PI) / 12)) });
+  await client.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [point(0)] });
+  for (let i = 1; i < 24; i++) await client.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: [point(i)] });
+  await client.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  // The panel of layers is folded on a phone.
+  await page.waitForSelector("#layer-note-influence[data-state=shown]", { state: "attached" });
+  // All around the zenith.
+  const azimuths = corners_of(page).map(([azimuth_deg]) => Math.floor(azimuth_deg / 90));
+  assert.equal(new Set(azimuths).size, 4, `${azimuths}`);
+  await shot(page, "region-phone");
+  assert_no_faults(opened);
+  await context.close();
+});

@@ -1,0 +1,167 @@
+// What to dim so that a sky is darker: the wish, and the plan that the server found.
+
+import { url_of } from "../api/client.ts";
+import type { DimmedPixel, NamedPlace, Plan, Scenario } from "../api/types.ts";
+import { LISTED_PIXELS, PLAN_MEASURES, type Change, type PlanMeasure, type PlanWish } from "../planning.ts";
+import type { Region } from "../sky/region.ts";
+import { by_id, make } from "./dom.ts";
+import { magnitude, with_prefix } from "./format.ts";
+import { set_region_option } from "./marking.ts";
+import { nearest_place, place_name } from "./nearby.ts";
+
+export interface PlanCardEvents {
+  find: (wish: PlanWish) => void;
+  drop: () => void;
+}
+
+const MEASURE_WORDS: Record<PlanMeasure, string> = { zenith: "in the zenith", mean: "in the whole sky", horizontal: "in the light on the ground", region: "in the marked part of the sky" };
+/** So many towns are named; the rest are summed up. */
+const NAMED_TOWNS = 6;
+
+/** A share as people say it: 0.3 %, 12 %. */
+export function percent(share: number): string {
+  const size = 100 * share;
+  if (size > 0 && size < 0.1) return "< 0.1 %";
+  return `${size < 9.95 ? size.toFixed(1) : size.toFixed(0)} %`;
+}
+
+/** Around which towns the dimmed pixels lie, with their parts of the plan's effect, the largest first. */
+export function effect_by_town(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): [string, number][] {
+  const sums = new Map<string, number>();
+  for (const pixel of pixels) {
+    const town = nearest_place(pixel, places)?.name ?? "Far from any town";
+    sums.set(town, (sums.get(town) ?? 0) + pixel.effect);
+  }
+  return [...sums].sort(([, a], [, b]) => b - a);
+}
+
+export class PlanCard {
+  private readonly card = by_id("plan-card", HTMLElement);
+  private readonly reduction = by_id("plan-reduction", HTMLInputElement);
+  private readonly measure = by_id("plan-measure", HTMLSelectElement);
+  private readonly cut = by_id("plan-cut", HTMLInputElement);
+  private readonly find = by_id("plan-find", HTMLButtonElement);
+  private region: Region | null = null;
+  private readonly answer = by_id("plan-answer", HTMLElement);
+
+  constructor(private readonly events: PlanCardEvents) {
+    for (const slider of [this.reduction, this.cut]) slider.addEventListener("input", () => this.show_values());
+    this.find.addEventListener("click", () => events.find(this.wish()));
+    this.show_values();
+  }
+
+  /** The part of the sky that is marked, which a wish may be about. */
+  set_region(region: Region | null): void {
+    this.region = region;
+    set_region_option(this.measure, region !== null);
+  }
+
+  private wish(): PlanWish {
+    const measure = PLAN_MEASURES.find((name) => name === this.measure.value) ?? "zenith";
+    return { measure, reduce_by: Number(this.reduction.value) / 100, max_cut: Number(this.cut.value) / 100, region: this.region };
+  }
+
+  private show_values(): void {
+    for (const slider of [this.reduction, this.cut]) {
+      by_id(`${slider.id}-value`, HTMLOutputElement).value = `${slider.value} %`;
+      slider.setAttribute("aria-valuetext", `${slider.value} percent`);
+    }
+  }
+
+  searching(): void {
+    this.card.setAttribute("aria-busy", "true");
+    this.find.disabled = true;
+    this.answer.replaceChildren(make("p", "progress", "Looking for the least light to take away…"));
+  }
+
+  /** Shows a change of lights; null where there is none. */
+  show(change: Change | null, places: readonly NamedPlace[]): void {
+    this.card.removeAttribute("aria-busy");
+    this.find.disabled = false;
+    if (change === null) this.answer.replaceChildren();
+    else this.answer.replaceChildren(...(change.kind === "plan" ? this.plan(change.plan, places) : this.scenario(change.scenario)), this.drop());
+  }
+
+  /** The wish that a plan was found for, after a reload too. */
+  show_wish({ max_cut, sites: [site] }: Plan): void {
+    const wanted = site?.target?.wanted;
+    if (site === undefined || wanted === undefined || site.before <= 0) return;
+    this.reduction.value = String(Math.round(100 * (1 - wanted / site.before)));
+    this.cut.value = String(Math.round(100 * (max_cut ?? 1)));
+    if ([...this.measure.options].some(({ value, disabled }) => value === site.measure && !disabled)) this.measure.value = site.measure;
+    this.show_values();
+  }
+
+  private plan(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
+    const sites = plan.sites.flatMap((site) => {
+      const where = MEASURE_WORDS[site.measure as PlanMeasure] ?? site.measure;
+      const name = place_name(site.observer, places);
+      const reached = make("p", "plan-reached", make("b", "", `${percent(site.reduced_by)} darker`), ` ${where}, ${name}`);
+      reached.dataset["reducedBy"] = String(site.reduced_by);
+      const { sky_before, sky_after } = site;
+      const rows = make(
+        "dl",
+        "number-list",
+        change_row("Zenith, artificial", magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null), magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null), "mag/arcsec²"),
+        ...(sky_before.bortle_class == null || sky_after.bortle_class == null ? [] : [change_row("Bortle class", String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
+        ...(sky_before.naked_eye_limit_mag == null || sky_after.naked_eye_limit_mag == null
+          ? []
+          : [change_row("Faintest stars", sky_before.naked_eye_limit_mag.toFixed(2), sky_after.naked_eye_limit_mag.toFixed(2), "mag")]),
+      );
+      const unmet = site.target?.why_not == null ? [] : [make("p", "warning", site.target.why_not)];
+      return [reached, ...unmet, rows];
+    });
+    const light = make(
+      "p",
+      "",
+      `This takes ${percent(plan.flux_removed_share)} of the light within 300 km (${with_prefix(plan.flux_removed_dnb_w, "W")} upward, as the satellite sees it), from ${plan.dimmed_pixels.toLocaleString("en")} of ${plan.lit_pixels_within_reach.toLocaleString("en")} lit pixels.`,
+    );
+    const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", `The map shows the ${LISTED_PIXELS.toLocaleString("en")} with the most effect; the files hold them all.`)] : [];
+    return [...sites, light, ...more, ...towns(plan.pixels, places), files(plan.id)];
+  }
+
+  private scenario({ title, edit_count, changed_pixels, flux_before_dnb_w, flux_after_dnb_w }: Scenario): HTMLElement[] {
+    const flux = (flux_dnb_w: number) => with_prefix(flux_dnb_w, "W");
+    return [
+      make("p", "plan-reached", make("b", "", title ?? "A scenario"), ` of ${edit_count} ${edit_count === 1 ? "edit" : "edits"}`),
+      make("p", "", `It changes ${changed_pixels.toLocaleString("en")} pixels: ${flux(flux_before_dnb_w)} of upward light become ${flux(flux_after_dnb_w)}.`),
+    ];
+  }
+
+  private drop(): HTMLElement {
+    const button = make("button", "quiet", "Back to the lights of today") as HTMLButtonElement;
+    button.type = "button";
+    button.id = "plan-drop";
+    button.addEventListener("click", () => this.events.drop());
+    return button;
+  }
+}
+
+function change_row(title: string, before: string, after: string, unit: string): HTMLElement {
+  const row = make("div", "number-row", make("dt", "", title), make("dd", "", `${before} → `, make("b", "", after), unit === "" ? "" : ` ${unit}`));
+  return row;
+}
+
+function towns(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): HTMLElement[] {
+  if (places.length === 0 || pixels.length === 0) return [];
+  const all = effect_by_town(pixels, places);
+  const rest = all.slice(NAMED_TOWNS).reduce((sum, [, effect]) => sum + effect, 0);
+  const shown: [string, number][] = rest > 0 ? [...all.slice(0, NAMED_TOWNS), [`${all.length - NAMED_TOWNS} more`, rest]] : all;
+  const rows = shown.map(([name, effect]) => {
+    const bar = make("i", "");
+    bar.style.width = `${100 * effect}%`;
+    return make("li", "", make("span", "", name), make("b", "", percent(effect)), bar);
+  });
+  return [make("h3", "", "Whose light that is"), make("ul", "towns", ...rows)];
+}
+
+function files(id: string): HTMLElement {
+  const link = (format: string, title: string) => {
+    const anchor = make("a", "", format) as HTMLAnchorElement;
+    anchor.href = url_of("/api/v1/plans/{plan}", { plan: `${id}.${title}` }, { limit: 10_000 });
+    anchor.target = "_blank";
+    anchor.rel = "noopener";
+    return anchor;
+  };
+  return make("p", "links", link("GeoTIFF", "tif"), link("GeoJSON", "geojson"), link("CSV", "csv"), link("JSON", "json"));
+}
