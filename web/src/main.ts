@@ -3,7 +3,7 @@
 import { api, type SkyParameters } from "./api/client.ts";
 import type { Atmosphere, NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
 import type { SkyMap } from "./map/sky_map.ts";
-import { Planning, type PlanWish } from "./planning.ts";
+import { Lights } from "./lights.ts";
 import { SkySession } from "./session.ts";
 import { brightness_mag_arcsec2 } from "./photometry.ts";
 import { Legend } from "./sky/legend.ts";
@@ -19,7 +19,6 @@ import { show_layer_state } from "./ui/layers.ts";
 import { Marking } from "./ui/marking.ts";
 import { place_name } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
-import { PlanCard } from "./ui/plan_card.ts";
 import { show_numbers, show_site } from "./ui/numbers.ts";
 import { show_readout } from "./ui/readout.ts";
 import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./ui/scattering.ts";
@@ -97,25 +96,9 @@ class Viewer {
     ended: () => this.set_busy(false),
   });
 
-  private readonly plan_card = new PlanCard({
-    find: (wish) => this.find_plan(wish),
-    drop: () => this.change({ scenario: null }, { push: true }),
-  });
-  private readonly planning = new Planning({
-    searching: () => this.plan_card.searching(),
-    found: (change) => {
-      if (change.kind === "plan") {
-        this.plan_card.show_wish(change.plan);
-        // A plan that was looked for is not in the link yet.
-        if (this.state.scenario !== change.plan.id) this.change({ scenario: change.plan.id, lights: "changed" }, { push: true });
-      }
-      this.show_change();
-    },
-    failed: (reason) => {
-      this.notice.show(reason);
-      if (this.planning.change() === null && this.state.scenario !== null) this.change({ scenario: null });
-      this.show_change();
-    },
+  private readonly lights = new Lights({
+    chosen: (scenario) => this.change({ scenario, lights: "changed" }, { push: true }),
+    failed: (reason) => this.notice.show(reason),
   });
 
   async start(): Promise<void> {
@@ -148,6 +131,7 @@ class Viewer {
     try {
       const { SkyMap } = await map_code;
       this.map = this.new_map(SkyMap);
+      this.lights.set_map(this.map);
     } catch (reason) {
       this.notice.show(
         new Error(`The map cannot be drawn here (${reason instanceof Error ? reason.message : String(reason)}). Search for a place or coordinates instead.`),
@@ -158,6 +142,7 @@ class Viewer {
   private new_map(SkyMapClass: typeof SkyMap): SkyMap {
     return new SkyMapClass(by_id("map", HTMLElement), this.state.view, {
       picked: (place) => this.pick(place),
+      painted: (area) => this.lights.painted(area),
       moved: (view) => {
         this.state = { ...this.state, view };
         this.write_url(false);
@@ -192,8 +177,8 @@ class Viewer {
       .then((places) => {
         this.places = places;
         this.search.set_places(places);
+        this.lights.set_places(places);
         this.show_title();
-        this.show_change();
         return this.map?.show_places(places);
       })
       .catch((reason: unknown) => {
@@ -264,10 +249,9 @@ class Viewer {
     for (const layer of LAYERS) this.show_layer(layer);
     this.map?.mark(this.state.place);
     this.show_title();
-    const { scene, place, scenario } = this.state;
-    if (scenario === null) this.planning.cancel();
-    else void this.planning.show(scenario);
-    this.show_change();
+    const { scene, place, scenario, lights, region } = this.state;
+    const { scenario: _, ...conditions } = this.conditions();
+    this.lights.show({ scene, place, scenario, lights, region, conditions });
     if (scene === null || place === null) {
       this.session.cancel();
       this.set_busy(false);
@@ -286,25 +270,6 @@ class Viewer {
     const shown = layers.influence === 0 ? SHOWN_INFLUENCE : layers.influence;
     if (region !== null) this.change({ region, measure: "region", layers: { ...layers, influence: shown } }, { push: true });
     else this.change({ region, measure: measure === "region" ? "zenith" : measure }, { push: true });
-  }
-
-  private find_plan(wish: PlanWish): void {
-    const { scene, place, scenario } = this.state;
-    if (scene === null || place === null) return;
-    this.notice.clear();
-    const { scenario: _, ...today } = this.conditions();
-    // A plan goes on from what was painted, never from another plan.
-    const painted = scenario?.startsWith("s-") === true ? { scenario } : {};
-    void this.planning.find(scene, place, { ...today, ...painted }, wish);
-  }
-
-  /** What is said of the change of lights, and where it is. */
-  private show_change(): void {
-    if (this.planning.is_searching()) return;
-    const change = this.planning.change();
-    this.plan_card.show(change, this.places);
-    const dimmed = change?.kind === "plan" && this.state.lights === "changed" ? change.plan.pixels : [];
-    void this.map?.show_dimmed(dimmed);
   }
 
   private show_layer(layer: LayerName): void {
@@ -341,7 +306,6 @@ class Viewer {
     this.legend.show(this.state.colours);
     this.sky_view.set_look(this.state);
     this.marking.show(this.state.region !== null);
-    this.plan_card.set_region(this.state.region);
   }
 
   private show_title(): void {

@@ -60,6 +60,12 @@ export class Planning {
     );
   }
 
+  /** Takes a change that was asked for elsewhere. */
+  adopt(change: Change): void {
+    this.cancel();
+    this.known = change;
+  }
+
   /** Forgets the change; answers still on their way are dropped. */
   cancel(): void {
     this.controller.abort();

@@ -1,7 +1,7 @@
 // How the viewer asks the server: paths, parameters and answers are those of the OpenAPI document.
 
 import { ApiError, problem_from_response } from "./problem.ts";
-import type { Gets, PlanBody, Posts } from "./schema.ts";
+import type { Gets, PlanBody, Posts, ScenarioBody } from "./schema.ts";
 
 type Path = keyof Gets;
 type PathValues<P extends Path> = Gets[P]["path"];
@@ -87,6 +87,8 @@ export const api = {
     get("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters, signal),
   /** Finds what to dim. */
   find_plan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) => post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),
+  /** Keeps what was painted. */
+  paint: (scene: string, body: ScenarioBody, signal: AbortSignal) => post("/api/v1/scenes/{scene}/scenarios", { scene }, {}, body, signal),
   plan: (plan: string, limit: number, signal: AbortSignal) => get("/api/v1/plans/{plan}", { plan }, { limit }, signal),
   scenario: (scenario: string, signal: AbortSignal) => get("/api/v1/scenarios/{scenario}", { scenario }, {}, signal),
   /** Describes a layer of tiles once what they show is found. */

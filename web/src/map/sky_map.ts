@@ -7,7 +7,10 @@ import "maplibre-gl/dist/maplibre-gl.css";
 import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import type { LayerName, MapView, Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
+import type { EditBody } from "../api/schema.ts";
+import type { PaintedArea } from "../painting.ts";
 import { load_basemap } from "./basemap.ts";
+import { Painter, type Brush } from "./painter.ts";
 import { RasterLayers, type LayerState, type WantedLayer } from "./raster_layers.ts";
 import { night_style } from "./style.ts";
 
@@ -16,6 +19,7 @@ setWorkerUrl(worker_url);
 
 export interface SkyMapEvents {
   picked: (place: Place) => void;
+  painted: (area: PaintedArea) => void;
   moved: (view: MapView) => void;
   layer: (name: LayerName, state: LayerState) => void;
   failed: (reason: unknown) => void;
@@ -46,6 +50,7 @@ export class SkyMap {
   private readonly marker: Marker;
   private readonly styled: Promise<unknown>;
   private readonly layers: RasterLayers;
+  private readonly painter: Painter;
   private readonly failed_sources = new Set<string>();
   private marked: Place | null = null;
 
@@ -77,6 +82,7 @@ export class SkyMap {
       events.layer(name, state);
     });
 
+    this.painter = new Painter(this.map, events.painted);
     container.append(make("div", "crosshair"));
     const pin = document.createElement("div");
     pin.className = "pin";
@@ -85,12 +91,17 @@ export class SkyMap {
     this.marker = new Marker({ element: pin, anchor: "center" });
 
     this.map.on("click", ({ lngLat }) => {
+      if (this.painter.is_painting()) return;
       const { lng, lat } = lngLat.wrap();
       events.picked({ latitude_deg: lat, longitude_deg: lng });
     });
     this.map.getCanvas().addEventListener("keydown", (event) => {
       if (event.key !== "Enter") return;
       event.preventDefault();
+      if (this.painter.is_painting()) {
+        this.painter.press_enter();
+        return;
+      }
       const { lng, lat } = this.map.getCenter().wrap();
       events.picked({ latitude_deg: lat, longitude_deg: lng });
     });
@@ -169,6 +180,16 @@ export class SkyMap {
         geometry: { type: "Point", coordinates: [longitude_deg, latitude_deg] },
       })),
     });
+  }
+
+  /** Strokes paint with this brush; null: they move the map. */
+  set_brush(brush: Brush | null): void {
+    this.painter.set_brush(brush);
+  }
+
+  async show_painted(edits: readonly EditBody[]): Promise<void> {
+    await this.styled;
+    this.painter.show_edits(edits);
   }
 
   /** Shows which lights a plan dims, and how far. */

@@ -1,8 +1,8 @@
 // What to dim so that a sky is darker: the wish, and the plan that the server found.
 
 import { url_of } from "../api/client.ts";
-import type { DimmedPixel, NamedPlace, Plan, Scenario } from "../api/types.ts";
-import { LISTED_PIXELS, PLAN_MEASURES, type Change, type PlanMeasure, type PlanWish } from "../planning.ts";
+import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
+import { LISTED_PIXELS, PLAN_MEASURES, type PlanMeasure, type PlanWish } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
 import { by_id, make } from "./dom.ts";
 import { magnitude, with_prefix } from "./format.ts";
@@ -74,12 +74,12 @@ export class PlanCard {
     this.answer.replaceChildren(make("p", "progress", "Looking for the least light to take away…"));
   }
 
-  /** Shows a change of lights; null where there is none. */
-  show(change: Change | null, places: readonly NamedPlace[]): void {
+  /** Shows a plan; null where there is none. */
+  show(plan: Plan | null, places: readonly NamedPlace[]): void {
     this.card.removeAttribute("aria-busy");
     this.find.disabled = false;
-    if (change === null) this.answer.replaceChildren();
-    else this.answer.replaceChildren(...(change.kind === "plan" ? this.plan(change.plan, places) : this.scenario(change.scenario)), this.drop());
+    if (plan === null) this.answer.replaceChildren();
+    else this.answer.replaceChildren(...this.plan(plan, places), this.drop());
   }
 
   /** The wish that a plan was found for, after a reload too. */
@@ -118,14 +118,6 @@ export class PlanCard {
     );
     const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", `The map shows the ${LISTED_PIXELS.toLocaleString("en")} with the most effect; the files hold them all.`)] : [];
     return [...sites, light, ...more, ...towns(plan.pixels, places), files(plan.id)];
-  }
-
-  private scenario({ title, edit_count, changed_pixels, flux_before_dnb_w, flux_after_dnb_w }: Scenario): HTMLElement[] {
-    const flux = (flux_dnb_w: number) => with_prefix(flux_dnb_w, "W");
-    return [
-      make("p", "plan-reached", make("b", "", title ?? "A scenario"), ` of ${edit_count} ${edit_count === 1 ? "edit" : "edits"}`),
-      make("p", "", `It changes ${changed_pixels.toLocaleString("en")} pixels: ${flux(flux_before_dnb_w)} of upward light become ${flux(flux_after_dnb_w)}.`),
-    ];
   }
 
   private drop(): HTMLElement {

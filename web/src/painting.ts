@@ -1,0 +1,115 @@
+// Edits that somebody paints over the lights, with undo and redo.
+
+import type { EditAnswer, EditBody, LampBody, ScenarioAnswer, ScenarioBody } from "./api/schema.ts";
+
+/** What a stroke does to the lights below it. */
+export type PaintKind = "factor" | "lamp" | "emission" | "add";
+
+export interface PaintChange {
+  kind: PaintKind;
+  /** Factor on the lights that are there. */
+  factor: number;
+  /** Preset of the new lamps. */
+  lamp: string;
+  /** Preset of how light is sent upward. */
+  emission: string;
+  /** Radiance that is added, nW cm⁻² sr⁻¹. */
+  add_radiance_nw_cm2_sr: number;
+}
+
+/** Longitude and latitude, degrees. */
+export type LonLat = readonly [number, number];
+
+/** Where a stroke was painted: along points, or inside a closed curve. */
+export type PaintedArea = { shape: "brush"; points: readonly LonLat[]; radius_m: number } | { shape: "area"; points: readonly LonLat[] };
+
+const MOST_EDITS = 100;
+
+export function edit_from(area: PaintedArea, change: PaintChange): EditBody {
+  const points = area.points.map(([longitude_deg, latitude_deg]) => [+longitude_deg.toFixed(5), +latitude_deg.toFixed(5)]);
+  const where =
+    area.shape === "brush"
+      ? { brush: { points, radius_m: area.radius_m } }
+      : { polygon: { type: "Polygon", coordinates: [[...points, points[0]]] } };
+  switch (change.kind) {
+    case "factor":
+      return { ...where, factor: change.factor };
+    case "lamp":
+      return { ...where, lamp: { to: change.lamp } };
+    case "emission":
+      return { ...where, emission: change.emission };
+    case "add":
+      return { ...where, add_radiance_nw_cm2_sr: change.add_radiance_nw_cm2_sr };
+  }
+}
+
+/** An edit as it was sent, from the server's answer. */
+export function edit_from_answer({ area, radius_m, factor, add_radiance_nw_cm2_sr, lamp, lamp_from, keep, emission }: EditAnswer): EditBody {
+  const where = radius_m == null ? { polygon: area } : { brush: { points: area["coordinates"] as number[][], radius_m } };
+  const sent = emission == null ? {} : { emission };
+  const fixture = lamp as string | number[] | null | undefined;
+  if (add_radiance_nw_cm2_sr != null) return { ...where, add_radiance_nw_cm2_sr, ...(fixture == null ? {} : { lamp: fixture }), ...sent };
+  const lamps: { lamp?: LampBody } = fixture == null ? {} : { lamp: { to: fixture, ...(lamp_from == null ? {} : { from: lamp_from }), ...(keep == null ? {} : { keep }) } };
+  const only_factor = fixture == null && emission == null;
+  return { ...where, ...(factor == null || (factor === 1 && !only_factor) ? {} : { factor }), ...lamps, ...sent };
+}
+
+export class Painting {
+  private done: EditBody[] = [];
+  private undone: EditBody[] = [];
+  /** The plan or scenario that the edits go on from. */
+  base: string | null = null;
+  title = "";
+
+  edits(): readonly EditBody[] {
+    return this.done;
+  }
+
+  can_undo(): boolean {
+    return this.done.length > 0;
+  }
+
+  can_redo(): boolean {
+    return this.undone.length > 0;
+  }
+
+  is_full(): boolean {
+    return this.done.length >= MOST_EDITS;
+  }
+
+  add(edit: EditBody): void {
+    this.done.push(edit);
+    this.undone = [];
+  }
+
+  undo(): void {
+    const edit = this.done.pop();
+    if (edit !== undefined) this.undone.push(edit);
+  }
+
+  redo(): void {
+    const edit = this.undone.pop();
+    if (edit !== undefined) this.done.push(edit);
+  }
+
+  /** Forgets all of it. */
+  clear(): void {
+    this.done = [];
+    this.undone = [];
+    this.base = null;
+    this.title = "";
+  }
+
+  /** Goes on from what somebody painted before. */
+  load({ edits, base, title }: Pick<ScenarioAnswer, "edits" | "base" | "title">): void {
+    this.done = edits.map(edit_from_answer);
+    this.undone = [];
+    this.base = base ?? null;
+    this.title = title ?? "";
+  }
+
+  /** What the server is asked to keep. */
+  body(): ScenarioBody {
+    return { edits: this.done, ...(this.base === null ? {} : { base: this.base }), ...(this.title === "" ? {} : { title: this.title }) };
+  }
+}

@@ -1,0 +1,111 @@
+// What if the lights were others: what a stroke on the map does, and what all of them do.
+
+import type { Scenario } from "../api/types.ts";
+import type { Brush } from "../map/painter.ts";
+import type { PaintChange, PaintKind, Painting } from "../painting.ts";
+import { by_id, make } from "./dom.ts";
+import { with_prefix } from "./format.ts";
+import { wire_group } from "./group.ts";
+import { EMISSIONS, LAMPS } from "./lamps.ts";
+
+export interface PaintCardEvents {
+  /** The brush that strokes on the map paint with; null: none. */
+  brush: (brush: Brush | null) => void;
+  undo: () => void;
+  redo: () => void;
+  clear: () => void;
+  title: (title: string) => void;
+}
+
+const KINDS: readonly PaintKind[] = ["factor", "lamp", "emission", "add"];
+const HINT = "Drag over the map to paint. By keyboard: move the map with the arrows, Enter paints its middle; of an area it sets corners, and Enter twice closes it.";
+
+function flux(flux_dnb_w: number): string {
+  return with_prefix(flux_dnb_w, "W");
+}
+
+export class PaintCard {
+  private readonly kind = by_id("paint-kind", HTMLSelectElement);
+  private readonly factor = by_id("paint-factor", HTMLInputElement);
+  private readonly add = by_id("paint-add", HTMLInputElement);
+  private readonly lamp = by_id("paint-lamp", HTMLSelectElement);
+  private readonly emission = by_id("paint-emission", HTMLSelectElement);
+  private readonly radius = by_id("paint-radius", HTMLInputElement);
+  private readonly draw = by_id("paint-draw", HTMLButtonElement);
+  private readonly undo = by_id("paint-undo", HTMLButtonElement);
+  private readonly redo = by_id("paint-redo", HTMLButtonElement);
+  private readonly clear = by_id("paint-clear", HTMLButtonElement);
+  private readonly title = by_id("paint-title", HTMLInputElement);
+  private readonly answer = by_id("paint-answer", HTMLElement);
+  private shape: Brush["shape"] = "brush";
+  private painting = false;
+
+  constructor(private readonly events: PaintCardEvents) {
+    for (const [select, options] of [[this.lamp, LAMPS], [this.emission, EMISSIONS]] as const) {
+      select.replaceChildren(...options.map(([name, title]) => new Option(title, name)));
+    }
+    this.lamp.value = "pc_amber";
+    this.emission.value = "shielded";
+    const press = wire_group<Brush["shape"]>("paint-shape", (shape) => {
+      this.shape = shape;
+      this.update();
+    });
+    press(this.shape);
+    for (const control of [this.kind, this.factor, this.add, this.radius]) control.addEventListener("input", () => this.update());
+    this.draw.addEventListener("click", () => this.set_painting(!this.painting));
+    this.undo.addEventListener("click", () => events.undo());
+    this.redo.addEventListener("click", () => events.redo());
+    this.clear.addEventListener("click", () => events.clear());
+    this.title.addEventListener("change", () => events.title(this.title.value.trim()));
+    this.update();
+  }
+
+  /** What a stroke does to the lights below it. */
+  change(): PaintChange {
+    return {
+      kind: KINDS.find((kind) => kind === this.kind.value) ?? "factor",
+      factor: Number(this.factor.value) / 100,
+      lamp: this.lamp.value,
+      emission: this.emission.value,
+      add_radiance_nw_cm2_sr: Number(this.add.value),
+    };
+  }
+
+  set_painting(on: boolean): void {
+    this.painting = on;
+    this.update();
+  }
+
+  show(painting: Painting, scenario: Scenario | null): void {
+    this.undo.disabled = !painting.can_undo();
+    this.redo.disabled = !painting.can_redo();
+    this.clear.disabled = !painting.can_undo();
+    by_id("paint-title-field", HTMLElement).hidden = !painting.can_undo();
+    if (document.activeElement !== this.title) this.title.value = painting.title;
+    if (scenario === null) {
+      this.answer.replaceChildren();
+      return;
+    }
+    const { changed_pixels, new_pixels, flux_before_dnb_w, flux_after_dnb_w } = scenario;
+    const change = flux_before_dnb_w > 0 ? (100 * (flux_after_dnb_w - flux_before_dnb_w)) / flux_before_dnb_w : NaN;
+    const share = Number.isFinite(change) ? ` (${change > 0 ? "+" : ""}${change.toFixed(Math.abs(change) < 9.95 ? 1 : 0)} %)` : "";
+    const lit = new_pixels > 0 ? `, ${new_pixels.toLocaleString("en")} of them dark before` : "";
+    this.answer.replaceChildren(make("p", "", `${changed_pixels.toLocaleString("en")} pixels changed${lit}. Upward light: ${flux(flux_before_dnb_w)} → ${flux(flux_after_dnb_w)}${share}.`));
+  }
+
+  private update(): void {
+    for (const kind of KINDS) by_id(`paint-${kind}-field`, HTMLElement).hidden = kind !== this.kind.value;
+    by_id("paint-radius-field", HTMLElement).hidden = this.shape !== "brush";
+    const say = (input: HTMLInputElement, words: string) => {
+      by_id(`${input.id}-value`, HTMLOutputElement).value = words;
+      input.setAttribute("aria-valuetext", words);
+    };
+    say(this.factor, this.factor.value === "0" ? "none: switched off" : `${this.factor.value} %`);
+    say(this.add, `${this.add.value} nW/cm²/sr`);
+    say(this.radius, `${this.radius.value} km`);
+    this.draw.setAttribute("aria-pressed", String(this.painting));
+    this.draw.textContent = this.painting ? "Stop painting" : "Paint on the map";
+    by_id("paint-hint", HTMLElement).textContent = this.painting ? HINT : "";
+    this.events.brush(this.painting ? { shape: this.shape, radius_m: 1000 * Number(this.radius.value) } : null);
+  }
+}
