@@ -87,7 +87,7 @@ pub(crate) struct Layer {
     /// Requests that one client may send at once [default: 1000]
     #[arg(long, env = "SKYGLOW_REQUEST_BURST", value_name = "N", help_heading = "Limits")]
     pub(crate) request_burst: Option<u32>,
-    /// Scenarios, counted by 16 kB of body, that one client may have kept in a day, a plan counting as 8; 0 for no limit [default: 200]
+    /// Scenarios and plans, counted by 16 kB, that one client may have kept in a day; 0 for no limit [default: 500]
     #[arg(long, env = "SKYGLOW_KEPT_PER_DAY", value_name = "N", help_heading = "Limits")]
     pub(crate) kept_per_day: Option<u32>,
     /// Longest time for the answers under way when the server is told to end, seconds [default: 10]

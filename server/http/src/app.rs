@@ -5,8 +5,8 @@ use crate::{
     config::HttpConfig,
     error::ApiError,
     layers::{
-        RateLimiter, Room, catch_panic, guard, limit_keeping, limit_rate, observe, problems_only, read_body,
-        tag_encodings,
+        Keeping, RateLimiter, Room, catch_panic, guard, limit_keeping, limit_rate, observe, problems_only,
+        read_body, tag_encodings,
     },
     problem::PROBLEM_JSON,
     routes::{
@@ -173,10 +173,7 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         let _ = state.openapi.set(text);
     }
     let limiter = Arc::new(RateLimiter::new(config.requests_per_second, config.request_burst));
-    let per_day = config.kept_per_day;
-    // Half of it at once, and half over the day, is all of it in any day.
-    let half = per_day.div_ceil(2);
-    let keeping = Arc::new(RateLimiter::new(f64::from(half) / 86_400.0, half));
+    let keeping = Arc::new(Keeping::new(config.kept_per_day));
     let (api, _) = api().split_for_parts();
     let api = api
         .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))

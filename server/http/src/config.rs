@@ -24,8 +24,7 @@ pub struct HttpConfig {
     pub requests_per_second: f64,
     /// Requests that one client address may send at once.
     pub request_burst: u32,
-    /// Scenarios, counted by 16 kB, that one client address may have kept in a day; a plan counts as eight. 0 for no limit; more are
-    /// answered 429.
+    /// Scenarios and plans, counted by 16 kB, that one client address may have kept in a day. 0 for no limit; more are answered 429.
     pub kept_per_day: u32,
     /// Longest time for the answers under way when the server is told to end, seconds.
     pub drain_timeout_s: f64,
@@ -59,7 +58,7 @@ impl Default for HttpConfig {
             upload_pixels: 400_000_000,
             requests_per_second: 100.0,
             request_burst: 1000,
-            kept_per_day: 200,
+            kept_per_day: 500,
             drain_timeout_s: 10.0,
             cache_bytes: 64 * 1024 * 1024,
             answer_cache_bytes: 64 * 1024 * 1024,

@@ -21,6 +21,16 @@ pub struct KeptPlan {
     pub scene: Arc<Scene>,
 }
 
+/// About what a dimmed pixel takes on disk: the difference of its code, its factor and its effect.
+const PIXEL_BYTES: usize = 10;
+
+impl KeptPlan {
+    /// About what it takes on disk, bytes.
+    pub fn stored_bytes(&self) -> usize {
+        self.plan.factors.codes.len() * PIXEL_BYTES
+    }
+}
+
 /// The id of a plan: the same request for the same scene with the same tables has the same.
 ///
 /// * `scene_version`: of the scene itself.

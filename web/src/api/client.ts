@@ -69,9 +69,10 @@ async function ask<A>(url: string, init: RequestInit & { signal: AbortSignal }):
     }
     if (response.ok) return (await response.json()) as A;
     const busy = response.status === 503 || response.status === 429;
-    if (!busy || attempt >= RETRIES) throw new ApiError(response.status, await problem_from_response(response));
-    const wait_s = Number(response.headers.get("retry-after") ?? NaN);
-    await pause(Math.min(Number.isFinite(wait_s) ? Math.max(wait_s, 0.2) : 1, LONGEST_WAIT_S), signal);
+    const said_s = Number(response.headers.get("retry-after") ?? NaN);
+    const wait_s = Number.isFinite(said_s) ? Math.max(said_s, 0.2) : 1;
+    if (!busy || attempt >= RETRIES || wait_s > LONGEST_WAIT_S) throw new ApiError(response.status, await problem_from_response(response));
+    await pause(wait_s, signal);
   }
 }
 

@@ -15,6 +15,7 @@ const EARTH_CIRCUMFERENCE_M = 40_075_017;
 const WORLD_PX = 512;
 /** Points of a stroke nearer to each other than this tell nothing. */
 const LEAST_STEP_PX = 4;
+const STEPS_A_WIDTH = 4;
 const MOST_POINTS = 400;
 /** A stroke's end set again nearer than this closes an area by keyboard. */
 const SAME_PX = 2;
@@ -134,12 +135,19 @@ export class Painter {
     const box = this.map.getCanvasContainer().getBoundingClientRect();
     const place_px = { x: event.clientX - box.left, y: event.clientY - box.top };
     const { last_px } = this;
-    if (last_px !== null && Math.hypot(place_px.x - last_px.x, place_px.y - last_px.y) < LEAST_STEP_PX) return;
+    if (last_px !== null && Math.hypot(place_px.x - last_px.x, place_px.y - last_px.y) < this.step_px()) return;
     this.last_px = place_px;
     const point: PointLike = [place_px.x, place_px.y];
     const { lng, lat } = this.map.unproject(point);
     this.points.push([lng, lat]);
     this.show_stroke();
+  }
+
+  /** Points nearer to each other than a good part of the brush tell nothing, and their strokes overlap. */
+  private step_px(): number {
+    if (this.brush?.shape !== "brush") return LEAST_STEP_PX;
+    const width_px = width_px_at_zoom_0(this.brush.radius_m, this.map.getCenter().lat) * 2 ** this.map.getZoom();
+    return Math.max(width_px / STEPS_A_WIDTH, LEAST_STEP_PX);
   }
 
   private area(): PaintedArea | null {

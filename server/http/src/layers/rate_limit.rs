@@ -1,10 +1,8 @@
 //! A token bucket for each client address: the connection's own or, behind trusted proxies, the one that they name.
 
-use super::body::BodyLength;
 use crate::{access::Client, error::ApiError, state::AppState, trust::client_address};
 use axum::{
     extract::{Request, State},
-    http::{HeaderMap, Method, StatusCode, header},
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -47,10 +45,18 @@ impl RateLimiter {
     }
 
     /// Gives tokens back that were taken.
-    fn give_back(&self, client: IpAddr, count: f64) {
+    pub(super) fn give_back(&self, client: IpAddr, count: f64) {
         let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(bucket) = buckets.get_mut(&group(client)) {
             bucket.tokens = (bucket.tokens + count.min(self.burst)).min(self.burst);
+        }
+    }
+
+    /// Takes tokens that may not be there any more: the client then waits the longer for the next.
+    pub(super) fn charge(&self, client: IpAddr, count: f64) {
+        let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(bucket) = buckets.get_mut(&group(client)) {
+            bucket.tokens = (bucket.tokens - count).max(-self.burst);
         }
     }
 
@@ -58,7 +64,7 @@ impl RateLimiter {
     ///
     /// # Errors
     /// Seconds until there are so many.
-    fn take_some(&self, client: IpAddr, count: f64, now: Instant) -> Result<(), f64> {
+    pub(super) fn take_some(&self, client: IpAddr, count: f64, now: Instant) -> Result<(), f64> {
         if self.tokens_per_second.is_nan() || self.tokens_per_second <= 0.0 {
             return Ok(());
         }
@@ -139,57 +145,6 @@ pub async fn limit_rate(
     response
 }
 
-/// Bytes of a body that count as one scenario.
-const SCENARIO_BYTES: f64 = 16_384.0;
-/// Scenarios that a plan counts as: it holds every pixel that it dims.
-const PLAN_SCENARIOS: f64 = 8.0;
-
-/// Answers 429 to an address that had more scenarios and plans kept than its share of a day: what is kept is not without end, and
-/// what one client keeps pushes out what others kept. What is refused does not count. Known clients have their quotas. Pages of other
-/// sites keep nothing: a visitor's share is not theirs to spend.
-pub async fn limit_keeping(
-    State((state, limiter)): State<(AppState, Arc<RateLimiter>)>,
-    request: Request,
-    next: Next,
-) -> Response {
-    let path = request.uri().path();
-    let kept = match *request.method() {
-        Method::POST if path.ends_with("/scenarios") => 1.0,
-        Method::POST if path.ends_with("/plans") => PLAN_SCENARIOS,
-        _ => return next.run(request).await,
-    };
-    if is_of_another_site(request.headers(), state.config.public_url.as_deref()) {
-        return ApiError::ForeignOrigin.into_response();
-    }
-    let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));
-    let address = client_address(&request, &state.config.trusted_proxies).filter(|_| is_anyone);
-    let length = request.extensions().get::<BodyLength>().map_or(0, |length| length.0);
-    let count = kept * (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
-    if let Some(Err(wait_s)) = address.map(|address| limiter.take_some(address, count, Instant::now())) {
-        state.metrics.count_refused("keeping");
-        return ApiError::KeptEnough { retry_after_s: wait_s.ceil() as u64 }.into_response();
-    }
-    let response = next.run(request).await;
-    if response.status() != StatusCode::CREATED
-        && let Some(address) = address
-    {
-        limiter.give_back(address, count);
-    }
-    response
-}
-
-/// Whether a browser sends this for a page of another site.
-fn is_of_another_site(headers: &HeaderMap, public_url: Option<&str>) -> bool {
-    let Some(origin) = headers.get(header::ORIGIN) else { return false };
-    let authority =
-        |url: &str| url.split_once("://").map(|(_, rest)| rest.trim_end_matches('/').to_lowercase());
-    let Some(origin) = origin.to_str().ok().and_then(authority) else { return true };
-    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).map(str::to_lowercase);
-    let public = public_url.and_then(authority);
-    host.as_deref() != Some(&origin)
-        && public.is_none_or(|public| public.split('/').next() != Some(origin.as_str()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,24 +174,5 @@ mod tests {
         let now = Instant::now();
         assert!(one.take(client, now).is_ok());
         assert!(one.take("2001:db8::2".parse().unwrap(), now).is_err());
-    }
-
-    #[test]
-    fn a_page_of_another_site_is_known_by_its_origin() {
-        let headers = |origin: Option<&str>, host: &str| {
-            let mut headers = HeaderMap::new();
-            headers.insert(header::HOST, host.parse().unwrap());
-            if let Some(origin) = origin {
-                headers.insert(header::ORIGIN, origin.parse().unwrap());
-            }
-            headers
-        };
-        let of_another = |origin, public| is_of_another_site(&headers(origin, "127.0.0.1:8080"), public);
-        assert!(!of_another(None, None));
-        assert!(!of_another(Some("http://127.0.0.1:8080"), None));
-        assert!(of_another(Some("http://127.0.0.1:9090"), None) && of_another(Some("null"), None));
-        let public = Some("https://sky.example.org/skyglow/");
-        assert!(!of_another(Some("https://sky.example.org"), public));
-        assert!(of_another(Some("https://sky.example.org.evil.net"), public));
     }
 }

@@ -10,6 +10,7 @@ use crate::{
     answers::{PlanAnswer, PlanEntry},
     error::ApiError,
     etag::ETag,
+    layers::KeptLength,
     parameters::{PlanListParameters, PlanParameters},
     plan_file::{encode_plan, plan_answer},
     planning::{find_plan, make_plan},
@@ -59,14 +60,18 @@ pub async fn post_plan(
         AskedSky::prepare(&state, sky.clone()).await?;
     }
     let make = move |source: &dyn SkySource| {
-        let (id, _) = make_plan(source, &ask).map_err(|error| match ask.skies.as_slice() {
+        let (id, is_new) = make_plan(source, &ask).map_err(|error| match ask.skies.as_slice() {
             [sky] => error.of_sky(sky),
             _ => error.into(),
         })?;
-        Ok(plan_answer(&find_plan(source, &id)?, ask.limit))
+        let plan = find_plan(source, &id)?;
+        let kept_bytes = if is_new { plan.stored_bytes() } else { 0 };
+        Ok((plan_answer(&plan, ask.limit), kept_bytes))
     };
-    let answer = state.find(make).await?;
-    created(&format!("/api/v1/plans/{}", answer.id), &answer)
+    let (answer, kept_bytes) = state.find(make).await?;
+    let mut response = created(&format!("/api/v1/plans/{}", answer.id), &answer)?;
+    response.extensions_mut().insert(KeptLength(kept_bytes));
+    Ok(response)
 }
 
 /// Lists the plans of a scene, the newest first.

@@ -336,8 +336,11 @@ impl SkySource for Fake {
         let Some(kept) = kept.as_mut() else {
             return Err(SourceError::Storage("a made-up program keeps nothing".into()));
         };
-        kept.push(scenario.clone());
-        Ok(ChangeId::parse(&format!("s-{:020x}", kept.len())).unwrap())
+        let number = kept.iter().position(|known| known == scenario).unwrap_or_else(|| {
+            kept.push(scenario.clone());
+            kept.len() - 1
+        });
+        Ok(ChangeId::parse(&format!("s-{:020x}", number + 1)).unwrap())
     }
 
     fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError> {

@@ -90,18 +90,22 @@ async fn a_long_scenario_counts_by_its_length_and_pages_of_other_sites_keep_noth
     *server.fake.kept.lock().unwrap() = Some(Vec::new());
     let post =
         |body: String| server.client.post(format!("{}/api/v1/scenes/demo/scenarios", server.base)).body(body);
-    let paint = |spaces: usize| {
-        let edits = "[{\"brush\": {\"points\": [[36.8, -1.2]], \"radius_m\": 900}, \"factor\": 0.5}]";
-        format!("{{\"edits\": {edits}{}}}", " ".repeat(spaces))
+    let paint = |factor: f64, spaces: usize| {
+        let brush = "{\"points\": [[36.8, -1.2]], \"radius_m\": 900}";
+        format!("{{\"edits\": [{{\"brush\": {brush}, \"factor\": {factor}}}]{}}}", " ".repeat(spaces))
     };
-    let foreign = post(paint(0)).header("origin", "https://evil.example").send().await.unwrap();
+    let foreign = post(paint(0.5, 0)).header("origin", "https://evil.example").send().await.unwrap();
     assert_eq!(foreign.status(), 403);
     assert_eq!(foreign.json::<serde_json::Value>().await.unwrap()["type"], "/problems/foreign-origin");
-    let own = post(paint(0)).header("origin", server.base.clone()).send().await.unwrap();
+    let own = post(paint(0.5, 0)).header("origin", server.base.clone()).send().await.unwrap();
     assert_eq!(own.status(), 201);
+    // The same again is kept already, and counts as nothing however it is written.
+    for _ in 0..20 {
+        assert_eq!(post(paint(0.5, 50_000)).send().await.unwrap().status(), 201);
+    }
     // 16 kB thrice, and a bit: four of the four that are left.
-    assert_eq!(post(paint(50_000)).send().await.unwrap().status(), 201);
-    let refused = post(paint(0)).send().await.unwrap();
+    assert_eq!(post(paint(0.25, 50_000)).send().await.unwrap().status(), 201);
+    let refused = post(paint(0.75, 0)).send().await.unwrap();
     assert_eq!(refused.status(), 429);
     assert_eq!(refused.json::<serde_json::Value>().await.unwrap()["type"], "/problems/kept-enough");
 }

@@ -1,0 +1,162 @@
+//! A share of what is kept for each client address: what one client keeps pushes out what others kept.
+
+use super::{body::BodyLength, rate_limit::RateLimiter};
+use crate::{access::Client, error::ApiError, state::AppState, trust::client_address};
+use axum::{
+    extract::{Request, State},
+    http::{HeaderMap, HeaderValue, Method, StatusCode, header},
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+use moka::sync::Cache;
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// Bytes that count as one scenario.
+const SCENARIO_BYTES: f64 = 16_384.0;
+const DAY: Duration = Duration::from_secs(86_400);
+/// Scenarios and plans of a day that are remembered as counted.
+const MOST_COUNTED: u64 = 100_000;
+
+/// What an answer says of the bytes that it had kept, where these are not those of the request's body; 0 where nothing new was.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptLength(pub usize);
+
+/// The shares of all clients, and what was counted today.
+pub struct Keeping {
+    limiter: RateLimiter,
+    counted: Cache<HeaderValue, ()>,
+}
+
+impl Keeping {
+    /// Shares of so many scenarios a day; 0 for no limit.
+    pub fn new(per_day: u32) -> Self {
+        // Half of it at once, and half over the day, is all of it in any day.
+        let half = per_day.div_ceil(2);
+        let limiter = RateLimiter::new(f64::from(half) / DAY.as_secs_f64(), half);
+        Self { limiter, counted: Cache::builder().max_capacity(MOST_COUNTED).time_to_live(DAY).build() }
+    }
+
+    /// What an answer counts: nothing where it is no success or what it names was counted today, else its length.
+    fn count(&self, response: &Response, of_body: f64) -> f64 {
+        let length = response.extensions().get::<KeptLength>().map(|length| length.0);
+        if response.status() != StatusCode::CREATED || length == Some(0) {
+            return 0.0;
+        }
+        if let Some(location) = response.headers().get(header::LOCATION) {
+            if self.counted.contains_key(location) {
+                return 0.0;
+            }
+            self.counted.insert(location.clone(), ());
+        }
+        length.map_or(of_body, |bytes| of_body.max((bytes as f64 / SCENARIO_BYTES).ceil()))
+    }
+}
+
+/// Answers 429 to an address that had more scenarios and plans kept than its share of a day: what is kept is not without end. What is
+/// refused, or was kept before, does not count. Known clients have their quotas. Pages of other sites keep nothing: a visitor's share
+/// is not theirs to spend.
+pub async fn limit_keeping(
+    State((state, keeping)): State<(AppState, Arc<Keeping>)>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let path = request.uri().path();
+    let keeps =
+        request.method() == Method::POST && (path.ends_with("/scenarios") || path.ends_with("/plans"));
+    if !keeps {
+        return next.run(request).await;
+    }
+    if is_of_another_site(request.headers(), state.config.public_url.as_deref()) {
+        return ApiError::ForeignOrigin.into_response();
+    }
+    let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));
+    let address = client_address(&request, &state.config.trusted_proxies).filter(|_| is_anyone);
+    let Some(address) = address else { return next.run(request).await };
+    let length = request.extensions().get::<BodyLength>().map_or(0, |length| length.0);
+    let of_body = (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
+    if let Err(wait_s) = keeping.limiter.take_some(address, of_body, Instant::now()) {
+        state.metrics.count_refused("keeping");
+        return ApiError::KeptEnough { retry_after_s: wait_s.ceil() as u64 }.into_response();
+    }
+    let response = next.run(request).await;
+    let count = keeping.count(&response, of_body);
+    if count > of_body {
+        keeping.limiter.charge(address, count - of_body);
+    } else {
+        keeping.limiter.give_back(address, of_body - count);
+    }
+    response
+}
+
+/// Whether a browser sends this for a page of another site.
+fn is_of_another_site(headers: &HeaderMap, public_url: Option<&str>) -> bool {
+    let Some(origin) = headers.get(header::ORIGIN) else { return false };
+    let authority =
+        |url: &str| url.split_once("://").map(|(_, rest)| rest.trim_end_matches('/').to_lowercase());
+    let Some(origin) = origin.to_str().ok().and_then(authority) else { return true };
+    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).map(str::to_lowercase);
+    let public = public_url.and_then(authority);
+    host.as_deref() != Some(&origin)
+        && public.is_none_or(|public| public.split('/').next() != Some(origin.as_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::body::Body;
+
+    fn created(location: &str, length: Option<usize>) -> Response {
+        let mut response = Response::new(Body::empty());
+        *response.status_mut() = StatusCode::CREATED;
+        response.headers_mut().insert(header::LOCATION, location.parse().unwrap());
+        if let Some(length) = length {
+            response.extensions_mut().insert(KeptLength(length));
+        }
+        response
+    }
+
+    #[test]
+    fn what_is_kept_counts_once_and_by_its_length() {
+        let keeping = Keeping::new(100);
+        assert_eq!(keeping.count(&created("/a", None), 3.0), 3.0);
+        assert_eq!(keeping.count(&created("/a", None), 3.0), 0.0, "kept before");
+        assert_eq!(keeping.count(&created("/b", Some(1)), 1.0), 1.0);
+        assert_eq!(keeping.count(&created("/c", Some(40_000)), 1.0), 3.0);
+        assert_eq!(keeping.count(&created("/d", Some(0)), 1.0), 0.0, "nothing new was kept");
+        assert_eq!(keeping.count(&Response::new(Body::empty()), 1.0), 0.0, "nothing was kept");
+    }
+
+    #[test]
+    fn what_was_kept_beyond_the_share_is_waited_for() {
+        let keeping = Keeping::new(20);
+        let client = "10.0.0.1".parse().unwrap();
+        let now = Instant::now();
+        keeping.limiter.take_some(client, 1.0, now).unwrap();
+        keeping.limiter.charge(client, 12.0);
+        let wait_s = keeping.limiter.take_some(client, 1.0, now).unwrap_err();
+        assert!((wait_s - 4.0 * 8640.0).abs() < 1.0, "{wait_s}");
+        assert!(keeping.limiter.take_some(client, 1.0, now + Duration::from_secs(5 * 8640)).is_ok());
+    }
+
+    #[test]
+    fn a_page_of_another_site_is_known_by_its_origin() {
+        let headers = |origin: Option<&str>, host: &str| {
+            let mut headers = HeaderMap::new();
+            headers.insert(header::HOST, host.parse().unwrap());
+            if let Some(origin) = origin {
+                headers.insert(header::ORIGIN, origin.parse().unwrap());
+            }
+            headers
+        };
+        let of_another = |origin, public| is_of_another_site(&headers(origin, "127.0.0.1:8080"), public);
+        assert!(!of_another(None, None));
+        assert!(!of_another(Some("http://127.0.0.1:8080"), None));
+        assert!(of_another(Some("http://127.0.0.1:9090"), None) && of_another(Some("null"), None));
+        let public = Some("https://sky.example.org/skyglow/");
+        assert!(!of_another(Some("https://sky.example.org"), public));
+        assert!(of_another(Some("https://sky.example.org.evil.net"), public));
+    }
+}
