@@ -139,19 +139,22 @@ fn refused(error: SceneError, options: &IngestOptions) -> SourceError {
             format!("terrain \"{}\"", name.unwrap_or_default())
         }
     };
-    // The library that reads rasters names files with their folders.
+    // The library that reads rasters names files with their folders, and what reads them speaks of a command's options.
     let folder = options.radiance.ancestors().nth(2).map(|folder| format!("{}/", folder.display()));
-    let without_folder = |reason: &str| match &folder {
-        Some(folder) if folder.len() > 1 => reason.replace(folder, ""),
-        _ => reason.to_owned(),
+    let for_upload = |reason: &str| {
+        let reason = match &folder {
+            Some(folder) if folder.len() > 1 => reason.replace(folder, ""),
+            _ => reason.to_owned(),
+        };
+        reason.replace("their --", "--").replace(" --", " the field ")
     };
     match &error {
         SceneError::Unreadable { path, reason } => {
-            let reason = without_folder(reason);
+            let reason = for_upload(reason);
             SourceError::BadUpload(format!("{} cannot be read as a raster: {reason}", field(path)))
         }
         SceneError::Refused { path, reason } => {
-            SourceError::BadUpload(format!("{}: {}", field(path), without_folder(reason)))
+            SourceError::BadUpload(format!("{}: {}", field(path), for_upload(reason)))
         }
         SceneError::InvalidOption { option, reason } => {
             SourceError::BadUpload(format!("{}: {reason}", option.trim_start_matches('-')))
@@ -383,5 +386,23 @@ impl SkySource for ObservatorySource {
                 panorama: answer.rendered.panorama,
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_upload_speaks_of_fields_and_of_no_folder() {
+        let options = IngestOptions::new("/srv/data/incoming/7/radiance");
+        let reason =
+            "/srv/data/incoming/radiance has 8-bit numbers; give their --scale, or choose with --band: a, b";
+        let error = SceneError::Refused { path: options.radiance.clone(), reason: reason.to_owned() };
+        let SourceError::BadUpload(said) = refused(error, &options) else { panic!("another kind") };
+        assert_eq!(
+            said,
+            "radiance: radiance has 8-bit numbers; give the field scale, or choose with the field band: a, b"
+        );
     }
 }
