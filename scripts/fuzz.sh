@@ -23,6 +23,6 @@ for target in "$@"; do
         echo "$target: FOUND something:"
         grep -E "panicked|ERROR|SUMMARY|Test unit written" "tests/fuzz/corpus/$target.log" | head -5
     fi
-    echo "$target: $(awk -F': *' '/stat::number_of_executed_units/ { n = $2 } END { print n + 0 }' "tests/fuzz/corpus/$target.log") inputs, $(grep -oE 'cov: [0-9]+' "tests/fuzz/corpus/$target.log" | tail -1)"
+    echo "$target: $(awk -F': *' '/stat::number_of_executed_units/ { n = $NF } END { print n + 0 }' "tests/fuzz/corpus/$target.log") inputs, $(grep -oE 'cov: [0-9]+' "tests/fuzz/corpus/$target.log" | tail -1)"
 done
 exit "$status"

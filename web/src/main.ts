@@ -49,6 +49,11 @@ class Viewer {
       const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
       this.legend.point(shown === undefined || sample?.is_below_horizon === true ? null : brightness_mag_arcsec2(shown));
     },
+    gazed: (gaze) => {
+      this.state = { ...this.state, gaze };
+      this.write_url(false);
+      this.show_links();
+    },
     drawn: (region) => {
       this.marking.ended();
       if (region !== null) this.mark(region);
@@ -88,6 +93,7 @@ class Viewer {
     picture: (grid) => {
       document.body.dataset["sky"] = "picture";
       this.sky_view.show(grid);
+      this.show_links();
     },
     failed: (reason) => {
       this.forget_sky();
@@ -260,7 +266,7 @@ class Viewer {
     }
     this.show_numbers();
     const parameters = this.parameters(place);
-    show_downloads(by_id("download-links", HTMLElement), scene, parameters, this.state);
+    this.show_links();
     void this.session.show(scene, parameters);
   }
 
@@ -299,6 +305,11 @@ class Viewer {
     const ground = terrain === "on" ? {} : { terrain };
     const changed = scenario === null || lights === "today" ? {} : { scenario };
     return { lamp, emission, ...ground, ...air, ...changed };
+  }
+
+  private show_links(): void {
+    const { scene, place } = this.state;
+    if (scene !== null && place !== null) show_downloads(by_id("download-links", HTMLElement), scene, this.parameters(place), this.state, this.sky_view.view());
   }
 
   private show_look(): void {

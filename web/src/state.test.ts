@@ -14,7 +14,8 @@ const EVERYTHING: ViewState = {
   lamp: "led_4000k",
   emission: "shielded",
   terrain: "off",
-  projection: "fisheye",
+  projection: "perspective",
+  gaze: { azimuth_deg: 210.5, elevation_deg: 20, field_deg: 55 },
   sky: "total",
   colours: "cividis",
   measure: "region",
@@ -41,7 +42,7 @@ test("a place on the equator and the prime meridian is not taken for a missing o
 });
 
 test("what makes no sense in a fragment takes its default", () => {
-  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4");
+  const state = state_from_fragment("#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20");
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });
 

@@ -3,7 +3,7 @@
 import type { ScatteringName } from "./api/client.ts";
 import { COLOUR_MAPS, type ColourMapName } from "./sky/colour_maps.ts";
 import type { SkyKind } from "./sky/grid.ts";
-import type { ProjectionName } from "./sky/projection.ts";
+import { PROJECTIONS, type Gaze, type ProjectionName } from "./sky/projection.ts";
 import { region_from_text, text_from_region, type Region } from "./sky/region.ts";
 
 export interface Place {
@@ -53,6 +53,8 @@ export interface ViewState {
   /** Whether terrain hides the sky below the horizon. */
   terrain: TerrainKind;
   projection: ProjectionName;
+  /** Where the perspective looks; null: towards the brightest light. */
+  gaze: Gaze | null;
   sky: SkyKind;
   colours: ColourMapName;
   /** Of the layer of influence; `region` only where there is one. */
@@ -76,6 +78,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   emission: "garstang",
   terrain: "on",
   projection: "equirectangular",
+  gaze: null,
   sky: "artificial",
   colours: "inferno",
   measure: "zenith",
@@ -95,6 +98,15 @@ function one_of<T extends string>(text: string | null, allowed: readonly T[], ot
 
 function matching(text: string | null, pattern: RegExp): string | null {
   return text !== null && pattern.test(text) ? text : null;
+}
+
+/** `azimuth/elevation/field`, degrees. */
+function gaze_from_text(text: string | null): Gaze | null {
+  const [azimuth, elevation, field] = (text ?? "").split("/");
+  const azimuth_deg = number_in(azimuth ?? null, 0, 360);
+  const elevation_deg = number_in(elevation ?? null, -10, 90);
+  const field_deg = number_in(field ?? null, 10, 120);
+  return azimuth_deg === null || elevation_deg === null || field_deg === null ? null : { azimuth_deg, elevation_deg, field_deg };
 }
 
 /** Reads a fragment such as `#scene=demo&lat=…`. What is missing or makes no sense takes its default. */
@@ -127,7 +139,8 @@ export function state_from_fragment(fragment: string): ViewState {
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
     emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,
     terrain: one_of(query.get("terrain"), ["on", "off"], DEFAULT_STATE.terrain),
-    projection: one_of(query.get("projection"), ["equirectangular", "fisheye"], DEFAULT_STATE.projection),
+    projection: one_of(query.get("projection"), PROJECTIONS, DEFAULT_STATE.projection),
+    gaze: gaze_from_text(query.get("look")),
     sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
     colours: one_of(query.get("colours"), COLOUR_MAPS, DEFAULT_STATE.colours),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
@@ -158,6 +171,7 @@ export function fragment_from_state(state: ViewState): string {
   add("emission", state.emission, DEFAULT_STATE.emission);
   add("terrain", state.terrain, DEFAULT_STATE.terrain);
   add("projection", state.projection, DEFAULT_STATE.projection);
+  add("look", state.gaze === null ? null : [state.gaze.azimuth_deg, state.gaze.elevation_deg, state.gaze.field_deg].map((degrees) => +degrees.toFixed(1)).join("/"), null);
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);
   add("measure", state.measure, DEFAULT_STATE.measure);

@@ -74,6 +74,17 @@ export class SkyGrid {
     return low + (across - left) * ((this.horizon_deg[wrapped(left + 1)] ?? 0) - low);
   }
 
+  /** The direction of the brightest sample. */
+  brightest(): SkySample {
+    let most = 0;
+    this.artificial_cd_m2.forEach((value, i) => {
+      if (value > (this.artificial_cd_m2[most] ?? 0)) most = i;
+    });
+    const column = most % this.azimuth_count;
+    const row = (most - column) / this.azimuth_count;
+    return this.nearest(this.azimuth_first_deg + column * this.azimuth_step_deg, this.elevation_first_deg + row * this.elevation_step_deg);
+  }
+
   /** The sample nearest to a direction: exactly the API's value, nothing interpolated. */
   nearest(azimuth_deg: number, elevation_deg: number): SkySample {
     const turn = Math.round((azimuth_deg - this.azimuth_first_deg) / this.azimuth_step_deg);

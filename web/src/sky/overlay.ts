@@ -23,6 +23,7 @@ export function draw_frame(context: CanvasRenderingContext2D, projection: Projec
   context.lineWidth = 1;
   context.strokeStyle = LINE;
   if (projection.name === "fisheye") draw_fisheye_frame(context, projection, plot);
+  else if (projection.name === "perspective") draw_perspective_frame(context, projection, plot);
   else draw_strip_frame(context, projection, plot);
 }
 
@@ -83,35 +84,85 @@ function draw_fisheye_frame(context: CanvasRenderingContext2D, projection: Proje
   }
 }
 
-/** The terrain's skyline, where the answer has one. */
-export function draw_horizon(context: CanvasRenderingContext2D, projection: Projection, grid: SkyGrid): void {
-  if (!grid.horizon_deg.some((elevation_deg) => elevation_deg > 0)) return;
+/** Degrees between the points of a line that is drawn as straight pieces. */
+const LINE_STEP_DEG = 3;
+
+function draw_perspective_frame(context: CanvasRenderingContext2D, projection: Projection, plot: Plot): void {
+  context.save();
+  clip(context, plot);
+  const steps = (from_deg: number, to_deg: number) => Array.from({ length: (to_deg - from_deg) / LINE_STEP_DEG + 1 }, (_, i) => from_deg + i * LINE_STEP_DEG);
+  for (const elevation_deg of ELEVATIONS_DEG) trace(context, projection, steps(0, 360).map((azimuth_deg) => ({ azimuth_deg, elevation_deg })));
+  for (const [, azimuth_deg] of CARDINAL) trace(context, projection, steps(0, 90).map((elevation_deg) => ({ azimuth_deg, elevation_deg })));
+  context.textAlign = "center";
+  context.textBaseline = "top";
+  for (const [name, azimuth_deg] of CARDINAL) {
+    const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: 0 });
+    const strong = name.length === 1;
+    context.font = font(strong ? 14 : 12, strong ? 650 : 500);
+    context.fillStyle = strong ? STRONG_TEXT : TEXT;
+    context.fillText(name, x_px, y_px + 6);
+  }
+  context.font = font(11);
+  context.textAlign = "left";
+  context.textBaseline = "bottom";
+  context.fillStyle = "rgba(234, 240, 255, 0.75)";
+  for (const elevation_deg of [30, 60]) {
+    for (const azimuth_deg of [0, 90, 180, 270]) {
+      const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
+      context.fillText(`${elevation_deg}°`, x_px + 4, y_px - 2);
+    }
+  }
+  context.restore();
+}
+
+function clip(context: CanvasRenderingContext2D, plot: Plot): void {
   context.beginPath();
-  grid.horizon_deg.forEach((elevation_deg, column) => {
-    const azimuth_deg = grid.azimuth_first_deg + column * grid.azimuth_step_deg;
-    const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: Math.max(elevation_deg, 0) });
-    if (column === 0) context.moveTo(x_px, y_px);
+  context.rect(plot.left_px, plot.top_px, plot.width_px, plot.height_px);
+  context.clip();
+}
+
+/** A line through directions, broken where it passes the end of a strip or goes behind the observer. */
+function trace(context: CanvasRenderingContext2D, projection: Projection, directions: readonly SkyDirection[]): void {
+  context.beginPath();
+  let before_deg: number | null = null;
+  for (const direction of directions) {
+    const { x_px, y_px } = projection.point_from_direction(direction);
+    const is_around = projection.name === "equirectangular" && before_deg !== null && Math.abs(direction.azimuth_deg - before_deg) > 180;
+    if (before_deg === null || is_around) context.moveTo(x_px, y_px);
     else context.lineTo(x_px, y_px);
-  });
-  // Once around: to the first column again, which lies at the strip's right edge or where the disc closes.
-  const around_deg = grid.azimuth_first_deg + grid.azimuth_count * grid.azimuth_step_deg;
-  const last = projection.point_from_direction({ azimuth_deg: around_deg, elevation_deg: Math.max(grid.horizon_at(around_deg), 0) });
-  context.lineTo(last.x_px, last.y_px);
-  context.lineWidth = 1.2;
-  context.strokeStyle = "rgb(164, 156, 144)";
+    before_deg = Number.isNaN(x_px) ? null : direction.azimuth_deg;
+  }
   context.stroke();
 }
 
-/** Names of the towns behind the glow, over the place on the horizon where it is. */
-export function draw_towns(context: CanvasRenderingContext2D, projection: Projection, plot: Plot, grid: SkyGrid, towns: readonly TownOnHorizon[]): void {
+/** The terrain's skyline, where the answer has one. */
+export function draw_horizon(context: CanvasRenderingContext2D, projection: Projection, plot: Plot, grid: SkyGrid): void {
+  if (!grid.horizon_deg.some((elevation_deg) => elevation_deg > 0)) return;
+  // Once around: to the first column again, which lies at the strip's right edge or where the disc closes.
+  const skyline = Array.from({ length: grid.azimuth_count + 1 }, (_, column) => {
+    const azimuth_deg = grid.azimuth_first_deg + column * grid.azimuth_step_deg;
+    return { azimuth_deg, elevation_deg: Math.max(grid.horizon_at(azimuth_deg), 0) };
+  });
+  context.save();
+  if (projection.name === "perspective") clip(context, plot);
+  context.lineWidth = 1.2;
+  context.strokeStyle = "rgb(164, 156, 144)";
+  trace(context, projection, skyline);
+  context.restore();
+}
+
+/** Names of the towns behind the glow, over the place on the horizon where it is; `field_deg` of the sky is the plot high. */
+export function draw_towns(context: CanvasRenderingContext2D, projection: Projection, plot: Plot, field_deg: number, grid: SkyGrid, towns: readonly TownOnHorizon[]): void {
   context.font = font(11, 550);
   context.textBaseline = "middle";
   context.lineJoin = "round";
+  const name_height_deg = projection.name === "fisheye" ? 9 : (17 / plot.height_px) * field_deg;
   for (const { name, azimuth_deg } of towns) {
     const horizon_deg = Math.max(grid.horizon_at(azimuth_deg), 0);
     const foot = projection.point_from_direction({ azimuth_deg, elevation_deg: horizon_deg });
-    const elevation_deg = horizon_deg + (projection.name === "fisheye" ? 9 : (17 / plot.height_px) * 90);
+    const elevation_deg = horizon_deg + name_height_deg;
     const head = projection.point_from_direction({ azimuth_deg, elevation_deg });
+    if (!(head.x_px > plot.left_px && head.x_px < plot.left_px + plot.width_px)) continue;
     const half_px = context.measureText(name).width / 2;
     const right_px = plot.left_px + plot.width_px;
     const x_px = Math.min(Math.max(head.x_px, plot.left_px + half_px + 3), right_px - half_px - 3);
@@ -127,23 +178,17 @@ export function draw_towns(context: CanvasRenderingContext2D, projection: Projec
 }
 
 /** A curve on the sky, closed or still being drawn. Where the strip ends it goes on at the other side. */
-export function draw_curve(context: CanvasRenderingContext2D, projection: Projection, curve: Region, closed: boolean): void {
+export function draw_curve(context: CanvasRenderingContext2D, projection: Projection, plot: Plot, curve: Region, closed: boolean): void {
   const points = closed ? outline(curve) : curve;
-  context.beginPath();
-  let before_deg: number | null = null;
-  for (const direction of points) {
-    const { x_px, y_px } = projection.point_from_direction(direction);
-    const is_around = projection.name === "equirectangular" && before_deg !== null && Math.abs(direction.azimuth_deg - before_deg) > 180;
-    if (before_deg === null || is_around) context.moveTo(x_px, y_px);
-    else context.lineTo(x_px, y_px);
-    before_deg = direction.azimuth_deg;
-  }
+  context.save();
+  if (projection.name === "perspective") clip(context, plot);
   context.lineJoin = "round";
   for (const [colour, width] of [["rgba(0, 0, 0, 0.75)", 4.5], ["#6ff0dc", 2]] as const) {
     context.strokeStyle = colour;
     context.lineWidth = width;
-    context.stroke();
+    trace(context, projection, points);
   }
+  context.restore();
 }
 
 /** The cross that shows which direction the readout speaks of. */

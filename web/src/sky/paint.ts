@@ -54,7 +54,7 @@ export function paint_sky(
         data[at + 3] = 0;
         continue;
       }
-      if (has_ground && direction.elevation_deg < grid.horizon_at(direction.azimuth_deg)) {
+      if (direction.elevation_deg < (has_ground ? grid.horizon_at(direction.azimuth_deg) : 0)) {
         [data[at], data[at + 1], data[at + 2], data[at + 3]] = [...GROUND_RGB, 255];
         continue;
       }

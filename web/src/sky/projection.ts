@@ -1,6 +1,7 @@
 // Where a direction of the sky lies on the picture, and back.
 
-export type ProjectionName = "equirectangular" | "fisheye";
+export const PROJECTIONS = ["equirectangular", "fisheye", "perspective"] as const;
+export type ProjectionName = (typeof PROJECTIONS)[number];
 
 /** A rectangle of the canvas, CSS pixels. */
 export interface Plot {
@@ -15,11 +16,16 @@ export interface SkyDirection {
   elevation_deg: number;
 }
 
+/** Where one looks, and how much of the sky fits between the picture's lower and upper edge. */
+export interface Gaze extends SkyDirection {
+  field_deg: number;
+}
+
 export interface Projection {
   readonly name: ProjectionName;
-  /** The direction at a point of the canvas, null outside the sky. */
+  /** The direction at a point of the canvas, null outside the picture; below the horizon its elevation is negative. */
   direction_from_point(x_px: number, y_px: number): SkyDirection | null;
-  /** The point of a direction. */
+  /** The point of a direction; of one behind the observer it is not a number, and no canvas draws there. */
   point_from_direction(direction: SkyDirection): { x_px: number; y_px: number };
 }
 
@@ -61,6 +67,44 @@ export function fisheye(plot: Plot): Projection {
       const distance_px = (1 - elevation_deg / 90) * radius_px;
       const azimuth_rad = (azimuth_deg * Math.PI) / 180;
       return { x_px: x0_px - distance_px * Math.sin(azimuth_rad), y_px: y0_px - distance_px * Math.cos(azimuth_rad) };
+    },
+  };
+}
+
+const RADIANS = Math.PI / 180;
+/** Directions nearer than this to the side lie outside every picture. */
+const LEAST_FORWARD = 0.05;
+
+/** What one sees looking there: straight lines stay straight. */
+export function perspective(plot: Plot, { azimuth_deg, elevation_deg, field_deg }: Gaze): Projection {
+  const [azimuth, elevation] = [azimuth_deg * RADIANS, elevation_deg * RADIANS];
+  const x0_px = plot.left_px + plot.width_px / 2;
+  const y0_px = plot.top_px + plot.height_px / 2;
+  const focal_px = plot.height_px / 2 / Math.tan((field_deg / 2) * RADIANS);
+  // East, north, up.
+  const ahead = [Math.cos(elevation) * Math.sin(azimuth), Math.cos(elevation) * Math.cos(azimuth), Math.sin(elevation)] as const;
+  const right = [Math.cos(azimuth), -Math.sin(azimuth), 0] as const;
+  const above = [-Math.sin(elevation) * Math.sin(azimuth), -Math.sin(elevation) * Math.cos(azimuth), Math.cos(elevation)] as const;
+  return {
+    name: "perspective",
+    direction_from_point(x_px, y_px) {
+      const across = x_px - x0_px;
+      const up = y0_px - y_px;
+      if (Math.abs(across) > plot.width_px / 2 || Math.abs(up) > plot.height_px / 2) return null;
+      const east = focal_px * ahead[0] + across * right[0] + up * above[0];
+      const north = focal_px * ahead[1] + across * right[1] + up * above[1];
+      const height = focal_px * ahead[2] + up * above[2];
+      return { azimuth_deg: (Math.atan2(east, north) / RADIANS + 360) % 360, elevation_deg: Math.atan2(height, Math.hypot(east, north)) / RADIANS };
+    },
+    point_from_direction(direction) {
+      const [a, e] = [direction.azimuth_deg * RADIANS, direction.elevation_deg * RADIANS];
+      const [east, north, height] = [Math.cos(e) * Math.sin(a), Math.cos(e) * Math.cos(a), Math.sin(e)];
+      const forward = east * ahead[0] + north * ahead[1] + height * ahead[2];
+      if (forward < LEAST_FORWARD) return { x_px: NaN, y_px: NaN };
+      return {
+        x_px: x0_px + (focal_px * (east * right[0] + north * right[1])) / forward,
+        y_px: y0_px - (focal_px * (east * above[0] + north * above[1] + height * above[2])) / forward,
+      };
     },
   };
 }

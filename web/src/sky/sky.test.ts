@@ -5,7 +5,7 @@ import { luminance_from_brightness_cd_m2, NATURAL_SKY_CD_M2 } from "../photometr
 import { COLOUR_MAPS, colour_table } from "./colour_maps.ts";
 import { SkyGrid } from "./grid.ts";
 import { GROUND_RGB, paint_sky } from "./paint.ts";
-import { compass_name, equirectangular, fisheye } from "./projection.ts";
+import { compass_name, equirectangular, fisheye, perspective } from "./projection.ts";
 import { SCALE, scale_position } from "./scale.ts";
 
 const PLOT = { left_px: 10, top_px: 20, width_px: 400, height_px: 200 };
@@ -160,4 +160,29 @@ test("ground is painted up to the profile, and the sky above it keeps its colour
     assert.deepEqual(colour_at(90, 21.5), colour_at(90, 40), projection.name);
     assert.notDeepEqual(colour_at(270, 5), [...GROUND_RGB], projection.name);
   }
+});
+
+test("perspective: a direction's point leads back to it, straight lines stay straight, and nothing lies behind", () => {
+  const gaze = { azimuth_deg: 350, elevation_deg: 20, field_deg: 60 };
+  const projection = perspective(PLOT, gaze);
+  const middle = projection.point_from_direction(gaze);
+  assert.ok(Math.abs(middle.x_px - 210) < 1e-9 && Math.abs(middle.y_px - 120) < 1e-9);
+  for (const [azimuth_deg, elevation_deg] of [[350, 20], [10, 5], [320, 40], [355, -5]] as const) {
+    const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
+    const back = projection.direction_from_point(x_px, y_px);
+    assert.ok(back !== null && Math.abs(back.azimuth_deg - azimuth_deg) < 1e-9 && Math.abs(back.elevation_deg - elevation_deg) < 1e-9, JSON.stringify(back));
+  }
+  // Half the field above the middle is the upper edge.
+  assert.ok(Math.abs(projection.point_from_direction({ azimuth_deg: 350, elevation_deg: 50 }).y_px - PLOT.top_px) < 1e-9);
+  // The horizon is a straight level line, and east lies right of north.
+  const horizon = [330, 350, 10].map((azimuth_deg) => projection.point_from_direction({ azimuth_deg, elevation_deg: 0 }));
+  for (const point of horizon) assert.ok(Math.abs(point.y_px - (horizon[0]?.y_px ?? 0)) < 1e-9);
+  assert.ok((horizon[2]?.x_px ?? 0) > (horizon[0]?.x_px ?? 0));
+  assert.ok(Number.isNaN(projection.point_from_direction({ azimuth_deg: 170, elevation_deg: 0 }).x_px));
+  assert.equal(projection.direction_from_point(5, 120), null);
+});
+
+test("the brightest direction is found", () => {
+  const { azimuth_deg, elevation_deg } = new SkyGrid(answer_with_light_at(3, 100)).brightest();
+  assert.ok(Math.abs(azimuth_deg - (100 * 360) / 256) < 1e-9 && Math.abs(elevation_deg - 3.5 * STEP_DEG) < 1e-9);
 });

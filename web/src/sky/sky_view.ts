@@ -9,7 +9,7 @@ import { draw_cross, draw_curve, draw_frame, draw_horizon, draw_towns } from "./
 import { paint_sky } from "./paint.ts";
 import { angle_deg, region_from_trail, type Region } from "./region.ts";
 import { towns_on_horizon } from "./towns.ts";
-import { equirectangular, fisheye, type Plot, type Projection, type ProjectionName, type SkyDirection } from "./projection.ts";
+import { equirectangular, fisheye, perspective, type Gaze, type Plot, type Projection, type ProjectionName, type SkyDirection } from "./projection.ts";
 
 export interface SkyLook {
   projection: ProjectionName;
@@ -17,13 +17,22 @@ export interface SkyLook {
   colours: ColourMapName;
   /** A part of the sky that is marked. */
   region: Region | null;
+  /** Where the perspective looks; null: towards the brightest light. */
+  gaze: Gaze | null;
 }
 
 export interface SkyViewEvents {
   pointed: (sample: SkySample | null) => void;
   /** A curve was closed, or drawing ended without one. */
   drawn: (region: Region | null) => void;
+  /** Somebody looks elsewhere. */
+  gazed: (gaze: Gaze) => void;
 }
+
+const FIELD_DEG = { initial: 55, least: 15, most: 110 };
+/** How far the eye is raised from the brightest light, which is low. */
+const INITIAL_ELEVATION_DEG = 17;
+const ZOOM_STEP = 1.15;
 
 /** Room for a town's name along the horizon. */
 const NAME_PX = 74;
@@ -33,7 +42,7 @@ const SAME_DEG = 0.5;
 /** Finer pictures than this cost time and show nothing more: the grid has 256 × 64 samples. */
 const FINEST_PIXELS_PER_CSS_PX = 2;
 
-const MARGIN = { strip: { left: 34, right: 8, top: 8, bottom: 28 }, disc: 26 };
+const MARGIN = { view: 8, strip: { left: 34, right: 8, top: 8, bottom: 28 }, disc: 26 };
 
 export class SkyView {
   private readonly picture = document.createElement("canvas");
@@ -41,6 +50,8 @@ export class SkyView {
   private grid: SkyGrid | null = null;
   private projection: Projection | null = null;
   private plot: Plot = { left_px: 0, top_px: 0, width_px: 1, height_px: 1 };
+  private dragged_from: { x_px: number; y_px: number } | null = null;
+  private drawing_soon = false;
   private named: { place: Place; places: readonly NamedPlace[] } | null = null;
   private pointed: SkyDirection | null = null;
   /** What is drawn so far; null while nothing is to be drawn. */
@@ -58,20 +69,38 @@ export class SkyView {
     this.overlay.setAttribute("role", "application");
     this.overlay.setAttribute("aria-roledescription", "sky picture");
     this.overlay.setAttribute("aria-describedby", "sky-readout");
-    this.overlay.setAttribute("aria-label", "Sky in false colour. Arrow keys move the readout, Escape ends it.");
+    this.overlay.setAttribute("aria-label", "Sky in false colour. Arrow keys move the readout, Escape ends it; looking around, plus and minus zoom.");
     this.container.append(make("div", "sky-canvases", this.picture, this.overlay));
     this.overlay.addEventListener("pointermove", (event) => {
+      if (this.turn(event)) return;
       this.point_at(event);
       if (event.buttons !== 0) this.draw_on();
     });
     this.overlay.addEventListener("pointerdown", (event) => {
       this.point_at(event);
-      if (this.trail === null) return;
+      if (this.trail === null && this.look.projection !== "perspective") return;
       this.overlay.setPointerCapture(event.pointerId);
+      if (this.trail === null) {
+        this.dragged_from = { x_px: event.offsetX, y_px: event.offsetY };
+        return;
+      }
       this.trail = [];
       this.draw_on();
     });
-    this.overlay.addEventListener("pointerup", () => this.close_curve());
+    this.overlay.addEventListener("pointerup", () => {
+      this.end_turn();
+      this.close_curve();
+    });
+    this.overlay.addEventListener("pointercancel", () => this.end_turn());
+    this.overlay.addEventListener(
+      "wheel",
+      (event) => {
+        if (this.look.projection !== "perspective") return;
+        event.preventDefault();
+        this.zoom(event.deltaY > 0 ? ZOOM_STEP : 1 / ZOOM_STEP);
+      },
+      { passive: false },
+    );
     this.overlay.addEventListener("pointerleave", (event) => {
       // A finger that was lifted leaves its readout; a mouse that goes away takes it along.
       if (event.pointerType === "mouse") this.set_pointed(null);
@@ -98,6 +127,14 @@ export class SkyView {
     this.draw();
   }
 
+  /** What a perspective shows, as the API takes it; null for the others. */
+  view(): { azimuth: number; elevation: number; fov: number } | null {
+    if (this.look.projection !== "perspective") return null;
+    const { azimuth_deg, elevation_deg, field_deg } = this.gaze();
+    const half_rad = Math.atan((Math.tan((field_deg / 2) * (Math.PI / 180)) * this.plot.width_px) / this.plot.height_px);
+    return { azimuth: +azimuth_deg.toFixed(1), elevation: +elevation_deg.toFixed(1), fov: +((2 * half_rad * 180) / Math.PI).toFixed(1) };
+  }
+
   /** The next curve by hand marks a part of the sky. */
   set_drawing(on: boolean): void {
     this.trail = on ? [] : null;
@@ -115,7 +152,7 @@ export class SkyView {
     const width_px = Math.floor(this.container.clientWidth);
     const height_px = Math.floor(this.container.clientHeight);
     if (width_px < 40 || height_px < 40) return;
-    const scale = Math.min(window.devicePixelRatio || 1, FINEST_PIXELS_PER_CSS_PX);
+    const scale = this.pixels_per_css_px();
     for (const canvas of [this.picture, this.overlay]) {
       canvas.width = Math.round(width_px * scale);
       canvas.height = Math.round(height_px * scale);
@@ -124,6 +161,10 @@ export class SkyView {
       const m = MARGIN.disc;
       this.plot = { left_px: m, top_px: m, width_px: width_px - 2 * m, height_px: height_px - 2 * m };
       this.projection = fisheye(this.plot);
+    } else if (this.look.projection === "perspective") {
+      const m = MARGIN.view;
+      this.plot = { left_px: m, top_px: m, width_px: width_px - 2 * m, height_px: height_px - 2 * m };
+      this.projection = perspective(this.plot, this.gaze());
     } else {
       const m = MARGIN.strip;
       this.plot = { left_px: m.left, top_px: m.top, width_px: width_px - m.left - m.right, height_px: height_px - m.top - m.bottom };
@@ -139,8 +180,8 @@ export class SkyView {
     context.setTransform(scale, 0, 0, scale, 0, 0);
     draw_frame(context, this.projection, this.plot);
     if (this.grid !== null) {
-      draw_horizon(context, this.projection, this.grid);
-      if (this.named !== null) draw_towns(context, this.projection, this.plot, this.grid, towns_on_horizon(this.named.place, this.named.places, this.apart_deg()));
+      draw_horizon(context, this.projection, this.plot, this.grid);
+      if (this.named !== null) draw_towns(context, this.projection, this.plot, this.field_deg(), this.grid, towns_on_horizon(this.named.place, this.named.places, this.apart_deg()));
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
     this.draw_marks();
@@ -148,8 +189,75 @@ export class SkyView {
 
   /** Names nearer to each other than this would overlap. */
   private apart_deg(): number {
+    if (this.look.projection === "perspective") return (NAME_PX / this.plot.height_px) * this.gaze().field_deg;
     const around_px = this.look.projection === "fisheye" ? Math.PI * Math.min(this.plot.width_px, this.plot.height_px) : this.plot.width_px;
     return Math.min((NAME_PX / around_px) * 360, 90);
+  }
+
+  /** How much of the sky fits between the lower and the upper edge. */
+  private field_deg(): number {
+    return this.look.projection === "perspective" ? this.gaze().field_deg : 90;
+  }
+
+  /** While it is dragged, a picture comes soon rather than fine. */
+  private pixels_per_css_px(): number {
+    const screen = window.devicePixelRatio || 1;
+    return Math.min(screen, this.dragged_from === null ? FINEST_PIXELS_PER_CSS_PX : 1);
+  }
+
+  private gaze(): Gaze {
+    if (this.look.gaze !== null) return this.look.gaze;
+    return { azimuth_deg: this.grid?.brightest().azimuth_deg ?? 180, elevation_deg: INITIAL_ELEVATION_DEG, field_deg: FIELD_DEG.initial };
+  }
+
+  /** The picture follows the pointer that holds it; whether one does. */
+  private turn({ offsetX, offsetY }: PointerEvent): boolean {
+    const from = this.dragged_from;
+    if (from === null) return false;
+    const gaze = this.gaze();
+    const degrees_a_px = gaze.field_deg / this.plot.height_px;
+    // Near the zenith a degree of azimuth is a short way.
+    const around = degrees_a_px / Math.max(Math.cos((gaze.elevation_deg * Math.PI) / 180), 0.25);
+    this.look_at({
+      azimuth_deg: (gaze.azimuth_deg - (offsetX - from.x_px) * around + 720) % 360,
+      elevation_deg: gaze.elevation_deg + (offsetY - from.y_px) * degrees_a_px,
+      field_deg: gaze.field_deg,
+    });
+    this.dragged_from = { x_px: offsetX, y_px: offsetY };
+    return true;
+  }
+
+  private end_turn(): void {
+    if (this.dragged_from === null) return;
+    this.dragged_from = null;
+    this.draw();
+    this.events.gazed(this.gaze());
+  }
+
+  private zoom(factor: number): void {
+    const gaze = this.gaze();
+    this.look_at({ ...gaze, field_deg: Math.min(Math.max(gaze.field_deg * factor, FIELD_DEG.least), FIELD_DEG.most) });
+    this.events.gazed(this.gaze());
+  }
+
+  private look_at(gaze: Gaze): void {
+    this.look = { ...this.look, gaze: { ...gaze, elevation_deg: Math.min(Math.max(gaze.elevation_deg, -10), 90) } };
+    if (this.drawing_soon) return;
+    this.drawing_soon = true;
+    requestAnimationFrame(() => {
+      this.drawing_soon = false;
+      this.draw();
+    });
+  }
+
+  /** Looks at where the keyboard's cross went out of the picture. */
+  private keep_cross_in_view(direction: SkyDirection): void {
+    const point = this.point_of(direction);
+    const { left_px, top_px, width_px, height_px } = this.plot;
+    const inside = point !== null && point.x_px > left_px && point.x_px < left_px + width_px && point.y_px > top_px && point.y_px < top_px + height_px;
+    if (this.look.projection !== "perspective" || inside) return;
+    this.look_at({ ...direction, field_deg: this.gaze().field_deg });
+    this.events.gazed(this.gaze());
   }
 
   /** The curve and the cross. */
@@ -158,16 +266,17 @@ export class SkyView {
     if (context === null || this.projection === null) return;
     context.clearRect(0, 0, this.overlay.width, this.overlay.height);
     if (this.grid === null) return;
-    const scale = Math.min(window.devicePixelRatio || 1, FINEST_PIXELS_PER_CSS_PX);
+    const scale = this.pixels_per_css_px();
     context.setTransform(scale, 0, 0, scale, 0, 0);
-    if (this.trail !== null) draw_curve(context, this.projection, this.trail, false);
-    else if (this.look.region !== null) draw_curve(context, this.projection, this.look.region, true);
+    if (this.trail !== null) draw_curve(context, this.projection, this.plot, this.trail, false);
+    else if (this.look.region !== null) draw_curve(context, this.projection, this.plot, this.look.region, true);
     if (this.pointed !== null) draw_cross(context, this.projection, this.grid.nearest(this.pointed.azimuth_deg, this.pointed.elevation_deg));
     context.setTransform(1, 0, 0, 1, 0, 0);
   }
 
   private point_at(event: PointerEvent): void {
-    this.set_pointed(this.projection?.direction_from_point(event.offsetX, event.offsetY) ?? null);
+    const direction = this.projection?.direction_from_point(event.offsetX, event.offsetY) ?? null;
+    this.set_pointed(direction !== null && direction.elevation_deg < 0 ? null : direction);
   }
 
   private set_pointed(direction: SkyDirection | null): void {
@@ -218,6 +327,10 @@ export class SkyView {
       else this.end_drawing(null);
       return;
     }
+    if (this.look.projection === "perspective" && (event.key === "+" || event.key === "-")) {
+      this.zoom(event.key === "-" ? ZOOM_STEP : 1 / ZOOM_STEP);
+      return;
+    }
     if (event.key === "Enter" && this.trail !== null) {
       event.preventDefault();
       this.set_corner();
@@ -233,7 +346,8 @@ export class SkyView {
     const move = moves[event.key];
     if (move === undefined) return;
     event.preventDefault();
-    const from = this.pointed ?? { azimuth_deg: 180, elevation_deg: 45 };
+    const ahead = this.look.projection === "perspective" ? this.gaze() : { azimuth_deg: 180, elevation_deg: 45 };
+    const from = this.pointed ?? ahead;
     const nearest = grid.nearest(from.azimuth_deg, from.elevation_deg);
     const azimuth_deg = (nearest.azimuth_deg + move[0] * steps * grid.azimuth_step_deg + 360) % 360;
     const last_deg = grid.elevation_first_deg + (grid.elevation_count - 1) * grid.elevation_step_deg;
@@ -241,6 +355,7 @@ export class SkyView {
       Math.max(nearest.elevation_deg + move[1] * steps * grid.elevation_step_deg, grid.elevation_first_deg),
       last_deg,
     );
+    this.keep_cross_in_view({ azimuth_deg, elevation_deg });
     this.set_pointed({ azimuth_deg, elevation_deg });
   }
 }

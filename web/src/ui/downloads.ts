@@ -4,7 +4,14 @@ import { url_of, type SkyParameters } from "../api/client.ts";
 import type { ViewState } from "../state.ts";
 import { make } from "./dom.ts";
 
-export function show_downloads(container: HTMLElement, scene: string, parameters: SkyParameters, state: ViewState): void {
+/** What a perspective shows, as the API takes it: `fov` from the left to the right edge. */
+export interface ViewedPart {
+  azimuth: number;
+  elevation: number;
+  fov: number;
+}
+
+export function show_downloads(container: HTMLElement, scene: string, parameters: SkyParameters, state: ViewState, view: ViewedPart | null): void {
   const link = (title: string, href: string, description: string) => {
     const anchor = make("a", "", title) as HTMLAnchorElement;
     anchor.href = href;
@@ -14,7 +21,7 @@ export function show_downloads(container: HTMLElement, scene: string, parameters
     return anchor;
   };
   const { projection, sky, colours } = state;
-  const picture = { ...parameters, projection, sky, colormap: colours, scale: "magnitude" } as const;
+  const picture = { ...parameters, projection, ...view, sky, colormap: colours, scale: "magnitude" } as const;
   container.replaceChildren(
     link("PNG", url_of("/api/v1/scenes/{scene}/panorama.png", { scene }, picture), "The picture with its legend"),
     link("EXR", url_of("/api/v1/scenes/{scene}/panorama.exr", { scene }, parameters), "Raw radiance, OpenEXR"),
