@@ -57,7 +57,28 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   await numbers_shown(page, today);
   assert.match(page.url(), /lights=today/);
   await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("ArrowRight");
   await numbers_shown(page, site.sky_after);
+  // Both side by side: left of the split is today's sky, right of it the plan's.
+  const strip = () => page.$eval(".sky-picture", (canvas) => {
+    const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const column = (part) => [...context.getImageData(Math.round(part * canvas.width), Math.round(0.3 * canvas.height), 1, 1).data];
+    return [column(0.27), column(0.73)];
+  });
+  const [, right] = await strip();
+  await page.click("#lights button[value=both]");
+  await page.waitForSelector("#split-field:not([hidden])");
+  await sky_shown(page);
+  const half = await strip();
+  await shot(page, "plan-both");
+  await set_slider(page, "split", 100);
+  const whole = await strip();
+  assert.deepEqual(half[1], right);
+  assert.deepEqual(half[0], whole[0]);
+  assert.notDeepEqual(whole[1], right, "today's sky is no brighter than the plan's");
+  await page.click("#lights button[value=changed]");
+  await sky_shown(page);
   // A link or a reload has it all, the wish too.
   await set_slider(page, "plan-reduction", 10);
   await page.reload();

@@ -179,7 +179,7 @@ export class Lights {
     if (!this.planning.is_searching()) this.plan_card.show(plan, this.places);
     this.paint_card.show(this.painting, scenario);
     by_id("lights-changed", HTMLButtonElement).textContent = scenario === null ? "With the plan" : "As painted";
-    const shown = this.context?.lights === "changed";
+    const shown = this.context?.lights !== "today";
     void this.map?.show_dimmed(shown && plan !== null ? plan.pixels : []);
     void this.map?.show_painted(shown ? this.painting.edits() : []);
   }

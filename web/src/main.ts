@@ -90,9 +90,9 @@ class Viewer {
       document.body.dataset["sky"] = "numbers";
       this.show_numbers();
     },
-    picture: (grid) => {
+    picture: (grid, other) => {
       document.body.dataset["sky"] = "picture";
-      this.sky_view.show(grid);
+      this.sky_view.show(grid, other);
       this.show_links();
     },
     failed: (reason) => {
@@ -109,6 +109,8 @@ class Viewer {
 
   async start(): Promise<void> {
     wire_switches(() => this.map?.resize());
+    const split = by_id("split", HTMLInputElement);
+    split.addEventListener("input", () => this.sky_view.set_split(Number(split.value) / 100));
     show_readout(by_id("sky-readout", HTMLElement), null, this.state.sky);
     this.show_look();
     const { signal } = this.scene_requests;
@@ -267,7 +269,8 @@ class Viewer {
     this.show_numbers();
     const parameters = this.parameters(place);
     this.show_links();
-    void this.session.show(scene, parameters);
+    const { scenario: changed, ...today } = parameters;
+    void this.session.show(scene, parameters, lights === "both" && changed !== undefined ? today : null);
   }
 
   /** Marks a part of the sky, and shows which lights cause it. */

@@ -8,7 +8,8 @@ export interface SessionEvents {
   started: () => void;
   site: (site: Site) => void;
   numbers: (answer: SkyAnswer) => void;
-  picture: (grid: SkyGrid) => void;
+  /** And the sky of the same place to compare it with, where one was asked for. */
+  picture: (grid: SkyGrid, other: SkyGrid | null) => void;
   failed: (reason: unknown) => void;
   ended: () => void;
 }
@@ -20,9 +21,9 @@ export class SkySession {
 
   constructor(private readonly events: SessionEvents) {}
 
-  /** Asks for a sky unless it is the one already asked for. */
-  async show(scene: string, parameters: SkyParameters): Promise<void> {
-    const asked = JSON.stringify([scene, parameters]);
+  /** Asks for a sky, and for another to compare it with, unless they are the ones already asked for. */
+  async show(scene: string, parameters: SkyParameters, other: SkyParameters | null = null): Promise<void> {
+    const asked = JSON.stringify([scene, parameters, other]);
     if (asked === this.asked) return;
     this.cancel();
     const { signal } = this.controller;
@@ -39,7 +40,9 @@ export class SkySession {
       }
       this.events.numbers(await api.sky(scene, parameters, signal));
       performance.measure("sky:numbers", "sky:asked");
-      this.events.picture(new SkyGrid(await api.panorama(scene, parameters, signal)));
+      const both = [parameters, ...(other === null ? [] : [other])].map((asked) => api.panorama(scene, asked, signal));
+      const [grid, compared] = (await Promise.all(both)).map((answer) => new SkyGrid(answer));
+      if (grid !== undefined) this.events.picture(grid, compared ?? null);
       performance.measure("sky:picture", "sky:asked");
       this.events.ended();
     } catch (reason) {

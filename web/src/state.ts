@@ -29,8 +29,9 @@ export type MeasureName = (typeof MEASURES)[number];
 
 export type TerrainKind = "on" | "off";
 
-/** The scene's lights as they are, or as the scenario has them. */
-export type LightsKind = "today" | "changed";
+/** The scene's lights as they are, as the scenario has them, or one beside the other. */
+export const LIGHTS = ["today", "both", "changed"] as const;
+export type LightsKind = (typeof LIGHTS)[number];
 
 export interface ViewState {
   /** null until the list of scenes is known. */
@@ -128,7 +129,7 @@ export function state_from_fragment(fragment: string): ViewState {
     scene: matching(query.get("scene"), /^[a-z0-9-]{1,64}$/),
     place: latitude_deg !== null && longitude_deg !== null ? { latitude_deg, longitude_deg } : null,
     scenario: matching(query.get("scenario"), /^[ps]-[0-9a-f]{20}$/),
-    lights: one_of(query.get("lights"), ["today", "changed"], DEFAULT_STATE.lights),
+    lights: one_of(query.get("lights"), LIGHTS, DEFAULT_STATE.lights),
     view:
       view.zoom !== null && view.latitude_deg !== null && view.longitude_deg !== null
         ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }

@@ -48,6 +48,9 @@ export class SkyView {
   private readonly picture = document.createElement("canvas");
   private readonly overlay = document.createElement("canvas");
   private grid: SkyGrid | null = null;
+  private other: SkyGrid | null = null;
+  /** Where the other sky ends, as a part of the picture's width. */
+  private split = 0.5;
   private projection: Projection | null = null;
   private plot: Plot = { left_px: 0, top_px: 0, width_px: 1, height_px: 1 };
   private dragged_from: { x_px: number; y_px: number } | null = null;
@@ -109,10 +112,17 @@ export class SkyView {
     new ResizeObserver(() => this.draw()).observe(this.container);
   }
 
-  show(grid: SkyGrid | null): void {
+  /** Shows a sky; left of the split another one, where there is one. */
+  show(grid: SkyGrid | null, other: SkyGrid | null = null): void {
     this.grid = grid;
+    this.other = other;
     this.draw();
     this.announce();
+  }
+
+  set_split(part: number): void {
+    this.split = part;
+    this.draw();
   }
 
   set_look(look: SkyLook): void {
@@ -176,6 +186,7 @@ export class SkyView {
       const image = context.createImageData(this.picture.width, this.picture.height);
       paint_sky(image, this.grid, this.look.sky, this.look.colours, this.projection, scale);
       context.putImageData(image, 0, 0);
+      if (this.other !== null) this.draw_other(context, this.other, this.projection, scale);
     }
     context.setTransform(scale, 0, 0, scale, 0, 0);
     draw_frame(context, this.projection, this.plot);
@@ -258,6 +269,17 @@ export class SkyView {
     if (this.look.projection !== "perspective" || inside) return;
     this.look_at({ ...direction, field_deg: this.gaze().field_deg });
     this.events.gazed(this.gaze());
+  }
+
+  /** The other sky lies left of the split, with a line between them. */
+  private draw_other(context: CanvasRenderingContext2D, other: SkyGrid, projection: Projection, scale: number): void {
+    const split_px = Math.round((this.plot.left_px + this.split * this.plot.width_px) * scale);
+    if (split_px < 1) return;
+    const image = context.createImageData(split_px, this.picture.height);
+    paint_sky(image, other, this.look.sky, this.look.colours, projection, scale);
+    context.putImageData(image, 0, 0);
+    context.fillStyle = "#ffffff";
+    context.fillRect(split_px - scale / 2, this.plot.top_px * scale, scale, this.plot.height_px * scale);
   }
 
   /** The curve and the cross. */

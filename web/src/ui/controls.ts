@@ -171,6 +171,7 @@ export class Controls {
     this.measure.hidden = state.layers.influence === 0;
     by_id("lights", HTMLElement).hidden = state.scenario === null;
     this.press_lights(state.lights);
+    by_id("split-field", HTMLElement).hidden = state.scenario === null || state.lights !== "both";
     this.press_projection(state.projection);
     this.press_sky(state.sky);
     for (const layer of LAYERS) {
