@@ -261,7 +261,7 @@ test("the viewer works under a policy that allows nothing but its own server", a
     await route.fulfill({ response, headers: { ...response.headers(), "content-security-policy": policy } });
   });
   await page.goto(`${SERVER}/${fragment(here.town)}`);
-  await page.waitForSelector("#map[data-basemap=shown]");
+  await page.waitForSelector("#map[data-basemap]");
   await sky_shown(page);
   assert.deepEqual(violations, []);
   await context.close();

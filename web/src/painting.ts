@@ -26,7 +26,7 @@ export type PaintedArea = { shape: "brush"; points: readonly LonLat[]; radius_m:
 const MOST_EDITS = 100;
 
 export function edit_from(area: PaintedArea, change: PaintChange): EditBody {
-  const points = area.points.map(([longitude_deg, latitude_deg]) => [+longitude_deg.toFixed(5), +latitude_deg.toFixed(5)]);
+  const points = area.points.map(([longitude_deg, latitude_deg]): [number, number] => [+longitude_deg.toFixed(5), +latitude_deg.toFixed(5)]);
   const where =
     area.shape === "brush"
       ? { brush: { points, radius_m: area.radius_m } }
@@ -45,7 +45,7 @@ export function edit_from(area: PaintedArea, change: PaintChange): EditBody {
 
 /** An edit as it was sent, from the server's answer. */
 export function edit_from_answer({ area, radius_m, factor, add_radiance_nw_cm2_sr, lamp, lamp_from, keep, emission }: EditAnswer): EditBody {
-  const where = radius_m == null ? { polygon: area } : { brush: { points: area["coordinates"] as number[][], radius_m } };
+  const where = radius_m == null ? { polygon: area } : { brush: { points: area["coordinates"] as [number, number][], radius_m } };
   const sent = emission == null ? {} : { emission };
   const fixture = lamp as string | number[] | null | undefined;
   if (add_radiance_nw_cm2_sr != null) return { ...where, add_radiance_nw_cm2_sr, ...(fixture == null ? {} : { lamp: fixture }), ...sent };

@@ -41,7 +41,7 @@ export class Planning {
 
   /** Looks for the least light whose loss makes a place's sky as dark as wished. */
   async find(scene: string, place: Place, conditions: Omit<PlanQuery, "limit">, { measure, reduce_by, max_cut, region }: PlanWish): Promise<void> {
-    const curve = measure !== "region" || region === null ? {} : { region: region.map(({ azimuth_deg, elevation_deg }) => [azimuth_deg, elevation_deg]) };
+    const curve = measure !== "region" || region === null ? {} : { region: region.map(({ azimuth_deg, elevation_deg }): [number, number] => [azimuth_deg, elevation_deg]) };
     const site = { lat: place.latitude_deg, lon: place.longitude_deg, measure, reduce_by, ...curve };
     const body = { method: "target", max_cut, sites: [site] };
     await this.settle(null, async (signal) => ({

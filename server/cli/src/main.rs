@@ -35,6 +35,9 @@ struct CommandLine {
 }
 
 fn main() -> ExitCode {
+    if std::env::args_os().nth(1).is_some_and(|argument| argument == program::READ_UPLOAD) {
+        return program::read_upload();
+    }
     let command_line = CommandLine::parse();
     // The server reads first where its traces go.
     if !matches!(command_line.command, commands::Command::Serve(_)) {

@@ -32,6 +32,7 @@ pub mod source;
 pub mod stamp;
 pub mod state;
 mod trust;
+pub mod upload_reader;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_with_access};
@@ -39,3 +40,4 @@ pub use config::HttpConfig;
 pub use observatory::ObservatorySource;
 pub use serve::serve;
 pub use source::SkySource;
+pub use upload_reader::{UploadReader, read_upload};

@@ -8,6 +8,7 @@ use crate::{
         BoxFuture, Circumstances, EyeHeight, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SkySource,
         SourceError, SourceFacts,
     },
+    upload_reader::{UploadOutcome, UploadReader, UploadTask},
 };
 use skyglow_engine::{
     BrightnessMap, BrightnessRequest, EngineError, EngineStats, InfluenceMap, InfluenceRequest, MOST_PLACES,
@@ -17,16 +18,17 @@ use skyglow_engine::{
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{
     ChangeId, ChangeKind, ChangeStoreError, ChangeSummary, IngestOptions, Place, RasterTile, Scenario, Scene,
-    SceneError, SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder, ingest,
+    SceneError, SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
 };
 use skyglow_tables::{Clouds, Manifest};
-use std::{path::Path, sync::Arc};
+use std::sync::Arc;
 
 /// An observatory with what is fixed after the start.
 #[derive(Debug)]
 pub struct ObservatorySource {
     observatory: Arc<Observatory>,
     facts: SourceFacts,
+    upload_reader: Option<UploadReader>,
 }
 
 impl ObservatorySource {
@@ -48,7 +50,14 @@ impl ObservatorySource {
                 .collect::<Vec<_>>()
                 .join(" "),
         };
-        Self { observatory, facts }
+        Self { observatory, facts, upload_reader: None }
+    }
+
+    /// The same with uploads read by a process of their own.
+    #[must_use]
+    pub fn with_upload_reader(mut self, reader: UploadReader) -> Self {
+        self.upload_reader = Some(reader);
+        self
     }
 
     /// The same with other limits of places in a map of the zenith's brightness.
@@ -124,43 +133,6 @@ impl From<SceneError> for SourceError {
             SceneError::InvalidTile { .. } => SourceError::UnknownTile(error.to_string()),
             other => SourceError::Broken(other.to_string()),
         }
-    }
-}
-
-/// Why an upload is refused: files by the names of their fields, for nobody outside knows the server's folders.
-fn refused(error: SceneError, options: &IngestOptions) -> SourceError {
-    let field = |path: &Path| {
-        if path == options.radiance {
-            "radiance".to_owned()
-        } else if Some(path) == options.places.as_deref() {
-            "places".to_owned()
-        } else {
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-            format!("terrain \"{}\"", name.unwrap_or_default())
-        }
-    };
-    // The library that reads rasters names files with their folders, and what reads them speaks of a command's options.
-    let folder = options.radiance.ancestors().nth(2).map(|folder| format!("{}/", folder.display()));
-    let for_upload = |reason: &str| {
-        let reason = match &folder {
-            Some(folder) if folder.len() > 1 => reason.replace(folder, ""),
-            _ => reason.to_owned(),
-        };
-        reason.replace("their --", "--").replace(" --", " the field ")
-    };
-    match &error {
-        SceneError::Unreadable { path, reason } => {
-            let reason = for_upload(reason);
-            SourceError::BadUpload(format!("{} cannot be read as a raster: {reason}", field(path)))
-        }
-        SceneError::Refused { path, reason } => {
-            SourceError::BadUpload(format!("{}: {}", field(path), for_upload(reason)))
-        }
-        SceneError::InvalidOption { option, reason } => {
-            SourceError::BadUpload(format!("{}: {reason}", option.trim_start_matches('-')))
-        }
-        SceneError::InvalidId { .. } => SourceError::BadUpload(error.to_string()),
-        _ => SourceError::Storage(error.to_string()),
     }
 }
 
@@ -254,10 +226,16 @@ impl SkySource for ObservatorySource {
     }
 
     fn ingest(&self, options: &IngestOptions) -> Result<(SceneMetadata, bool), SourceError> {
-        let store = self.observatory.store();
-        let was_there = options.id.as_ref().is_some_and(|id| store.exists(id));
-        let scene = ingest(store, options, &mut |_| {}).map_err(|error| refused(error, options))?;
-        Ok((scene, was_there))
+        let scenes = self.observatory.store().scenes_dir();
+        let data = scenes.parent().unwrap_or(scenes).to_owned();
+        let task = UploadTask { data, options: options.clone() };
+        let outcome =
+            self.upload_reader.as_ref().map_or_else(|| Ok(task.run()), |reader| task.run_by(reader));
+        match outcome? {
+            UploadOutcome::Done { metadata, was_there } => Ok((*metadata, was_there)),
+            UploadOutcome::Refused(reason) => Err(SourceError::BadUpload(reason)),
+            UploadOutcome::Storage(reason) => Err(SourceError::Storage(reason)),
+        }
     }
 
     fn remove_scene(&self, id: &SceneId) -> Result<(), SourceError> {
@@ -386,23 +364,5 @@ impl SkySource for ObservatorySource {
                 panorama: answer.rendered.panorama,
             })
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_refused_upload_speaks_of_fields_and_of_no_folder() {
-        let options = IngestOptions::new("/srv/data/incoming/7/radiance");
-        let reason =
-            "/srv/data/incoming/radiance has 8-bit numbers; give their --scale, or choose with --band: a, b";
-        let error = SceneError::Refused { path: options.radiance.clone(), reason: reason.to_owned() };
-        let SourceError::BadUpload(said) = refused(error, &options) else { panic!("another kind") };
-        assert_eq!(
-            said,
-            "radiance: radiance has 8-bit numbers; give the field scale, or choose with the field band: a, b"
-        );
     }
 }

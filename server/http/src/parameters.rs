@@ -32,6 +32,8 @@ pub enum Kind {
     Text {
         /// The form, in words.
         allowed: &'static str,
+        /// The form as a regular expression: whatever is allowed matches it, and most of what is not does not.
+        pattern: &'static str,
     },
 }
 
@@ -57,15 +59,18 @@ impl Parameter {
             Kind::Number { minimum, maximum, unit } => format!("{minimum} to {maximum}{unit}"),
             Kind::Integer { minimum, maximum } => format!("a whole number from {minimum} to {maximum}"),
             Kind::Choice(words) => words.join(", "),
-            Kind::Text { allowed } => allowed.to_owned(),
+            Kind::Text { allowed, .. } => allowed.to_owned(),
         }
     }
 
     /// The parameter as OpenAPI says it.
     pub fn openapi(&self) -> ApiParameter {
         let default = (!self.default.is_empty()).then(|| match self.kind {
-            Kind::Number { .. } | Kind::Integer { .. } => {
+            Kind::Number { .. } => {
                 self.default.parse::<f64>().map_or_else(|_| self.default.into(), serde_json::Value::from)
+            }
+            Kind::Integer { .. } => {
+                self.default.parse::<u32>().map_or_else(|_| self.default.into(), serde_json::Value::from)
             }
             _ => serde_json::Value::from(self.default),
         });
@@ -82,7 +87,9 @@ impl Parameter {
             Kind::Choice(words) => {
                 ObjectBuilder::new().schema_type(Type::String).enum_values(Some(words.iter().copied()))
             }
-            Kind::Text { .. } => ObjectBuilder::new().schema_type(Type::String),
+            Kind::Text { pattern, .. } => {
+                ObjectBuilder::new().schema_type(Type::String).pattern(Some(pattern))
+            }
         };
         ParameterBuilder::new()
             .name(self.name)
@@ -105,6 +112,7 @@ macro_rules! parameters {
 }
 
 const DEGREES: &str = " degrees";
+const A_NUMBER: &str = "^-?[0-9.]+([eE][+-]?[0-9]+)?$";
 /// Most basis functions that a table pack is made with; the resident ones may have fewer.
 pub const MOST_BASIS_FUNCTIONS: u32 = 256;
 
@@ -124,15 +132,20 @@ parameters! {
     /// Lamp: its flux in the bands R, G, B per flux that the satellite saw.
     LAMP = "lamp", Kind::Text {
         allowed: "neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0",
+        pattern: "^(neutral|hps|lps|pc_amber|led_3000k|led_4000k|metal_halide|mercury|mixed|[0-9.]+(,[0-9.]+){2})$",
     }, "mixed", false;
     /// How lamps spread their light over the zenith angle.
     EMISSION = "emission", Kind::Text {
         allowed: "garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0",
+        pattern: "^(garstang|shielded|lambert|[0-9.]+(,[0-9.]+){2})$",
     }, "garstang", false;
     /// Number of basis functions; the default is all that are resident, and no more can be had.
     BASIS = "basis", Kind::Integer { minimum: 1, maximum: MOST_BASIS_FUNCTIONS }, "", false;
     /// Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for.
-    CLOUDS = "clouds", Kind::Text { allowed: "none, or a whole number from 200 to 12000 m" }, "none", false;
+    CLOUDS = "clouds", Kind::Text {
+        allowed: "none, or a whole number from 200 to 12000 m",
+        pattern: "^(none|[0-9]{3,5})$",
+    }, "none", false;
     /// Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count.
     TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
     /// Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`.
@@ -140,13 +153,19 @@ parameters! {
     /// Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻².
     SKY = "sky", Kind::Choice(&["artificial", "total"]), "artificial", false;
     /// Id of a scenario or plan of the scene: its lights are as that says.
-    SCENARIO = "scenario", Kind::Text { allowed: "s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer" }, "", false;
+    SCENARIO = "scenario", Kind::Text {
+        allowed: "s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer",
+        pattern: "^[sp]-[0-9a-f]{20}$",
+    }, "", false;
     /// What of the sky lights have their part in: the mean luminance within 5° of the zenith, of the visible sky, or of the visible sky inside a region; the horizontal illuminance; or the norm of each light's own sky, open down to the horizontal plane, which does not add up. The default is `region` where one is given, else `zenith`.
     MEASURE = "measure", Kind::Choice(&["norm", "zenith", "mean", "horizontal", "region"]), "", false;
     /// Number of the most influential pixels that are listed.
     LIMIT = "limit", Kind::Integer { minimum: 0, maximum: 10_000 }, "100", false;
     /// A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself.
-    REGION = "region", Kind::Text { allowed: "3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60" }, "", false;
+    REGION = "region", Kind::Text {
+        allowed: "3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60",
+        pattern: "^-?[0-9.]+,[0-9.]+(;-?[0-9.]+,[0-9.]+){2,999}$",
+    }, "", false;
     /// Projection: fisheye is zenithal equidistant with north up and east left.
     PROJECTION = "projection", Kind::Choice(&["equirectangular", "fisheye", "perspective"]), "equirectangular", false;
     /// Azimuth of the centre of a perspective, clockwise from north.
@@ -162,9 +181,15 @@ parameters! {
     /// Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻².
     SCALE = "scale", Kind::Choice(&["luminance", "magnitude"]), "luminance", false;
     /// Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻².
-    MIN = "min", Kind::Text { allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max" }, "", false;
+    MIN = "min", Kind::Text {
+        allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max",
+        pattern: A_NUMBER,
+    }, "", false;
     /// Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻².
-    MAX = "max", Kind::Text { allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min" }, "", false;
+    MAX = "max", Kind::Text {
+        allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min",
+        pattern: A_NUMBER,
+    }, "", false;
     /// Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey.
     EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
     /// Width of the sky in the picture; the default depends on projection and format.
@@ -266,8 +291,14 @@ impl utoipa::IntoParams for OptionalInfluenceParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::{
+        strategy::{Strategy, ValueTree},
+        string::string_regex,
+        test_runner::TestRunner,
+    };
     use skyglow_display::Colormap;
     use skyglow_physics::{CloudBase, LampPreset};
+    use skyglow_scene::ChangeId;
     use skyglow_tables::Scattering;
 
     #[test]
@@ -278,6 +309,25 @@ mod tests {
         assert_eq!(maps, Colormap::ALL.map(Colormap::name));
         for preset in LampPreset::ALL {
             assert!(LAMP.allowed().contains(preset.name()), "{preset:?}");
+        }
+    }
+
+    #[test]
+    fn forms_of_texts_are_regular_expressions_that_allow_what_is_allowed() {
+        let mut runner = TestRunner::deterministic();
+        let mut made_by = |parameter: Parameter| {
+            let Kind::Text { pattern, .. } = parameter.kind else { panic!("{} is no text", parameter.name) };
+            let form = string_regex(pattern.trim_matches(['^', '$'])).unwrap();
+            (0..50).map(|_| form.new_tree(&mut runner).unwrap().current()).collect::<Vec<String>>()
+        };
+        assert!(made_by(SCENARIO).iter().all(|id| ChangeId::parse(id).is_ok()));
+        assert!(made_by(CLOUDS).iter().all(|text| text == "none" || text.parse::<u32>().is_ok()));
+        for parameter in [LAMP, EMISSION] {
+            let made = made_by(parameter);
+            assert!(made.iter().any(|text| text == parameter.default), "{}: {made:?}", parameter.name);
+        }
+        for parameter in [REGION, MIN, MAX] {
+            assert_eq!(made_by(parameter).len(), 50);
         }
     }
 

@@ -4,6 +4,7 @@ mod brightness;
 pub mod geojson;
 mod influence;
 mod plan;
+mod points;
 mod scenario;
 mod sky;
 #[cfg(test)]

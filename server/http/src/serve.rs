@@ -3,6 +3,7 @@
 use crate::{
     config::HttpConfig,
     listener::{Connection, Ends},
+    routes::viewer::compress_viewer,
     trust::is_trusted,
 };
 use axum::{Router, body::Body, extract::ConnectInfo};
@@ -43,6 +44,8 @@ pub async fn serve(
     config: &HttpConfig,
     ending: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
+    // Nobody waits for it, neither a visitor nor the end.
+    drop(tokio::task::spawn_blocking(compress_viewer));
     let idle = config.idle_timeout();
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(idle);

@@ -46,7 +46,7 @@ export async function open_page(browser, fragment = "", device = DESKTOP) {
     if (url.pathname.includes("/api/v1/")) asked.push(url.pathname.split("/api/v1/")[1] + url.search);
   });
   await page.goto(`${SERVER}/${fragment}`);
-  await page.waitForSelector("#map[data-basemap=shown]");
+  await page.waitForSelector("#map[data-basemap]");
   return { page, context, faults, asked };
 }
 

@@ -75,7 +75,7 @@ export type AtmosphereAnswer = {
 /** A stroke. */
 export type BrushBody = {
   /** Longitude and latitude of its points, degrees: 1 to 1000. */
-  points: number[][];
+  points: [number, number][];
   /** Radius, 1 to 50 000 m. The pixels right under the stroke are painted however fine it is. */
   radius_m: number;
 };
@@ -216,7 +216,7 @@ export type InfluenceBody = {
   /** An area, as a GeoJSON Polygon or MultiPolygon, or a Feature or FeatureCollection of such: how much of the measure comes from inside it. */
   boundary?: Record<string, unknown> | null;
   /** A closed curve on the sky, corner by corner as `[azimuth_deg, elevation_deg]`; instead of the query's `region`. */
-  region?: number[][] | null;
+  region?: [number, number][] | null;
 };
 
 /** A lit pixel and its part. */
@@ -361,8 +361,8 @@ export type PlanBody = {
   protect?: Record<string, unknown> | null;
   q_a?: LevelBody | null;
   q_b?: LevelBody | null;
-  /** Of `threshold`: a closed curve on the sky, as for influences. */
-  region?: number[][] | null;
+  /** A closed curve on the sky, corner by corner as `[azimuth_deg, elevation_deg]`; instead of the query's `region`. */
+  region?: [number, number][] | null;
   site?: SiteBody | null;
   /** Of `target`: 1 to 16 sites with what each wants. */
   sites?: SiteBody[] | null;
@@ -657,8 +657,8 @@ export type SiteBody = {
   measure?: string | null;
   /** Of `target`: the measure is to be less by this part of what it is, 0 to 1. */
   reduce_by?: number | null;
-  /** Of `target`: a closed curve on the sky. */
-  region?: number[][] | null;
+  /** A closed curve on the sky, corner by corner as `[azimuth_deg, elevation_deg]`; instead of the query's `region`. */
+  region?: [number, number][] | null;
 };
 
 /** The numbers alone. */

@@ -3,7 +3,8 @@
 import type { Feature, FeatureCollection, MultiLineString, Point, Polygon, Position } from "geojson";
 import { feature, mesh } from "topojson-client";
 import type { GeometryCollection, Topology } from "topojson-specification";
-import atlas_url from "world-atlas/countries-50m.json?url";
+import coarse_url from "world-atlas/countries-110m.json?url";
+import fine_url from "world-atlas/countries-50m.json?url";
 
 type Atlas = Topology<{ countries: GeometryCollection<{ name: string }> }>;
 
@@ -61,8 +62,9 @@ function graticule(): Feature<MultiLineString> {
   return { type: "Feature", properties: {}, geometry: { type: "MultiLineString", coordinates: lines } };
 }
 
-export async function load_basemap(): Promise<Basemap> {
-  const response = await fetch(atlas_url);
+/** Coarse outlines come soon, fine ones are six times as long. */
+export async function load_basemap(detail: "coarse" | "fine"): Promise<Basemap> {
+  const response = await fetch(detail === "coarse" ? coarse_url : fine_url);
   if (!response.ok) throw new Error(`the map's outlines did not load (${response.status})`);
   const atlas = (await response.json()) as Atlas;
   const { countries } = atlas.objects;

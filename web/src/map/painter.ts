@@ -42,7 +42,7 @@ function feature_of(area: PaintedArea, closed = true): Feature | null {
 
 /** The area of an edit, as it is shown. */
 function feature_of_edit({ brush, polygon }: EditBody): Feature | null {
-  if (brush != null) return feature_of({ shape: "brush", points: brush.points as unknown as LonLat[], radius_m: brush.radius_m });
+  if (brush != null) return feature_of({ shape: "brush", points: brush.points, radius_m: brush.radius_m });
   const geometry = polygon as { type: string; coordinates: unknown } | null | undefined;
   return geometry == null ? null : { type: "Feature", properties: {}, geometry };
 }

@@ -108,20 +108,23 @@ export class SkyMap {
     this.map.on("moveend", () => events.moved(this.view()));
     this.map.on("resize", () => this.keep_in_view());
     this.map.on("error", (event) => this.report(event, events.failed));
-    load_basemap()
-      .then(async (basemap) => {
-        await this.styled;
-        for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) {
-          this.source(name)?.setData(basemap[name]);
-        }
-        container.dataset["basemap"] = "shown";
-      })
+    this.show_basemap("coarse")
+      .then(() => this.show_basemap("fine"))
       .catch(events.failed);
   }
 
   view(): MapView {
     const { lng, lat } = this.map.getCenter();
     return { zoom: this.map.getZoom(), latitude_deg: lat, longitude_deg: lng };
+  }
+
+  private async show_basemap(detail: "coarse" | "fine"): Promise<void> {
+    const basemap = await load_basemap(detail);
+    await this.styled;
+    for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) {
+      this.source(name)?.setData(basemap[name]);
+    }
+    this.map.getContainer().dataset["basemap"] = detail;
   }
 
   private fold_credits(): void {

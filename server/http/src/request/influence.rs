@@ -1,6 +1,6 @@
 //! Requests for influences: of which sky, of what in it, and whose.
 
-use super::sky::read_sky;
+use super::{points::curve_schema, sky::read_sky};
 use crate::{
     accept::InfluenceFormat,
     error::ApiError,
@@ -25,7 +25,7 @@ pub(super) const DEFAULT_LIMIT: usize = 100;
 #[serde(deny_unknown_fields)]
 pub struct InfluenceBody {
     /// A closed curve on the sky, corner by corner as `[azimuth_deg, elevation_deg]`; instead of the query's `region`.
-    #[schema(example = json!([[10.0, 20.0], [50.0, 20.0], [30.0, 60.0]]))]
+    #[schema(schema_with = curve_schema)]
     pub region: Option<Vec<[f64; 2]>>,
     /// An area, as a GeoJSON Polygon or MultiPolygon, or a Feature or FeatureCollection of such: how much of the measure comes
     /// from inside it.

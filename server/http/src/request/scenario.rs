@@ -3,6 +3,7 @@
 use super::{
     geojson::{BoundaryBody, polygons},
     influence::body_of,
+    points::points_schema,
     sky::{emission_of, lamp_of},
 };
 use crate::{
@@ -31,12 +32,14 @@ const BRIGHTEST_NW_CM2_SR: f64 = 1e6;
 #[serde(deny_unknown_fields)]
 pub struct ScenarioBody {
     /// Its name for people, at most 200 characters.
+    #[schema(max_length = 200)]
     pub title: Option<String>,
     /// Id of a scenario or plan that it goes on from.
+    #[schema(pattern = "^[sp]-[0-9a-f]{20}$")]
     pub base: Option<String>,
     /// The edits, one after the other: 1 to 100.
     #[serde(deserialize_with = "few_edits")]
-    #[schema(example = json!([{"brush": {"points": [[8.6, 46.5]], "radius_m": 2000.0}, "factor": 0.3}]))]
+    #[schema(min_items = 1, max_items = 100, example = json!([{"brush": {"points": [[8.6, 46.5]], "radius_m": 2000.0}, "factor": 0.3}]))]
     pub edits: Vec<EditBody>,
 }
 
@@ -75,6 +78,7 @@ pub struct EditBody {
     /// A stroke of a brush.
     pub brush: Option<BrushBody>,
     /// Factor on the radiance of the lights that are there, 0 to 1000.
+    #[schema(minimum = 0, maximum = 1000)]
     pub factor: Option<f64>,
     /// Their new lamps: a preset's name or three fluxes, for all of them, or which are replaced by which; of added light what it
     /// is.
@@ -90,8 +94,10 @@ pub struct EditBody {
 #[serde(deny_unknown_fields)]
 pub struct BrushBody {
     /// Longitude and latitude of its points, degrees: 1 to 1000.
+    #[schema(schema_with = points_schema)]
     pub points: Vec<[f64; 2]>,
     /// Radius, 1 to 50 000 m. The pixels right under the stroke are painted however fine it is.
+    #[schema(minimum = 1, maximum = 50_000)]
     pub radius_m: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The viewer, built into the program.
+//! The viewer, built into the program. Its files are compressed once and well, not for each request and fast.
 
 use crate::{
     error::ApiError,
@@ -6,10 +6,15 @@ use crate::{
     respond::{Caching, Keep},
 };
 use axum::{
-    body::Body,
+    body::{Body, Bytes},
     http::{HeaderMap, HeaderValue, Response, Uri, header},
 };
+use brotli::enc::BrotliEncoderParams;
 use rust_embed::{EmbeddedFile, RustEmbed};
+use std::{
+    collections::HashMap,
+    sync::{Mutex, OnceLock, PoisonError},
+};
 
 /// The viewer's built form.
 #[derive(RustEmbed)]
@@ -29,6 +34,54 @@ const NO_VIEWER: &str = "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-
      <h1>Skyglow</h1>\n<p>This program was built without the viewer: <code>web/dist</code> was missing.</p>\n\
      <p>The interface is all there: <a href=\"api/docs\">read and try it</a>.</p>\n</html>\n";
 
+/// Of brotli, 0 to 11. 11 makes files 8 % shorter and takes ten times as long.
+const QUALITY: i32 = 9;
+/// Shorter files are sent as they are.
+const SHORTEST_COMPRESSED_BYTES: usize = 512;
+
+/// Files as they are sent to who takes brotli, by path; none where that is no shorter.
+static COMPRESSED: OnceLock<Mutex<HashMap<String, Option<Bytes>>>> = OnceLock::new();
+
+/// Compresses every file of the viewer, so that nobody waits for it. Takes about a second.
+pub fn compress_viewer() {
+    for path in Viewer::iter() {
+        if let Some(file) = Viewer::get(&path) {
+            compressed(&path, &file.data);
+        }
+    }
+}
+
+fn compressed(path: &str, data: &[u8]) -> Option<Bytes> {
+    let files = COMPRESSED.get_or_init(Mutex::default);
+    if let Some(known) = files.lock().unwrap_or_else(PoisonError::into_inner).get(path) {
+        return known.clone();
+    }
+    // Two who ask at once compress it twice: no lock is held meanwhile.
+    let made = brotli_of(data).map(Bytes::from);
+    files.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), made.clone());
+    made
+}
+
+fn brotli_of(data: &[u8]) -> Option<Vec<u8>> {
+    if data.len() < SHORTEST_COMPRESSED_BYTES {
+        return None;
+    }
+    let parameters = BrotliEncoderParams { quality: QUALITY, size_hint: data.len(), ..Default::default() };
+    let mut made = Vec::with_capacity(data.len() / 3);
+    brotli::BrotliCompress(&mut &*data, &mut made, &parameters).ok()?;
+    (made.len() < data.len()).then_some(made)
+}
+
+/// Whether the client takes brotli.
+fn takes_brotli(headers: &HeaderMap) -> bool {
+    let values = headers.get_all(header::ACCEPT_ENCODING).into_iter().filter_map(|value| value.to_str().ok());
+    values.flat_map(|value| value.split(',')).any(|coding| {
+        let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));
+        let refused = quality.split_once('=').is_some_and(|(_, q)| q.trim().parse() == Ok(0.0));
+        name.trim().eq_ignore_ascii_case("br") && !refused
+    })
+}
+
 /// The viewer's files; everything that no other route takes. Pages are one: `/` alone.
 pub async fn get_viewer(uri: Uri, headers: HeaderMap) -> Result<Response<Body>, ApiError> {
     let path = uri.path().trim_start_matches('/');
@@ -38,12 +91,13 @@ pub async fn get_viewer(uri: Uri, headers: HeaderMap) -> Result<Response<Body>, 
     let file = Viewer::get(path).ok_or(ApiError::NotFound)?;
     // Vite puts what carries a hash in its name below assets/.
     let keep = if path.starts_with("assets/") { Keep::Forever } else { Keep::Revalidate };
-    Ok(answer(&headers, keep, media_type(path), &file))
+    let body = takes_brotli(&headers).then(|| compressed(path, &file.data)).flatten();
+    Ok(answer(&headers, keep, media_type(path), &file, body))
 }
 
 fn index(headers: &HeaderMap) -> Response<Body> {
     let mut response = match Viewer::get("index.html") {
-        Some(file) => answer(headers, Keep::Revalidate, "text/html; charset=utf-8", &file),
+        Some(file) => answer(headers, Keep::Revalidate, "text/html; charset=utf-8", &file, None),
         None => {
             let caching =
                 Caching { etag: ETag::of_bytes(NO_VIEWER.as_bytes()), keep: Keep::Revalidate, vary: None };
@@ -57,10 +111,22 @@ fn index(headers: &HeaderMap) -> Response<Body> {
     response
 }
 
-fn answer(headers: &HeaderMap, keep: Keep, media_type: &'static str, file: &EmbeddedFile) -> Response<Body> {
+fn answer(
+    headers: &HeaderMap,
+    keep: Keep,
+    media_type: &'static str,
+    file: &EmbeddedFile,
+    compressed: Option<Bytes>,
+) -> Response<Body> {
     let hash: String = file.metadata.sha256_hash().iter().map(|byte| format!("{byte:02x}")).collect();
     let caching = Caching { etag: ETag::of(&["viewer", &hash]), keep, vary: None };
-    caching.not_modified(headers).unwrap_or_else(|| caching.ok(media_type, file.data.to_vec()))
+    if let Some(response) = caching.not_modified(headers) {
+        return response;
+    }
+    let Some(compressed) = compressed else { return caching.ok(media_type, file.data.to_vec()) };
+    let mut response = caching.ok(media_type, compressed);
+    response.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("br"));
+    response
 }
 
 fn media_type(path: &str) -> &'static str {
@@ -76,5 +142,35 @@ fn media_type(path: &str) -> &'static str {
         Some("woff2") => "font/woff2",
         Some("txt") => "text/plain; charset=utf-8",
         _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brotli_is_for_those_who_take_it() {
+        let takes = |value: &'static str| {
+            let mut headers = HeaderMap::new();
+            headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(value));
+            takes_brotli(&headers)
+        };
+        assert!(takes("gzip, deflate, br, zstd") && takes("BR;q=0.5") && takes("br"));
+        assert!(!takes("gzip") && !takes("br;q=0") && !takes("br;q=0.0, gzip") && !takes("brotli"));
+        assert!(!takes_brotli(&HeaderMap::new()));
+    }
+
+    #[test]
+    fn files_are_compressed_where_that_is_shorter_and_come_out_again() {
+        let text = "light ".repeat(1000);
+        let made = brotli_of(text.as_bytes()).unwrap();
+        assert!(made.len() < 200);
+        let mut back = Vec::new();
+        brotli::BrotliDecompress(&mut &*made, &mut back).unwrap();
+        assert_eq!(back, text.as_bytes());
+        assert_eq!(brotli_of(b"short"), None);
+        let noise: Vec<u8> = (0..2000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+        assert!(brotli_of(&noise).is_none_or(|made| made.len() < noise.len()));
     }
 }

@@ -172,6 +172,18 @@ async fn the_viewer_comes_with_a_strict_policy_and_its_hashed_files_are_kept_for
         let again =
             server.get(&format!("/assets/{asset}")).header("if-none-match", tag).send().await.unwrap();
         assert_eq!(again.status(), 304);
+        // Compressed well for who takes it, under a tag of its own.
+        let get = || server.get(&format!("/assets/{asset}")).header("accept-encoding", "gzip, br");
+        let short = get().send().await.unwrap();
+        let own = header(&short, "etag").to_owned();
+        assert_eq!(header(&short, "vary"), "accept-encoding");
+        if !asset.ends_with("svg") {
+            assert_eq!(header(&short, "content-encoding"), "br", "{asset}");
+            assert_ne!(own, header(&answer, "etag"));
+            let lengths = (short.bytes().await.unwrap().len(), answer.bytes().await.unwrap().len());
+            assert!(2 * lengths.0 < lengths.1, "{asset}: {lengths:?}");
+        }
+        assert_eq!(get().header("if-none-match", own).send().await.unwrap().status(), 304, "{asset}");
     }
     for path in ["/assets/..%2f..%2fCargo.toml", "/assets/..%2findex.html", "/Cargo.toml", "/SHA256SUMS"] {
         assert_eq!(server.answer(path).await.status(), 404, "{path}");

@@ -40,6 +40,7 @@ pub(super) fn grid(
     {
         return Err("its geotransform is degenerate".to_owned());
     }
+    check_code(crs, &name)?;
     if crs.is_geographic() {
         check_degrees(transform, width, height, &name)?;
     }
@@ -68,6 +69,20 @@ pub(super) fn grid(
         ));
     }
     Ok(grid)
+}
+
+/// Whether the CRS is of the kind that its EPSG code names. PROJ looks the code up, and ends the program where it finds a CRS of
+/// another kind than the one that it was given.
+fn check_code(crs: &SpatialRef, name: &str) -> Result<(), String> {
+    let (Some("EPSG"), Ok(code)) = (crs.auth_name().as_deref(), crs.auth_code()) else { return Ok(()) };
+    let kind = |crs: &SpatialRef| (crs.is_geographic(), crs.is_projected());
+    match u32::try_from(code).ok().and_then(|code| SpatialRef::from_epsg(code).ok()) {
+        Some(known) if kind(&known) != kind(crs) => {
+            let of_code = known.name().unwrap_or_else(|| "another".to_owned());
+            Err(format!("it says that {name} is EPSG:{code}, which is another kind of CRS: {of_code}"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether the corners can be degrees.

@@ -3,10 +3,11 @@
 use super::date::{FORMS, is_date};
 use crate::error::SceneError;
 use crate::scene_id::SceneId;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// The unit of the raster's radiances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RadianceUnit {
     /// nW cm⁻² sr⁻¹, as the VIIRS products have it.
     NanowattPerSquareCentimetreSteradian,
@@ -40,7 +41,7 @@ impl RadianceUnit {
 }
 
 /// The options of `skyglow ingest`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct IngestOptions {
     /// The radiance raster: GeoTIFF, COG or HDF5.
     pub radiance: PathBuf,

@@ -1,0 +1,196 @@
+//! Uploads are read by a process of their own: rasters go through libraries of other people's, and one that breaks off over a file
+//! takes no server along.
+
+use crate::source::SourceError;
+use serde::{Deserialize, Serialize};
+use skyglow_scene::{IngestOptions, SceneError, SceneMetadata, SceneStore, ingest};
+use std::{
+    io::{Read, Write},
+    os::unix::process::ExitStatusExt,
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+};
+
+/// What a reader is to read, as JSON on its standard input.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct UploadTask {
+    /// The folder of the data, as of [`SceneStore::new`].
+    pub data: PathBuf,
+    /// The files, and what is said of them.
+    pub options: IngestOptions,
+}
+
+/// What came of it, as JSON on its standard output.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum UploadOutcome {
+    /// There is a scene of it.
+    Done {
+        /// The scene.
+        metadata: Box<SceneMetadata>,
+        /// Whether there was one of that id before.
+        was_there: bool,
+    },
+    /// It cannot be meant: why, in one sentence.
+    Refused(String),
+    /// Nothing can be kept: why, in one sentence.
+    Storage(String),
+}
+
+impl UploadTask {
+    /// Reads it, in this process.
+    pub fn run(&self) -> UploadOutcome {
+        let store = SceneStore::new(&self.data);
+        let was_there = self.options.id.as_ref().is_some_and(|id| store.exists(id));
+        match ingest(&store, &self.options, &mut |_| {}) {
+            Ok(metadata) => UploadOutcome::Done { metadata: Box::new(metadata), was_there },
+            Err(error) => refused(error, &self.options),
+        }
+    }
+
+    /// Reads it by a program that runs [`read_upload`].
+    ///
+    /// # Errors
+    /// [`SourceError::BadUpload`] where the program breaks off, [`SourceError::Storage`] where it cannot be started.
+    pub fn run_by(&self, reader: &UploadReader) -> Result<UploadOutcome, SourceError> {
+        let no_reader = |error: std::io::Error| {
+            SourceError::Storage(format!("no process can be started that reads uploads: {error}"))
+        };
+        let task = serde_json::to_vec(self).map_err(|error| SourceError::Broken(error.to_string()))?;
+        let mut child = Command::new(&reader.program)
+            .args(&reader.arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::inherit())
+            .spawn()
+            .map_err(no_reader)?;
+        if let Some(mut input) = child.stdin.take() {
+            // One that has ended already says below why.
+            let _ = input.write_all(&task);
+        }
+        let Output { status, stdout, .. } = child.wait_with_output().map_err(no_reader)?;
+        if let Ok(outcome) = serde_json::from_slice(&stdout) {
+            return Ok(outcome);
+        }
+        // What it left half done goes.
+        SceneStore::new(&self.data).clear_stale();
+        let end = match status.signal() {
+            Some(signal) => format!("signal {signal}"),
+            None => status.to_string(),
+        };
+        tracing::warn!("the process that read an upload broke off: {end}");
+        Err(SourceError::BadUpload(format!(
+            "one of the files breaks the libraries that read rasters off ({end}); nothing was changed"
+        )))
+    }
+}
+
+/// The program that reads uploads, with its arguments.
+#[derive(Clone, Debug)]
+pub struct UploadReader {
+    /// The program.
+    pub program: PathBuf,
+    /// What it is called with.
+    pub arguments: Vec<String>,
+}
+
+/// Reads a task from `input`, does it and writes what came of it: what the program of an [`UploadReader`] does.
+///
+/// # Errors
+/// Whatever input and output say.
+pub fn read_upload(mut input: impl Read, mut output: impl Write) -> std::io::Result<()> {
+    let mut text = Vec::new();
+    input.read_to_end(&mut text)?;
+    let task: UploadTask = serde_json::from_slice(&text)?;
+    serde_json::to_writer(&mut output, &task.run())?;
+    output.flush()
+}
+
+/// Why an upload is refused: files by the names of their fields, for nobody outside knows the server's folders.
+fn refused(error: SceneError, options: &IngestOptions) -> UploadOutcome {
+    let field = |path: &Path| {
+        if path == options.radiance {
+            "radiance".to_owned()
+        } else if Some(path) == options.places.as_deref() {
+            "places".to_owned()
+        } else {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+            format!("terrain \"{}\"", name.unwrap_or_default())
+        }
+    };
+    // The library that reads rasters names files with their folders, and what reads them speaks of a command's options.
+    let folder = options.radiance.ancestors().nth(2).map(|folder| format!("{}/", folder.display()));
+    let for_upload = |reason: &str| {
+        let reason = match &folder {
+            Some(folder) if folder.len() > 1 => reason.replace(folder, ""),
+            _ => reason.to_owned(),
+        };
+        reason.replace("their --", "--").replace(" --", " the field ")
+    };
+    match &error {
+        SceneError::Unreadable { path, reason } => {
+            let reason = for_upload(reason);
+            UploadOutcome::Refused(format!("{} cannot be read as a raster: {reason}", field(path)))
+        }
+        SceneError::Refused { path, reason } => {
+            UploadOutcome::Refused(format!("{}: {}", field(path), for_upload(reason)))
+        }
+        SceneError::InvalidOption { option, reason } => {
+            UploadOutcome::Refused(format!("{}: {reason}", option.trim_start_matches('-')))
+        }
+        SceneError::InvalidId { .. } => UploadOutcome::Refused(error.to_string()),
+        _ => UploadOutcome::Storage(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_scene::SceneId;
+
+    fn task(folder: &Path) -> UploadTask {
+        let mut options = IngestOptions::new(folder.join("radiance"));
+        options.id = Some(SceneId::parse("town").unwrap());
+        UploadTask { data: folder.to_owned(), options }
+    }
+
+    #[test]
+    fn a_reader_that_breaks_off_is_a_refusal_that_says_how() {
+        let folder = tempfile::tempdir().unwrap();
+        for (script, said) in
+            [("kill -SEGV $$", "signal 11"), ("exit 3", "exit status: 3"), ("echo no", "exit status: 0")]
+        {
+            let arguments = vec!["-c".to_owned(), script.to_owned()];
+            let reader = UploadReader { program: "/bin/sh".into(), arguments };
+            let Err(SourceError::BadUpload(reason)) = task(folder.path()).run_by(&reader) else {
+                panic!("{script} is no refusal")
+            };
+            assert!(reason.contains(said), "{script}: {reason}");
+        }
+        let none = UploadReader { program: folder.path().join("none"), arguments: Vec::new() };
+        assert!(matches!(task(folder.path()).run_by(&none), Err(SourceError::Storage(_))));
+    }
+
+    #[test]
+    fn what_a_reader_says_comes_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let task = task(folder.path());
+        std::fs::write(&task.options.radiance, "no raster").unwrap();
+        let mut said = Vec::new();
+        read_upload(&*serde_json::to_vec(&task).unwrap(), &mut said).unwrap();
+        let UploadOutcome::Refused(reason) = serde_json::from_slice(&said).unwrap() else { panic!("taken") };
+        assert!(reason.starts_with("radiance cannot be read as a raster"), "{reason}");
+    }
+
+    #[test]
+    fn a_refused_upload_speaks_of_fields_and_of_no_folder() {
+        let options = IngestOptions::new("/srv/data/incoming/7/radiance");
+        let reason =
+            "/srv/data/incoming/radiance has 8-bit numbers; give their --scale, or choose with --band: a, b";
+        let error = SceneError::Refused { path: options.radiance.clone(), reason: reason.to_owned() };
+        let UploadOutcome::Refused(said) = refused(error, &options) else { panic!("another kind") };
+        assert_eq!(
+            said,
+            "radiance: radiance has 8-bit numbers; give the field scale, or choose with the field band: a, b"
+        );
+    }
+}
