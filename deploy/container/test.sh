@@ -15,7 +15,12 @@ fail() {
 
 [ -d "$root" ] || deploy/container/rootfs.sh "$root"
 mkdir -p "$work/data"
-SKYGLOW_LISTEN="127.0.0.1:$port" SKYGLOW_DEVICE=lavapipe deploy/container/start.sh "$root" "$work/data" serve >"$work/log" 2>&1 &
+token="$(head -c 24 /dev/urandom | od -An -tx1 | tr -d ' \n')"
+printf %s "$token" >"$work/data/operator-token"
+chmod 600 "$work/data/operator-token"
+chown 10001 "$work/data/operator-token"
+SKYGLOW_LISTEN="127.0.0.1:$port" SKYGLOW_DEVICE=lavapipe deploy/container/start.sh "$root" "$work/data" serve \
+    --operator-token-file /var/lib/skyglow/operator-token >"$work/log" 2>&1 &
 outer=$!
 trap 'kill "$outer" 2>/dev/null || true' EXIT
 base="http://127.0.0.1:$port"
@@ -43,6 +48,15 @@ echo "$sky" | grep -q '"executor":"lavapipe"' || fail "the sky was not rendered 
 curl -fs "$base/api/v1/scenes/demo/panorama.png?lat=46.17&lon=8.79" -o "$work/panorama.png" || fail "no panorama"
 curl -fs "$base/" | grep -qi '<!doctype html>' || fail "no viewer"
 say "a sky and a panorama on lavapipe, and the viewer"
+
+# An upload is read by a process of its own, inside as well.
+put() { curl -s -o "$work/answer" -w '%{http_code}' -X PUT -H "Authorization: Bearer $token" -F "radiance=@$1" "$base/api/v1/scenes/uploaded"; }
+code="$(put tests/fuzz/seeds/raster/smallest)"
+[ "$code" = 201 ] || fail "an upload is answered with $code: $(cat "$work/answer")"
+code="$(put README.md)"
+[ "$code" = 422 ] || fail "an upload that is no raster is answered with $code: $(cat "$work/answer")"
+curl -fs "$base/api/v1/scenes/uploaded" >/dev/null || fail "the uploaded scene is gone"
+say "an upload is taken, one that is no raster refused"
 
 started="$(date +%s)"
 kill -TERM "$pid"

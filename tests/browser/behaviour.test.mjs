@@ -286,3 +286,34 @@ test("without WebGL the viewer says so, and the search box still shows skies", a
   await shot(page, "no-webgl");
   await context.close();
 });
+
+test("the page's own files are less than 500 kB on the way until the map is there", async () => {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  await page.goto(`${SERVER}/#scene=${here.scene.id}`);
+  await page.waitForSelector("#map[data-basemap]");
+  const files = await page.evaluate(() =>
+    [...performance.getEntriesByType("navigation"), ...performance.getEntriesByType("resource")]
+      .filter(({ name }) => !name.includes("/api/") && !name.includes("countries-50m"))
+      .map(({ name, encodedBodySize, decodedBodySize }) => ({ name, encodedBodySize, decodedBodySize })),
+  );
+  const sum = files.reduce((bytes, { encodedBodySize }) => bytes + encodedBodySize, 0);
+  assert.ok(files.length >= 6 && files.some(({ name }) => name.includes("countries-110m")), JSON.stringify(files));
+  assert.ok(sum > 300_000 && sum < 500_000, `${sum} bytes: ${JSON.stringify(files)}`);
+  await page.waitForSelector("#map[data-basemap=fine]");
+  await context.close();
+});
+
+test("the browser's own place is picked when it is asked for, and a refusal is said in plain words", async () => {
+  const { latitude_deg: latitude, longitude_deg: longitude } = here.beside;
+  const context = await browser.newContext({ geolocation: { latitude, longitude }, permissions: ["geolocation"] });
+  const page = await context.newPage();
+  await page.goto(`${SERVER}/#scene=${here.scene.id}`);
+  await page.click("#locate");
+  await sky_shown(page);
+  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.beside));
+  await context.clearPermissions();
+  await page.click("#locate");
+  await page.getByRole("alert").getByText("may not tell where you are").waitFor();
+  await context.close();
+});

@@ -16,6 +16,7 @@ import { by_id } from "./ui/dom.ts";
 import { show_downloads } from "./ui/downloads.ts";
 import { coordinates } from "./ui/format.ts";
 import { show_layer_state } from "./ui/layers.ts";
+import { wire_locate } from "./ui/locate.ts";
 import { Marking } from "./ui/marking.ts";
 import { place_name } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
@@ -109,6 +110,13 @@ class Viewer {
 
   async start(): Promise<void> {
     wire_switches(() => this.map?.resize());
+    wire_locate(
+      (place) => {
+        this.pick(place);
+        this.map?.go_to(place);
+      },
+      (reason) => this.notice.show(reason),
+    );
     const split = by_id("split", HTMLInputElement);
     split.addEventListener("input", () => this.sky_view.set_split(Number(split.value) / 100));
     show_readout(by_id("sky-readout", HTMLElement), null, this.state.sky);
