@@ -37,7 +37,7 @@ for (const [name, device] of [["desktop", DESKTOP], ["phone", PHONE]]) {
     await sky_shown(page);
     assert.deepEqual(await violations(page), [], "a sky with its numbers");
     await page.click("#plan-find");
-    await page.waitForSelector("#plan-answer .plan-reached");
+    await page.waitForSelector("#plan-status .plan-reached");
     await page.click("#paint-draw");
     await page.click("#mark");
     await page.click("#projection button[value=fisheye]");

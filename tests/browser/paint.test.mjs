@@ -49,7 +49,8 @@ test("a town painted dark darkens the sky beside it; undo, redo, reload and a na
   await numbers_shown(page, dark);
   assert.equal(await page.locator("#lights-changed").textContent(), "As painted");
   assert.match((await page.locator("#paint-answer").textContent()) ?? "", /pixels changed.*Upward light.*-\d/);
-  assert.equal(await page.locator(".pin").count(), 1, "painting moved the picked place");
+  const link = new URLSearchParams(new URL(page.url()).hash.slice(1));
+  assert.deepEqual([link.get("lat"), link.get("lon")].map(Number), [here.beside.latitude_deg, here.beside.longitude_deg], "painting moved the picked place");
   const [edit] = (await get_json(`scenarios/${first}`)).edits;
   assert.deepEqual([edit.factor, edit.radius_m], [0, 8000]);
 
@@ -108,7 +109,7 @@ test("a plan goes on from what was painted, and paint goes over a plan", async (
   const painted = scenario_of(page);
   const dark = await sky_with(painted);
   await page.click("#plan-find");
-  await page.waitForSelector("#plan-answer .plan-reached");
+  await page.waitForSelector("#plan-status .plan-reached");
   const plan = scenario_of(page);
   const [site] = (await get_json(`plans/${plan}`)).sites;
   assert.ok(Math.abs(site.sky_before.zenith_luminance_cd_m2 / dark.zenith_luminance_cd_m2 - 1) < 1e-6, "the plan began from other lights");

@@ -53,7 +53,7 @@ test("a curve drawn around the sky's south shows the lights that cause it, and a
 
   await page.selectOption("#plan-measure", "region");
   await page.click("#plan-find");
-  await page.waitForSelector("#plan-answer .plan-reached");
+  await page.waitForSelector("#plan-status .plan-reached");
   assert.match((await page.locator(".plan-reached").textContent()) ?? "", /30 % darker in the marked part of the sky/);
   const id = new URLSearchParams(new URL(page.url()).hash.slice(1)).get("scenario");
   const [site] = (await get_json(`plans/${id}`)).sites;

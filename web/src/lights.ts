@@ -1,16 +1,22 @@
 // Other lights than the scene's: plans that are looked for, edits that are painted over the map.
 
 import { api, type PlanQuery } from "./api/client.ts";
-import type { NamedPlace } from "./api/types.ts";
+import { ApiError } from "./api/problem.ts";
+import type { EditBody } from "./api/schema.ts";
+import type { NamedPlace, Plan } from "./api/types.ts";
 import type { Brush } from "./map/painter.ts";
 import type { SkyMap } from "./map/sky_map.ts";
 import { edit_from, Painting, type PaintedArea } from "./painting.ts";
-import { Planning, type Change, type PlanWish } from "./planning.ts";
+import { id_of, Planning, type Change, type PlanWish } from "./planning.ts";
 import type { Region } from "./sky/region.ts";
 import type { LightsKind, Place } from "./state.ts";
 import { by_id } from "./ui/dom.ts";
 import { PaintCard } from "./ui/paint_card.ts";
 import { PlanCard } from "./ui/plan_card.ts";
+
+/** Answers that say that a plan or scenario is not there any more. */
+const GONE: readonly number[] = [404, 409, 410];
+const NO_EDITS: readonly EditBody[] = [];
 
 /** What other lights are looked for under. */
 export interface LightsContext {
@@ -39,17 +45,24 @@ export class Lights {
   /** What the painting last made of the state's scenario: another one comes from elsewhere. */
   private own: string | null = null;
   private keeping = new AbortController();
+  /** When the last stroke is kept, or refused. */
+  private kept: Promise<void> = Promise.resolve();
+  /** What the server last took. */
+  private accepted = this.painting.snapshot();
+  private searched_for = "";
+  private shown_dimmed: Plan | null = null;
+  private shown_edits: readonly EditBody[] = NO_EDITS;
 
   private readonly plan_card = new PlanCard({
-    find: (wish) => this.find(wish),
-    drop: () => this.events.chosen(null),
+    find: (wish) => void this.find(wish),
+    drop: () => this.drop(),
   });
   private readonly paint_card = new PaintCard({
     brush: (brush) => {
       this.brush = brush;
       this.map?.set_brush(brush);
-      if (brush !== null) by_id("map-area", HTMLElement).scrollIntoView({ block: "nearest" });
     },
+    started: () => by_id("map-area", HTMLElement).scrollIntoView({ block: "nearest" }),
     undo: () => this.repaint(() => this.painting.undo()),
     redo: () => this.repaint(() => this.painting.redo()),
     clear: () => this.clear(),
@@ -59,11 +72,28 @@ export class Lights {
       }),
   });
   private readonly planning = new Planning({
-    searching: () => this.plan_card.searching(),
-    found: (change) => this.found(change),
-    failed: (reason) => {
+    searching: (on) => {
+      this.plan_card.searching(on);
+      this.show_change();
+    },
+    found: (change) => {
+      this.show_wish(change);
+      this.events.chosen(id_of(change));
+      this.show_change();
+    },
+    loaded: (change) => {
+      this.show_wish(change);
+      // Whoever painted before it was there painted over it.
+      if (change.kind === "scenario" && !this.painting.can_undo()) {
+        this.painting.load(change.scenario);
+        this.accepted = this.painting.snapshot();
+      }
+      this.show_change();
+    },
+    failed: (reason, what) => {
       this.events.failed(reason);
-      if (this.planning.change() === null && this.context?.scenario != null) this.events.chosen(null);
+      const is_gone = reason instanceof ApiError && GONE.includes(reason.status);
+      if (what === "load" && is_gone) this.events.chosen(null);
       this.show_change();
     },
   });
@@ -84,17 +114,16 @@ export class Lights {
   /** Follows the state. */
   show(context: LightsContext): void {
     const { scene, place, scenario, region } = context;
-    if (scene !== this.context?.scene) this.painting.clear();
+    const is_other_scene = scene !== this.context?.scene;
     this.context = context;
     this.plan_card.set_region(region);
     if (place === null) this.paint_card.set_painting(false);
-    if (scenario !== this.own) {
+    if (is_other_scene || scenario !== this.own) {
       // A link, the way back, or a plan: what was painted before is none of it.
-      this.painting.clear();
-      this.own = scenario;
+      this.forget_painting(scenario);
     }
-    if (scenario === null) this.planning.cancel();
-    else void this.planning.show(scenario);
+    if (this.searched_for !== this.search_key()) this.planning.stop_search();
+    void this.planning.show(scenario);
     this.show_change();
   }
 
@@ -111,31 +140,48 @@ export class Lights {
     });
   }
 
-  private find(wish: PlanWish): void {
+  private async find(wish: PlanWish): Promise<void> {
+    // It goes on from the last stroke, too.
+    await this.kept;
     if (this.context === null) return;
-    const { scene, place, scenario, conditions } = this.context;
+    const { scene, place, conditions } = this.context;
     if (scene === null || place === null) return;
-    // A plan goes on from what was painted, never from another plan.
-    const painted = scenario?.startsWith("s-") === true ? { scenario } : {};
-    void this.planning.find(scene, place, { ...conditions, ...painted }, wish);
+    this.searched_for = this.search_key();
+    await this.planning.find(scene, place, { ...conditions, ...this.painted_before() }, wish);
   }
 
-  private found(change: Change): void {
-    if (change.kind === "plan") {
-      this.plan_card.show_wish(change.plan);
-      // A plan that was looked for is not in the link yet.
-      if (this.context?.scenario !== change.plan.id) this.events.chosen(change.plan.id);
-    } else {
-      this.painting.load(change.scenario);
-    }
-    this.show_change();
+  /** A plan goes on from what was painted, never from another plan. */
+  private painted_before(): { scenario?: string } {
+    const scenario = this.context?.scenario ?? null;
+    return scenario?.startsWith("s-") === true ? { scenario } : {};
+  }
+
+  /** All that a search depends on. */
+  private search_key(): string {
+    const { scene, place, conditions } = this.context ?? {};
+    return JSON.stringify([scene, place, conditions, this.painted_before()]);
+  }
+
+  private show_wish(change: Change): void {
+    if (change.kind === "plan") this.plan_card.show_wish(change.plan);
+  }
+
+  /** What is painted is none of these lights. */
+  private forget_painting(scenario: string | null): void {
+    this.keeping.abort();
+    this.painting.clear();
+    this.accepted = this.painting.snapshot();
+    this.own = scenario;
+  }
+
+  private drop(): void {
+    this.forget_painting(null);
+    this.events.chosen(null);
   }
 
   private clear(): void {
     const { base } = this.painting;
-    this.keeping.abort();
-    this.painting.clear();
-    this.own = base;
+    this.forget_painting(base);
     this.events.chosen(base);
   }
 
@@ -143,7 +189,7 @@ export class Lights {
   private repaint(change: () => void): void {
     change();
     this.show_change();
-    void this.keep();
+    this.kept = this.keep();
   }
 
   private async keep(): Promise<void> {
@@ -153,34 +199,42 @@ export class Lights {
     const scene = this.context?.scene;
     if (scene == null) return;
     if (!this.painting.can_undo()) {
+      this.accepted = this.painting.snapshot();
       this.own = this.painting.base;
       this.events.chosen(this.painting.base);
       return;
     }
     try {
       const scenario = await api.paint(scene, this.painting.body(), signal);
+      if (signal.aborted) return;
+      this.accepted = this.painting.snapshot();
       this.planning.adopt({ kind: "scenario", scenario });
       this.own = scenario.id;
       this.events.chosen(scenario.id);
     } catch (reason) {
       if (signal.aborted) return;
-      // The stroke that the server refused is taken back.
-      this.painting.undo();
+      // What the server refused is taken back.
+      this.painting.restore(this.accepted);
       this.events.failed(reason);
       this.show_change();
     }
   }
 
-  /** What is said of the change of lights, and where it is. */
+  /** What is said of the change of lights, and where it is; of what is the same as before nothing is touched. */
   private show_change(): void {
     const change = this.planning.change();
     const plan = change?.kind === "plan" ? change.plan : null;
     const scenario = change?.kind === "scenario" ? change.scenario : null;
-    if (!this.planning.is_searching()) this.plan_card.show(plan, this.places);
+    const shown = this.context?.lights !== "today";
+    this.plan_card.show(plan, this.places);
     this.paint_card.show(this.painting, scenario);
     by_id("lights-changed", HTMLButtonElement).textContent = scenario === null ? "With the plan" : "As painted";
-    const shown = this.context?.lights !== "today";
-    void this.map?.show_dimmed(shown && plan !== null ? plan.pixels : []);
-    void this.map?.show_painted(shown ? this.painting.edits() : []);
+    const dimmed = shown ? plan : null;
+    const edits = shown ? this.painting.edits() : NO_EDITS;
+    if (this.map === null) return;
+    if (dimmed !== this.shown_dimmed) void this.map.show_dimmed(dimmed?.pixels ?? []);
+    if (edits !== this.shown_edits) void this.map.show_painted(edits);
+    this.shown_dimmed = dimmed;
+    this.shown_edits = edits;
   }
 }

@@ -104,7 +104,7 @@ class Viewer {
   });
 
   private readonly lights = new Lights({
-    chosen: (scenario) => this.change({ scenario, lights: "changed" }, { push: true }),
+    chosen: (scenario) => this.change({ scenario, lights: this.state.lights === "both" ? "both" : "changed" }, { push: true }),
     failed: (reason) => this.notice.show(reason),
   });
 
@@ -266,6 +266,7 @@ class Viewer {
     this.map?.mark(this.state.place);
     this.show_title();
     const { scene, place, scenario, lights, region } = this.state;
+    document.body.dataset["place"] = place === null ? "none" : "picked";
     const { scenario: _, ...conditions } = this.conditions();
     this.lights.show({ scene, place, scenario, lights, region, conditions });
     if (scene === null || place === null) {

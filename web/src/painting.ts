@@ -54,9 +54,17 @@ export function edit_from_answer({ area, radius_m, factor, add_radiance_nw_cm2_s
   return { ...where, ...(factor == null || (factor === 1 && !only_factor) ? {} : { factor }), ...lamps, ...sent };
 }
 
+export interface PaintingSnapshot {
+  readonly done: readonly EditBody[];
+  readonly undone: readonly EditBody[];
+  readonly base: string | null;
+  readonly title: string;
+}
+
 export class Painting {
-  private done: EditBody[] = [];
-  private undone: EditBody[] = [];
+  /** Never changed in place: whoever holds them may compare. */
+  private done: readonly EditBody[] = [];
+  private undone: readonly EditBody[] = [];
   /** The plan or scenario that the edits go on from. */
   base: string | null = null;
   title = "";
@@ -78,18 +86,22 @@ export class Painting {
   }
 
   add(edit: EditBody): void {
-    this.done.push(edit);
+    this.done = [...this.done, edit];
     this.undone = [];
   }
 
   undo(): void {
-    const edit = this.done.pop();
-    if (edit !== undefined) this.undone.push(edit);
+    const edit = this.done.at(-1);
+    if (edit === undefined) return;
+    this.done = this.done.slice(0, -1);
+    this.undone = [...this.undone, edit];
   }
 
   redo(): void {
-    const edit = this.undone.pop();
-    if (edit !== undefined) this.done.push(edit);
+    const edit = this.undone.at(-1);
+    if (edit === undefined) return;
+    this.undone = this.undone.slice(0, -1);
+    this.done = [...this.done, edit];
   }
 
   /** Forgets all of it. */
@@ -108,8 +120,20 @@ export class Painting {
     this.title = title ?? "";
   }
 
+  /** All of it, to go back to. */
+  snapshot(): PaintingSnapshot {
+    return { done: this.done, undone: this.undone, base: this.base, title: this.title };
+  }
+
+  restore({ done, undone, base, title }: PaintingSnapshot): void {
+    this.done = done;
+    this.undone = undone;
+    this.base = base;
+    this.title = title;
+  }
+
   /** What the server is asked to keep. */
   body(): ScenarioBody {
-    return { edits: this.done, ...(this.base === null ? {} : { base: this.base }), ...(this.title === "" ? {} : { title: this.title }) };
+    return { edits: [...this.done], ...(this.base === null ? {} : { base: this.base }), ...(this.title === "" ? {} : { title: this.title }) };
   }
 }

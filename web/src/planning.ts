@@ -1,4 +1,4 @@
-// The change of lights that the state names: a plan is looked for, or fetched again after a reload.
+// What changes the lights: a plan is looked for, and what the state names is fetched again after a reload.
 
 import { api, type PlanQuery } from "./api/client.ts";
 import type { Plan, Scenario } from "./api/types.ts";
@@ -26,80 +26,86 @@ export type Change = { kind: "plan"; plan: Plan } | { kind: "scenario"; scenario
 export const LISTED_PIXELS = 5000;
 
 export interface PlanningEvents {
-  searching: () => void;
+  /** A plan is looked for, or no longer. */
+  searching: (on: boolean) => void;
+  /** A plan was looked for and found. */
   found: (change: Change) => void;
-  failed: (reason: unknown) => void;
+  /** What the state names is there. */
+  loaded: (change: Change) => void;
+  failed: (reason: unknown, what: "search" | "load") => void;
 }
 
 export class Planning {
-  private controller = new AbortController();
   private known: Change | null = null;
-  private asked: string | null = null;
-  private searching = false;
+  private loading: { id: string; controller: AbortController } | null = null;
+  private search: AbortController | null = null;
 
   constructor(private readonly events: PlanningEvents) {}
 
-  /** Looks for the least light whose loss makes a place's sky as dark as wished. */
+  /** Looks for the least light whose loss makes a place's sky as dark as wished. What is known stays until it is found. */
   async find(scene: string, place: Place, conditions: Omit<PlanQuery, "limit">, { measure, reduce_by, max_cut, region }: PlanWish): Promise<void> {
     const curve = measure !== "region" || region === null ? {} : { region: region.map(({ azimuth_deg, elevation_deg }): [number, number] => [azimuth_deg, elevation_deg]) };
     const site = { lat: place.latitude_deg, lon: place.longitude_deg, measure, reduce_by, ...curve };
     const body = { method: "target", max_cut, sites: [site] };
-    await this.settle(null, async (signal) => ({
-      kind: "plan",
-      plan: await api.find_plan(scene, { ...conditions, limit: LISTED_PIXELS }, body, signal),
-    }));
+    this.search?.abort();
+    const search = new AbortController();
+    this.search = search;
+    this.events.searching(true);
+    try {
+      const plan = await api.find_plan(scene, { ...conditions, limit: LISTED_PIXELS }, body, search.signal);
+      this.end_search();
+      this.adopt({ kind: "plan", plan });
+      this.events.found({ kind: "plan", plan });
+    } catch (reason) {
+      if (search.signal.aborted) return;
+      this.end_search();
+      this.events.failed(reason, "search");
+    }
   }
 
-  /** Fetches a change unless it is the one that is known or on its way. */
-  async show(id: string): Promise<void> {
-    if (id === this.asked || (this.known !== null && id === id_of(this.known))) return;
-    await this.settle(id, async (signal) =>
-      id.startsWith("p-")
+  /** Ends a search: what it was for is no longer so. */
+  stop_search(): void {
+    if (this.search === null) return;
+    this.search.abort();
+    this.end_search();
+  }
+
+  private end_search(): void {
+    this.search = null;
+    this.events.searching(false);
+  }
+
+  /** Fetches a change unless it is the one that is known or on its way; null forgets it. */
+  async show(id: string | null): Promise<void> {
+    if (id === this.loading?.id || (this.known !== null && id === id_of(this.known))) return;
+    this.loading?.controller.abort();
+    this.loading = null;
+    this.known = null;
+    if (id === null) return;
+    const controller = new AbortController();
+    const { signal } = controller;
+    this.loading = { id, controller };
+    try {
+      const change: Change = id.startsWith("p-")
         ? { kind: "plan", plan: await api.plan(id, LISTED_PIXELS, signal) }
-        : { kind: "scenario", scenario: await api.scenario(id, signal) },
-    );
+        : { kind: "scenario", scenario: await api.scenario(id, signal) };
+      if (signal.aborted) return;
+      this.loading = null;
+      this.known = change;
+      this.events.loaded(change);
+    } catch (reason) {
+      if (signal.aborted) return;
+      // Asked for again, it is a new try.
+      this.loading = null;
+      this.events.failed(reason, "load");
+    }
   }
 
   /** Takes a change that was asked for elsewhere. */
   adopt(change: Change): void {
-    this.cancel();
+    this.loading?.controller.abort();
+    this.loading = null;
     this.known = change;
-  }
-
-  /** Forgets the change; answers still on their way are dropped. */
-  cancel(): void {
-    this.controller.abort();
-    this.controller = new AbortController();
-    this.known = null;
-    this.asked = null;
-    this.searching = false;
-  }
-
-  private async settle(id: string | null, ask: (signal: AbortSignal) => Promise<Change>): Promise<void> {
-    const before = this.known;
-    this.cancel();
-    const { signal } = this.controller;
-    this.asked = id;
-    this.searching = true;
-    this.events.searching();
-    try {
-      const found = await ask(signal);
-      this.known = found;
-      this.asked = null;
-      this.searching = false;
-      this.events.found(found);
-    } catch (reason) {
-      if (signal.aborted) return;
-      // A search that fails loses nothing: what was found before is still there.
-      this.known = id === null ? before : null;
-      this.asked = null;
-      this.searching = false;
-      this.events.failed(reason);
-    }
-  }
-
-  is_searching(): boolean {
-    return this.searching;
   }
 
   /** What is known of the change. */

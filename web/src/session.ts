@@ -25,7 +25,7 @@ export class SkySession {
   async show(scene: string, parameters: SkyParameters, other: SkyParameters | null = null): Promise<void> {
     const asked = JSON.stringify([scene, parameters, other]);
     if (asked === this.asked) return;
-    this.cancel();
+    this.restart();
     const { signal } = this.controller;
     this.asked = asked;
     const site_asked = JSON.stringify([scene, parameters.lat, parameters.lon]);
@@ -57,8 +57,13 @@ export class SkySession {
 
   /** Forgets what was asked; answers still on their way are dropped. */
   cancel(): void {
+    this.restart();
+    this.asked = "";
+    this.site_asked = "";
+  }
+
+  private restart(): void {
     this.controller.abort();
     this.controller = new AbortController();
-    this.asked = "";
   }
 }

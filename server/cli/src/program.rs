@@ -9,7 +9,12 @@ use skyglow_engine::{Engine, EngineConfig, Observatory, observatory, resident_ta
 use skyglow_http::{SkySource, UploadReader};
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
 use skyglow_tables::packs_in;
-use std::{path::Path, process::ExitCode, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::Arc,
+    time::Duration,
+};
 
 /// An engine over the packs of a folder, before the scenes of another.
 ///
@@ -38,25 +43,25 @@ pub(crate) fn open(
     let observatory =
         Observatory::with_limits(engine, manifests, data, observatory::OPEN_SCENE_COUNT, limits);
     let source = skyglow_http::ObservatorySource::new(Arc::new(observatory)).with_most_places(most_places);
-    Ok(Arc::new(match std::env::current_exe() {
-        Ok(program) => {
-            source.with_upload_reader(UploadReader { program, arguments: vec![READ_UPLOAD.to_owned()] })
-        }
-        Err(_) => source,
-    }))
+    // The program that runs, also where its file was replaced meanwhile.
+    let program = PathBuf::from("/proc/self/exe");
+    if !program.exists() {
+        return Ok(Arc::new(source));
+    }
+    let reader = UploadReader { program, arguments: vec![READ_UPLOAD.to_owned()], longest: LONGEST_UPLOAD };
+    Ok(Arc::new(source.with_upload_reader(reader)))
 }
 
 /// The argument that makes this program a reader of uploads. No command: nobody but the server calls it.
 pub(crate) const READ_UPLOAD: &str = "--read-upload";
-/// Longest time of the processor that an upload may take, seconds.
-const UPLOAD_CPU_S: u64 = 1800;
+/// Longest time that an upload may take to be read.
+const LONGEST_UPLOAD: Duration = Duration::from_secs(1800);
 
 /// Reads an upload for the server, and ends with it.
 pub(crate) fn read_upload() -> ExitCode {
-    use rustix::process::{Resource, Rlimit, Signal, set_parent_process_death_signal, setrlimit};
-    let limit = Rlimit { current: Some(UPLOAD_CPU_S), maximum: Some(UPLOAD_CPU_S) };
-    // Where the system has neither, the reading is what it was before.
-    let _best_effort = setrlimit(Resource::Cpu, limit);
+    use rustix::process::{Signal, set_parent_process_death_signal};
+    // Where memory runs out, this goes and not the server. Where the system has neither, the reading is what it was before.
+    let _best_effort = std::fs::write("/proc/self/oom_score_adj", "1000");
     let _best_effort = set_parent_process_death_signal(Some(Signal::KILL));
     match skyglow_http::read_upload(std::io::stdin().lock(), std::io::stdout().lock()) {
         Ok(()) => ExitCode::SUCCESS,

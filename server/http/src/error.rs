@@ -306,6 +306,10 @@ fn sentence(errors: &[FieldError]) -> String {
     parts.join(". ")
 }
 
+/// Marks an answer that came for want of time: what was asked for may be done yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TookTooLong;
+
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         match &self {
@@ -325,6 +329,9 @@ impl IntoResponse for ApiError {
         }
         if let Some(seconds) = retry_after_s {
             headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
+        }
+        if matches!(self, ApiError::Timeout { .. }) {
+            response.extensions_mut().insert(TookTooLong);
         }
         response
     }

@@ -326,9 +326,6 @@ mod tests {
             let made = made_by(parameter);
             assert!(made.iter().any(|text| text == parameter.default), "{}: {made:?}", parameter.name);
         }
-        for parameter in [REGION, MIN, MAX] {
-            assert_eq!(made_by(parameter).len(), 50);
-        }
     }
 
     #[test]

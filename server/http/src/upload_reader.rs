@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use skyglow_scene::{IngestOptions, SceneError, SceneMetadata, SceneStore, ingest};
 use std::{
     io::{Read, Write},
-    os::unix::process::ExitStatusExt,
+    os::unix::process::{CommandExt, ExitStatusExt},
     path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
+    process::{Child, Command, ExitStatus, Stdio},
+    time::{Duration, Instant},
 };
 
 /// What a reader is to read, as JSON on its standard input.
@@ -50,7 +51,7 @@ impl UploadTask {
     /// Reads it by a program that runs [`read_upload`].
     ///
     /// # Errors
-    /// [`SourceError::BadUpload`] where the program breaks off, [`SourceError::Storage`] where it cannot be started.
+    /// [`SourceError::BadUpload`] where the program breaks off, [`SourceError::Storage`] where it cannot be started or is ended.
     pub fn run_by(&self, reader: &UploadReader) -> Result<UploadOutcome, SourceError> {
         let no_reader = |error: std::io::Error| {
             SourceError::Storage(format!("no process can be started that reads uploads: {error}"))
@@ -61,14 +62,23 @@ impl UploadTask {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::inherit())
+            // What a terminal sends to the server is not for it: it ends with its parent.
+            .process_group(0)
             .spawn()
             .map_err(no_reader)?;
         if let Some(mut input) = child.stdin.take() {
             // One that has ended already says below why.
             let _ = input.write_all(&task);
         }
-        let Output { status, stdout, .. } = child.wait_with_output().map_err(no_reader)?;
-        if let Ok(outcome) = serde_json::from_slice(&stdout) {
+        let output = child.stdout.take();
+        let said = std::thread::spawn(move || {
+            let mut said = Vec::new();
+            // What was cut off is no outcome.
+            let _ = output.map(|mut output| output.read_to_end(&mut said));
+            said
+        });
+        let status = wait(&mut child, reader.longest).map_err(no_reader)?;
+        if let Ok(outcome) = serde_json::from_slice(&said.join().unwrap_or_default()) {
             return Ok(outcome);
         }
         // What it left half done goes.
@@ -78,11 +88,37 @@ impl UploadTask {
             None => status.to_string(),
         };
         tracing::warn!("the process that read an upload broke off: {end}");
-        Err(SourceError::BadUpload(format!(
-            "one of the files breaks the libraries that read rasters off ({end}); nothing was changed"
-        )))
+        Err(match status.signal() {
+            Some(signal) if FAULTS.contains(&signal) => SourceError::BadUpload(format!(
+                "one of the files breaks the libraries that read rasters off ({end})"
+            )),
+            _ => {
+                SourceError::Storage(format!("the process that read the upload was ended ({end}); try again"))
+            }
+        })
     }
 }
+
+/// Waits for the end of a process, and ends it where that takes too long.
+fn wait(child: &mut Child, longest: Duration) -> std::io::Result<ExitStatus> {
+    let begun = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status);
+        }
+        if begun.elapsed() > longest {
+            tracing::warn!("the process that reads an upload takes longer than {longest:?}: it is ended");
+            child.kill()?;
+            return child.wait();
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
+}
+
+/// Signals of a process that broke off by itself: illegal instruction, abort, bus error, arithmetic, segmentation.
+const FAULTS: [i32; 5] = [4, 6, 7, 8, 11];
+/// How often it is looked whether a reader has ended.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// The program that reads uploads, with its arguments.
 #[derive(Clone, Debug)]
@@ -91,6 +127,8 @@ pub struct UploadReader {
     pub program: PathBuf,
     /// What it is called with.
     pub arguments: Vec<String>,
+    /// After this it is ended.
+    pub longest: Duration,
 }
 
 /// Reads a task from `input`, does it and writes what came of it: what the program of an [`UploadReader`] does.
@@ -153,21 +191,33 @@ mod tests {
         UploadTask { data: folder.to_owned(), options }
     }
 
+    fn shell(script: &str) -> UploadReader {
+        let arguments = vec!["-c".to_owned(), script.to_owned()];
+        UploadReader { program: "/bin/sh".into(), arguments, longest: Duration::from_millis(500) }
+    }
+
     #[test]
-    fn a_reader_that_breaks_off_is_a_refusal_that_says_how() {
+    fn a_reader_that_breaks_off_is_a_refusal_and_one_that_is_ended_is_not() {
         let folder = tempfile::tempdir().unwrap();
-        for (script, said) in
-            [("kill -SEGV $$", "signal 11"), ("exit 3", "exit status: 3"), ("echo no", "exit status: 0")]
-        {
-            let arguments = vec!["-c".to_owned(), script.to_owned()];
-            let reader = UploadReader { program: "/bin/sh".into(), arguments };
-            let Err(SourceError::BadUpload(reason)) = task(folder.path()).run_by(&reader) else {
-                panic!("{script} is no refusal")
-            };
+        let task = task(folder.path());
+        for signal in ["SEGV", "ABRT"] {
+            let refused = task.run_by(&shell(&format!("kill -{signal} $$"))).unwrap_err();
+            let SourceError::BadUpload(reason) = refused else { panic!("{refused:?}") };
+            assert!(reason.contains("signal"), "{reason}");
+        }
+        // Ended by somebody, with nothing to say, or by the clock.
+        for (script, said) in [
+            ("kill -TERM $$", "signal 15"),
+            ("exit 3", "status: 3"),
+            ("echo no", "status: 0"),
+            ("exec sleep 60", "signal 9"),
+        ] {
+            let ended = task.run_by(&shell(script)).unwrap_err();
+            let SourceError::Storage(reason) = ended else { panic!("{script}: {ended:?}") };
             assert!(reason.contains(said), "{script}: {reason}");
         }
-        let none = UploadReader { program: folder.path().join("none"), arguments: Vec::new() };
-        assert!(matches!(task(folder.path()).run_by(&none), Err(SourceError::Storage(_))));
+        let none = UploadReader { program: folder.path().join("none"), ..shell("") };
+        assert!(matches!(task.run_by(&none), Err(SourceError::Storage(_))));
     }
 
     #[test]

@@ -70,6 +70,7 @@ export class Painter {
 
   /** Strokes paint with this brush; null: they move the map. */
   set_brush(brush: Brush | null): void {
+    const is_same_stroke = brush !== null && brush.shape === this.brush?.shape;
     this.brush = brush;
     const canvas = this.map.getCanvasContainer();
     canvas.classList.toggle("painting", brush !== null);
@@ -77,7 +78,7 @@ export class Painter {
       if (brush === null) handler.enable();
       else handler.disable();
     }
-    this.forget();
+    if (!is_same_stroke) this.forget();
   }
 
   is_painting(): boolean {
@@ -116,13 +117,17 @@ export class Painter {
       return;
     }
     this.pointer = event.pointerId;
+    // A stroke may leave the map, and end beside it.
+    this.map.getCanvasContainer().setPointerCapture(event.pointerId);
     this.points = [];
     this.last_px = null;
     this.add(event);
   }
 
   private go_on(event: PointerEvent): void {
-    if (event.pointerId === this.pointer) this.add(event);
+    if (event.pointerId !== this.pointer) return;
+    if (event.buttons === 0) this.end(event);
+    else this.add(event);
   }
 
   private end(event: PointerEvent): void {

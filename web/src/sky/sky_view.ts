@@ -7,7 +7,7 @@ import type { ColourMapName } from "./colour_maps.ts";
 import type { SkyGrid, SkyKind, SkySample } from "./grid.ts";
 import { draw_cross, draw_curve, draw_frame, draw_horizon, draw_towns } from "./overlay.ts";
 import { paint_sky } from "./paint.ts";
-import { angle_deg, region_from_trail, type Region } from "./region.ts";
+import { region_from_trail, type Region } from "./region.ts";
 import { towns_on_horizon } from "./towns.ts";
 import { equirectangular, fisheye, perspective, type Gaze, type Plot, type Projection, type ProjectionName, type SkyDirection } from "./projection.ts";
 
@@ -33,11 +33,11 @@ const FIELD_DEG = { initial: 55, least: 15, most: 110 };
 /** How far the eye is raised from the brightest light, which is low. */
 const INITIAL_ELEVATION_DEG = 17;
 const ZOOM_STEP = 1.15;
+/** The server draws no wider perspective. */
+const WIDEST_FOV_DEG = 150;
 
 /** Room for a town's name along the horizon. */
 const NAME_PX = 74;
-/** Nearer to the corner before, a corner set by keyboard closes the curve. */
-const SAME_DEG = 0.5;
 
 /** Finer pictures than this cost time and show nothing more: the grid has 256 × 64 samples. */
 const FINEST_PIXELS_PER_CSS_PX = 2;
@@ -55,6 +55,8 @@ export class SkyView {
   private plot: Plot = { left_px: 0, top_px: 0, width_px: 1, height_px: 1 };
   private dragged_from: { x_px: number; y_px: number } | null = null;
   private drawing_soon = false;
+  /** Where every pointer that is down was last. */
+  private readonly fingers = new Map<number, { x_px: number; y_px: number }>();
   private named: { place: Place; places: readonly NamedPlace[] } | null = null;
   private pointed: SkyDirection | null = null;
   /** What is drawn so far; null while nothing is to be drawn. */
@@ -75,11 +77,14 @@ export class SkyView {
     this.overlay.setAttribute("aria-label", "Sky in false colour. Arrow keys move the readout, Escape ends it; looking around, plus and minus zoom.");
     this.container.append(make("div", "sky-canvases", this.picture, this.overlay));
     this.overlay.addEventListener("pointermove", (event) => {
-      if (this.turn(event)) return;
+      if (this.pinch(event) || this.turn(event)) return;
       this.point_at(event);
       if (event.buttons !== 0) this.draw_on();
     });
     this.overlay.addEventListener("pointerdown", (event) => {
+      this.fingers.set(event.pointerId, { x_px: event.offsetX, y_px: event.offsetY });
+      // A second finger zooms; other buttons do nothing.
+      if (!event.isPrimary || event.button !== 0) return;
       this.point_at(event);
       if (this.trail === null && this.look.projection !== "perspective") return;
       this.overlay.setPointerCapture(event.pointerId);
@@ -90,11 +95,18 @@ export class SkyView {
       this.trail = [];
       this.draw_on();
     });
-    this.overlay.addEventListener("pointerup", () => {
+    this.overlay.addEventListener("pointerup", (event) => {
+      this.fingers.delete(event.pointerId);
+      if (!event.isPrimary) return;
       this.end_turn();
       this.close_curve();
     });
-    this.overlay.addEventListener("pointercancel", () => this.end_turn());
+    this.overlay.addEventListener("pointercancel", (event) => {
+      this.fingers.delete(event.pointerId);
+      this.end_turn();
+      if (this.trail !== null) this.trail = [];
+      this.draw_marks();
+    });
     this.overlay.addEventListener(
       "wheel",
       (event) => {
@@ -142,7 +154,7 @@ export class SkyView {
     if (this.look.projection !== "perspective") return null;
     const { azimuth_deg, elevation_deg, field_deg } = this.gaze();
     const half_rad = Math.atan((Math.tan((field_deg / 2) * (Math.PI / 180)) * this.plot.width_px) / this.plot.height_px);
-    return { azimuth: +azimuth_deg.toFixed(1), elevation: +elevation_deg.toFixed(1), fov: +((2 * half_rad * 180) / Math.PI).toFixed(1) };
+    return { azimuth: +azimuth_deg.toFixed(1), elevation: +elevation_deg.toFixed(1), fov: Math.min(+((2 * half_rad * 180) / Math.PI).toFixed(1), WIDEST_FOV_DEG) };
   }
 
   /** The next curve by hand marks a part of the sky. */
@@ -219,6 +231,20 @@ export class SkyView {
   private gaze(): Gaze {
     if (this.look.gaze !== null) return this.look.gaze;
     return { azimuth_deg: this.grid?.brightest().azimuth_deg ?? 180, elevation_deg: INITIAL_ELEVATION_DEG, field_deg: FIELD_DEG.initial };
+  }
+
+  /** Two fingers zoom; whether there are two. */
+  private pinch({ pointerId, offsetX, offsetY }: PointerEvent): boolean {
+    const before = this.fingers.get(pointerId);
+    if (before === undefined) return false;
+    const now = { x_px: offsetX, y_px: offsetY };
+    this.fingers.set(pointerId, now);
+    const other = [...this.fingers].find(([id]) => id !== pointerId)?.[1];
+    if (other === undefined || this.look.projection !== "perspective") return false;
+    const distance_px = (at: { x_px: number; y_px: number }) => Math.max(Math.hypot(at.x_px - other.x_px, at.y_px - other.y_px), 1);
+    this.zoom(distance_px(before) / distance_px(now));
+    this.dragged_from = null;
+    return true;
   }
 
   /** The picture follows the pointer that holds it; whether one does. */
@@ -332,7 +358,8 @@ export class SkyView {
   private set_corner(): void {
     if (this.trail === null || this.pointed === null) return;
     const before = this.trail.at(-1);
-    if (before !== undefined && angle_deg(before, this.pointed) < SAME_DEG) this.close_curve();
+    const is_same = before?.azimuth_deg === this.pointed.azimuth_deg && before.elevation_deg === this.pointed.elevation_deg;
+    if (is_same) this.close_curve();
     else this.draw_on();
   }
 
@@ -343,12 +370,12 @@ export class SkyView {
 
   private key_pressed(event: KeyboardEvent): void {
     const { grid } = this;
-    if (grid === null) return;
     if (event.key === "Escape") {
       if (this.trail === null) this.set_pointed(null);
       else this.end_drawing(null);
       return;
     }
+    if (grid === null) return;
     if (this.look.projection === "perspective" && (event.key === "+" || event.key === "-")) {
       this.zoom(event.key === "-" ? ZOOM_STEP : 1 / ZOOM_STEP);
       return;

@@ -11,6 +11,8 @@ import { EMISSIONS, LAMPS } from "./lamps.ts";
 export interface PaintCardEvents {
   /** The brush that strokes on the map paint with; null: none. */
   brush: (brush: Brush | null) => void;
+  /** Somebody begins to paint. */
+  started: () => void;
   undo: () => void;
   redo: () => void;
   clear: () => void;
@@ -52,7 +54,10 @@ export class PaintCard {
     });
     press(this.shape);
     for (const control of [this.kind, this.factor, this.add, this.radius]) control.addEventListener("input", () => this.update());
-    this.draw.addEventListener("click", () => this.set_painting(!this.painting));
+    this.draw.addEventListener("click", () => {
+      this.set_painting(!this.painting);
+      if (this.painting) events.started();
+    });
     this.undo.addEventListener("click", () => events.undo());
     this.redo.addEventListener("click", () => events.redo());
     this.clear.addEventListener("click", () => events.clear());
@@ -72,6 +77,7 @@ export class PaintCard {
   }
 
   set_painting(on: boolean): void {
+    if (on === this.painting) return;
     this.painting = on;
     this.update();
   }

@@ -42,6 +42,9 @@ export class PlanCard {
   private readonly cut = by_id("plan-cut", HTMLInputElement);
   private readonly find = by_id("plan-find", HTMLButtonElement);
   private region: Region | null = null;
+  private shown: { plan: Plan | null; places: readonly NamedPlace[] } = { plan: null, places: [] };
+  private readonly progress = by_id("plan-progress", HTMLElement);
+  private readonly reached = by_id("plan-reached", HTMLElement);
   private readonly answer = by_id("plan-answer", HTMLElement);
 
   constructor(private readonly events: PlanCardEvents) {
@@ -68,16 +71,18 @@ export class PlanCard {
     }
   }
 
-  searching(): void {
-    this.card.setAttribute("aria-busy", "true");
-    this.find.disabled = true;
-    this.answer.replaceChildren(make("p", "progress", "Looking for the least light to take away…"));
+  /** A plan is looked for, or no longer. */
+  searching(on: boolean): void {
+    this.card.setAttribute("aria-busy", String(on));
+    this.find.disabled = on;
+    this.progress.textContent = on ? "Looking for the least light to take away…" : "";
   }
 
   /** Shows a plan; null where there is none. */
   show(plan: Plan | null, places: readonly NamedPlace[]): void {
-    this.card.removeAttribute("aria-busy");
-    this.find.disabled = false;
+    if (plan === this.shown.plan && places === this.shown.places) return;
+    this.shown = { plan, places };
+    this.reached.replaceChildren(...(plan === null ? [] : this.goals(plan, places)));
     if (plan === null) this.answer.replaceChildren();
     else this.answer.replaceChildren(...this.plan(plan, places), this.drop());
   }
@@ -92,14 +97,22 @@ export class PlanCard {
     this.show_values();
   }
 
-  private plan(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
-    const sites = plan.sites.flatMap((site) => {
+  /** What the plan reaches, and why not more: this is read out. */
+  private goals(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
+    return plan.sites.flatMap((site) => {
       const where = MEASURE_WORDS[site.measure as PlanMeasure] ?? site.measure;
       const name = place_name(site.observer, places);
       const reached = make("p", "plan-reached", make("b", "", `${percent(site.reduced_by)} darker`), ` ${where}, ${name}`);
       reached.dataset["reducedBy"] = String(site.reduced_by);
+      const unmet = site.target?.why_not == null ? [] : [make("p", "warning", site.target.why_not)];
+      return [reached, ...unmet];
+    });
+  }
+
+  private plan(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
+    const sites = plan.sites.map((site) => {
       const { sky_before, sky_after } = site;
-      const rows = make(
+      return make(
         "dl",
         "number-list",
         change_row("Zenith, artificial", magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null), magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null), "mag/arcsec²"),
@@ -108,8 +121,6 @@ export class PlanCard {
           ? []
           : [change_row("Faintest stars", sky_before.naked_eye_limit_mag.toFixed(2), sky_after.naked_eye_limit_mag.toFixed(2), "mag")]),
       );
-      const unmet = site.target?.why_not == null ? [] : [make("p", "warning", site.target.why_not)];
-      return [reached, ...unmet, rows];
     });
     const light = make(
       "p",

@@ -1,7 +1,12 @@
 //! A share of what is kept for each client address: what one client keeps pushes out what others kept.
 
 use super::{body::BodyLength, rate_limit::RateLimiter};
-use crate::{access::Client, error::ApiError, state::AppState, trust::client_address};
+use crate::{
+    access::Client,
+    error::{ApiError, TookTooLong},
+    state::AppState,
+    trust::client_address,
+};
 use axum::{
     extract::{Request, State},
     http::{HeaderMap, HeaderValue, Method, StatusCode, header},
@@ -16,6 +21,8 @@ use std::{
 
 /// Bytes that count as one scenario.
 const SCENARIO_BYTES: f64 = 16_384.0;
+/// What a plan is charged before it is known: who goes away before the answer has had it kept all the same.
+const PLAN_DEPOSIT: f64 = 8.0;
 const DAY: Duration = Duration::from_secs(86_400);
 /// Scenarios and plans of a day that are remembered as counted.
 const MOST_COUNTED: u64 = 100_000;
@@ -39,9 +46,13 @@ impl Keeping {
         Self { limiter, counted: Cache::builder().max_capacity(MOST_COUNTED).time_to_live(DAY).build() }
     }
 
-    /// What an answer counts: nothing where it is no success or what it names was counted today, else its length.
-    fn count(&self, response: &Response, of_body: f64) -> f64 {
+    /// What an answer counts: nothing where it is a refusal or what it names was counted today, else its length; `deposit` where
+    /// nobody knows what became of it.
+    fn count(&self, response: &Response, of_body: f64, deposit: f64) -> f64 {
         let length = response.extensions().get::<KeptLength>().map(|length| length.0);
+        if response.extensions().get::<TookTooLong>().is_some() {
+            return deposit;
+        }
         if response.status() != StatusCode::CREATED || length == Some(0) {
             return 0.0;
         }
@@ -64,11 +75,11 @@ pub async fn limit_keeping(
     next: Next,
 ) -> Response {
     let path = request.uri().path();
-    let keeps =
-        request.method() == Method::POST && (path.ends_with("/scenarios") || path.ends_with("/plans"));
-    if !keeps {
-        return next.run(request).await;
-    }
+    let least = match *request.method() {
+        Method::POST if path.ends_with("/scenarios") => 1.0,
+        Method::POST if path.ends_with("/plans") => PLAN_DEPOSIT,
+        _ => return next.run(request).await,
+    };
     if is_of_another_site(request.headers(), state.config.public_url.as_deref()) {
         return ApiError::ForeignOrigin.into_response();
     }
@@ -77,16 +88,17 @@ pub async fn limit_keeping(
     let Some(address) = address else { return next.run(request).await };
     let length = request.extensions().get::<BodyLength>().map_or(0, |length| length.0);
     let of_body = (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
-    if let Err(wait_s) = keeping.limiter.take_some(address, of_body, Instant::now()) {
+    let deposit = of_body.max(least);
+    if let Err(wait_s) = keeping.limiter.take_some(address, deposit, Instant::now()) {
         state.metrics.count_refused("keeping");
         return ApiError::KeptEnough { retry_after_s: wait_s.ceil() as u64 }.into_response();
     }
     let response = next.run(request).await;
-    let count = keeping.count(&response, of_body);
-    if count > of_body {
-        keeping.limiter.charge(address, count - of_body);
+    let count = keeping.count(&response, of_body, deposit);
+    if count > deposit {
+        keeping.limiter.charge(address, count - deposit);
     } else {
-        keeping.limiter.give_back(address, of_body - count);
+        keeping.limiter.give_back(address, deposit - count);
     }
     response
 }
@@ -121,12 +133,15 @@ mod tests {
     #[test]
     fn what_is_kept_counts_once_and_by_its_length() {
         let keeping = Keeping::new(100);
-        assert_eq!(keeping.count(&created("/a", None), 3.0), 3.0);
-        assert_eq!(keeping.count(&created("/a", None), 3.0), 0.0, "kept before");
-        assert_eq!(keeping.count(&created("/b", Some(1)), 1.0), 1.0);
-        assert_eq!(keeping.count(&created("/c", Some(40_000)), 1.0), 3.0);
-        assert_eq!(keeping.count(&created("/d", Some(0)), 1.0), 0.0, "nothing new was kept");
-        assert_eq!(keeping.count(&Response::new(Body::empty()), 1.0), 0.0, "nothing was kept");
+        assert_eq!(keeping.count(&created("/a", None), 3.0, 3.0), 3.0);
+        assert_eq!(keeping.count(&created("/a", None), 3.0, 3.0), 0.0, "kept before");
+        assert_eq!(keeping.count(&created("/b", Some(1)), 1.0, 8.0), 1.0);
+        assert_eq!(keeping.count(&created("/c", Some(40_000)), 1.0, 8.0), 3.0);
+        assert_eq!(keeping.count(&created("/d", Some(0)), 1.0, 8.0), 0.0, "nothing new was kept");
+        assert_eq!(keeping.count(&Response::new(Body::empty()), 1.0, 8.0), 0.0, "nothing was kept");
+        let mut late = Response::new(Body::empty());
+        late.extensions_mut().insert(TookTooLong);
+        assert_eq!(keeping.count(&late, 1.0, 8.0), 8.0, "it may be kept yet");
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl RateLimiter {
     pub(super) fn charge(&self, client: IpAddr, count: f64) {
         let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(bucket) = buckets.get_mut(&group(client)) {
-            bucket.tokens = (bucket.tokens - count).max(-self.burst);
+            bucket.tokens -= count;
         }
     }
 
