@@ -57,7 +57,7 @@ test("a town painted dark darkens the sky beside it; undo, redo, reload and a na
   // More of it, with other lamps inside an area.
   await page.selectOption("#paint-kind", "lamp");
   await page.click("#paint-shape button[value=area]");
-  await stroke(page, [[-0.2, -0.2], [0.2, -0.2], [0.2, 0.2], [-0.2, 0.2]]);
+  await stroke(page, [[-0.12, -0.2], [0.2, -0.2], [0.2, 0.2], [-0.12, 0.2]]);
   await changed_from(page, first);
   const second = scenario_of(page);
   const { edits } = await get_json(`scenarios/${second}`);

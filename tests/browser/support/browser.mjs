@@ -23,7 +23,7 @@ const FLAGS = [
   "--use-angle=swiftshader",
 ];
 
-export const DESKTOP = { viewport: { width: 1440, height: 900 } };
+export const DESKTOP = { viewport: { width: 1180, height: 760 } };
 export const PHONE = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true };
 
 export function launch() {
