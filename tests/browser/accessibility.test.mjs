@@ -2,21 +2,12 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { after, before, test } from "node:test";
-import { DESKTOP, launch, open_page, PHONE, sky_shown } from "./support/browser.mjs";
-import { demo } from "./support/sky.mjs";
+import { test } from "node:test";
+import { DESKTOP, open_page, PHONE, sky_shown } from "./support/browser.mjs";
+import { browser, here } from "./support/stage.mjs";
 
 const axe_source = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
-
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
 
 /** What axe finds wrong, a line each. */
 async function violations(page) {

@@ -1,19 +1,10 @@
 // What a person relies on around the main job: links, errors, keyboard, phones, closed networks.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, canvas_colours, get_json, launch, open_page, PHONE, screen_colours, SERVER, shot, sky_shown } from "./support/browser.mjs";
-import { demo, sky_path } from "./support/sky.mjs";
+import { test } from "node:test";
+import { assert_no_faults, canvas_colours, get_json, open_page, PHONE, screen_colours, SERVER, shot, sky_shown } from "./support/browser.mjs";
+import { sky_path } from "./support/sky.mjs";
+import { browser, fragment, here } from "./support/stage.mjs";
 
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
-
-const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
 const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
 const zenith_of = async (place, more = "") =>
   (await get_json(sky_path(here.scene, "sky", place, more))).sky.zenith_brightness_mag_arcsec2.toFixed(2);

@@ -1,17 +1,8 @@
 // Layers of the map that are computed: how bright the zenith is everywhere, and which lights cause one sky.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, launch, open_page, screen_colours, shot, sky_shown } from "./support/browser.mjs";
-import { demo } from "./support/sky.mjs";
-
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
+import { test } from "node:test";
+import { assert_no_faults, open_page, screen_colours, shot, sky_shown } from "./support/browser.mjs";
+import { browser, here } from "./support/stage.mjs";
 
 /** A layer is switched on, and its tiles can be had. */
 async function layer_shown(page, name) {

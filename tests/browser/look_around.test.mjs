@@ -1,17 +1,9 @@
 // Looking around: the sky as one sees it, turned by mouse, wheel and keyboard.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, canvas_colours, get_json, launch, open_page, shot, sky_shown } from "./support/browser.mjs";
-import { demo, sample, sky_path } from "./support/sky.mjs";
-
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
+import { test } from "node:test";
+import { assert_no_faults, canvas_colours, get_json, open_page, shot, sky_shown } from "./support/browser.mjs";
+import { sample, sky_path } from "./support/sky.mjs";
+import { browser, here } from "./support/stage.mjs";
 
 const look_of = async (page) => {
   const text = new URLSearchParams((await page.evaluate(() => location.hash)).slice(1)).get("look");

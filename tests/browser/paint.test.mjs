@@ -1,17 +1,9 @@
 // Other lights painted over the map: the sky that they make, undo and redo, names, links.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, get_json, launch, numbers_shown, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
-import { demo, sky_path } from "./support/sky.mjs";
-
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
+import { test } from "node:test";
+import { assert_no_faults, get_json, numbers_shown, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
+import { sky_path } from "./support/sky.mjs";
+import { browser, here, in_link } from "./support/stage.mjs";
 
 const LAMPS = "&lamp=mixed&emission=garstang";
 /** The place beside the largest town, with the map's middle on the town. */
@@ -19,7 +11,7 @@ const fragment = (more = "") => {
   const { beside, town, scene } = here;
   return `#scene=${scene.id}&lat=${beside.latitude_deg}&lon=${beside.longitude_deg}&map=8/${town.latitude_deg}/${town.longitude_deg}${more}`;
 };
-const scenario_of = (page) => new URLSearchParams(new URL(page.url()).hash.slice(1)).get("scenario");
+const scenario_of = (page) => in_link(page, "scenario");
 const sky_with = async (scenario) => (await get_json(sky_path(here.scene, "sky", here.beside, LAMPS + (scenario === null ? "" : `&scenario=${scenario}`)))).sky;
 /** Until the link names other lights than these. */
 const changed_from = (page, scenario) => page.waitForFunction((before) => new URLSearchParams(location.hash.slice(1)).get("scenario") !== before, scenario);

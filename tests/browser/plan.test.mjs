@@ -1,19 +1,10 @@
 // What to dim: a plan is found for the picked place, its sky is shown beside today's, and a link brings both back.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, get_json, launch, numbers_shown, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
-import { demo, sky_path } from "./support/sky.mjs";
+import { test } from "node:test";
+import { assert_no_faults, get_json, numbers_shown, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
+import { sky_path } from "./support/sky.mjs";
+import { browser, fragment, here, in_link } from "./support/stage.mjs";
 
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
-
-const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
 const set_slider = (page, id, value) =>
   page.$eval(
     `#${id}`,
@@ -37,7 +28,7 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   await set_slider(page, "plan-reduction", 40);
   assert.equal(await page.locator("#plan-reduction-value").textContent(), "40 %");
   await find_plan(page);
-  const id = new URLSearchParams(new URL(page.url()).hash.slice(1)).get("scenario");
+  const id = in_link(page, "scenario");
   const plan = await get_json(`plans/${id}?limit=5000`);
   const [site] = plan.sites;
   assert.ok(Math.abs(site.reduced_by - 0.4) < 1e-3, `${site.reduced_by}`);

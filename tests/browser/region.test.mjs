@@ -1,20 +1,10 @@
 // A curve around a part of the sky: the lights that cause it glow on the map, and a plan can be about it.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, get_json, launch, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
-import { demo } from "./support/sky.mjs";
+import { test } from "node:test";
+import { assert_no_faults, get_json, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
+import { browser, fragment, here, in_link } from "./support/stage.mjs";
 
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
-
-const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
-const region_of = (page) => new URLSearchParams(new URL(page.url()).hash.slice(1)).get("region");
+const region_of = (page) => in_link(page, "region");
 const corners_of = (page) => region_of(page).split(";").map((corner) => corner.split(",").map(Number));
 
 /** Draws an ellipse with the mouse, its middle and size as parts of the picture. */
@@ -55,7 +45,7 @@ test("a curve drawn around the sky's south shows the lights that cause it, and a
   await page.click("#plan-find");
   await page.waitForSelector("#plan-status .plan-reached");
   assert.match((await page.locator(".plan-reached").textContent()) ?? "", /30 % darker in the marked part of the sky/);
-  const id = new URLSearchParams(new URL(page.url()).hash.slice(1)).get("scenario");
+  const id = in_link(page, "scenario");
   const [site] = (await get_json(`plans/${id}`)).sites;
   assert.equal(site.measure, "region");
   assert.ok(Math.abs(site.reduced_by - 0.3) < 1e-3);

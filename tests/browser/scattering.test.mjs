@@ -1,23 +1,18 @@
 // The orders of scattering: said with every sky, and chosen where the server has tables of both kinds.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, get_json, launch, open_page, SERVER, sky_shown } from "./support/browser.mjs";
-import { demo } from "./support/sky.mjs";
+import { before, test } from "node:test";
+import { assert_no_faults, get_json, open_page, SERVER, sky_shown } from "./support/browser.mjs";
+import { browser, here } from "./support/stage.mjs";
 
 const TITLES = { multiple: "all orders", single: "first order alone" };
 
-let browser;
-let here;
 let packs;
 let best;
 
 before(async () => {
-  browser = await launch();
-  here = await demo();
   packs = await get_json("atmospheres");
   best = packs.some(({ scattering }) => scattering === "multiple") ? "multiple" : "single";
 });
-after(() => browser?.close());
 
 const fragment = (more = "") => `#scene=${here.scene.id}&lat=${here.beside.latitude_deg}&lon=${here.beside.longitude_deg}${more}`;
 const said = (page) => page.locator("[data-value=scattering] b").textContent();

@@ -1,19 +1,10 @@
 // The viewer's main job: a place is picked, and its sky appears with its numbers.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { assert_no_faults, canvas_colours, get_json, launch, numbers_shown, open_page, screen_colours, shot, sky_shown } from "./support/browser.mjs";
-import { demo, NATURAL_SKY_CD_M2, sample, sky_path } from "./support/sky.mjs";
+import { test } from "node:test";
+import { assert_no_faults, canvas_colours, get_json, numbers_shown, open_page, screen_colours, shot, sky_shown } from "./support/browser.mjs";
+import { NATURAL_SKY_CD_M2, sample, sky_path } from "./support/sky.mjs";
+import { browser, fragment, here } from "./support/stage.mjs";
 
-let browser;
-let here;
-
-before(async () => {
-  browser = await launch();
-  here = await demo();
-});
-after(() => browser?.close());
-
-const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
 const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
 
 test("the browser has WebGL2 and the map is drawn with lights and names", async () => {

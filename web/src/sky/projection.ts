@@ -21,6 +21,21 @@ export interface Gaze extends SkyDirection {
   field_deg: number;
 }
 
+const RADIANS = Math.PI / 180;
+
+/** East, north, up. */
+export type Vector = readonly [number, number, number];
+
+export function vector_from_direction({ azimuth_deg, elevation_deg }: SkyDirection): Vector {
+  const [azimuth, elevation] = [azimuth_deg * RADIANS, elevation_deg * RADIANS];
+  return [Math.cos(elevation) * Math.sin(azimuth), Math.cos(elevation) * Math.cos(azimuth), Math.sin(elevation)];
+}
+
+/** Of a vector of any length. */
+export function direction_from_vector([east, north, up]: Vector): SkyDirection {
+  return { azimuth_deg: (Math.atan2(east, north) / RADIANS + 360) % 360, elevation_deg: Math.atan2(up, Math.hypot(east, north)) / RADIANS };
+}
+
 export interface Projection {
   readonly name: ProjectionName;
   /** The direction at a point of the canvas, null outside the picture; below the horizon its elevation is negative. */
@@ -71,18 +86,16 @@ export function fisheye(plot: Plot): Projection {
   };
 }
 
-const RADIANS = Math.PI / 180;
 /** Directions nearer than this to the side lie outside every picture. */
 const LEAST_FORWARD = 0.05;
 
 /** What one sees looking there: straight lines stay straight. */
-export function perspective(plot: Plot, { azimuth_deg, elevation_deg, field_deg }: Gaze): Projection {
-  const [azimuth, elevation] = [azimuth_deg * RADIANS, elevation_deg * RADIANS];
+export function perspective(plot: Plot, gaze: Gaze): Projection {
+  const [azimuth, elevation] = [gaze.azimuth_deg * RADIANS, gaze.elevation_deg * RADIANS];
   const x0_px = plot.left_px + plot.width_px / 2;
   const y0_px = plot.top_px + plot.height_px / 2;
-  const focal_px = plot.height_px / 2 / Math.tan((field_deg / 2) * RADIANS);
-  // East, north, up.
-  const ahead = [Math.cos(elevation) * Math.sin(azimuth), Math.cos(elevation) * Math.cos(azimuth), Math.sin(elevation)] as const;
+  const focal_px = plot.height_px / 2 / Math.tan((gaze.field_deg / 2) * RADIANS);
+  const ahead = vector_from_direction(gaze);
   const right = [Math.cos(azimuth), -Math.sin(azimuth), 0] as const;
   const above = [-Math.sin(elevation) * Math.sin(azimuth), -Math.sin(elevation) * Math.cos(azimuth), Math.cos(elevation)] as const;
   return {
@@ -94,11 +107,10 @@ export function perspective(plot: Plot, { azimuth_deg, elevation_deg, field_deg 
       const east = focal_px * ahead[0] + across * right[0] + up * above[0];
       const north = focal_px * ahead[1] + across * right[1] + up * above[1];
       const height = focal_px * ahead[2] + up * above[2];
-      return { azimuth_deg: (Math.atan2(east, north) / RADIANS + 360) % 360, elevation_deg: Math.atan2(height, Math.hypot(east, north)) / RADIANS };
+      return direction_from_vector([east, north, height]);
     },
     point_from_direction(direction) {
-      const [a, e] = [direction.azimuth_deg * RADIANS, direction.elevation_deg * RADIANS];
-      const [east, north, height] = [Math.cos(e) * Math.sin(a), Math.cos(e) * Math.cos(a), Math.sin(e)];
+      const [east, north, height] = vector_from_direction(direction);
       const forward = east * ahead[0] + north * ahead[1] + height * ahead[2];
       if (forward < LEAST_FORWARD) return { x_px: NaN, y_px: NaN };
       return {

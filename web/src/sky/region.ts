@@ -1,6 +1,6 @@
 // A part of the sky inside a closed curve, as drawn by hand and as the API takes it.
 
-import type { SkyDirection } from "./projection.ts";
+import { direction_from_vector, vector_from_direction, type SkyDirection } from "./projection.ts";
 
 /** Corners of a closed curve; its sides are great circles, the last corner is joined to the first. */
 export type Region = readonly SkyDirection[];
@@ -12,17 +12,10 @@ const FINEST_STEP_DEG = 1;
 /** Smaller than this is a click, not a curve. */
 const LEAST_EXTENT_DEG = 2;
 
-type Vector = readonly [number, number, number];
-
-function vector({ azimuth_deg, elevation_deg }: SkyDirection): Vector {
-  const [azimuth, elevation] = [azimuth_deg * RADIANS, elevation_deg * RADIANS];
-  return [Math.cos(elevation) * Math.sin(azimuth), Math.cos(elevation) * Math.cos(azimuth), Math.sin(elevation)];
-}
-
 /** The angle between two directions, degrees. */
 export function angle_deg(a: SkyDirection, b: SkyDirection): number {
-  const [ax, ay, az] = vector(a);
-  const [bx, by, bz] = vector(b);
+  const [ax, ay, az] = vector_from_direction(a);
+  const [bx, by, bz] = vector_from_direction(b);
   const cross = Math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx);
   return Math.atan2(cross, ax * bx + ay * by + az * bz) / RADIANS;
 }
@@ -88,8 +81,7 @@ function between(from: SkyDirection, to: SkyDirection, part: number, whole_deg: 
   if (part === 0 || sine < 1e-9) return from;
   const a = Math.sin((1 - part) * whole_deg * RADIANS) / sine;
   const b = Math.sin(part * whole_deg * RADIANS) / sine;
-  const [ax, ay, az] = vector(from);
-  const [bx, by, bz] = vector(to);
-  const [x, y, z] = [a * ax + b * bx, a * ay + b * by, a * az + b * bz];
-  return { azimuth_deg: (Math.atan2(x, y) / RADIANS + 360) % 360, elevation_deg: Math.asin(Math.min(Math.max(z, -1), 1)) / RADIANS };
+  const [ax, ay, az] = vector_from_direction(from);
+  const [bx, by, bz] = vector_from_direction(to);
+  return direction_from_vector([a * ax + b * bx, a * ay + b * by, a * az + b * bz]);
 }

@@ -57,7 +57,8 @@ export class SkyView {
   private drawing_soon = false;
   /** Where every pointer that is down was last. */
   private readonly fingers = new Map<number, { x_px: number; y_px: number }>();
-  private named: { place: Place; places: readonly NamedPlace[] } | null = null;
+  private place: Place | null = null;
+  private places: readonly NamedPlace[] = [];
   private pointed: SkyDirection | null = null;
   /** What is drawn so far; null while nothing is to be drawn. */
   private trail: SkyDirection[] | null = null;
@@ -137,15 +138,21 @@ export class SkyView {
     this.draw();
   }
 
-  set_look(look: SkyLook): void {
-    this.look = look;
+  /** The look may come with more than that; what is drawn already is not drawn again. */
+  set_look({ projection, sky, colours, region, gaze }: SkyLook): void {
+    const before = this.look;
+    this.look = { projection, sky, colours, region, gaze };
+    const is_same = before.projection === projection && before.sky === sky && before.colours === colours && before.region === region && before.gaze === gaze;
+    if (is_same) return;
     this.draw();
     this.announce();
   }
 
   /** The place below this sky and the towns around it, whose names stand where their glow is. */
   set_towns(place: Place | null, places: readonly NamedPlace[]): void {
-    this.named = place === null ? null : { place, places };
+    if (place === this.place && places === this.places) return;
+    this.place = place;
+    this.places = places;
     this.draw();
   }
 
@@ -204,7 +211,7 @@ export class SkyView {
     draw_frame(context, this.projection, this.plot);
     if (this.grid !== null) {
       draw_horizon(context, this.projection, this.plot, this.grid);
-      if (this.named !== null) draw_towns(context, this.projection, this.plot, this.field_deg(), this.grid, towns_on_horizon(this.named.place, this.named.places, this.apart_deg()));
+      if (this.place !== null) draw_towns(context, this.projection, this.plot, this.field_deg(), this.grid, towns_on_horizon(this.place, this.places, this.apart_deg()));
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
     this.draw_marks();

@@ -34,6 +34,8 @@ const NO_VIEWER: &str = "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-
      <h1>Skyglow</h1>\n<p>This program was built without the viewer: <code>web/dist</code> was missing.</p>\n\
      <p>The interface is all there: <a href=\"api/docs\">read and try it</a>.</p>\n</html>\n";
 
+/// The page.
+const INDEX: &str = "index.html";
 /// Of brotli, 0 to 11. 11 makes files 8 % shorter and takes ten times as long.
 const QUALITY: i32 = 9;
 /// Shorter files are sent as they are.
@@ -85,19 +87,18 @@ fn takes_brotli(headers: &HeaderMap) -> bool {
 /// The viewer's files; everything that no other route takes. Pages are one: `/` alone.
 pub async fn get_viewer(uri: Uri, headers: HeaderMap) -> Result<Response<Body>, ApiError> {
     let path = uri.path().trim_start_matches('/');
-    if path.is_empty() || path == "index.html" {
+    if path.is_empty() || path == INDEX {
         return Ok(index(&headers));
     }
     let file = Viewer::get(path).ok_or(ApiError::NotFound)?;
     // Vite puts what carries a hash in its name below assets/.
     let keep = if path.starts_with("assets/") { Keep::Forever } else { Keep::Revalidate };
-    let body = takes_brotli(&headers).then(|| compressed(path, &file.data)).flatten();
-    Ok(answer(&headers, keep, media_type(path), &file, body))
+    Ok(answer(&headers, keep, path, &file))
 }
 
 fn index(headers: &HeaderMap) -> Response<Body> {
-    let mut response = match Viewer::get("index.html") {
-        Some(file) => answer(headers, Keep::Revalidate, "text/html; charset=utf-8", &file, None),
+    let mut response = match Viewer::get(INDEX) {
+        Some(file) => answer(headers, Keep::Revalidate, INDEX, &file),
         None => {
             let caching =
                 Caching { etag: ETag::of_bytes(NO_VIEWER.as_bytes()), keep: Keep::Revalidate, vary: None };
@@ -111,20 +112,16 @@ fn index(headers: &HeaderMap) -> Response<Body> {
     response
 }
 
-fn answer(
-    headers: &HeaderMap,
-    keep: Keep,
-    media_type: &'static str,
-    file: &EmbeddedFile,
-    compressed: Option<Bytes>,
-) -> Response<Body> {
+fn answer(headers: &HeaderMap, keep: Keep, path: &str, file: &EmbeddedFile) -> Response<Body> {
     let hash: String = file.metadata.sha256_hash().iter().map(|byte| format!("{byte:02x}")).collect();
     let caching = Caching { etag: ETag::of(&["viewer", &hash]), keep, vary: None };
     if let Some(response) = caching.not_modified(headers) {
         return response;
     }
-    let Some(compressed) = compressed else { return caching.ok(media_type, file.data.to_vec()) };
-    let mut response = caching.ok(media_type, compressed);
+    let Some(short) = takes_brotli(headers).then(|| compressed(path, &file.data)).flatten() else {
+        return caching.ok(media_type(path), file.data.to_vec());
+    };
+    let mut response = caching.ok(media_type(path), short);
     response.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("br"));
     response
 }

@@ -159,8 +159,11 @@ async fn the_viewer_comes_with_a_strict_policy_and_its_hashed_files_are_kept_for
     assert!(policy.contains("default-src 'none'") && !policy.contains("unsafe"), "{policy}");
     assert!(!header(&page, "etag").is_empty());
     assert_eq!(header(&page, "cache-control"), "public, no-cache");
+    let short = server.get("/").header("accept-encoding", "br").send().await.unwrap();
+    assert_eq!(header(&short, "content-encoding"), "br");
+    assert_eq!(header(&short, "content-security-policy"), policy);
     let text = page.text().await.unwrap();
-    assert!(text.contains("Skyglow"));
+    assert!(text.contains("Skyglow") && 2 * short.bytes().await.unwrap().len() < text.len());
     // The built viewer lies in the repository; a page without assets is the one that says it is missing.
     let assets: Vec<&str> = text.split('"').filter_map(|piece| piece.strip_prefix("./assets/")).collect();
     assert!(!assets.is_empty() || text.contains("was built without the viewer"));
