@@ -4,6 +4,7 @@ import { api, type PlanQuery } from "./api/client.ts";
 import { ApiError } from "./api/problem.ts";
 import type { EditBody } from "./api/schema.ts";
 import type { NamedPlace, Plan } from "./api/types.ts";
+import { words } from "./language/words.ts";
 import type { Brush } from "./map/painter.ts";
 import type { SkyMap } from "./map/sky_map.ts";
 import { edit_from, Painting, type PaintedArea } from "./painting.ts";
@@ -131,7 +132,7 @@ export class Lights {
   painted(area: PaintedArea): void {
     const scenario = this.context?.scenario ?? null;
     if (this.painting.is_full()) {
-      this.events.failed(new Error("A scenario holds at most a hundred edits. Undo some, or begin anew."));
+      this.events.failed(new Error(words().paint.full));
       return;
     }
     this.repaint(() => {
@@ -228,7 +229,7 @@ export class Lights {
     const shown = this.context?.lights !== "today";
     this.plan_card.show(plan, this.places);
     this.paint_card.show(this.painting, scenario);
-    by_id("lights-changed", HTMLButtonElement).textContent = scenario === null ? "With the plan" : "As painted";
+    by_id("lights-changed", HTMLButtonElement).textContent = scenario === null ? words().sky.with_plan : words().sky.as_painted;
     const dimmed = shown ? plan : null;
     const edits = shown ? this.painting.edits() : NO_EDITS;
     if (this.map === null) return;

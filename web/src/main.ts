@@ -2,6 +2,7 @@
 
 import { api, type SkyParameters } from "./api/client.ts";
 import type { Atmosphere, NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
+import { choose_language, words } from "./language/words.ts";
 import type { SkyMap } from "./map/sky_map.ts";
 import { Lights } from "./lights.ts";
 import { SkySession } from "./session.ts";
@@ -130,7 +131,7 @@ class Viewer {
       this.controls.set_scenes(scenes);
       this.controls.set_atmospheres(atmospheres);
       if (scenes.length === 0) {
-        this.notice.show(new Error("This server has no scene yet. Add one: skyglow ingest RADIANCE.tif --terrain TERRAIN.tif"));
+        this.notice.show(new Error(words().problems.no_scenes));
       }
     } catch (reason) {
       this.notice.show(reason);
@@ -149,9 +150,7 @@ class Viewer {
       this.map = this.new_map(SkyMap);
       this.lights.set_map(this.map);
     } catch (reason) {
-      this.notice.show(
-        new Error(`The map cannot be drawn here (${reason instanceof Error ? reason.message : String(reason)}). Search for a place or coordinates instead.`),
-      );
+      this.notice.show(new Error(words().problems.no_map(reason instanceof Error ? reason.message : String(reason))));
     }
   }
 
@@ -175,7 +174,7 @@ class Viewer {
   /** Shows the state's scene, or the first where the state names none that exists. */
   private enter_scene(): void {
     if (this.state.scene !== null && this.scene() === null) {
-      this.notice.show(new Error(`There is no scene “${this.state.scene}” on this server; showing “${this.scenes[0]?.title ?? ""}” instead.`));
+      this.notice.show(new Error(words().problems.no_such_scene(this.state.scene, this.scenes[0]?.title ?? "")));
       this.state = { ...this.state, scene: null, place: null, scenario: null, view: null };
     }
     const scene = this.scene() ?? this.scenes[0];
@@ -223,7 +222,7 @@ class Viewer {
   private drop_absent_air(): void {
     const { clouds } = this.state;
     if (clouds !== null && this.atmospheres.length > 0 && !cloud_bases(this.atmospheres).includes(clouds)) {
-      this.notice.show(new Error(`This server has no tables for clouds from ${clouds} m up; showing a clear sky instead.`));
+      this.notice.show(new Error(words().problems.no_clouds(clouds)));
       this.state = { ...this.state, clouds: null };
       this.write_url(false);
     }
@@ -231,7 +230,7 @@ class Viewer {
     const resident = resident_scatterings(this.packs());
     const best = resident[0];
     if (scattering === null || best === undefined || resident.includes(scattering)) return;
-    this.notice.show(new Error(`This server has no tables for scattering of ${scattering_title(scattering)}; showing ${scattering_title(best)} instead.`));
+    this.notice.show(new Error(words().problems.no_scattering(scattering_title(scattering), scattering_title(best))));
     this.state = { ...this.state, scattering: null };
     this.write_url(false);
   }
@@ -377,4 +376,5 @@ class Viewer {
   }
 }
 
+await choose_language();
 void new Viewer().start();

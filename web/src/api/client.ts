@@ -1,5 +1,6 @@
 // How the viewer asks the server: paths, parameters and answers are those of the OpenAPI document.
 
+import { words } from "../language/words.ts";
 import { ApiError, problem_from_response } from "./problem.ts";
 import type { Gets, PlanBody, Posts, ScenarioBody } from "./schema.ts";
 
@@ -65,7 +66,7 @@ async function ask<A>(url: string, init: RequestInit & { signal: AbortSignal }):
       response = await fetch(url, init);
     } catch (reason) {
       if (signal.aborted) throw reason;
-      throw new ApiError(0, { title: "The server does not answer", detail: "Is it running? Check the connection and try again." });
+      throw new ApiError(0, { title: words().problems.no_answer, detail: words().problems.no_answer_more });
     }
     if (response.ok) return (await response.json()) as A;
     const busy = response.status === 503 || response.status === 429;

@@ -1,5 +1,6 @@
 // Errors of the server in words that a person can act on.
 
+import { words } from "../language/words.ts";
 import type { Problem } from "./types.ts";
 
 /** An answer other than success. Status 0: no answer at all. */
@@ -8,7 +9,7 @@ export class ApiError extends Error {
   readonly problem: Partial<Problem>;
 
   constructor(status: number, problem: Partial<Problem>) {
-    super(problem.title ?? `The server answered ${status}`);
+    super(problem.title ?? words().problems.answered(String(status)));
     this.name = "ApiError";
     this.status = status;
     this.problem = problem;
@@ -17,7 +18,7 @@ export class ApiError extends Error {
 
 /** The problem document of an answer, or one made from its status where it carries none. */
 export async function problem_from_response(response: Response): Promise<Partial<Problem>> {
-  const otherwise: Partial<Problem> = { title: `The server answered ${response.status} ${response.statusText}`.trim(), status: response.status };
+  const otherwise: Partial<Problem> = { title: words().problems.answered(`${response.status} ${response.statusText}`.trim()), status: response.status };
   if (!(response.headers.get("content-type") ?? "").includes("json")) return otherwise;
   try {
     return { ...otherwise, ...((await response.json()) as Problem) };
@@ -34,13 +35,13 @@ export interface PlainWords {
 
 export function plain_words(reason: unknown): PlainWords {
   if (!(reason instanceof ApiError)) {
-    return { headline: "The viewer could not show this", sentences: [reason instanceof Error ? reason.message : String(reason)] };
+    return { headline: words().problems.headline, sentences: [reason instanceof Error ? reason.message : String(reason)] };
   }
   const { problem } = reason;
   const sentences = problem.detail === undefined ? [] : [problem.detail];
   for (const error of problem.errors ?? []) {
     const value = error.value === undefined || error.value === null ? "" : ` = ${error.value}`;
-    const sentence = `${error.parameter}${value}: ${error.message}. Allowed: ${error.allowed}.`;
+    const sentence = words().problems.allowed(`${error.parameter}${value}`, error.message, error.allowed);
     if (sentence !== problem.detail) sentences.push(sentence);
   }
   return { headline: reason.message, sentences };

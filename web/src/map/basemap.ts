@@ -5,6 +5,7 @@ import { feature, mesh } from "topojson-client";
 import type { GeometryCollection, Topology } from "topojson-specification";
 import coarse_url from "world-atlas/countries-110m.json?url";
 import fine_url from "world-atlas/countries-50m.json?url";
+import { words } from "../language/words.ts";
 
 type Atlas = Topology<{ countries: GeometryCollection<{ name: string }> }>;
 
@@ -34,13 +35,25 @@ function ring_centroid(ring: Position[]): { area: number; centre: [number, numbe
   return area === 0 ? { area, centre: [0, 0] } : { area: Math.abs(area), centre: [x / (3 * area), y / (3 * area)] };
 }
 
+/** The atlas names countries in English, and numbers most of them by ISO 3166; the browser knows their names in other languages. */
+function country_namer(): (country: Feature) => string {
+  const { locale } = words();
+  const names = locale === "en" ? null : new Intl.DisplayNames(locale, { type: "region", fallback: "none" });
+  return ({ id, properties }) => {
+    const code = names === null || id === undefined ? undefined : new Intl.Locale(`und-${id}`).region;
+    return (code === undefined ? undefined : names?.of(code)) ?? String(properties?.["name"] ?? "");
+  };
+}
+
 function label_points(land: FeatureCollection): FeatureCollection<Point> {
   const labels: { name: string; area: number; centre: [number, number] }[] = [];
-  for (const { geometry, properties } of land.features) {
+  const name_of = country_namer();
+  for (const country of land.features) {
+    const { geometry } = country;
     const polygons: Polygon["coordinates"][] =
       geometry.type === "Polygon" ? [geometry.coordinates] : geometry.type === "MultiPolygon" ? geometry.coordinates : [];
     const largest = polygons.map((rings) => ring_centroid(rings[0] ?? [])).sort((a, b) => b.area - a.area)[0];
-    if (largest !== undefined && largest.area > 0) labels.push({ name: String(properties?.["name"] ?? ""), ...largest });
+    if (largest !== undefined && largest.area > 0) labels.push({ name: name_of(country), ...largest });
   }
   labels.sort((a, b) => b.area - a.area);
   return {
@@ -65,7 +78,7 @@ function graticule(): Feature<MultiLineString> {
 /** Coarse outlines come soon, fine ones are six times as long. */
 export async function load_basemap(detail: "coarse" | "fine"): Promise<Basemap> {
   const response = await fetch(detail === "coarse" ? coarse_url : fine_url);
-  if (!response.ok) throw new Error(`the map's outlines did not load (${response.status})`);
+  if (!response.ok) throw new Error(words().map.no_outlines(response.status));
   const atlas = (await response.json()) as Atlas;
   const { countries } = atlas.objects;
   const land = feature(atlas, countries);

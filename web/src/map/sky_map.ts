@@ -5,6 +5,7 @@ import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
 import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
 import "maplibre-gl/dist/maplibre-gl.css";
 import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { LayerName, MapView, Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
 import type { EditBody } from "../api/schema.ts";
@@ -67,13 +68,18 @@ export class SkyMap {
       touchPitch: false,
       attributionControl: false,
       transformRequest: (url) => ({ url: reachable(url) }),
-      locale: { "Map.Title": "Map. Arrow keys move it, plus and minus zoom, Enter picks the place in the middle." },
+      locale: {
+        "Map.Title": words().map.title,
+        "NavigationControl.ZoomIn": words().map.zoom_in,
+        "NavigationControl.ZoomOut": words().map.zoom_out,
+        "AttributionControl.ToggleAttribution": words().map.toggle_credits,
+      },
     });
     this.map.touchZoomRotate.disableRotation();
     this.map.keyboard.disableRotation();
     this.map.addControl(new NavigationControl({ showCompass: false }), "bottom-right");
     this.map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
-    this.map.addControl(new AttributionControl({ compact: true, customAttribution: "Outlines: Natural Earth" }), "bottom-left");
+    this.map.addControl(new AttributionControl({ compact: true, customAttribution: words().map.credits }), "bottom-left");
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
     // On a phone the credits would hide a third of the map; their button opens them.
     if (container.clientWidth < NARROW_PX) void this.styled.then(() => this.fold_credits());
@@ -87,7 +93,7 @@ export class SkyMap {
     const pin = document.createElement("div");
     pin.className = "pin";
     pin.setAttribute("role", "img");
-    pin.setAttribute("aria-label", "The picked place");
+    pin.setAttribute("aria-label", words().map.picked);
     this.marker = new Marker({ element: pin, anchor: "center" });
 
     this.map.on("click", ({ lngLat }) => {

@@ -1,6 +1,7 @@
 // The raw panorama of the API as luminance on its grid, and lookups in it.
 
 import type { PanoramaAnswer } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import { luminance_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
 
 /** Artificial light alone, or with the natural sky. */
@@ -45,7 +46,7 @@ export class SkyGrid {
     this.natural_cd_m2 = answer.clouds === "none" ? NATURAL_SKY_CD_M2 : 0;
     const [red, green, blue] = radiance;
     if (red?.length !== this.elevation_count || green?.length !== this.elevation_count || blue?.length !== this.elevation_count) {
-      throw new Error(`the panorama has ${red?.length ?? 0} rows where its grid says ${this.elevation_count}`);
+      throw new Error(words().problems.panorama_rows(red?.length ?? 0, this.elevation_count));
     }
     this.artificial_cd_m2 = new Float64Array(this.azimuth_count * this.elevation_count);
     for (let row = 0; row < this.elevation_count; row++) {

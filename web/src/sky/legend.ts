@@ -1,5 +1,6 @@
 // The legend of the false-colour picture: colours, magnitudes, and the luminance each stands for.
 
+import { words } from "../language/words.ts";
 import { NATURAL_SKY_MAG_ARCSEC2, luminance_from_brightness_cd_m2 } from "../photometry.ts";
 import { make } from "../ui/dom.ts";
 import { with_prefix } from "../ui/format.ts";
@@ -29,7 +30,7 @@ export class Legend {
         make("small", "", with_prefix(luminance_from_brightness_cd_m2(mag), "cd/m²")),
       );
       tick.style.left = `${100 * scale_position(scale, mag)}%`;
-      if (mag === NATURAL_SKY_MAG_ARCSEC2) tick.title = "The natural night sky";
+      if (mag === NATURAL_SKY_MAG_ARCSEC2) tick.title = words().sky.natural;
       this.ticks.append(tick);
     }
   }

@@ -1,13 +1,12 @@
 // Compass directions, elevation marks, the terrain horizon and the cross of the readout.
 
 import type { SkyGrid } from "./grid.ts";
-import type { Plot, Projection, SkyDirection } from "./projection.ts";
+import { compass_name, type Plot, type Projection, type SkyDirection } from "./projection.ts";
 import { outline, type Region } from "./region.ts";
 import type { TownOnHorizon } from "./towns.ts";
 
-const CARDINAL = [
-  ["N", 0], ["NE", 45], ["E", 90], ["SE", 135], ["S", 180], ["SW", 225], ["W", 270], ["NW", 315],
-] as const;
+/** Directions that are named along the horizon; the cardinal ones stand out. */
+const NAMED_DEG = [0, 45, 90, 135, 180, 225, 270, 315] as const;
 const ELEVATIONS_DEG = [0, 30, 60] as const;
 
 const LINE = "rgba(226, 234, 255, 0.16)";
@@ -41,13 +40,13 @@ function draw_strip_frame(context: CanvasRenderingContext2D, projection: Project
     stroke(context, [[plot.left_px, y_px], [right_px, y_px]]);
   }
   context.textBaseline = "top";
-  for (const [name, azimuth_deg] of [...CARDINAL, ["N", 360] as const]) {
+  for (const azimuth_deg of [...NAMED_DEG, 360]) {
     const { x_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: 0 });
-    const strong = name.length === 1;
+    const strong = azimuth_deg % 90 === 0;
     context.font = font(strong ? 13 : 11, strong ? 650 : 500);
     context.fillStyle = strong ? STRONG_TEXT : TEXT;
     context.textAlign = azimuth_deg === 0 ? "left" : azimuth_deg === 360 ? "right" : "center";
-    context.fillText(name, x_px, bottom_px + 7);
+    context.fillText(compass_name(azimuth_deg), x_px, bottom_px + 7);
     if (azimuth_deg > 0 && azimuth_deg < 360) stroke(context, [[x_px, plot.top_px], [x_px, bottom_px + (strong ? 4 : 2)]]);
   }
 }
@@ -68,12 +67,12 @@ function draw_fisheye_frame(context: CanvasRenderingContext2D, projection: Proje
   }
   context.textAlign = "center";
   context.textBaseline = "middle";
-  for (const [name, azimuth_deg] of CARDINAL) {
+  for (const azimuth_deg of NAMED_DEG) {
     const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: (-13 / radius_px) * 90 });
-    const strong = name.length === 1;
+    const strong = azimuth_deg % 90 === 0;
     context.font = font(strong ? 13 : 11, strong ? 650 : 500);
     context.fillStyle = strong ? STRONG_TEXT : TEXT;
-    context.fillText(name, x_px, y_px);
+    context.fillText(compass_name(azimuth_deg), x_px, y_px);
   }
   context.font = font(10);
   context.textAlign = "left";
@@ -92,15 +91,15 @@ function draw_perspective_frame(context: CanvasRenderingContext2D, projection: P
   clip(context, plot);
   const steps = (from_deg: number, to_deg: number) => Array.from({ length: (to_deg - from_deg) / LINE_STEP_DEG + 1 }, (_, i) => from_deg + i * LINE_STEP_DEG);
   for (const elevation_deg of ELEVATIONS_DEG) trace(context, projection, steps(0, 360).map((azimuth_deg) => ({ azimuth_deg, elevation_deg })));
-  for (const [, azimuth_deg] of CARDINAL) trace(context, projection, steps(0, 90).map((elevation_deg) => ({ azimuth_deg, elevation_deg })));
+  for (const azimuth_deg of NAMED_DEG) trace(context, projection, steps(0, 90).map((elevation_deg) => ({ azimuth_deg, elevation_deg })));
   context.textAlign = "center";
   context.textBaseline = "top";
-  for (const [name, azimuth_deg] of CARDINAL) {
+  for (const azimuth_deg of NAMED_DEG) {
     const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg: 0 });
-    const strong = name.length === 1;
+    const strong = azimuth_deg % 90 === 0;
     context.font = font(strong ? 14 : 12, strong ? 650 : 500);
     context.fillStyle = strong ? STRONG_TEXT : TEXT;
-    context.fillText(name, x_px, y_px + 6);
+    context.fillText(compass_name(azimuth_deg), x_px, y_px + 6);
   }
   context.font = font(11);
   context.textAlign = "left";

@@ -1,5 +1,7 @@
 // Where a direction of the sky lies on the picture, and back.
 
+import { words } from "../language/words.ts";
+
 export const PROJECTIONS = ["equirectangular", "fisheye", "perspective"] as const;
 export type ProjectionName = (typeof PROJECTIONS)[number];
 
@@ -121,9 +123,7 @@ export function perspective(plot: Plot, gaze: Gaze): Projection {
   };
 }
 
-const COMPASS = ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];
-
 /** The nearest of sixteen compass directions. */
 export function compass_name(azimuth_deg: number): string {
-  return COMPASS[Math.round((((azimuth_deg % 360) + 360) % 360) / 22.5) % 16] ?? "N";
+  return words().compass[Math.round((((azimuth_deg % 360) + 360) % 360) / 22.5) % 16] ?? "";
 }

@@ -1,6 +1,7 @@
 // The picture of the sky: canvas, frame, pointer and keyboard readout.
 
 import type { NamedPlace } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
 import type { ColourMapName } from "./colour_maps.ts";
@@ -73,9 +74,9 @@ export class SkyView {
     this.overlay.className = "sky-overlay";
     this.overlay.tabIndex = 0;
     this.overlay.setAttribute("role", "application");
-    this.overlay.setAttribute("aria-roledescription", "sky picture");
+    this.overlay.setAttribute("aria-roledescription", words().sky.picture_kind);
     this.overlay.setAttribute("aria-describedby", "sky-readout");
-    this.overlay.setAttribute("aria-label", "Sky in false colour. Arrow keys move the readout, Escape ends it; looking around, plus and minus zoom.");
+    this.overlay.setAttribute("aria-label", words().sky.picture);
     this.container.append(make("div", "sky-canvases", this.picture, this.overlay));
     this.overlay.addEventListener("pointermove", (event) => {
       if (this.pinch(event) || this.turn(event)) return;

@@ -1,6 +1,7 @@
 // Layers of cloud that the server has packs for.
 
 import type { Atmosphere } from "../api/types.ts";
+import { words } from "../language/words.ts";
 
 type Pack = Pick<Atmosphere, "cloud_base_m">;
 
@@ -17,5 +18,5 @@ export function cloud_bases(packs: readonly Pack[]): number[] {
 
 /** What a choice of clouds is called. */
 export function clouds_title(clouds: number | null): string {
-  return clouds === null ? "none, a clear sky" : `closed, from ${clouds} m up`;
+  return clouds === null ? words().assumptions.no_clouds : words().assumptions.closed_clouds(clouds);
 }

@@ -2,17 +2,19 @@
 
 import type { ScatteringName } from "../api/client.ts";
 import type { Atmosphere, Scene } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { ColourMapName } from "../sky/colour_maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
 import { LAYERS, type LayerName, type LightsKind, type MeasureName, type TerrainKind, type ViewState } from "../state.ts";
 import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
 import { by_id, debounced, make } from "./dom.ts";
+import { decimal, fixed } from "./format.ts";
 import { wire_group } from "./group.ts";
 import { show_layer_hint } from "./layers.ts";
-import { EMISSIONS, LAMPS } from "./lamps.ts";
+import { emissions, lamps } from "./lamps.ts";
 import { set_region_option } from "./marking.ts";
-import { resident_scatterings, SCATTERINGS, turbidity_ends } from "./scattering.ts";
+import { resident_scatterings, scattering_title, SCATTERINGS, turbidity_ends } from "./scattering.ts";
 
 export interface ControlEvents {
   scene: (id: string) => void;
@@ -37,15 +39,16 @@ export const DEFAULT_TURBIDITY = 2.5;
 const WAIT_MS = 180;
 
 function air_words(turbidity: number): string {
-  if (turbidity < 1.75) return "very clear, mountain air";
-  if (turbidity < 2.75) return "clear night";
-  if (turbidity < 4) return "light haze";
-  return "haze";
+  const { mountain_air, clear_night, light_haze, haze } = words().assumptions;
+  if (turbidity < 1.75) return mountain_air;
+  if (turbidity < 2.75) return clear_night;
+  if (turbidity < 4) return light_haze;
+  return haze;
 }
 
 function fill(select: HTMLSelectElement, options: readonly (readonly [string, string])[], value: string): void {
   const known = options.some(([name]) => name === value);
-  const all = known || value === "" ? options : [...options, [value, `own: ${value}`] as const];
+  const all = known || value === "" ? options : [...options, [value, words().assumptions.own(value)] as const];
   select.replaceChildren(...all.map(([name, title]) => new Option(title, name, false, name === value)));
 }
 
@@ -74,7 +77,7 @@ export class Controls {
       changed(Number(this.turbidity.value));
     });
     this.scattering.addEventListener("change", () => {
-      const chosen = SCATTERINGS.find(([name]) => name === this.scattering.value)?.[0] ?? null;
+      const chosen = SCATTERINGS.find((name) => name === this.scattering.value) ?? null;
       events.scattering(chosen === resident_scatterings(this.atmospheres_below())[0] ? null : chosen);
     });
     this.clouds.addEventListener("change", () => events.clouds(this.chosen_clouds()));
@@ -102,7 +105,7 @@ export class Controls {
     this.scene.replaceChildren(
       ...scenes.map(({ id, title, illustrative }) => {
         const said = !illustrative || /illustrative/i.test(title);
-        return new Option(said ? title : `${title} (illustrative)`, id);
+        return new Option(said ? title : words().scene.illustrative_title(title), id);
       }),
     );
     this.scene.disabled = scenes.length === 0;
@@ -134,7 +137,7 @@ export class Controls {
     const resident = resident_scatterings(atmospheres);
     const best = resident[0];
     if (best !== undefined) {
-      fill(this.scattering, SCATTERINGS.filter(([name]) => resident.includes(name)), scattering ?? best);
+      fill(this.scattering, resident.map((name) => [name, scattering_title(name)] as const), scattering ?? best);
     }
     this.scattering.disabled = resident.length < 2;
     const ends = turbidity_ends(atmospheres, scattering);
@@ -143,7 +146,10 @@ export class Controls {
     this.turbidity.min = String(least);
     this.turbidity.max = String(most);
     this.turbidity.disabled = least === most;
-    by_id("turbidity-ends", HTMLElement).replaceChildren(make("span", "", `${least} clear`), make("span", "", `${most} hazy`));
+    by_id("turbidity-ends", HTMLElement).replaceChildren(
+      make("span", "", words().assumptions.least_turbidity(decimal(least))),
+      make("span", "", words().assumptions.most_turbidity(decimal(most))),
+    );
     this.show_turbidity();
   }
 
@@ -151,19 +157,19 @@ export class Controls {
   show(state: ViewState, scene: Scene | null): void {
     if (scene !== null) {
       this.scene.value = scene.id;
-      const parts = [scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? "Illustrative: made up for demonstration, not measured." : "", scene.date ?? "", scene.attribution ?? ""];
+      const parts = [scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? words().scene.illustrative : "", scene.date ?? "", scene.attribution ?? ""];
       this.scene_note.textContent = parts.filter((part) => part !== "").join(" · ");
       this.scene_note.classList.toggle("illustrative", scene.illustrative);
-      show_layer_hint("elevation", scene.terrain ? null : "This scene has no terrain.");
+      show_layer_hint("elevation", scene.terrain ? null : words().layers.no_terrain);
       this.terrain.disabled = !scene.terrain;
     }
-    show_layer_hint("brightness", state.clouds === null ? null : "Under a clear sky alone.");
-    show_layer_hint("influence", state.place === null ? "Pick a place first." : null);
+    show_layer_hint("brightness", state.clouds === null ? null : words().layers.clear_sky_alone);
+    show_layer_hint("influence", state.place === null ? words().layers.place_first : null);
     this.show_air(state.scattering, state.clouds);
     this.turbidity.value = String(state.turbidity ?? DEFAULT_TURBIDITY);
     this.show_turbidity();
-    fill(this.lamp, LAMPS, state.lamp);
-    fill(this.emission, EMISSIONS, state.emission);
+    fill(this.lamp, lamps(), state.lamp);
+    fill(this.emission, emissions(), state.emission);
     this.terrain.value = state.terrain;
     this.colours.value = state.colours;
     set_region_option(this.measure, state.region !== null);
@@ -185,7 +191,7 @@ export class Controls {
 
   private show_turbidity(): void {
     const turbidity = Number(this.turbidity.value);
-    this.turbidity_value.value = `${turbidity.toFixed(1)} · ${air_words(turbidity)}`;
+    this.turbidity_value.value = `${fixed(turbidity, 1)} · ${air_words(turbidity)}`;
     this.turbidity.setAttribute("aria-valuetext", this.turbidity_value.value);
   }
 }

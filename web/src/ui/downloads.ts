@@ -1,6 +1,7 @@
 // Links to the same sky as files, straight from the API.
 
 import { url_of, type SkyParameters } from "../api/client.ts";
+import { words } from "../language/words.ts";
 import type { ViewState } from "../state.ts";
 import { make } from "./dom.ts";
 
@@ -23,10 +24,10 @@ export function show_downloads(container: HTMLElement, scene: string, parameters
   const { projection, sky, colours } = state;
   const picture = { ...parameters, projection, ...view, sky, colormap: colours, scale: "magnitude" } as const;
   container.replaceChildren(
-    link("PNG", url_of("/api/v1/scenes/{scene}/panorama.png", { scene }, picture), "The picture with its legend"),
-    link("EXR", url_of("/api/v1/scenes/{scene}/panorama.exr", { scene }, parameters), "Raw radiance, OpenEXR"),
-    link("TIFF", url_of("/api/v1/scenes/{scene}/panorama.tif", { scene }, parameters), "Raw radiance, 32-bit TIFF"),
-    link("JSON", url_of("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), "Raw radiance and all numbers"),
-    link("API", url_of("/api/docs", {}, {}), "Try the programming interface"),
+    link("PNG", url_of("/api/v1/scenes/{scene}/panorama.png", { scene }, picture), words().downloads.png),
+    link("EXR", url_of("/api/v1/scenes/{scene}/panorama.exr", { scene }, parameters), words().downloads.exr),
+    link("TIFF", url_of("/api/v1/scenes/{scene}/panorama.tif", { scene }, parameters), words().downloads.tiff),
+    link("JSON", url_of("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), words().downloads.json),
+    link("API", url_of("/api/docs", {}, {}), words().downloads.api),
   );
 }

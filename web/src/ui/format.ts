@@ -1,11 +1,27 @@
 // Numbers as people read them.
 
+import { words } from "../language/words.ts";
+
+/** A number in digits, with the decimal sign of the language. */
+export function decimal(digits: string | number): string {
+  return String(digits).replace(".", words().decimal_sign);
+}
+
+export function fixed(value: number, decimals: number): string {
+  return decimal(value.toFixed(decimals));
+}
+
+/** A whole number, its thousands apart. */
+export function whole(value: number): string {
+  return value.toLocaleString(words().locale);
+}
+
 /** A number with three significant digits or so, never in exponent form. */
 export function short_number(value: number): string {
   const size = Math.abs(value);
   if (size === 0) return "0";
   const digits = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : Math.min(2 - Math.floor(Math.log10(size)), 6);
-  return value.toFixed(digits);
+  return fixed(value, digits);
 }
 
 /** A quantity with the prefix that keeps it between 1 and 1000. */
@@ -21,17 +37,25 @@ export function with_prefix(value: number, unit: string): string {
 }
 
 export function magnitude(brightness_mag_arcsec2: number | null): string {
-  return brightness_mag_arcsec2 === null ? "no light" : brightness_mag_arcsec2.toFixed(2);
+  return brightness_mag_arcsec2 === null ? words().numbers.no_light : fixed(brightness_mag_arcsec2, 2);
 }
 
 /** How many times the natural sky: 0.003, 0.84, 12, 340. */
 export function ratio(value: number): string {
   if (value === 0) return "0";
-  if (value < 0.001) return "< 0.001";
-  return value >= 10 ? Math.round(value).toLocaleString("en") : value.toPrecision(2);
+  if (value < 0.001) return `< ${decimal(0.001)}`;
+  return value >= 10 ? whole(Math.round(value)) : decimal(value.toPrecision(2));
 }
 
+/** Names of north, east, south and west. */
+export function cardinal_names(): [north: string, east: string, south: string, west: string] {
+  const [north = "", , , , east = "", , , , south = "", , , , west = ""] = words().compass;
+  return [north, east, south, west];
+}
+
+/** With a point in every language: a comma parts them, and the search reads them so. */
 export function coordinates(latitude_deg: number, longitude_deg: number): string {
-  const latitude = `${Math.abs(latitude_deg).toFixed(4)}° ${latitude_deg < 0 ? "S" : "N"}`;
-  return `${latitude}, ${Math.abs(longitude_deg).toFixed(4)}° ${longitude_deg < 0 ? "W" : "E"}`;
+  const [north, east, south, west] = cardinal_names();
+  const latitude = `${Math.abs(latitude_deg).toFixed(4)}° ${latitude_deg < 0 ? south : north}`;
+  return `${latitude}, ${Math.abs(longitude_deg).toFixed(4)}° ${longitude_deg < 0 ? west : east}`;
 }

@@ -2,12 +2,13 @@
 
 import { plain_words } from "../api/problem.ts";
 import type { TileJson } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { LayerState } from "../map/raster_layers.ts";
 import { NATURAL_SKY_MAG_ARCSEC2, luminance_from_brightness_cd_m2 } from "../photometry.ts";
 import { tile_gradient } from "../sky/colour_maps.ts";
 import type { LayerName } from "../state.ts";
 import { by_id, make } from "./dom.ts";
-import { with_prefix } from "./format.ts";
+import { decimal, whole, with_prefix } from "./format.ts";
 
 /** The server's hypsometric tints, from the sea to 6 000 m. */
 const TINTS = "linear-gradient(to right, #3a5e4a, #547a54 3%, #8a9864 10%, #b2a474 20%, #a88868 33%, #96766a 50%, #c8c0be 75%, #fafafa)";
@@ -17,16 +18,16 @@ const GRADIENTS: Record<LayerName, string> = {
   radiance: tile_gradient("inferno"),
   influence: tile_gradient("viridis"),
 };
-const FINDING: Record<LayerName, string> = {
-  elevation: "Loading…",
-  brightness: "Adding up the light at every place: up to half a minute the first time…",
-  radiance: "Loading…",
-  influence: "Finding what each light does here…",
-};
+
+/** What is said of a layer that is on its way. */
+function finding(name: LayerName): string {
+  const { loading, finding_brightness, finding_influence } = words().layers;
+  return { elevation: loading, brightness: finding_brightness, radiance: loading, influence: finding_influence }[name];
+}
 
 /** Two digits, which is what an end of a scale needs. */
 function about(value: number): string {
-  return String(Number(value.toPrecision(2)));
+  return decimal(Number(value.toPrecision(2)));
 }
 
 /** A share of the natural sky, as people say it. */
@@ -44,10 +45,10 @@ export function typeset(unit: string): string {
 
 /** What stands at the dark and the bright end of a layer's colours. */
 export function layer_ends(name: LayerName, { range, unit }: Pick<TileJson, "range" | "unit">): [string, string] {
-  if (range == null) return ["0 m", "6000 m and more"];
+  if (range == null) return [words().layers.sea_level, words().layers.highest];
   const [dark = 0, bright = 0] = range;
-  if (name === "brightness") return [of_natural(dark), `${of_natural(bright)} the natural sky`];
-  if (name === "influence") return [`1/${Math.round(bright / dark).toLocaleString("en")}`, `${with_prefix(bright, typeset(unit))} a pixel`];
+  if (name === "brightness") return [of_natural(dark), words().layers.of_natural(of_natural(bright))];
+  if (name === "influence") return [`1/${whole(Math.round(bright / dark))}`, words().layers.a_pixel(with_prefix(bright, typeset(unit)))];
   return [about(dark), `${about(bright)} ${typeset(unit)}`];
 }
 
@@ -68,7 +69,7 @@ export function show_layer_state(name: LayerName, state: LayerState): void {
       note.replaceChildren();
       break;
     case "finding":
-      note.replaceChildren(FINDING[name]);
+      note.replaceChildren(finding(name));
       break;
     case "failed":
       {

@@ -1,14 +1,16 @@
 // Where the visitor is, asked of the browser, which asks the visitor.
 
+import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
 import { by_id } from "./dom.ts";
 
 const LONGEST_WAIT_MS = 20_000;
-const WHY_NOT: Record<number, string> = {
-  1: "The browser may not tell where you are. Allow it beside the page's address, or search for the place.",
-  2: "The browser does not know where you are. Search for the place instead.",
-  3: "The browser did not find in time where you are. Try again, or search for the place.",
-};
+
+/** By the code of a GeolocationPositionError. */
+function why_not(code: number): string {
+  const { forbidden, unknown, late, silent } = words().locate;
+  return { 1: forbidden, 2: unknown, 3: late }[code] ?? silent;
+}
 
 /** Shows the button where the browser can tell; it tells pages of secure addresses alone. */
 export function wire_locate(found: (place: Place) => void, failed: (reason: Error) => void): void {
@@ -24,7 +26,7 @@ export function wire_locate(found: (place: Place) => void, failed: (reason: Erro
       },
       ({ code }) => {
         button.disabled = false;
-        failed(new Error(WHY_NOT[code] ?? "The browser does not say where you are."));
+        failed(new Error(why_not(code)));
       },
       { timeout: LONGEST_WAIT_MS, maximumAge: 60_000 },
     );

@@ -1,5 +1,6 @@
 // The button that marks a part of the sky by a curve around it.
 
+import { words } from "../language/words.ts";
 import { by_id } from "./dom.ts";
 
 export interface MarkingEvents {
@@ -7,9 +8,6 @@ export interface MarkingEvents {
   draw: (on: boolean) => void;
   unmark: () => void;
 }
-
-const HINT =
-  "Draw around a part of the sky, and the map shows the lights that cause it. By keyboard: arrows move the cross, Enter sets a corner, Enter twice closes the curve, Escape ends.";
 
 /** A choice that is there only where a part of the sky is marked. */
 export function set_region_option(select: HTMLSelectElement, marked: boolean): void {
@@ -52,7 +50,8 @@ export class Marking {
 
   private update(): void {
     this.button.setAttribute("aria-pressed", String(this.drawing));
-    this.button.textContent = this.drawing ? "Stop marking" : this.marked ? "Unmark" : "Mark a part";
-    this.hint.textContent = this.drawing ? HINT : "";
+    const { mark, stop_marking, unmark, mark_hint } = words().sky;
+    this.button.textContent = this.drawing ? stop_marking : this.marked ? unmark : mark;
+    this.hint.textContent = this.drawing ? mark_hint : "";
   }
 }

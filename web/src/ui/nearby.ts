@@ -1,6 +1,7 @@
 // "12 km NE of Nairobi": where a place is, in people's terms.
 
 import type { NamedPlace } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import { compass_name } from "../sky/projection.ts";
 import type { Place } from "../state.ts";
 import { coordinates } from "./format.ts";
@@ -38,5 +39,5 @@ export function place_name(place: Place, places: readonly NamedPlace[]): string 
   const nearest = nearest_place(place, places);
   if (nearest === null) return coordinates(place.latitude_deg, place.longitude_deg);
   if (nearest.distance_km < 1.5) return nearest.name;
-  return `${Math.round(nearest.distance_km)} km ${compass_name(nearest.bearing_deg)} of ${nearest.name}`;
+  return words().places.beside(Math.round(nearest.distance_km), compass_name(nearest.bearing_deg), nearest.name);
 }

@@ -1,6 +1,7 @@
 // One place for what went wrong, in plain words.
 
 import { plain_words } from "../api/problem.ts";
+import { words } from "../language/words.ts";
 import { make } from "./dom.ts";
 
 export class Notice {
@@ -10,7 +11,7 @@ export class Notice {
     const { headline, sentences } = plain_words(reason);
     const close = make("button", "notice-close", "×") as HTMLButtonElement;
     close.type = "button";
-    close.setAttribute("aria-label", "Close this message");
+    close.setAttribute("aria-label", words().problems.close);
     close.addEventListener("click", () => this.clear());
     this.container.replaceChildren(
       make("div", "notice-text", make("strong", "", headline), ...sentences.map((text) => make("p", "", text))),

@@ -1,26 +1,14 @@
 // The card of numbers for the picked place.
 
 import type { Scene, Site, SkyAnswer } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import { compass_name } from "../sky/projection.ts";
 import { lamp_title } from "./lamps.ts";
 import { make } from "./dom.ts";
-import { magnitude, ratio, short_number, with_prefix } from "./format.ts";
+import { fixed, magnitude, ratio, short_number, with_prefix } from "./format.ts";
 import { clouds_title } from "./clouds.ts";
 import { scattering_title } from "./scattering.ts";
-
-const BORTLE = [
-  "",
-  "excellent dark site",
-  "typical dark site",
-  "rural sky",
-  "rural to suburban",
-  "suburban sky",
-  "bright suburban sky",
-  "suburban to urban",
-  "city sky",
-  "inner-city sky",
-];
 
 function row(name: string, value: string, unit: string, key: string, note = ""): HTMLElement {
   const shown = make("dd", "", make("b", "", value), unit === "" ? "" : ` ${unit}`);
@@ -33,17 +21,19 @@ function row(name: string, value: string, unit: string, key: string, note = ""):
 export function show_site(container: HTMLElement, site: Site): void {
   const { terrain_altitude_m: terrain_m, radiance_nw_cm2_sr: radiance } = site;
   const no_number = (value: number | null | undefined): value is null | undefined => value === null || value === undefined;
+  const { ground, unknown, above_sea, upward, no_data } = words().numbers;
   const rows = [
-    no_number(terrain_m) ? row("Ground", "unknown", "", "terrain") : row("Ground", `${Math.round(terrain_m)}`, "m above sea level", "terrain"),
-    no_number(radiance) ? row("Light upward here", "no data", "", "radiance") : row("Light upward here", short_number(radiance), "nW cm⁻² sr⁻¹", "radiance"),
+    no_number(terrain_m) ? row(ground, unknown, "", "terrain") : row(ground, `${Math.round(terrain_m)}`, above_sea, "terrain"),
+    no_number(radiance) ? row(upward, no_data, "", "radiance") : row(upward, short_number(radiance), "nW cm⁻² sr⁻¹", "radiance"),
   ];
   container.replaceChildren(...rows);
 }
 
 /** What terrain hides, in words. */
 export function terrain_title(answer: Pick<SkyAnswer, "terrain_occlusion" | "hidden_lights">): string {
-  if (!answer.terrain_occlusion) return "nothing";
-  return answer.hidden_lights ? "sky and lights" : "sky below the horizon";
+  const { hides_nothing, hides_sky, hides_sky_and_lights } = words().numbers;
+  if (!answer.terrain_occlusion) return hides_nothing;
+  return answer.hidden_lights ? hides_sky_and_lights : hides_sky;
 }
 
 /** What the server had to do without, in its own words. */
@@ -56,6 +46,7 @@ function warning(text: string): HTMLElement {
 /** The numbers of a sky; the zenith figures follow the switch between artificial and total. */
 export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: SkyKind, lamp: string, scene: Scene): void {
   const { sky } = answer;
+  const say = words().numbers;
   const total = kind === "total";
   const zenith_mag = (total ? sky.zenith_total_brightness_mag_arcsec2 : sky.zenith_brightness_mag_arcsec2) ?? null;
   const zenith_cd_m2 = total ? sky.zenith_total_luminance_cd_m2 : sky.zenith_luminance_cd_m2;
@@ -66,7 +57,7 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
   const zenith = make(
     "div",
     "zenith",
-    make("span", "zenith-name", total ? "Zenith, with the natural sky" : "Zenith, artificial light alone"),
+    make("span", "zenith-name", total ? say.zenith_total : say.zenith_artificial),
     make("div", "zenith-value", big, make("small", "", "mag/arcsec²")),
     make("span", "zenith-luminance", with_prefix(zenith_cd_m2, "cd/m²")),
   );
@@ -81,33 +72,31 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
     steps.append(mark);
   }
   steps.setAttribute("aria-hidden", "true");
-  const bortle = make("div", "bortle", make("span", "zenith-name", "Bortle class"), make("div", "zenith-value", bortle_number, make("small", "", "of 9")), steps, make("span", "bortle-name", bortle_class === null ? "no stars: the sky is overcast" : (BORTLE[bortle_class] ?? "")));
+  const bortle = make("div", "bortle", make("span", "zenith-name", say.bortle_class), make("div", "zenith-value", bortle_number, make("small", "", say.bortle_of)), steps, make("span", "bortle-name", bortle_class === null ? say.overcast : (words().bortle[bortle_class - 1] ?? "")));
 
-  const brightest = `towards ${compass_name(sky.brightest_azimuth_deg)}, ${sky.brightest_elevation_deg.toFixed(0)}° up`;
+  const brightest = say.brightest_at(compass_name(sky.brightest_azimuth_deg), sky.brightest_elevation_deg.toFixed(0));
   const { ground_albedo } = answer;
-  const ground = ground_albedo === null || ground_albedo === undefined ? "" : `over ground of albedo ${short_number(ground_albedo)}`;
+  const ground = ground_albedo === null || ground_albedo === undefined ? "" : say.albedo(short_number(ground_albedo));
   const limit = sky.naked_eye_limit_mag;
   const list = make(
     "dl",
     "number-list",
-    row("Artificial at the zenith", `${ratio(sky.ratio_to_natural)} ×`, "natural", "ratio"),
-    row("Light on the ground", with_prefix(illuminance_lx, "lx"), "", "illuminance"),
-    limit === null || limit === undefined ? row("Faintest stars", "none", "behind clouds", "naked_eye_limit") : row("Faintest stars", limit.toFixed(2), "mag, naked eye", "naked_eye_limit"),
-    row("Sky Quality Meter", magnitude(sky.sqm_total_brightness_mag_arcsec2 ?? null), "mag/arcsec²", "sqm"),
-    row("Brightest", with_prefix(sky.brightest_luminance_cd_m2, "cd/m²"), "", "brightest", brightest),
-    row("Observer", `${Math.round(answer.observer.altitude_m)}`, "m above sea level", "altitude"),
-    row("Light known within 300 km", `${(100 * answer.coverage).toFixed(answer.coverage > 0.995 ? 0 : 1)}`, "%", "coverage"),
-    row("Air overhead", (answer.local_optical_depth[1] ?? NaN).toFixed(3), "optical depth", "optical_depth"),
-    row("Scattering", scattering_title(answer.scattering), "", "scattering", ground),
-    row("Clouds", clouds_title(answer.clouds === "none" ? null : Number(answer.clouds)), "", "clouds"),
-    row("Terrain hides", terrain_title(answer), "", "terrain_occlusion"),
+    row(say.ratio, `${ratio(sky.ratio_to_natural)} ×`, say.natural, "ratio"),
+    row(say.illuminance, with_prefix(illuminance_lx, "lx"), "", "illuminance"),
+    limit === null || limit === undefined ? row(say.faintest_stars, say.no_stars, say.behind_clouds, "naked_eye_limit") : row(say.faintest_stars, fixed(limit, 2), say.naked_eye, "naked_eye_limit"),
+    row(say.sqm, magnitude(sky.sqm_total_brightness_mag_arcsec2 ?? null), "mag/arcsec²", "sqm"),
+    row(say.brightest, with_prefix(sky.brightest_luminance_cd_m2, "cd/m²"), "", "brightest", brightest),
+    row(say.observer, `${Math.round(answer.observer.altitude_m)}`, say.above_sea, "altitude"),
+    row(say.coverage, fixed(100 * answer.coverage, answer.coverage > 0.995 ? 0 : 1), "%", "coverage"),
+    row(say.air, fixed(answer.local_optical_depth[1] ?? NaN, 3), say.optical_depth, "optical_depth"),
+    row(words().assumptions.scattering, scattering_title(answer.scattering), "", "scattering", ground),
+    row(words().assumptions.clouds, clouds_title(answer.clouds === "none" ? null : Number(answer.clouds)), "", "clouds"),
+    row(say.terrain_hides, terrain_title(answer), "", "terrain_occlusion"),
   );
 
-  const notes = [
-    `Lamps assumed: ${lamp_title(lamp)}. A satellite sees no blue light, so the lamp is a guess, not a measurement.`,
-  ];
-  if (answer.calibration !== 1) notes.push(`Radiances times ${short_number(answer.calibration)} (the scene's calibration).`);
-  if (scene.illustrative) notes.push("Illustrative scene: made up for demonstration, not measured.");
+  const notes = [say.lamps_assumed(lamp_title(lamp))];
+  if (answer.calibration !== 1) notes.push(say.calibration(short_number(answer.calibration)));
+  if (scene.illustrative) notes.push(words().scene.illustrative_note);
   const note = make("div", "notes", ...answer.warnings.map(warning), ...notes.map((text) => make("p", "", text)));
   container.replaceChildren(make("div", "headline-numbers", zenith, bortle), list, note);
 }

@@ -1,12 +1,13 @@
 // What if the lights were others: what a stroke on the map does, and what all of them do.
 
 import type { Scenario } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { Brush } from "../map/painter.ts";
 import type { PaintChange, PaintKind, Painting } from "../painting.ts";
 import { by_id, make } from "./dom.ts";
-import { with_prefix } from "./format.ts";
+import { fixed, whole, with_prefix } from "./format.ts";
 import { wire_group } from "./group.ts";
-import { EMISSIONS, LAMPS } from "./lamps.ts";
+import { emissions, lamps } from "./lamps.ts";
 
 export interface PaintCardEvents {
   /** The brush that strokes on the map paint with; null: none. */
@@ -20,7 +21,6 @@ export interface PaintCardEvents {
 }
 
 const KINDS: readonly PaintKind[] = ["factor", "lamp", "emission", "add"];
-const HINT = "Drag over the map to paint. By keyboard: move the map with the arrows, Enter paints its middle; of an area it sets corners, and Enter twice closes it.";
 
 function flux(flux_dnb_w: number): string {
   return with_prefix(flux_dnb_w, "W");
@@ -43,7 +43,7 @@ export class PaintCard {
   private painting = false;
 
   constructor(private readonly events: PaintCardEvents) {
-    for (const [select, options] of [[this.lamp, LAMPS], [this.emission, EMISSIONS]] as const) {
+    for (const [select, options] of [[this.lamp, lamps()], [this.emission, emissions()]] as const) {
       select.replaceChildren(...options.map(([name, title]) => new Option(title, name)));
     }
     this.lamp.value = "pc_amber";
@@ -94,24 +94,25 @@ export class PaintCard {
     }
     const { changed_pixels, new_pixels, flux_before_dnb_w, flux_after_dnb_w } = scenario;
     const change = flux_before_dnb_w > 0 ? (100 * (flux_after_dnb_w - flux_before_dnb_w)) / flux_before_dnb_w : NaN;
-    const share = Number.isFinite(change) ? ` (${change > 0 ? "+" : ""}${change.toFixed(Math.abs(change) < 9.95 ? 1 : 0)} %)` : "";
-    const lit = new_pixels > 0 ? `, ${new_pixels.toLocaleString("en")} of them dark before` : "";
-    this.answer.replaceChildren(make("p", "", `${changed_pixels.toLocaleString("en")} pixels changed${lit}. Upward light: ${flux(flux_before_dnb_w)} → ${flux(flux_after_dnb_w)}${share}.`));
+    const share = Number.isFinite(change) ? ` (${change > 0 ? "+" : ""}${fixed(change, Math.abs(change) < 9.95 ? 1 : 0)} %)` : "";
+    const { changed, changed_some_dark, upward } = words().paint;
+    const pixels = new_pixels > 0 ? changed_some_dark(whole(changed_pixels), whole(new_pixels)) : changed(whole(changed_pixels));
+    this.answer.replaceChildren(make("p", "", `${pixels}. ${upward(flux(flux_before_dnb_w), flux(flux_after_dnb_w))}${share}.`));
   }
 
   private update(): void {
     for (const kind of KINDS) by_id(`paint-${kind}-field`, HTMLElement).hidden = kind !== this.kind.value;
     by_id("paint-radius-field", HTMLElement).hidden = this.shape !== "brush";
-    const say = (input: HTMLInputElement, words: string) => {
-      by_id(`${input.id}-value`, HTMLOutputElement).value = words;
-      input.setAttribute("aria-valuetext", words);
+    const say = (input: HTMLInputElement, text: string) => {
+      by_id(`${input.id}-value`, HTMLOutputElement).value = text;
+      input.setAttribute("aria-valuetext", text);
     };
-    say(this.factor, this.factor.value === "0" ? "none: switched off" : `${this.factor.value} %`);
+    say(this.factor, this.factor.value === "0" ? words().paint.switched_off : `${this.factor.value} %`);
     say(this.add, `${this.add.value} nW/cm²/sr`);
     say(this.radius, `${this.radius.value} km`);
     this.draw.setAttribute("aria-pressed", String(this.painting));
-    this.draw.textContent = this.painting ? "Stop painting" : "Paint on the map";
-    by_id("paint-hint", HTMLElement).textContent = this.painting ? HINT : "";
+    this.draw.textContent = this.painting ? words().paint.stop : words().paint.draw;
+    by_id("paint-hint", HTMLElement).textContent = this.painting ? words().paint.hint : "";
     this.events.brush(this.painting ? { shape: this.shape, radius_m: 1000 * Number(this.radius.value) } : null);
   }
 }

@@ -2,10 +2,11 @@
 
 import { url_of } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import { LISTED_PIXELS, PLAN_MEASURES, type PlanMeasure, type PlanWish } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
 import { by_id, make } from "./dom.ts";
-import { magnitude, with_prefix } from "./format.ts";
+import { decimal, fixed, magnitude, whole, with_prefix } from "./format.ts";
 import { set_region_option } from "./marking.ts";
 import { nearest_place, place_name } from "./nearby.ts";
 
@@ -14,22 +15,28 @@ export interface PlanCardEvents {
   drop: () => void;
 }
 
-const MEASURE_WORDS: Record<PlanMeasure, string> = { zenith: "in the zenith", mean: "in the whole sky", horizontal: "in the light on the ground", region: "in the marked part of the sky" };
 /** So many towns are named; the rest are summed up. */
 const NAMED_TOWNS = 6;
+
+/** What a plan is to darken. */
+function measure_words(measure: string): string {
+  const { zenith, mean, horizontal, region_of_sky: region } = words().measures;
+  const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, region };
+  return known[measure as PlanMeasure] ?? measure;
+}
 
 /** A share as people say it: 0.3 %, 12 %. */
 export function percent(share: number): string {
   const size = 100 * share;
-  if (size > 0 && size < 0.1) return "< 0.1 %";
-  return `${size < 9.95 ? size.toFixed(1) : size.toFixed(0)} %`;
+  if (size > 0 && size < 0.1) return `< ${decimal(0.1)} %`;
+  return `${size < 9.95 ? fixed(size, 1) : fixed(size, 0)} %`;
 }
 
 /** Around which towns the dimmed pixels lie, with their parts of the plan's effect, the largest first. */
 export function effect_by_town(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): [string, number][] {
   const sums = new Map<string, number>();
   for (const pixel of pixels) {
-    const town = nearest_place(pixel, places)?.name ?? "Far from any town";
+    const town = nearest_place(pixel, places)?.name ?? words().plan.far;
     sums.set(town, (sums.get(town) ?? 0) + pixel.effect);
   }
   return [...sums].sort(([, a], [, b]) => b - a);
@@ -67,7 +74,7 @@ export class PlanCard {
   private show_values(): void {
     for (const slider of [this.reduction, this.cut]) {
       by_id(`${slider.id}-value`, HTMLOutputElement).value = `${slider.value} %`;
-      slider.setAttribute("aria-valuetext", `${slider.value} percent`);
+      slider.setAttribute("aria-valuetext", words().plan.percent(slider.value));
     }
   }
 
@@ -75,7 +82,7 @@ export class PlanCard {
   searching(on: boolean): void {
     this.card.setAttribute("aria-busy", String(on));
     this.find.disabled = on;
-    this.progress.textContent = on ? "Looking for the least light to take away…" : "";
+    this.progress.textContent = on ? words().plan.searching : "";
   }
 
   /** Shows a plan; null where there is none. */
@@ -100,9 +107,9 @@ export class PlanCard {
   /** What the plan reaches, and why not more: this is read out. */
   private goals(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
     return plan.sites.flatMap((site) => {
-      const where = MEASURE_WORDS[site.measure as PlanMeasure] ?? site.measure;
+      const where = measure_words(site.measure);
       const name = place_name(site.observer, places);
-      const reached = make("p", "plan-reached", make("b", "", `${percent(site.reduced_by)} darker`), ` ${where}, ${name}`);
+      const reached = make("p", "plan-reached", make("b", "", words().plan.darker(percent(site.reduced_by))), ` ${where}, ${name}`);
       reached.dataset["reducedBy"] = String(site.reduced_by);
       const unmet = site.target?.why_not == null ? [] : [make("p", "warning", site.target.why_not)];
       return [reached, ...unmet];
@@ -115,24 +122,24 @@ export class PlanCard {
       return make(
         "dl",
         "number-list",
-        change_row("Zenith, artificial", magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null), magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null), "mag/arcsec²"),
-        ...(sky_before.bortle_class == null || sky_after.bortle_class == null ? [] : [change_row("Bortle class", String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
+        change_row(words().plan.zenith, magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null), magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null), "mag/arcsec²"),
+        ...(sky_before.bortle_class == null || sky_after.bortle_class == null ? [] : [change_row(words().numbers.bortle_class, String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
         ...(sky_before.naked_eye_limit_mag == null || sky_after.naked_eye_limit_mag == null
           ? []
-          : [change_row("Faintest stars", sky_before.naked_eye_limit_mag.toFixed(2), sky_after.naked_eye_limit_mag.toFixed(2), "mag")]),
+          : [change_row(words().numbers.faintest_stars, fixed(sky_before.naked_eye_limit_mag, 2), fixed(sky_after.naked_eye_limit_mag, 2), "mag")]),
       );
     });
     const light = make(
       "p",
       "",
-      `This takes ${percent(plan.flux_removed_share)} of the light within 300 km (${with_prefix(plan.flux_removed_dnb_w, "W")} upward, as the satellite sees it), from ${plan.dimmed_pixels.toLocaleString("en")} of ${plan.lit_pixels_within_reach.toLocaleString("en")} lit pixels.`,
+      words().plan.light(percent(plan.flux_removed_share), with_prefix(plan.flux_removed_dnb_w, "W"), whole(plan.dimmed_pixels), whole(plan.lit_pixels_within_reach)),
     );
-    const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", `The map shows the ${LISTED_PIXELS.toLocaleString("en")} with the most effect; the files hold them all.`)] : [];
+    const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", words().plan.listed(whole(LISTED_PIXELS)))] : [];
     return [...sites, light, ...more, ...towns(plan.pixels, places), files(plan.id)];
   }
 
   private drop(): HTMLElement {
-    const button = make("button", "quiet", "Back to the lights of today") as HTMLButtonElement;
+    const button = make("button", "quiet", words().plan.drop) as HTMLButtonElement;
     button.type = "button";
     button.id = "plan-drop";
     button.addEventListener("click", () => this.events.drop());
@@ -149,13 +156,13 @@ function towns(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): H
   if (places.length === 0 || pixels.length === 0) return [];
   const all = effect_by_town(pixels, places);
   const rest = all.slice(NAMED_TOWNS).reduce((sum, [, effect]) => sum + effect, 0);
-  const shown: [string, number][] = rest > 0 ? [...all.slice(0, NAMED_TOWNS), [`${all.length - NAMED_TOWNS} more`, rest]] : all;
+  const shown: [string, number][] = rest > 0 ? [...all.slice(0, NAMED_TOWNS), [words().plan.more(all.length - NAMED_TOWNS), rest]] : all;
   const rows = shown.map(([name, effect]) => {
     const bar = make("i", "");
     bar.style.width = `${100 * effect}%`;
     return make("li", "", make("span", "", name), make("b", "", percent(effect)), bar);
   });
-  return [make("h3", "", "Whose light that is"), make("ul", "towns", ...rows)];
+  return [make("h3", "", words().plan.towns), make("ul", "towns", ...rows)];
 }
 
 function files(id: string): HTMLElement {

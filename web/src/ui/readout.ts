@@ -1,16 +1,15 @@
 // What the pointed direction of the sky shows, in words.
 
+import { words } from "../language/words.ts";
 import { brightness_mag_arcsec2 } from "../photometry.ts";
 import type { SkyKind, SkySample } from "../sky/grid.ts";
 import { compass_name } from "../sky/projection.ts";
 import { make } from "./dom.ts";
-import { magnitude, with_prefix } from "./format.ts";
-
-const HINT = "Point at the sky, or move with the arrow keys, to read its brightness.";
+import { fixed, magnitude, with_prefix } from "./format.ts";
 
 export function show_readout(container: HTMLElement, sample: SkySample | null, kind: SkyKind): void {
   if (sample === null) {
-    container.replaceChildren(make("span", "hint", HINT));
+    container.replaceChildren(make("span", "hint", words().readout.hint));
     container.removeAttribute("data-azimuth-deg");
     return;
   }
@@ -22,14 +21,14 @@ export function show_readout(container: HTMLElement, sample: SkySample | null, k
   container.dataset["luminanceCdM2"] = String(luminance_cd_m2);
   if (sample.is_below_horizon) {
     container.dataset["luminanceCdM2"] = "0";
-    container.replaceChildren(...direction_items(sample), make("span", "readout-item", make("b", "", "below the horizon")));
+    container.replaceChildren(...direction_items(sample), make("span", "readout-item", make("b", "", words().readout.below_horizon)));
     return;
   }
   container.replaceChildren(
     ...direction_items(sample),
-    item("brightness", magnitude(brightness_mag_arcsec2(luminance_cd_m2)), "mag/arcsec²"),
-    item("luminance", with_prefix(luminance_cd_m2, "cd/m²"), ""),
-    item(kind === "total" ? "artificial alone" : "with natural sky", magnitude(brightness_mag_arcsec2(other_cd_m2)), "mag/arcsec²"),
+    item(words().readout.brightness, magnitude(brightness_mag_arcsec2(luminance_cd_m2)), "mag/arcsec²"),
+    item(words().readout.luminance, with_prefix(luminance_cd_m2, "cd/m²"), ""),
+    item(kind === "total" ? words().readout.artificial_alone : words().readout.with_natural, magnitude(brightness_mag_arcsec2(other_cd_m2)), "mag/arcsec²"),
   );
 }
 
@@ -39,7 +38,7 @@ function item(name: string, value: string, unit: string): HTMLElement {
 
 function direction_items({ azimuth_deg, elevation_deg }: SkySample): HTMLElement[] {
   return [
-    item("azimuth", `${azimuth_deg.toFixed(1)}°`, compass_name(azimuth_deg)),
-    item("elevation", `${elevation_deg.toFixed(1)}°`, ""),
+    item(words().readout.azimuth, `${fixed(azimuth_deg, 1)}°`, compass_name(azimuth_deg)),
+    item(words().readout.elevation, `${fixed(elevation_deg, 1)}°`, ""),
   ];
 }

@@ -2,22 +2,21 @@
 
 import type { ScatteringName } from "../api/client.ts";
 import type { Atmosphere } from "../api/types.ts";
+import { words } from "../language/words.ts";
 
 /** The best first. */
-export const SCATTERINGS: readonly [name: ScatteringName, title: string][] = [
-  ["multiple", "all orders"],
-  ["single", "first order alone"],
-];
+export const SCATTERINGS: readonly ScatteringName[] = ["multiple", "single"];
 
 export function scattering_title(scattering: string): string {
-  return SCATTERINGS.find(([name]) => name === scattering)?.[1] ?? scattering;
+  const name = SCATTERINGS.find((known) => known === scattering);
+  return name === undefined ? scattering : words().scatterings[name];
 }
 
 type Pack = Pick<Atmosphere, "turbidity" | "scattering">;
 
 /** What there are packs of, the best first: the server takes that where the request names none. */
 export function resident_scatterings(packs: readonly Pack[]): ScatteringName[] {
-  return SCATTERINGS.map(([name]) => name).filter((name) => packs.some(({ scattering }) => scattering === name));
+  return SCATTERINGS.filter((name) => packs.some(({ scattering }) => scattering === name));
 }
 
 /** Smallest and largest turbidity of a scattering (null: the best); null without packs. */

@@ -1,9 +1,10 @@
 // The search box: the scene's places by name, or coordinates. A combobox with a list, by the ARIA pattern.
 
 import type { NamedPlace } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
 import { make } from "./dom.ts";
-import { coordinates } from "./format.ts";
+import { cardinal_names, coordinates, whole } from "./format.ts";
 
 const LONGEST_LIST = 8;
 
@@ -11,13 +12,20 @@ function folded(text: string): string {
   return text.normalize("NFD").replace(/\p{Diacritic}/gu, "").toLowerCase();
 }
 
-/** `-1.29, 36.82` (latitude first) as a place, or null. */
+/** `-1.29, 36.82` (latitude first) as a place, or null. Letters are those of the page's language, or English. */
 export function place_from_text(text: string): Place | null {
-  const match = /^\s*(-?\d{1,2}(?:\.\d+)?)\s*°?\s*([NSns]?)\s*[,;\s]\s*(-?\d{1,3}(?:\.\d+)?)\s*°?\s*([EWew]?)\s*$/.exec(text);
+  const [north, east, south, west] = cardinal_names();
+  const latitude = `(-?\\d{1,2}(?:\\.\\d+)?)\\s*°?\\s*(${north}|${south}|N|S)?`;
+  const longitude = `(-?\\d{1,3}(?:\\.\\d+)?)\\s*°?\\s*(${east}|${west}|E|W)?`;
+  const match = new RegExp(`^\\s*${latitude}\\s*[,;\\s]\\s*${longitude}\\s*$`, "i").exec(text);
   if (match === null) return null;
-  const latitude_deg = Number(match[1]) * (/s/i.test(match[2] ?? "") ? -1 : 1);
-  const longitude_deg = Number(match[3]) * (/w/i.test(match[4] ?? "") ? -1 : 1);
+  const latitude_deg = Number(match[1]) * sign(match[2], [south, "S"]);
+  const longitude_deg = Number(match[3]) * sign(match[4], [west, "W"]);
   return Math.abs(latitude_deg) <= 90 && Math.abs(longitude_deg) <= 180 ? { latitude_deg, longitude_deg } : null;
+}
+
+function sign(letter: string | undefined, negative: readonly string[]): number {
+  return letter !== undefined && negative.includes(letter.toUpperCase()) ? -1 : 1;
 }
 
 /** Places whose name has the text in it; names that begin with it first, then the larger ones. */
@@ -56,10 +64,10 @@ export class Search {
     const at = place_from_text(this.input.value);
     this.found =
       at !== null
-        ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: "coordinates", place: at }]
+        ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: words().top.coordinates, place: at }]
         : matching_places(this.places, this.input.value).map((place) => ({
             title: place.name,
-            detail: place.population ? place.population.toLocaleString("en") : "",
+            detail: place.population ? whole(place.population) : "",
             place,
           }));
     this.active = this.found.length > 0 ? 0 : -1;
@@ -79,7 +87,7 @@ export class Search {
         option.addEventListener("click", () => this.choose(i));
         return option;
       }),
-      ...(nothing ? [make("li", "nothing", "No place of that name here. Coordinates work too: -1.29, 36.82")] : []),
+      ...(nothing ? [make("li", "nothing", words().top.nothing_found)] : []),
     );
     this.list.hidden = this.found.length === 0 && !nothing;
     this.input.setAttribute("aria-expanded", String(!this.list.hidden));

@@ -1,24 +1,10 @@
-// Switches that are no part of a link: red light and the enlarged sky.
+// Switches that are no part of a link: red light, the enlarged sky and the language.
 
+import { LANGUAGES, switch_language, words } from "../language/words.ts";
 import { by_id } from "./dom.ts";
+import { store, stored } from "./storage.ts";
 
 const RED_LIGHT_KEY = "skyglow.red-light";
-
-function stored(key: string): string | null {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return null; // Storage may be forbidden; the switch then lasts as long as the page.
-  }
-}
-
-function store(key: string, value: string): void {
-  try {
-    localStorage.setItem(key, value);
-  } catch {
-    // As above.
-  }
-}
 
 function wire_toggle(id: string, on: boolean, changed: (on: boolean) => void): void {
   const button = by_id(id, HTMLButtonElement);
@@ -28,6 +14,14 @@ function wire_toggle(id: string, on: boolean, changed: (on: boolean) => void): v
   };
   button.addEventListener("click", () => set(button.getAttribute("aria-pressed") !== "true"));
   if (on) set(true);
+}
+
+function wire_language(): void {
+  const select = by_id("language", HTMLSelectElement);
+  const options = Object.entries(LANGUAGES).map(([code, { name }]) => Object.assign(new Option(name, code), { lang: code }));
+  select.replaceChildren(...options);
+  select.value = words().locale;
+  select.addEventListener("change", () => switch_language(select.value));
 }
 
 /** Narrower than this, the panel of layers would hide the map. */
@@ -41,7 +35,8 @@ export function wire_switches(resized: () => void): void {
   });
   wire_toggle("enlarge", false, (on) => {
     document.body.classList.toggle("enlarged", on);
-    by_id("enlarge", HTMLButtonElement).textContent = on ? "Show the map" : "Enlarge";
+    by_id("enlarge", HTMLButtonElement).textContent = on ? words().sky.show_map : words().sky.enlarge;
     resized();
   });
+  wire_language();
 }

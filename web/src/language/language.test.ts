@@ -1,0 +1,69 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { english } from "./english.ts";
+import { page_with_words } from "./page.ts";
+import { LANGUAGES, spoken_language, words } from "./words.ts";
+
+const PAGE = readFileSync(new URL("../../index.html", import.meta.url), "utf8");
+
+type Leaf = string | ((...values: string[]) => string);
+
+/** Every word with its name; of lists, each. */
+function leaves(value: unknown, name = ""): [string, Leaf][] {
+  if (typeof value === "string" || typeof value === "function") return [[name, value as Leaf]];
+  return Object.entries(value as object).flatMap(([key, part]) => leaves(part, `${name}.${key}`));
+}
+
+for (const [code, { load }] of Object.entries(LANGUAGES)) {
+  test(`${code} has every word, and says what it is given`, async () => {
+    const spoken = await load();
+    assert.equal(spoken.locale, code);
+    const wanted = leaves(english);
+    const found = new Map(leaves(spoken));
+    assert.deepEqual([...found.keys()].sort(), wanted.map(([name]) => name).sort());
+    for (const [name, original] of wanted) {
+      const said = found.get(name);
+      if (typeof original === "string") {
+        assert.ok(typeof said === "string" && said.trim() !== "" && said === said.trim(), name);
+      } else {
+        assert.ok(typeof said === "function" && said.length === original.length, name);
+        const values = Array.from({ length: original.length }, (_, i) => `value ${i}`);
+        const text = said(...values);
+        assert.ok(values.every((value) => text.includes(value)), `${name}: ${text}`);
+      }
+    }
+  });
+
+  test(`the page can be filled with the words of ${code}`, async () => {
+    const page = page_with_words(PAGE, await load());
+    assert.doesNotMatch(page, /data-text="[^"]*"[^<>]*><\//);
+    assert.match(page, /<li data-text="welcome\.pick"><b>[^<]+<\/b>[^<]+<\/li>/);
+  });
+}
+
+test("the page has no words of its own", () => {
+  const shown = PAGE.replace(/<!--.*?-->/gs, "").replace(/^.*<body/s, "<body").replace(/<[^<>]*>/g, "\n");
+  const own = shown.split("\n").map((line) => line.trim()).filter((line) => /\p{L}/u.test(line));
+  // Names are the same in every language.
+  assert.deepEqual(own, ["Skyglow", "inferno", "viridis", "cividis", "/api/docs"]);
+  assert.doesNotMatch(PAGE, /\s(aria-label|title|placeholder|data-waiting)="/);
+});
+
+test("a page that wants words that there are not is no page", () => {
+  assert.throws(() => page_with_words(`<p data-text="welcome.nothing"></p>`, english), /welcome\.nothing/);
+  assert.throws(() => page_with_words(`<p data-text="plan.percent"></p>`, english), /plan\.percent/);
+  assert.throws(() => page_with_words(`<p data-text-colour="welcome.title"></p>`, english), /data-text-colour/);
+  assert.throws(() => page_with_words(`<p data-text="welcome.title">Hello</p>`, english), /own/);
+  assert.equal(
+    page_with_words(`<input data-text-label="page.no_script" />`, english),
+    `<input data-text-label="page.no_script" aria-label="Skyglow's viewer needs JavaScript. The same data is at" />`,
+  );
+});
+
+test("the first known language is spoken, English where there is none", () => {
+  assert.equal(spoken_language(["de-AT", "en"]), "de");
+  assert.equal(spoken_language(["tlh", "en-GB", "de"]), "en");
+  assert.equal(spoken_language(["constructor"]), "en");
+  assert.equal(words(), english);
+});
