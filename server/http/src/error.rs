@@ -32,6 +32,14 @@ pub enum ApiError {
         /// The plan's id.
         id: String,
     },
+    /// A plan that is only held for some minutes.
+    #[error(
+        "plan \"{id}\" is not kept, so nothing that is kept can go on from it; ask for it again with keep=on first"
+    )]
+    DraftPlan {
+        /// The plan's id.
+        id: String,
+    },
     /// What should be kept cannot be written.
     #[error("the server cannot keep this now; try again later")]
     Storage {
@@ -189,6 +197,7 @@ impl ApiError {
             ApiError::StalePlan { .. } => {
                 (StatusCode::CONFLICT, "stale-plan", "The plan is for an earlier state of the scene")
             }
+            ApiError::DraftPlan { .. } => (StatusCode::CONFLICT, "draft-plan", "The plan is not kept"),
             ApiError::Storage { .. } => {
                 (StatusCode::SERVICE_UNAVAILABLE, "storage", "The server cannot keep this now")
             }

@@ -144,6 +144,7 @@ impl From<ChangeStoreError> for SourceError {
                 SourceError::ScenarioOfOtherScene { id: id.to_string(), scene: scene.to_string() }
             }
             ChangeStoreError::Stale { id, .. } => SourceError::StalePlan(id.to_string()),
+            ChangeStoreError::Draft { id } => SourceError::DraftPlan(id.to_string()),
             ChangeStoreError::TooDeep { id } => SourceError::ScenarioTooDeep(id.to_string()),
             ChangeStoreError::Io { .. } => SourceError::Storage(error.to_string()),
             ChangeStoreError::Damaged { .. } => SourceError::Broken(error.to_string()),
@@ -305,6 +306,14 @@ impl SkySource for ObservatorySource {
 
     fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError> {
         Ok(self.observatory.changes().keep_plan(id, plan)?)
+    }
+
+    fn hold_plan(&self, id: &ChangeId, plan: StoredPlan) {
+        self.observatory.changes().hold_plan(id, plan);
+    }
+
+    fn is_kept(&self, id: &ChangeId) -> bool {
+        self.observatory.changes().is_kept(id)
     }
 
     fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {

@@ -197,6 +197,8 @@ parameters! {
     /// Height of the sky in the picture, without the legend; the default depends on projection and format. Width times
     /// height is at most 8 388 608 pixels.
     HEIGHT_PX = "height_px", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
+    /// Whether a plan is kept, or only held for some ten minutes after it was last asked for: for trying one after the other.
+    KEEP = "keep", Kind::Choice(&["on", "off"]), "on", false;
     /// Compass letters and the strip that explains the colours.
     LEGEND = "legend", Kind::Choice(&["on", "off"]), "on", false;
 }
@@ -235,6 +237,10 @@ parameter_sets! {
     /// Those of a plan beside its body: what all its sites have in common, and how much of the answer is listed.
     PlanParameters = [
         TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,
+    ];
+    /// The same, and whether it is kept.
+    PlanPostParameters = [
+        TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT, KEEP,
     ];
     /// Those of a plan that is looked at.
     PlanListParameters = [LIMIT];

@@ -8,7 +8,7 @@ use crate::{
 use skyglow_scene::{ChangeId, ChangeStore, Scene, StoredPlan};
 use std::sync::Arc;
 
-/// A plan that is kept.
+/// A plan that is kept or held.
 #[derive(Clone, Debug)]
 pub struct KeptPlan {
     /// Its id.
@@ -46,16 +46,28 @@ pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> Ch
     ChangeStore::plan_id(decides.join("\n").as_bytes())
 }
 
-/// Makes a plan and keeps it, unless it is kept already; answers its id and whether it is new. Takes seconds.
+/// Makes a plan and keeps it, or holds it for some minutes, as asked, unless that is so already; answers its id and whether
+/// something new was kept. Takes seconds.
 ///
 /// # Errors
 /// As [`SkySource::plan`] and [`SkySource::keep_plan`].
 pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, bool), SourceError> {
     let scene_version = source.scene(&ask.scene)?.version;
     let id = plan_id(source, ask, &scene_version);
-    if source.kept_plan(&id).is_ok() {
-        return Ok((id, false));
+    let plan = match source.kept_plan(&id) {
+        Ok(_) if !ask.keep || source.is_kept(&id) => return Ok((id, false)),
+        Ok((held, _)) => held,
+        Err(_) => new_plan(source, ask, scene_version)?,
+    };
+    if ask.keep {
+        source.keep_plan(&id, &plan)?;
+    } else {
+        source.hold_plan(&id, plan);
     }
+    Ok((id, ask.keep))
+}
+
+fn new_plan(source: &dyn SkySource, ask: &PlanAsk, scene_version: String) -> Result<StoredPlan, SourceError> {
     let outcome = source.plan(&ask.request)?;
     if source.scene(&ask.scene)?.version != scene_version {
         // Ingested again meanwhile: its pixels may be others.
@@ -63,19 +75,17 @@ pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, boo
     }
     let facts = plan_facts(ask, &outcome, source.facts());
     let answer = serde_json::to_value(facts).map_err(|error| SourceError::Broken(error.to_string()))?;
-    let plan = StoredPlan {
+    Ok(StoredPlan {
         scene: ask.scene.clone(),
         scene_version,
         base: ask.scenario.clone(),
         answer,
         factors: outcome.factors(),
         effects: outcome.pixels.iter().map(|pixel| pixel.effect as f32).collect(),
-    };
-    source.keep_plan(&id, &plan)?;
-    Ok((id, true))
+    })
 }
 
-/// A plan that is kept, with its scene.
+/// A plan that is kept or held, with its scene.
 ///
 /// # Errors
 /// [`SourceError::UnknownScenario`], [`SourceError::StalePlan`], and whatever is wrong with the scene.

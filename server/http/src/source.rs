@@ -272,7 +272,11 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// [`SourceError::Storage`].
     fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError>;
-    /// A plan, and when it was kept, seconds since 1970.
+    /// Holds a plan for some minutes, and keeps nothing.
+    fn hold_plan(&self, id: &ChangeId, plan: StoredPlan);
+    /// Whether a plan is kept, and not just held.
+    fn is_kept(&self, id: &ChangeId) -> bool;
+    /// A plan, kept or held, and since when, seconds since 1970.
     ///
     /// # Errors
     /// [`SourceError::UnknownScenario`], [`SourceError::Broken`].

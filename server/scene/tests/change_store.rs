@@ -40,6 +40,31 @@ fn store(limits: ChangeLimits) -> (TempDir, ChangeStore) {
 }
 
 #[test]
+fn a_plan_that_is_held_is_on_no_disk_and_nothing_kept_stands_on_it() {
+    let (folder, store) = store(ChangeLimits::default());
+    let draft = ChangeStore::plan_id(b"a slider on its way");
+    store.hold_plan(&draft, plan(None));
+    assert_eq!(store.plan(&draft).unwrap().0, plan(None));
+    assert!(store.is_there(&draft) && !store.is_kept(&draft));
+    assert_eq!(store.steps(&draft, &scene(), "v1").unwrap(), [ChangeStep::Dimmed(plan(None).factors)]);
+    assert!(store.list(ChangeKind::Plan).unwrap().is_empty());
+    let refused = store.keep_scenario(&scenario(0.5, Some(draft.clone())));
+    assert!(matches!(refused, Err(ChangeStoreError::Draft { .. })));
+    let refused = store.keep_plan(&ChangeStore::plan_id(b"upon it"), &plan(Some(draft.clone())));
+    assert!(matches!(refused, Err(ChangeStoreError::Draft { .. })));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+
+    let again = ChangeStore::new(folder.path(), ChangeLimits::default());
+    assert!(
+        matches!(again.plan(&draft), Err(ChangeStoreError::Unknown { .. })),
+        "another process has none of it"
+    );
+    store.keep_plan(&draft, &plan(None)).unwrap();
+    assert!(store.is_kept(&draft) && again.is_there(&draft));
+    store.keep_scenario(&scenario(0.5, Some(draft))).unwrap();
+}
+
+#[test]
 fn scenarios_and_plans_survive_and_stand_on_each_other() {
     let (folder, store) = store(ChangeLimits::default());
     let first = store.keep_scenario(&scenario(0.5, None)).unwrap();

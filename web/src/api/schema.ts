@@ -1762,7 +1762,7 @@ export interface Posts {
     body: InfluenceBody;
     answer: Blob;
   };
-  /** Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites meet limits (`target`). Values before and after come from the forward model. The plan is kept; its id is taken by every query as `scenario`, and the same request for the same scene answers the same plan. */
+  /** Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites meet limits (`target`). Values before and after come from the forward model. The plan is kept; its id is taken by every query as `scenario`, and the same request for the same scene answers the same plan. With `keep=off` it counts towards no share of what is kept, and is forgotten after some minutes without a question about it. */
   "/api/v1/scenes/{scene}/plans": {
     path: {
       /** The scene's id */
@@ -1789,6 +1789,8 @@ export interface Posts {
       scenario?: string;
       /** Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
       limit?: number;
+      /** Whether a plan is kept, or only held for some ten minutes after it was last asked for: for trying one after the other. Allowed: on, off. */
+      keep?: "on" | "off";
     };
     body: PlanBody;
     answer: PlanAnswer;

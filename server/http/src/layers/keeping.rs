@@ -83,6 +83,9 @@ pub async fn limit_keeping(
     if is_of_another_site(request.headers(), state.config.public_url.as_deref()) {
         return ApiError::ForeignOrigin.into_response();
     }
+    if is_draft(request.uri().query()) {
+        return next.run(request).await;
+    }
     let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));
     let address = client_address(&request, &state.config.trusted_proxies).filter(|_| is_anyone);
     let Some(address) = address else { return next.run(request).await };
@@ -101,6 +104,11 @@ pub async fn limit_keeping(
         keeping.limiter.give_back(address, deposit - count);
     }
     response
+}
+
+/// Whether a plan is only to be held. Whoever says so in another way is charged a deposit and given it back.
+fn is_draft(query: Option<&str>) -> bool {
+    query.is_some_and(|query| query.split('&').any(|pair| pair == "keep=off"))
 }
 
 /// Whether a browser sends this for a page of another site.

@@ -110,6 +110,8 @@ pub struct PlanAsk {
     pub scenario: Option<ChangeId>,
     /// Pixels listed.
     pub limit: usize,
+    /// Whether it is kept, or held for some minutes.
+    pub keep: bool,
 }
 
 /// Reads the parameters and the body of a plan.
@@ -122,9 +124,10 @@ pub fn plan(
     scene: SceneId,
     facts: &SourceFacts,
 ) -> Result<PlanAsk, ApiError> {
-    let mut reader = Reader::new(query, p::PlanParameters::ALL);
+    let mut reader = Reader::new(query, p::PlanPostParameters::ALL);
     let conditions = read_conditions(&mut reader, facts);
     let limit = read_limit(&mut reader);
+    let keep = reader.choice(&p::KEEP) != Some("off");
     let allowed = "a JSON object with `method`, and `site` or `sites`";
     let body: PlanBody = body_of(body, &mut reader, allowed);
     let Some(conditions) = conditions.filter(|_| reader.is_fine()) else {
@@ -143,7 +146,7 @@ pub fn plan(
     reader.finish()?;
     let (method, skies) = read.ok_or_else(|| ApiError::internal("a plan was neither read nor refused"))?;
     let scenario = conditions.scenario().cloned();
-    Ok(PlanAsk { request: PlanRequest { method }, skies, scene, scenario, limit })
+    Ok(PlanAsk { request: PlanRequest { method }, skies, scene, scenario, limit, keep })
 }
 
 /// Reads how much of a plan is listed.

@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 27] = [
+pub const KINDS: [(&str, &str); 28] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -23,6 +23,10 @@ pub const KINDS: [(&str, &str); 27] = [
     ("unknown-scene", "No scene has this id."),
     ("unknown-scenario", "No scenario or plan has this id, or it was not kept so long."),
     ("stale-plan", "The plan names pixels of a raster that was replaced since; make it again."),
+    (
+        "draft-plan",
+        "The plan was made with keep=off, and what is kept cannot go on from it; make it again with keep=on.",
+    ),
     ("storage", "The server has no room on disk, or may not write there; its log says more."),
     ("outside-scene", "The place lies outside the scene; `bounds` has its edges."),
     ("unknown-tile", "No map tile has this address."),
@@ -91,6 +95,7 @@ mod tests {
             wrong(Mistake::NotResident),
             ApiError::UnknownScenario { id: String::new() },
             ApiError::StalePlan { id: String::new() },
+            ApiError::DraftPlan { id: String::new() },
             ApiError::Unauthorized,
             ApiError::UploadsOff,
             ApiError::ForeignOrigin,

@@ -79,6 +79,9 @@ pub enum SourceError {
     /// A plan for pixels of a raster that was replaced.
     #[error("plan \"{0}\" is for an earlier state of its scene")]
     StalePlan(String),
+    /// A plan that is only held for some minutes.
+    #[error("plan \"{0}\" is not kept")]
+    DraftPlan(String),
     /// Too many scenarios and plans one upon the other.
     #[error("\"{0}\" stands on too many others")]
     ScenarioTooDeep(String),
@@ -254,6 +257,7 @@ impl From<SourceError> for ApiError {
                 Mistake::NotAllowed,
             ),
             SourceError::StalePlan(id) => ApiError::StalePlan { id },
+            SourceError::DraftPlan(id) => ApiError::DraftPlan { id },
             SourceError::ScenarioTooDeep(id) => ApiError::parameter(
                 SCENARIO.name,
                 id,

@@ -361,6 +361,12 @@ impl SkySource for Fake {
         Err(SourceError::Storage("a made-up program keeps nothing".into()))
     }
 
+    fn hold_plan(&self, _: &ChangeId, _: StoredPlan) {}
+
+    fn is_kept(&self, _: &ChangeId) -> bool {
+        false
+    }
+
     fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
         Err(SourceError::UnknownScenario(id.to_string()))
     }

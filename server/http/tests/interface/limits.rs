@@ -77,6 +77,7 @@ async fn what_a_client_has_kept_in_a_day_has_a_limit_of_its_own() {
     assert_eq!(status, 429);
     assert!((17_000..=17_280).contains(&wait_s.parse::<u32>().unwrap()), "{wait_s}");
     assert_eq!(post("/api/v1/scenes/demo/plans", "{}".to_owned()).await.0, 429);
+    assert_ne!(post("/api/v1/scenes/demo/plans?keep=off", "{}".to_owned()).await.0, 429);
     // What keeps nothing goes on.
     assert_ne!(post("/api/v1/scenes/demo/influence?lat=46.2&lon=8.8", "{}".to_owned()).await.0, 429);
     assert_eq!(server.answer("/api/v1/scenes").await.status(), 200);

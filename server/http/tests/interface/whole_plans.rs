@@ -148,6 +148,8 @@ pub(crate) async fn plans_are_made_kept_and_handed_out(whole: &Whole, (lat, lon)
     assert_eq!(second["sites"][0]["scenario"], json!(id));
     assert!(number(&second["thresholds"][0]) < number(&second["thresholds"][1]));
 
+    a_plan_can_be_tried_and_kept_later(whole, &json!({"lat": lat + 0.18, "lon": lon})).await;
+
     // Out of reach is an answer, and says why.
     let site = json!({"lat": lat + 0.18, "lon": lon, "measure": "horizontal", "at_most": 0});
     let (status, dark) =
@@ -162,6 +164,28 @@ pub(crate) async fn plans_are_made_kept_and_handed_out(whole: &Whole, (lat, lon)
     std::fs::write(&file, b"x").unwrap();
     let (status, _) = whole.json(&format!("/api/v1/plans/{}", second["id"].as_str().unwrap())).await;
     assert_eq!(status, 500);
+}
+
+async fn a_plan_can_be_tried_and_kept_later(whole: &Whole, site: &Value) {
+    let plans = async || whole.json("/api/v1/scenes/demo/plans").await.1.as_array().unwrap().len();
+    let files = || std::fs::read_dir(whole.folder.path().join("plans")).unwrap().count();
+    let before = (plans().await, files());
+    let body = json!({"method": "threshold", "site": site, "q_a": "p95", "q_b": "p95", "gamma": 0.5});
+    let (status, draft) = post(whole, "plans?keep=off", &body).await;
+    assert_eq!(status, 201, "{draft}");
+    assert_eq!((plans().await, files()), before, "a draft is in no list and on no disk");
+    let id = draft["id"].as_str().unwrap();
+    let sky = format!("/api/v1/scenes/demo/sky?lat={}&lon={}&scenario={id}", site["lat"], site["lon"]);
+    assert_eq!(whole.json(&sky).await.1["sky"], draft["sites"][0]["sky_after"]);
+    let edit = json!({"brush": {"points": [[site["lon"], site["lat"]]], "radius_m": 900}, "factor": 0.5});
+    let (status, problem) = post(whole, "scenarios", &json!({"base": id, "edits": [edit]})).await;
+    assert_eq!((status, &problem["type"]), (409, &json!("/problems/draft-plan")), "{problem}");
+
+    let (status, kept) = post(whole, "plans", &body).await;
+    assert_eq!((status, &kept["id"]), (201, &draft["id"]));
+    assert_eq!((plans().await, files()), (before.0 + 1, before.1 + 2));
+    assert_eq!(post(whole, "plans?keep=off", &body).await.0, 201);
+    assert_eq!(post(whole, "scenarios", &json!({"base": id, "edits": [edit]})).await.0, 201);
 }
 
 pub(crate) async fn bodies_that_cannot_be_meant_are_refused(whole: &Whole, (lat, lon): (f64, f64)) {

@@ -5,6 +5,7 @@
 
 mod area;
 mod change_id;
+mod drafts;
 mod gone;
 mod overlay;
 mod painting;

@@ -1,9 +1,11 @@
 //! Scenarios and plans on disk: `<data>/scenarios/ID.json`; `<data>/plans/ID.json` beside `ID.bin` with its pixels.
 //!
 //! The JSON comes last, by a rename, so what is there is whole. It carries a BLAKE3 hash over its content, and of the pixels;
-//! both are checked when they are read. Older ones make room for newer ones; see [`ChangeLimits`].
+//! both are checked when they are read. Older ones make room for newer ones; see [`ChangeLimits`]. Plans that somebody only
+//! tries are held in memory; see [`Drafts`].
 
 use super::change_id::ChangeId;
+use super::drafts::Drafts;
 use super::painting::{ChangeStep, Edit, PixelFactors};
 use crate::scene_id::SceneId;
 use crate::sections::{self, Sections, pack_ascending, unpack_ascending};
@@ -136,6 +138,14 @@ pub enum ChangeStoreError {
         /// The id.
         id: ChangeId,
     },
+    /// Only held for some minutes.
+    #[error(
+        "plan \"{id}\" is not kept, so nothing that is kept can go on from it; ask for it again with keep=on first"
+    )]
+    Draft {
+        /// The id.
+        id: ChangeId,
+    },
     /// A file that is truncated, altered or of another format.
     #[error("{}: {reason}", path.display())]
     Damaged {
@@ -159,6 +169,7 @@ pub enum ChangeStoreError {
 pub struct ChangeStore {
     data_dir: PathBuf,
     limits: ChangeLimits,
+    drafts: Drafts,
     /// Held while something is written or removed.
     writing: Arc<Mutex<()>>,
 }
@@ -178,7 +189,8 @@ fn unix_s(time: SystemTime) -> u64 {
 impl ChangeStore {
     /// The scenarios and plans of a data folder; the folder need not exist.
     pub fn new(data_dir: impl AsRef<Path>, limits: ChangeLimits) -> Self {
-        Self { data_dir: data_dir.as_ref().to_owned(), limits, writing: Arc::default() }
+        let (data_dir, drafts) = (data_dir.as_ref().to_owned(), Drafts::default());
+        Self { data_dir, limits, drafts, writing: Arc::default() }
     }
 
     fn folder(&self, kind: ChangeKind) -> PathBuf {
@@ -196,8 +208,9 @@ impl ChangeStore {
     /// Keeps a scenario.
     ///
     /// # Errors
-    /// [`ChangeStoreError::Io`].
+    /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
     pub fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, ChangeStoreError> {
+        self.refuse_draft(scenario.base.as_ref())?;
         let id = self.scenario_id(scenario)?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         self.write_document(&id, scenario)?;
@@ -239,7 +252,22 @@ impl ChangeStore {
 
     /// Whether there is one of that id, be it readable or not. Cheap.
     pub fn is_there(&self, id: &ChangeId) -> bool {
+        self.is_kept(id) || self.drafts.get(id).is_some()
+    }
+
+    /// Whether one of that id is on disk.
+    pub fn is_kept(&self, id: &ChangeId) -> bool {
         self.path(id, "json").is_file()
+    }
+
+    /// What is kept stands on what is kept: a draft would go from under it.
+    fn refuse_draft(&self, base: Option<&ChangeId>) -> Result<(), ChangeStoreError> {
+        match base {
+            Some(id) if !self.is_kept(id) && self.is_there(id) => {
+                Err(ChangeStoreError::Draft { id: id.clone() })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The id that a plan with this content has: all that decides it.
@@ -247,11 +275,17 @@ impl ChangeStore {
         ChangeId::of_plan(content)
     }
 
+    /// Holds a plan in memory for some minutes under an id of [`Self::plan_id`], for whoever tries one after the other.
+    pub fn hold_plan(&self, id: &ChangeId, plan: StoredPlan) {
+        self.drafts.hold(id, plan, unix_s(SystemTime::now()));
+    }
+
     /// Keeps a plan under an id of [`Self::plan_id`].
     ///
     /// # Errors
-    /// [`ChangeStoreError::Io`].
+    /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
     pub fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), ChangeStoreError> {
+        self.refuse_draft(plan.base.as_ref())?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         let path = self.path(id, "bin");
         let parts: Vec<(String, Cow<'_, [u8]>)> = vec![
@@ -273,11 +307,21 @@ impl ChangeStore {
         self.make_room(ChangeKind::Plan, id)
     }
 
-    /// A plan, and when it was kept, seconds since 1970.
+    /// A plan, kept or held, and since when, seconds since 1970.
     ///
     /// # Errors
     /// [`ChangeStoreError`].
     pub fn plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), ChangeStoreError> {
+        match self.kept_plan(id) {
+            Err(ChangeStoreError::Unknown { .. }) => match self.drafts.get(id) {
+                Some(held) => Ok(StoredPlan::clone(&held.0)).map(|plan| (plan, held.1)),
+                None => Err(ChangeStoreError::Unknown { id: id.clone() }),
+            },
+            read => read,
+        }
+    }
+
+    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), ChangeStoreError> {
         let (document, created_unix_s): (PlanDocument, u64) = self.read_document(id)?;
         let path = self.path(id, "bin");
         let bytes = match std::fs::read(&path) {
