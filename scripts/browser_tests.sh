@@ -1,5 +1,6 @@
 #!/bin/sh
-# The viewer in Chromium against a real server: own port, own data folder, the demo scene, lavapipe.
+# The viewer in Chromium against a real server: own port, own data folder, the demo scene, lavapipe. Another command than
+# all tests may be given, to be run in tests/browser: scripts/browser_tests.sh node --test plan.test.mjs
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -12,6 +13,8 @@ finish() {
 }
 trap finish EXIT
 trap 'exit 1' INT TERM
+
+[ $# -gt 0 ] || set -- npm test
 
 (cd tests/browser && ../../scripts/with_node.sh npm ci --no-audit --no-fund)
 
@@ -31,7 +34,7 @@ while [ -z "$url" ]; do
     sleep 0.2
 done
 
-if ! (cd tests/browser && SKYGLOW_URL="$url" ../../scripts/with_node.sh npm test); then
+if ! (cd tests/browser && SKYGLOW_URL="$url" ../../scripts/with_node.sh "$@"); then
     echo "browser tests: what the server warned of" >&2
     grep -v ' INFO ' "$folder/log" | tail -n 50 >&2 || true
     exit 1

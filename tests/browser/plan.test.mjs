@@ -63,6 +63,17 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   await sky_shown(page);
   const half = await strip();
   await shot(page, "plan-both");
+  // So does the map, by a line of its own.
+  const maps = () => page.locator("#map canvas.maplibregl-canvas").count();
+  assert.equal(await maps(), 2);
+  await page.waitForLoadState("networkidle");
+  const line = await page.locator(".swipe-handle").boundingBox();
+  await page.mouse.move(line.x + line.width / 2, line.y + line.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(line.x + line.width / 2 + 200, line.y + line.height / 2, { steps: 4 });
+  await page.mouse.up();
+  assert.ok(Number(await page.locator("#split").inputValue()) > 60);
+  assert.equal(await page.$eval(".swipe-map", ({ style }) => Math.round(100 - Number.parseFloat(style.clipPath.split(" ")[1]))), Number(await page.locator("#split").inputValue()));
   await set_slider(page, "split", 100);
   const whole = await strip();
   assert.deepEqual(half[1], right);
@@ -70,6 +81,7 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   assert.notDeepEqual(whole[1], right, "today's sky is no brighter than the plan's");
   await page.click("#lights button[value=changed]");
   await sky_shown(page);
+  assert.equal(await maps(), 1);
   // A link or a reload has it all, the wish too.
   await set_slider(page, "plan-reduction", 10);
   await page.reload();
@@ -83,6 +95,49 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   await numbers_shown(page, today);
   assert.ok(!page.url().includes("scenario"));
   assert.equal(await page.locator("#plan-answer").textContent(), "");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("sliders of influence change the sky as they move, and what they rest on is kept", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context, asked } = opened;
+  await sky_shown(page);
+  const plans = async () => (await get_json(`scenes/${here.scene.id}/plans`)).map(({ id }) => id);
+  const before = await plans();
+  const steps = await page.evaluate(() => history.length);
+  await page.getByRole("radio", { name: "By influence" }).click();
+  assert.ok(await page.locator("#plan-target").isHidden());
+  const shown = new Set();
+  for (const gamma of [40, 60, 80]) {
+    await set_slider(page, "plan-gamma", gamma);
+    await page.waitForFunction((known) => !known.includes(new URLSearchParams(location.hash.slice(1)).get("scenario")) && location.hash.includes("scenario=p-"), [...shown]);
+    await sky_shown(page);
+    shown.add(await page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("scenario")));
+  }
+  assert.equal(shown.size, 3);
+  assert.ok(asked.filter((path) => /plans\?.*keep=off/.test(path)).length >= 3);
+  // The last is kept after a while, and whatever the sliders rested on; what they went through is not. Each that is kept is one
+  // step of the way back.
+  const [, , last] = [...shown];
+  for (let tries = 0; !(await plans()).includes(last); tries++) {
+    assert.ok(tries < 50, "it is never kept");
+    await page.waitForTimeout(100);
+  }
+  const kept = (await plans()).filter((id) => !before.includes(id));
+  assert.ok(kept.every((id) => shown.has(id)), `${kept}`);
+  assert.equal(await page.evaluate(() => history.length), steps + kept.length);
+  const plan = await get_json(`plans/${last}?limit=0`);
+  assert.deepEqual(plan.threshold_levels, ["p90", "p98"]);
+  await numbers_shown(page, plan.sites[0].sky_after);
+  await shot(page, "plan-threshold");
+  // Neither slider goes past the other, and a reload has them again.
+  await set_slider(page, "plan-least", 99);
+  assert.equal(await page.locator("#plan-most").inputValue(), "99");
+  await page.waitForFunction((last) => !location.hash.includes(last), last);
+  await page.reload();
+  await page.waitForSelector("#plan-status .plan-reached");
+  assert.deepEqual(await page.$$eval("#plan-least, #plan-most, #plan-gamma", (sliders) => sliders.map(({ value }) => value)), ["99", "99", "80"]);
   assert_no_faults(opened);
   await context.close();
 });

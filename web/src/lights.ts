@@ -32,8 +32,8 @@ export interface LightsContext {
 }
 
 export interface LightsEvents {
-  /** These lights are to be shown; null: those of today. */
-  chosen: (scenario: string | null) => void;
+  /** These lights are to be shown; null: those of today. Without `push` they take the place of those before in the browser's history. */
+  chosen: (scenario: string | null, how?: { push: boolean }) => void;
   failed: (reason: unknown) => void;
 }
 
@@ -51,11 +51,13 @@ export class Lights {
   /** What the server last took. */
   private accepted = this.painting.snapshot();
   private searched_for = "";
+  /** The plan that is shown is one of a row that is tried: they are one step in the browser's history. */
+  private is_trying = false;
   private shown_dimmed: Plan | null = null;
   private shown_edits: readonly EditBody[] = NO_EDITS;
 
   private readonly plan_card = new PlanCard({
-    find: (wish) => void this.find(wish),
+    find: (wish, keep) => void this.find(wish, keep),
     drop: () => this.drop(),
   });
   private readonly paint_card = new PaintCard({
@@ -77,9 +79,11 @@ export class Lights {
       this.plan_card.searching(on);
       this.show_change();
     },
-    found: (change) => {
-      this.show_wish(change);
-      this.events.chosen(id_of(change));
+    found: (change, is_kept) => {
+      // A slider that goes on moving is not put back to where it was.
+      if (is_kept) this.show_wish(change);
+      this.events.chosen(id_of(change), { push: !this.is_trying });
+      this.is_trying = !is_kept;
       this.show_change();
     },
     loaded: (change) => {
@@ -123,7 +127,11 @@ export class Lights {
       // A link, the way back, or a plan: what was painted before is none of it.
       this.forget_painting(scenario);
     }
-    if (this.searched_for !== this.search_key()) this.planning.stop_search();
+    if (this.searched_for !== this.search_key()) {
+      this.planning.stop_search();
+      this.plan_card.rest();
+      this.is_trying = false;
+    }
     void this.planning.show(scenario);
     this.show_change();
   }
@@ -141,19 +149,21 @@ export class Lights {
     });
   }
 
-  private async find(wish: PlanWish): Promise<void> {
+  private async find(wish: PlanWish, is_kept: boolean): Promise<void> {
     // It goes on from the last stroke, too.
     await this.kept;
     if (this.context === null) return;
     const { scene, place, conditions } = this.context;
     if (scene === null || place === null) return;
     this.searched_for = this.search_key();
-    await this.planning.find(scene, place, { ...conditions, ...this.painted_before() }, wish);
+    await this.planning.find(scene, place, { ...conditions, ...this.painted_before() }, wish, is_kept);
   }
 
-  /** A plan goes on from what was painted, never from another plan. */
+  /** A plan goes on from what was painted, never from another plan, but from what that went on from. */
   private painted_before(): { scenario?: string } {
-    const scenario = this.context?.scenario ?? null;
+    const change = this.planning.change();
+    const shown = this.context?.scenario ?? null;
+    const scenario = change?.kind === "plan" && change.plan.id === shown ? (change.plan.sites[0]?.scenario ?? null) : shown;
     return scenario?.startsWith("s-") === true ? { scenario } : {};
   }
 

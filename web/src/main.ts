@@ -1,6 +1,6 @@
 // Puts the viewer together: state in the URL, controls, map, and the sky of the picked place.
 
-import { api, type SkyParameters } from "./api/client.ts";
+import { api, type LayerQuery, type SkyParameters } from "./api/client.ts";
 import type { Atmosphere, NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
 import { choose_language, words } from "./language/words.ts";
 import type { SkyMap } from "./map/sky_map.ts";
@@ -9,6 +9,7 @@ import { SkySession } from "./session.ts";
 import { brightness_mag_arcsec2 } from "./photometry.ts";
 import { Legend } from "./sky/legend.ts";
 import { text_from_region, type Region } from "./sky/region.ts";
+import type { SkySample } from "./sky/grid.ts";
 import { SkyView } from "./sky/sky_view.ts";
 import { LAYERS, fragment_from_state, state_from_fragment, type LayerName, type Place, type ViewState } from "./state.ts";
 import { cloud_bases, packs_under } from "./ui/clouds.ts";
@@ -25,10 +26,14 @@ import { show_numbers, show_site } from "./ui/numbers.ts";
 import { show_readout } from "./ui/readout.ts";
 import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./ui/scattering.ts";
 import { Search } from "./ui/search.ts";
+import { wire_share } from "./ui/share.ts";
 import { wire_switches } from "./ui/switches.ts";
 
 /** Opacity of the lights that cause a marked part of the sky. */
 const SHOWN_INFLUENCE = 0.9;
+
+/** What the sky of any place depends on. */
+type Conditions = Omit<SkyParameters, "lat" | "lon">;
 
 class Viewer {
   private state: ViewState = state_from_fragment(location.hash);
@@ -36,6 +41,8 @@ class Viewer {
   private atmospheres: readonly Atmosphere[] = [];
   private places: readonly NamedPlace[] = [];
   private answer: SkyAnswer | null = null;
+  /** What is pointed at in the sky. */
+  private pointed: SkySample | null = null;
   private map: SkyMap | null = null;
   private scene_requests = new AbortController();
 
@@ -44,12 +51,11 @@ class Viewer {
   private readonly numbers = by_id("numbers", HTMLElement);
   private readonly numbers_card = by_id("numbers-card", HTMLElement);
   private readonly title = by_id("place-title", HTMLElement);
-  private readonly legend = new Legend(by_id("legend", HTMLElement));
+  private readonly legend = new Legend(by_id("legend", HTMLElement), by_id("legend-title", HTMLElement));
   private readonly sky_view = new SkyView(by_id("sky-view", HTMLElement), this.state, {
     pointed: (sample) => {
-      show_readout(by_id("sky-readout", HTMLElement), sample, this.state.sky);
-      const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
-      this.legend.point(shown === undefined || sample?.is_below_horizon === true ? null : brightness_mag_arcsec2(shown));
+      this.pointed = sample;
+      this.show_pointed();
     },
     gazed: (gaze) => {
       this.state = { ...this.state, gaze };
@@ -81,6 +87,8 @@ class Viewer {
     projection: (projection) => this.change({ projection }),
     sky: (sky) => this.change({ sky }),
     colours: (colours) => this.change({ colours }),
+    exposure: (exposure_ev) => this.change({ exposure_ev }),
+    unit: (unit) => this.change({ unit }),
     measure: (measure) => this.change({ measure }),
     layer: (layer, opacity) => this.change({ layers: { ...this.state.layers, [layer]: opacity } }),
   });
@@ -105,11 +113,12 @@ class Viewer {
   });
 
   private readonly lights = new Lights({
-    chosen: (scenario) => this.change({ scenario, lights: this.state.lights === "both" ? "both" : "changed" }, { push: true }),
+    chosen: (scenario, how = { push: true }) => this.change({ scenario, lights: this.state.lights === "both" ? "both" : "changed" }, how),
     failed: (reason) => this.notice.show(reason),
   });
 
   async start(): Promise<void> {
+    wire_share();
     wire_switches(() => this.map?.resize());
     wire_locate(
       (place) => {
@@ -119,8 +128,7 @@ class Viewer {
       (reason) => this.notice.show(reason),
     );
     const split = by_id("split", HTMLInputElement);
-    split.addEventListener("input", () => this.sky_view.set_split(Number(split.value) / 100));
-    show_readout(by_id("sky-readout", HTMLElement), null, this.state.sky);
+    split.addEventListener("input", () => this.set_split(Number(split.value) / 100));
     this.show_look();
     const { signal } = this.scene_requests;
     const map_code = import("./map/sky_map.ts");
@@ -163,8 +171,18 @@ class Viewer {
         this.write_url(false);
       },
       layer: show_layer_state,
+      split: (part) => {
+        by_id("split", HTMLInputElement).value = String(Math.round(100 * part));
+        this.set_split(part);
+      },
       failed: (reason) => this.notice.show(reason),
     });
+  }
+
+  /** How far today's sky and map reach from the left, 0 to 1. */
+  private set_split(part: number): void {
+    this.sky_view.set_split(part);
+    this.map?.set_split(part);
   }
 
   private scene(): Scene | null {
@@ -261,6 +279,7 @@ class Viewer {
   private show_state(): void {
     this.controls.show(this.state, this.scene());
     this.show_look();
+    this.map?.compare(this.is_compared());
     for (const layer of LAYERS) this.show_layer(layer);
     this.map?.mark(this.state.place);
     this.show_title();
@@ -289,18 +308,32 @@ class Viewer {
     else this.change({ region, measure: measure === "region" ? "zenith" : measure }, { push: true });
   }
 
+  /** Whether the lights of today are shown beside the changed ones. */
+  private is_compared(): boolean {
+    return this.state.scenario !== null && this.state.lights === "both";
+  }
+
   private show_layer(layer: LayerName): void {
-    const { scene, place, measure, region, clouds } = this.state;
-    const { scenario } = this.conditions();
+    const { scene, layers } = this.state;
+    const { scenario: _, ...today } = this.conditions();
+    const wanted = (conditions: Conditions) => {
+      const query = this.layer_query(layer, conditions);
+      return scene === null || query === null ? null : { scene, query, opacity: layers[layer] };
+    };
+    this.map?.show_layer(layer, wanted(this.conditions()), this.is_compared() ? wanted(today) : null);
+  }
+
+  /** What a layer is asked for under such conditions; null where there is nothing to show. */
+  private layer_query(layer: LayerName, conditions: Conditions): LayerQuery | null {
+    const { place, measure, region, clouds } = this.state;
+    const { scenario } = conditions;
     const marked = measure === "region" && region !== null ? { region: text_from_region(region) } : {};
-    const query = {
+    return {
       elevation: this.scene()?.terrain === true ? {} : null,
-      brightness: clouds === null ? this.conditions() : null,
+      brightness: clouds === null ? conditions : null,
       radiance: scenario === undefined ? {} : { scenario },
-      influence: place === null ? null : { ...this.parameters(place), measure, ...marked },
+      influence: place === null ? null : { ...this.parameters(place), ...conditions, measure, ...marked },
     }[layer];
-    const wanted = scene === null || query === null ? null : { scene, query, opacity: this.state.layers[layer] };
-    this.map?.show_layer(layer, wanted);
   }
 
   private parameters(place: Place): SkyParameters {
@@ -309,8 +342,7 @@ class Viewer {
     return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), ...this.conditions() };
   }
 
-  /** What the sky of any place depends on. */
-  private conditions(): Omit<SkyParameters, "lat" | "lon"> {
+  private conditions(): Conditions {
     const { turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights } = this.state;
     const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }), ...(clouds === null ? {} : { clouds: String(clouds) }) };
     const ground = terrain === "on" ? {} : { terrain };
@@ -325,9 +357,17 @@ class Viewer {
 
   private show_look(): void {
     document.body.dataset["projection"] = this.state.projection;
-    this.legend.show(this.state.colours);
+    this.legend.show(this.state);
     this.sky_view.set_look(this.state);
+    this.show_pointed();
     this.marking.show(this.state.region !== null);
+  }
+
+  private show_pointed(): void {
+    const { pointed: sample } = this;
+    show_readout(by_id("sky-readout", HTMLElement), sample, this.state.sky, this.state.unit);
+    const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
+    this.legend.point(shown === undefined || sample?.is_below_horizon === true ? null : brightness_mag_arcsec2(shown));
   }
 
   private show_title(): void {
@@ -351,7 +391,7 @@ class Viewer {
 
   private show_numbers(): void {
     const scene = this.scene();
-    if (this.answer !== null && scene !== null) show_numbers(this.numbers, this.answer, this.state.sky, this.state.lamp, scene);
+    if (this.answer !== null && scene !== null) show_numbers(this.numbers, this.answer, this.state.sky, this.state.unit, this.state.lamp, scene);
   }
 
   private forget_sky(): void {

@@ -1,22 +1,48 @@
 // What changes the lights: a plan is looked for, and what the state names is fetched again after a reload.
 
 import { api, type PlanQuery } from "./api/client.ts";
+import type { PlanBody } from "./api/schema.ts";
 import type { Plan, Scenario } from "./api/types.ts";
 import type { Region } from "./sky/region.ts";
 import type { Place } from "./state.ts";
 
-export const PLAN_MEASURES = ["zenith", "mean", "horizontal", "region"] as const;
+export const PLAN_MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
 export type PlanMeasure = (typeof PLAN_MEASURES)[number];
 
-/** What a plan is to reach. */
-export interface PlanWish {
-  measure: PlanMeasure;
+/** The least light for a goal. */
+interface TargetWish {
+  method: "target";
   /** By this part of what it is, 0 to 1. */
   reduce_by: number;
   /** The largest part of a light that may go, 0 to 1. */
   max_cut: number;
+}
+
+/** The lights of most influence (q_a, q_b as percentiles of the lit pixels). */
+interface ThresholdWish {
+  method: "threshold";
+  /** So many percent of the pixels, those of least influence, are left alone. */
+  least_percent: number;
+  /** Those above so many percent lose the most, those between less. */
+  most_percent: number;
+  /** The part that those lose, 0 to 1. */
+  gamma: number;
+}
+
+/** What a plan is to reach. */
+export type PlanWish = (TargetWish | ThresholdWish) & {
+  measure: PlanMeasure;
   /** The part of the sky that the measure `region` is of. */
   region: Region | null;
+};
+export type PlanMethod = PlanWish["method"];
+
+function body_of(wish: PlanWish, { latitude_deg, longitude_deg }: Place): PlanBody {
+  const { measure, region } = wish;
+  const curve = measure !== "region" || region === null ? {} : { region: region.map(({ azimuth_deg, elevation_deg }): [number, number] => [azimuth_deg, elevation_deg]) };
+  const place = { lat: latitude_deg, lon: longitude_deg };
+  if (wish.method === "target") return { method: wish.method, max_cut: wish.max_cut, sites: [{ ...place, measure, reduce_by: wish.reduce_by, ...curve }] };
+  return { method: wish.method, site: place, measure, q_a: `p${wish.least_percent}`, q_b: `p${wish.most_percent}`, gamma: wish.gamma, ...curve };
 }
 
 /** What changes the lights: a plan found by the server, or edits that somebody painted. */
@@ -28,8 +54,8 @@ export const LISTED_PIXELS = 5000;
 export interface PlanningEvents {
   /** A plan is looked for, or no longer. */
   searching: (on: boolean) => void;
-  /** A plan was looked for and found. */
-  found: (change: Change) => void;
+  /** A plan was looked for and found; it may be one that is only tried. */
+  found: (change: Change, is_kept: boolean) => void;
   /** What the state names is there. */
   loaded: (change: Change) => void;
   failed: (reason: unknown, what: "search" | "load") => void;
@@ -42,20 +68,17 @@ export class Planning {
 
   constructor(private readonly events: PlanningEvents) {}
 
-  /** Looks for the least light whose loss makes a place's sky as dark as wished. What is known stays until it is found. */
-  async find(scene: string, place: Place, conditions: Omit<PlanQuery, "limit">, { measure, reduce_by, max_cut, region }: PlanWish): Promise<void> {
-    const curve = measure !== "region" || region === null ? {} : { region: region.map(({ azimuth_deg, elevation_deg }): [number, number] => [azimuth_deg, elevation_deg]) };
-    const site = { lat: place.latitude_deg, lon: place.longitude_deg, measure, reduce_by, ...curve };
-    const body = { method: "target", max_cut, sites: [site] };
+  /** Looks for what a wish takes from the lights of a place's sky. What is known stays until it is found. */
+  async find(scene: string, place: Place, conditions: Omit<PlanQuery, "limit" | "keep">, wish: PlanWish, is_kept: boolean): Promise<void> {
     this.search?.abort();
     const search = new AbortController();
     this.search = search;
     this.events.searching(true);
     try {
-      const plan = await api.find_plan(scene, { ...conditions, limit: LISTED_PIXELS }, body, search.signal);
+      const plan = await api.find_plan(scene, { ...conditions, limit: LISTED_PIXELS, keep: is_kept ? "on" : "off" }, body_of(wish, place), search.signal);
       this.end_search();
       this.adopt({ kind: "plan", plan });
-      this.events.found({ kind: "plan", plan });
+      this.events.found({ kind: "plan", plan }, is_kept);
     } catch (reason) {
       if (search.signal.aborted) return;
       this.end_search();

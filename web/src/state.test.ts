@@ -17,7 +17,9 @@ const EVERYTHING: ViewState = {
   projection: "perspective",
   gaze: { azimuth_deg: 210.5, elevation_deg: 20, field_deg: 55 },
   sky: "total",
-  colours: "cividis",
+  colours: "realistic",
+  exposure_ev: 1.5,
+  unit: "ratio",
   measure: "region",
   region: [
     { azimuth_deg: 350, elevation_deg: 2.5 },

@@ -1,10 +1,11 @@
 // What the viewer shows, and its form in the URL's fragment, so that a link or a reload restores it.
 
 import type { ScatteringName } from "./api/client.ts";
-import { COLOUR_MAPS, type ColourMapName } from "./sky/colour_maps.ts";
+import { STYLES, type PictureStyle } from "./sky/colour_maps.ts";
 import type { SkyKind } from "./sky/grid.ts";
 import { PROJECTIONS, type Gaze, type ProjectionName } from "./sky/projection.ts";
 import { region_from_text, text_from_region, type Region } from "./sky/region.ts";
+import { UNITS, type BrightnessUnit } from "./sky/units.ts";
 
 export interface Place {
   latitude_deg: number;
@@ -57,7 +58,10 @@ export interface ViewState {
   /** Where the perspective looks; null: towards the brightest light. */
   gaze: Gaze | null;
   sky: SkyKind;
-  colours: ColourMapName;
+  colours: PictureStyle;
+  /** Of the realistic picture, stops. */
+  exposure_ev: number;
+  unit: BrightnessUnit;
   /** Of the layer of influence; `region` only where there is one. */
   measure: MeasureName;
   /** The part of the sky that is marked. */
@@ -82,6 +86,8 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   gaze: null,
   sky: "artificial",
   colours: "inferno",
+  exposure_ev: 0,
+  unit: "magnitude",
   measure: "zenith",
   region: null,
   layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
@@ -143,7 +149,9 @@ export function state_from_fragment(fragment: string): ViewState {
     projection: one_of(query.get("projection"), PROJECTIONS, DEFAULT_STATE.projection),
     gaze: gaze_from_text(query.get("look")),
     sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
-    colours: one_of(query.get("colours"), COLOUR_MAPS, DEFAULT_STATE.colours),
+    colours: one_of(query.get("colours"), STYLES, DEFAULT_STATE.colours),
+    exposure_ev: number_in(query.get("exposure"), -6, 6) ?? DEFAULT_STATE.exposure_ev,
+    unit: one_of(query.get("unit"), UNITS, DEFAULT_STATE.unit),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
     region,
     layers,
@@ -175,6 +183,8 @@ export function fragment_from_state(state: ViewState): string {
   add("look", state.gaze === null ? null : [state.gaze.azimuth_deg, state.gaze.elevation_deg, state.gaze.field_deg].map((degrees) => +degrees.toFixed(1)).join("/"), null);
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);
+  add("exposure", state.exposure_ev, DEFAULT_STATE.exposure_ev);
+  add("unit", state.unit, DEFAULT_STATE.unit);
   add("measure", state.measure, DEFAULT_STATE.measure);
   add("region", state.region === null ? null : text_from_region(state.region), null);
   for (const name of LAYERS.toReversed()) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);

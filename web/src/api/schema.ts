@@ -408,6 +408,8 @@ export type PlanFacts = {
   protected_pixels?: number | null;
   /** The sites, in the order of the request. */
   sites: PlannedSite[];
+  /** The same as they were asked for: values, or percentiles such as `p90`; null in plans made before this was told. */
+  threshold_levels?: string[] | null;
   /** Of a threshold plan: Q_a and Q_b, in the site's `unit`. */
   thresholds?: number[] | null;
 };

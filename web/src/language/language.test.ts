@@ -46,7 +46,7 @@ test("the page has no words of its own", () => {
   const shown = PAGE.replace(/<!--.*?-->/gs, "").replace(/^.*<body/s, "<body").replace(/<[^<>]*>/g, "\n");
   const own = shown.split("\n").map((line) => line.trim()).filter((line) => /\p{L}/u.test(line));
   // Names are the same in every language.
-  assert.deepEqual(own, ["Skyglow", "inferno", "viridis", "cividis", "/api/docs"]);
+  assert.deepEqual(own, ["Skyglow", "inferno", "viridis", "cividis", "mag/arcsec²", "cd/m²", "/api/docs"]);
   assert.doesNotMatch(PAGE, /\s(aria-label|title|placeholder|data-waiting)="/);
 });
 

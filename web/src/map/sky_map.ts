@@ -2,6 +2,7 @@
 
 import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, ScaleControl, setWorkerUrl } from "maplibre-gl";
 import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
+import type { GeoJSON } from "geojson";
 import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
 import "maplibre-gl/dist/maplibre-gl.css";
 import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
@@ -12,8 +13,10 @@ import type { EditBody } from "../api/schema.ts";
 import type { PaintedArea } from "../painting.ts";
 import { load_basemap } from "./basemap.ts";
 import { Painter, type Brush } from "./painter.ts";
+import { reachable } from "./reachable.ts";
 import { RasterLayers, type LayerState, type WantedLayer } from "./raster_layers.ts";
 import { night_style } from "./style.ts";
+import { Swipe } from "./swipe.ts";
 
 // Without this the map stays blank without a word.
 setWorkerUrl(worker_url);
@@ -23,21 +26,15 @@ export interface SkyMapEvents {
   painted: (area: PaintedArea) => void;
   moved: (view: MapView) => void;
   layer: (name: LayerName, state: LayerState) => void;
+  /** The line between the maps of today and of other lights was drawn to this part of the width. */
+  split: (part: number) => void;
   failed: (reason: unknown) => void;
 }
 
 const MOVE_MS = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 700;
 
-/** A TileJSON may name its tiles relative to the server, which the worker that asks for them cannot resolve, or,
- * behind a proxy, by the scheme that the server saw instead of the page's. */
-function reachable(address: string): string {
-  const url = new URL(address, document.baseURI);
-  if (url.host === location.host) url.protocol = location.protocol;
-  return url.href;
-}
-
 /** Maps narrower than this begin with their credits folded. */
-const NARROW_PX = 640;
+const NARROW_PX = 900;
 /** A picked place nearer to the map's edge than this counts as out of view. */
 const EDGE_PX = 40;
 
@@ -54,8 +51,16 @@ export class SkyMap {
   private readonly painter: Painter;
   private readonly failed_sources = new Set<string>();
   private marked: Place | null = null;
+  /** Outlines and names, by the source that shows them. */
+  private readonly shared = new Map<string, GeoJSON>();
+  private swipe: Swipe | null = null;
+  private split = 0.5;
 
-  constructor(container: HTMLElement, view: MapView | null, events: SkyMapEvents) {
+  constructor(
+    container: HTMLElement,
+    view: MapView | null,
+    private readonly events: SkyMapEvents,
+  ) {
     this.map = new MapLibreMap({
       container,
       style: night_style(),
@@ -67,7 +72,7 @@ export class SkyMap {
       pitchWithRotate: false,
       touchPitch: false,
       attributionControl: false,
-      transformRequest: (url) => ({ url: reachable(url) }),
+      transformRequest: reachable,
       locale: {
         "Map.Title": words().map.title,
         "NavigationControl.ZoomIn": words().map.zoom_in,
@@ -81,7 +86,7 @@ export class SkyMap {
     this.map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
     this.map.addControl(new AttributionControl({ compact: true, customAttribution: words().map.credits }), "bottom-left");
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
-    // On a phone the credits would hide a third of the map; their button opens them.
+    // On a phone or a small window the credits would hide much of the map; their button opens them.
     if (container.clientWidth < NARROW_PX) void this.styled.then(() => this.fold_credits());
     this.layers = new RasterLayers(this.map, this.styled, (name, state) => {
       this.failed_sources.delete(name);
@@ -127,9 +132,7 @@ export class SkyMap {
   private async show_basemap(detail: "coarse" | "fine"): Promise<void> {
     const basemap = await load_basemap(detail);
     await this.styled;
-    for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) {
-      this.source(name)?.setData(basemap[name]);
-    }
+    for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) this.share(name, basemap[name]);
     this.map.getContainer().dataset["basemap"] = detail;
   }
 
@@ -160,6 +163,13 @@ export class SkyMap {
     if (!inside && clientHeight > 2 * EDGE_PX) this.map.easeTo({ center: [place.longitude_deg, place.latitude_deg], duration: MOVE_MS });
   }
 
+  /** Shows something that does not depend on the lights. */
+  private share(name: string, data: GeoJSON): void {
+    this.shared.set(name, data);
+    this.source(name)?.setData(data);
+    void this.swipe?.set_data(name, data);
+  }
+
   private source(name: string): GeoJSONSource | undefined {
     return this.map.getSource<GeoJSONSource>(name);
   }
@@ -171,17 +181,32 @@ export class SkyMap {
     await this.styled;
     this.failed_sources.clear();
     const corners = [[west, south], [east, south], [east, north], [west, north], [west, south]];
-    this.source("scene")?.setData({ type: "LineString", coordinates: corners });
+    this.share("scene", { type: "LineString", coordinates: corners });
   }
 
-  /** Shows a layer of tiles as it is wanted; null where there is nothing to show. */
-  show_layer(name: LayerName, wanted: WantedLayer | null): void {
+  /** Shows a layer of tiles as it is wanted, and left of the split as it is today; null where there is nothing to show. */
+  show_layer(name: LayerName, wanted: WantedLayer | null, today: WantedLayer | null): void {
     this.layers.want(name, wanted);
+    this.swipe?.show_layer(name, today);
+  }
+
+  /** Begins or ends a map of today left of the split. */
+  compare(on: boolean): void {
+    if (on === (this.swipe !== null)) return;
+    this.swipe?.remove();
+    this.swipe = on ? new Swipe(this.map, this.shared, this.events) : null;
+    this.swipe?.set_split(this.split);
+  }
+
+  /** The map of today reaches this part of the width from the left, 0 to 1. */
+  set_split(part: number): void {
+    this.split = part;
+    this.swipe?.set_split(part);
   }
 
   async show_places(places: readonly NamedPlace[]): Promise<void> {
     await this.styled;
-    this.source("places")?.setData({
+    this.share("places", {
       type: "FeatureCollection",
       features: places.map(({ name, population, longitude_deg, latitude_deg }) => ({
         type: "Feature",

@@ -21,6 +21,9 @@ const ANCHORS: Record<AnyMapName, string> = {
 };
 
 export const COLOUR_MAPS: readonly ColourMapName[] = ["inferno", "viridis", "cividis"];
+/** How a sky is coloured: by its brightness, or as a camera would show it. */
+export type PictureStyle = ColourMapName | "realistic";
+export const STYLES: readonly PictureStyle[] = [...COLOUR_MAPS, "realistic"];
 
 /** `count` RGB triples, evenly spaced over the map. */
 export function colour_table(name: AnyMapName, count: number): Uint8ClampedArray {

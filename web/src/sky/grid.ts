@@ -2,7 +2,7 @@
 
 import type { PanoramaAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { luminance_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { LUMINOUS_EFFICACY_LM_W, luminance_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
 
 /** Artificial light alone, or with the natural sky. */
 export type SkyKind = "artificial" | "total";
@@ -29,6 +29,8 @@ export class SkyGrid {
   readonly elevation_step_deg: number;
   /** Artificial luminance [row][column], cd m⁻². */
   readonly artificial_cd_m2: Float64Array;
+  /** Artificial radiance [row][column] in R, G, B, W m⁻² sr⁻¹. */
+  readonly artificial_w_m2_sr: readonly [Float32Array, Float32Array, Float32Array];
   /** Elevation of the terrain horizon in each column, degrees. Empty when the answer has none. */
   readonly horizon_deg: readonly number[];
   /** Luminance of the natural sky that is seen, cd m⁻²: nothing of it through clouds. */
@@ -49,6 +51,12 @@ export class SkyGrid {
       throw new Error(words().problems.panorama_rows(red?.length ?? 0, this.elevation_count));
     }
     this.artificial_cd_m2 = new Float64Array(this.azimuth_count * this.elevation_count);
+    const band = (rows: readonly (readonly number[])[]) => {
+      const values = new Float32Array(this.azimuth_count * this.elevation_count);
+      rows.forEach((row, i) => values.set(row.slice(0, this.azimuth_count), i * this.azimuth_count));
+      return values;
+    };
+    this.artificial_w_m2_sr = [band(red), band(green), band(blue)];
     for (let row = 0; row < this.elevation_count; row++) {
       for (let column = 0; column < this.azimuth_count; column++) {
         this.artificial_cd_m2[row * this.azimuth_count + column] = luminance_cd_m2(
@@ -109,7 +117,19 @@ export class SkyGrid {
    */
   log_luminance(kind: SkyKind, floor_cd_m2: number): Float32Array {
     const added = kind === "total" ? this.natural_cd_m2 : 0;
-    const values = Float32Array.from(this.artificial_cd_m2, (value) => Math.log10(Math.max(value + added, floor_cd_m2)));
+    return this.fill_hidden(Float32Array.from(this.artificial_cd_m2, (value) => Math.log10(Math.max(value + added, floor_cd_m2))));
+  }
+
+  /** Radiance in R, G, B for drawing, [row][column], W m⁻² sr⁻¹; of hidden samples as above. The natural sky is white. */
+  radiance_w_m2_sr(kind: SkyKind): readonly [Float32Array, Float32Array, Float32Array] {
+    const white_lm_w = LUMINOUS_EFFICACY_LM_W.reduce((sum, efficacy) => sum + efficacy, 0);
+    const added = kind === "total" ? this.natural_cd_m2 / white_lm_w : 0;
+    const [red, green, blue] = this.artificial_w_m2_sr;
+    const shown = (band: Float32Array) => this.fill_hidden(band.map((value) => value + added));
+    return [shown(red), shown(green), shown(blue)];
+  }
+
+  private fill_hidden(values: Float32Array): Float32Array {
     for (let column = 0; column < this.azimuth_count; column++) {
       let lowest = 0;
       while (lowest < this.elevation_count && this.is_hidden(lowest, column)) lowest++;

@@ -1,8 +1,9 @@
-// The sky as pixels: the grid's logarithmic luminance, interpolated bilinearly, through a colour table.
+// The sky as pixels: the grid interpolated bilinearly, in its logarithm through a colour table or as light through a tone map.
 
-import { colour_table, type ColourMapName } from "./colour_maps.ts";
+import { colour_table, type ColourMapName, type PictureStyle } from "./colour_maps.ts";
 import type { SkyGrid, SkyKind } from "./grid.ts";
 import type { Projection } from "./projection.ts";
+import { ToneMap } from "./realistic.ts";
 import { log_luminance_ends, SCALE } from "./scale.ts";
 
 const TABLE_SIZE = 1024;
@@ -10,42 +11,75 @@ const DARKEST_CD_M2 = 1e-9;
 /** Ground that hides the sky: brown-grey, as in the server's pictures. */
 export const GROUND_RGB = [58, 54, 49] as const;
 
-/** The grid in scale units 0..1 with one row added below (the horizon) and one above (the zenith). */
-function padded_scale_values(grid: SkyGrid, kind: SkyKind): Float32Array {
-  const [faintest, brightest] = log_luminance_ends(SCALE);
-  const log_luminance = grid.log_luminance(kind, DARKEST_CD_M2);
-  const width = grid.azimuth_count;
-  const rows = grid.elevation_count;
-  const values = new Float32Array((rows + 2) * width);
-  for (let row = 0; row < rows; row++) {
-    for (let column = 0; column < width; column++) {
-      values[(row + 1) * width + column] =
-        ((log_luminance[row * width + column] ?? 0) - faintest) / (brightest - faintest);
-    }
-  }
-  values.copyWithin(0, width, 2 * width);
+/** What a picture shows, and how. */
+export interface PictureLook {
+  sky: SkyKind;
+  colours: PictureStyle;
+  /** Of the realistic picture, stops. */
+  exposure_ev: number;
+}
+
+/** The four samples around a direction in padded rows. */
+interface Taps {
+  /** Offsets of the lower row and of the upper one. */
+  low: number;
+  high: number;
+  /** Columns. */
+  here: number;
+  next: number;
+  /** Parts of the way to the next column, and to the upper row. */
+  right: number;
+  above: number;
+}
+
+type Colourer = (taps: Taps, bytes: Uint8ClampedArray, at: number) => void;
+
+/** The grid's rows with one added below (the horizon) and one above (the zenith). */
+function padded({ azimuth_count, elevation_count }: SkyGrid, rows: Float32Array): Float32Array {
+  const values = new Float32Array((elevation_count + 2) * azimuth_count);
+  values.set(rows, azimuth_count);
+  values.copyWithin(0, azimuth_count, 2 * azimuth_count);
   // All azimuths meet at the zenith: one value, the mean of the highest ring.
   let zenith = 0;
-  for (let column = 0; column < width; column++) zenith += (values[rows * width + column] ?? 0) / width;
-  values.fill(zenith, (rows + 1) * width);
+  for (let column = 0; column < azimuth_count; column++) zenith += (values[elevation_count * azimuth_count + column] ?? 0) / azimuth_count;
+  values.fill(zenith, (elevation_count + 1) * azimuth_count);
   return values;
 }
 
-/** Paints the sky into a picture of `scale` device pixels a CSS pixel. Outside the sky stays transparent. */
-export function paint_sky(
-  picture: ImageData,
-  grid: SkyGrid,
-  kind: SkyKind,
-  map: ColourMapName,
-  projection: Projection,
-  pixels_per_css_px: number,
-): void {
-  const values = padded_scale_values(grid, kind);
+function interpolated(values: Float32Array, { low, high, here, next, right, above }: Taps): number {
+  const lower = (1 - right) * (values[low + here] ?? 0) + right * (values[low + next] ?? 0);
+  const upper = (1 - right) * (values[high + here] ?? 0) + right * (values[high + next] ?? 0);
+  return (1 - above) * lower + above * upper;
+}
+
+function false_colour(grid: SkyGrid, sky: SkyKind, map: ColourMapName): Colourer {
+  const [faintest, brightest] = log_luminance_ends(SCALE);
+  const log_luminance = grid.log_luminance(sky, DARKEST_CD_M2);
+  const values = padded(grid, log_luminance.map((log) => (log - faintest) / (brightest - faintest)));
   const table = colour_table(map, TABLE_SIZE);
+  return (taps, bytes, at) => {
+    const colour = Math.round(Math.min(Math.max(interpolated(values, taps), 0), 1) * (TABLE_SIZE - 1)) * 3;
+    bytes[at] = table[colour] ?? 0;
+    bytes[at + 1] = table[colour + 1] ?? 0;
+    bytes[at + 2] = table[colour + 2] ?? 0;
+  };
+}
+
+function realistic(grid: SkyGrid, sky: SkyKind, exposure_ev: number): Colourer {
+  const [red, green, blue] = grid.radiance_w_m2_sr(sky);
+  const bands = [padded(grid, red), padded(grid, green), padded(grid, blue)] as const;
+  const tone_map = new ToneMap(exposure_ev);
+  return (taps, bytes, at) => tone_map.write(bytes, at, interpolated(bands[0], taps), interpolated(bands[1], taps), interpolated(bands[2], taps));
+}
+
+/** Paints the sky into a picture of `pixels_per_css_px` device pixels a CSS pixel. Outside the sky stays transparent. */
+export function paint_sky(picture: ImageData, grid: SkyGrid, { sky, colours, exposure_ev }: PictureLook, projection: Projection, pixels_per_css_px: number): void {
+  const colour = colours === "realistic" ? realistic(grid, sky, exposure_ev) : false_colour(grid, sky, colours);
   const width = grid.azimuth_count;
   const last_row = grid.elevation_count + 1;
   const { data } = picture;
   const has_ground = grid.horizon_deg.some((elevation_deg) => elevation_deg > 0);
+  const taps: Taps = { low: 0, high: 0, here: 0, next: 0, right: 0, above: 0 };
   for (let y = 0; y < picture.height; y++) {
     for (let x = 0; x < picture.width; x++) {
       const at = (y * picture.width + x) * 4;
@@ -62,19 +96,13 @@ export function paint_sky(
       const up = Math.min(Math.max((direction.elevation_deg - grid.elevation_first_deg) / grid.elevation_step_deg + 1, 0), last_row - 1e-6);
       const column = Math.floor(across);
       const row = Math.floor(up);
-      const right = across - column;
-      const above = up - row;
-      const low = row * width;
-      const high = low + width;
-      const here = column % width;
-      const next = (column + 1) % width;
-      const value =
-        (1 - above) * ((1 - right) * (values[low + here] ?? 0) + right * (values[low + next] ?? 0)) +
-        above * ((1 - right) * (values[high + here] ?? 0) + right * (values[high + next] ?? 0));
-      const colour = Math.round(Math.min(Math.max(value, 0), 1) * (TABLE_SIZE - 1)) * 3;
-      data[at] = table[colour] ?? 0;
-      data[at + 1] = table[colour + 1] ?? 0;
-      data[at + 2] = table[colour + 2] ?? 0;
+      taps.low = row * width;
+      taps.high = taps.low + width;
+      taps.here = column % width;
+      taps.next = (column + 1) % width;
+      taps.right = across - column;
+      taps.above = up - row;
+      colour(taps, data, at);
       data[at + 3] = 255;
     }
   }

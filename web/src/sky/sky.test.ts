@@ -4,12 +4,15 @@ import type { PanoramaAnswer } from "../api/types.ts";
 import { luminance_from_brightness_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
 import { COLOUR_MAPS, colour_table } from "./colour_maps.ts";
 import { SkyGrid } from "./grid.ts";
-import { GROUND_RGB, paint_sky } from "./paint.ts";
+import { GROUND_RGB, paint_sky, type PictureLook } from "./paint.ts";
 import { compass_name, equirectangular, fisheye, perspective } from "./projection.ts";
+import { ToneMap } from "./realistic.ts";
 import { SCALE, scale_position } from "./scale.ts";
+import { marks, UNITS } from "./units.ts";
 
 const PLOT = { left_px: 10, top_px: 20, width_px: 400, height_px: 200 };
 const STEP_DEG = 90 / 64;
+const LOOK: PictureLook = { sky: "artificial", colours: "inferno", exposure_ev: 0 };
 
 /** A sky whose green radiance is 1e-9 at every sample but for one bright one. */
 function answer_with_light_at(row: number, column: number): PanoramaAnswer {
@@ -85,7 +88,7 @@ test("a light is painted where its direction lies, in both projections", () => {
   const direction = { azimuth_deg: 90, elevation_deg: 20.5 * STEP_DEG };
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
     const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
-    paint_sky(picture, grid, "artificial", "inferno", projection, 1);
+    paint_sky(picture, grid, LOOK, projection, 1);
     let brightest = { sum: -1, x: 0, y: 0 };
     for (let i = 0; i < 420 * 240; i++) {
       const sum = picture.data[i * 4]! + picture.data[i * 4 + 1]! + picture.data[i * 4 + 2]!;
@@ -151,7 +154,7 @@ test("ground is painted up to the profile, and the sky above it keeps its colour
   const grid = new SkyGrid(answer_with_hill());
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
     const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
-    paint_sky(picture, grid, "artificial", "inferno", projection, 1);
+    paint_sky(picture, grid, LOOK, projection, 1);
     const colour_at = (azimuth_deg: number, elevation_deg: number) => {
       const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
       return [...picture.data.slice((Math.floor(y_px) * 420 + Math.floor(x_px)) * 4).slice(0, 3)];
@@ -185,4 +188,31 @@ test("perspective: a direction's point leads back to it, straight lines stay str
 test("the brightest direction is found", () => {
   const { azimuth_deg, elevation_deg } = new SkyGrid(answer_with_light_at(3, 100)).brightest();
   assert.ok(Math.abs(azimuth_deg - (100 * 360) / 256) < 1e-9 && Math.abs(elevation_deg - 3.5 * STEP_DEG) < 1e-9);
+});
+
+test("the realistic picture shows a millicandela as middle grey, sodium orange, and bright light white", () => {
+  const bytes = new Uint8ClampedArray(3);
+  const shown = (exposure_ev: number, red: number, green: number, blue: number) => {
+    new ToneMap(exposure_ev).write(bytes, 0, red, green, blue);
+    return [...bytes] as [number, number, number];
+  };
+  assert.equal(new ToneMap(0).grey(1e-3), 118);
+  assert.equal(new ToneMap(1).grey(0.5e-3), 118);
+  assert.deepEqual(shown(0, 0, 0, 0), [0, 0, 0]);
+  assert.deepEqual(shown(0, 1, 1, 1), [255, 255, 255]);
+  const [red, green, blue] = shown(0, 2.5e-6, 1.1e-6, 0.1e-6);
+  assert.ok(red > green + 20 && green > blue + 40, `${red} ${green} ${blue}`);
+  const half = shown(1, 1.25e-6, 0.55e-6, 0.05e-6);
+  assert.deepEqual(half, [red, green, blue], "a stop more is half the light");
+});
+
+test("the scale's marks are round in every unit, ascend, and lie on the scale", () => {
+  for (const unit of UNITS) {
+    const luminances = marks(unit).map(({ luminance_cd_m2 }) => luminance_cd_m2);
+    assert.ok(luminances.length >= 10 && luminances.length <= 14, `${unit} ${luminances.length}`);
+    assert.ok(luminances.every((mark, i) => i === 0 || mark > (luminances[i - 1] ?? 0)));
+    const positions = luminances.map((mark) => scale_position(SCALE, -2.5 * Math.log10(mark / 1.08e5)));
+    assert.ok(positions.every((at, i) => at >= 0 && at <= 1 && (i === 0 || at > (positions[i - 1] ?? 0))), `${unit} ${positions}`);
+  }
+  assert.ok(marks("ratio").some(({ luminance_cd_m2 }) => Math.abs(luminance_cd_m2 / NATURAL_SKY_CD_M2 - 1) < 1e-9));
 });

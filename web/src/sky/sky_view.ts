@@ -4,18 +4,15 @@ import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
-import type { ColourMapName } from "./colour_maps.ts";
-import type { SkyGrid, SkyKind, SkySample } from "./grid.ts";
+import type { SkyGrid, SkySample } from "./grid.ts";
 import { draw_cross, draw_curve, draw_frame, draw_horizon, draw_towns } from "./overlay.ts";
-import { paint_sky } from "./paint.ts";
+import { paint_sky, type PictureLook } from "./paint.ts";
 import { region_from_trail, type Region } from "./region.ts";
 import { towns_on_horizon } from "./towns.ts";
 import { equirectangular, fisheye, perspective, type Gaze, type Plot, type Projection, type ProjectionName, type SkyDirection } from "./projection.ts";
 
-export interface SkyLook {
+export interface SkyLook extends PictureLook {
   projection: ProjectionName;
-  sky: SkyKind;
-  colours: ColourMapName;
   /** A part of the sky that is marked. */
   region: Region | null;
   /** Where the perspective looks; null: towards the brightest light. */
@@ -140,11 +137,10 @@ export class SkyView {
   }
 
   /** The look may come with more than that; what is drawn already is not drawn again. */
-  set_look({ projection, sky, colours, region, gaze }: SkyLook): void {
+  set_look({ projection, sky, colours, exposure_ev, region, gaze }: SkyLook): void {
     const before = this.look;
-    this.look = { projection, sky, colours, region, gaze };
-    const is_same = before.projection === projection && before.sky === sky && before.colours === colours && before.region === region && before.gaze === gaze;
-    if (is_same) return;
+    this.look = { projection, sky, colours, exposure_ev, region, gaze };
+    if (Object.entries(this.look).every(([name, value]) => before[name as keyof SkyLook] === value)) return;
     this.draw();
     this.announce();
   }
@@ -204,7 +200,7 @@ export class SkyView {
     if (context === null) return;
     if (this.grid !== null) {
       const image = context.createImageData(this.picture.width, this.picture.height);
-      paint_sky(image, this.grid, this.look.sky, this.look.colours, this.projection, scale);
+      paint_sky(image, this.grid, this.look, this.projection, scale);
       context.putImageData(image, 0, 0);
       if (this.other !== null) this.draw_other(context, this.other, this.projection, scale);
     }
@@ -310,7 +306,7 @@ export class SkyView {
     const split_px = Math.round((this.plot.left_px + this.split * this.plot.width_px) * scale);
     if (split_px < 1) return;
     const image = context.createImageData(split_px, this.picture.height);
-    paint_sky(image, other, this.look.sky, this.look.colours, projection, scale);
+    paint_sky(image, other, this.look, projection, scale);
     context.putImageData(image, 0, 0);
     context.fillStyle = "#ffffff";
     context.fillRect(split_px - scale / 2, this.plot.top_px * scale, scale, this.plot.height_px * scale);

@@ -3,9 +3,10 @@
 import type { ScatteringName } from "../api/client.ts";
 import type { Atmosphere, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import type { ColourMapName } from "../sky/colour_maps.ts";
+import type { PictureStyle } from "../sky/colour_maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
+import type { BrightnessUnit } from "../sky/units.ts";
 import { LAYERS, type LayerName, type LightsKind, type MeasureName, type TerrainKind, type ViewState } from "../state.ts";
 import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
 import { by_id, debounced, make } from "./dom.ts";
@@ -29,7 +30,9 @@ export interface ControlEvents {
   lights: (lights: LightsKind) => void;
   projection: (projection: ProjectionName) => void;
   sky: (sky: SkyKind) => void;
-  colours: (colours: ColourMapName) => void;
+  colours: (colours: PictureStyle) => void;
+  exposure: (exposure_ev: number) => void;
+  unit: (unit: BrightnessUnit) => void;
   measure: (measure: MeasureName) => void;
   layer: (layer: LayerName, opacity: number) => void;
 }
@@ -64,6 +67,8 @@ export class Controls {
   private readonly emission = by_id("emission", HTMLSelectElement);
   private readonly terrain = by_id("terrain", HTMLSelectElement);
   private readonly colours = by_id("colours", HTMLSelectElement);
+  private readonly exposure = by_id("exposure", HTMLInputElement);
+  private readonly unit = by_id("unit", HTMLSelectElement);
   private readonly measure = by_id("measure", HTMLSelectElement);
   private readonly press_lights: (value: LightsKind) => void;
   private readonly press_projection: (value: ProjectionName) => void;
@@ -84,7 +89,9 @@ export class Controls {
     this.lamp.addEventListener("change", () => events.lamp(this.lamp.value));
     this.emission.addEventListener("change", () => events.emission(this.emission.value));
     this.terrain.addEventListener("change", () => events.terrain(this.terrain.value as TerrainKind));
-    this.colours.addEventListener("change", () => events.colours(this.colours.value as ColourMapName));
+    this.colours.addEventListener("change", () => events.colours(this.colours.value as PictureStyle));
+    this.exposure.addEventListener("input", () => events.exposure(Number(this.exposure.value)));
+    this.unit.addEventListener("change", () => events.unit(this.unit.value as BrightnessUnit));
     this.measure.addEventListener("change", () => events.measure(this.measure.value as MeasureName));
     this.press_lights = wire_group<LightsKind>("lights", events.lights);
     this.press_projection = wire_group<ProjectionName>("projection", events.projection);
@@ -172,6 +179,12 @@ export class Controls {
     fill(this.emission, emissions(), state.emission);
     this.terrain.value = state.terrain;
     this.colours.value = state.colours;
+    by_id("exposure-field", HTMLElement).hidden = state.colours !== "realistic";
+    this.exposure.value = String(state.exposure_ev);
+    const stops = `${state.exposure_ev > 0 ? "+" : ""}${decimal(state.exposure_ev)} EV`;
+    by_id("exposure-value", HTMLOutputElement).value = stops;
+    this.exposure.setAttribute("aria-valuetext", stops);
+    this.unit.value = state.unit;
     set_region_option(this.measure, state.region !== null);
     this.measure.value = state.measure;
     this.measure.hidden = state.layers.influence === 0;

@@ -15,11 +15,12 @@ export function make(tag: string, class_name: string, ...content: (string | Node
   return element;
 }
 
-/** Calls once things have been quiet for a while. */
-export function debounced<A extends unknown[]>(wait_ms: number, call: (...args: A) => void): (...args: A) => void {
+/** Calls once things have been quiet for a while, unless that is cancelled. */
+export function debounced<A extends unknown[]>(wait_ms: number, call: (...args: A) => void): ((...args: A) => void) & { cancel: () => void } {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  return (...args) => {
+  const soon = (...args: A) => {
     clearTimeout(timer);
     timer = setTimeout(() => call(...args), wait_ms);
   };
+  return Object.assign(soon, { cancel: () => clearTimeout(timer) });
 }

@@ -2,6 +2,8 @@
 
 import { url_of, type SkyParameters } from "../api/client.ts";
 import { words } from "../language/words.ts";
+import { luminance_from_brightness_cd_m2 } from "../photometry.ts";
+import { SCALE } from "../sky/scale.ts";
 import type { ViewState } from "../state.ts";
 import { make } from "./dom.ts";
 
@@ -21,8 +23,10 @@ export function show_downloads(container: HTMLElement, scene: string, parameters
     anchor.rel = "noopener";
     return anchor;
   };
-  const { projection, sky, colours } = state;
-  const picture = { ...parameters, projection, ...view, sky, colormap: colours, scale: "magnitude" } as const;
+  const { projection, sky, colours, exposure_ev, unit } = state;
+  const scale = unit === "luminance" ? { scale: "luminance", min: String(luminance_from_brightness_cd_m2(SCALE.faintest_mag_arcsec2)), max: String(luminance_from_brightness_cd_m2(SCALE.brightest_mag_arcsec2)) } as const : { scale: "magnitude" } as const;
+  const style = colours === "realistic" ? { style: "realistic", exposure: exposure_ev } as const : { colormap: colours, ...scale };
+  const picture = { ...parameters, projection, ...view, sky, ...style } as const;
   container.replaceChildren(
     link("PNG", url_of("/api/v1/scenes/{scene}/panorama.png", { scene }, picture), words().downloads.png),
     link("EXR", url_of("/api/v1/scenes/{scene}/panorama.exr", { scene }, parameters), words().downloads.exr),

@@ -1,6 +1,8 @@
 // Numbers as people read them.
 
 import { words } from "../language/words.ts";
+import { NATURAL_SKY_CD_M2, brightness_mag_arcsec2 } from "../photometry.ts";
+import type { BrightnessUnit } from "../sky/units.ts";
 
 /** A number in digits, with the decimal sign of the language. */
 export function decimal(digits: string | number): string {
@@ -45,6 +47,14 @@ export function ratio(value: number): string {
   if (value === 0) return "0";
   if (value < 0.001) return `< ${decimal(0.001)}`;
   return value >= 10 ? whole(Math.round(value)) : decimal(value.toPrecision(2));
+}
+
+/** A luminance as a number and its unit. */
+export function in_unit(luminance_cd_m2: number, unit: BrightnessUnit): [value: string, unit: string] {
+  if (unit === "magnitude") return [magnitude(brightness_mag_arcsec2(luminance_cd_m2)), "mag/arcsec²"];
+  if (unit === "ratio") return [`${ratio(luminance_cd_m2 / NATURAL_SKY_CD_M2)} ×`, words().numbers.natural];
+  const [value = "", name = ""] = with_prefix(luminance_cd_m2, "cd/m²").split(" ");
+  return [value, name];
 }
 
 /** Names of north, east, south and west. */

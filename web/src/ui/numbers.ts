@@ -4,9 +4,10 @@ import type { Scene, Site, SkyAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import { compass_name } from "../sky/projection.ts";
+import type { BrightnessUnit } from "../sky/units.ts";
 import { lamp_title } from "./lamps.ts";
 import { make } from "./dom.ts";
-import { fixed, magnitude, ratio, short_number, with_prefix } from "./format.ts";
+import { fixed, in_unit, magnitude, ratio, short_number, with_prefix } from "./format.ts";
 import { clouds_title } from "./clouds.ts";
 import { scattering_title } from "./scattering.ts";
 
@@ -44,7 +45,7 @@ function warning(text: string): HTMLElement {
 }
 
 /** The numbers of a sky; the zenith figures follow the switch between artificial and total. */
-export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: SkyKind, lamp: string, scene: Scene): void {
+export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: SkyKind, unit: BrightnessUnit, lamp: string, scene: Scene): void {
   const { sky } = answer;
   const say = words().numbers;
   const total = kind === "total";
@@ -52,14 +53,18 @@ export function show_numbers(container: HTMLElement, answer: SkyAnswer, kind: Sk
   const zenith_cd_m2 = total ? sky.zenith_total_luminance_cd_m2 : sky.zenith_luminance_cd_m2;
   const illuminance_lx = total ? sky.horizontal_total_illuminance_lx : sky.horizontal_illuminance_lx;
 
-  const big = make("b", "", magnitude(zenith_mag));
-  big.dataset["value"] = "zenith_mag";
+  // The server's own magnitude, wherever it stands.
+  const mag = make("b", "", magnitude(zenith_mag));
+  mag.dataset["value"] = "zenith_mag";
+  const by_unit = unit === "magnitude";
+  const [value, name] = by_unit ? [mag, "mag/arcsec²"] : [make("b", "", in_unit(zenith_cd_m2, unit)[0]), in_unit(zenith_cd_m2, unit)[1]];
+  const other = by_unit ? [with_prefix(zenith_cd_m2, "cd/m²")] : [mag, " mag/arcsec²"];
   const zenith = make(
     "div",
     "zenith",
     make("span", "zenith-name", total ? say.zenith_total : say.zenith_artificial),
-    make("div", "zenith-value", big, make("small", "", "mag/arcsec²")),
-    make("span", "zenith-luminance", with_prefix(zenith_cd_m2, "cd/m²")),
+    make("div", "zenith-value", value, make("small", "", name)),
+    make("span", "zenith-luminance", ...other),
   );
 
   const bortle_class = sky.bortle_class ?? null;

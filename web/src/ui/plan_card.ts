@@ -3,15 +3,15 @@
 import { url_of } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { LISTED_PIXELS, PLAN_MEASURES, type PlanMeasure, type PlanWish } from "../planning.ts";
+import { LISTED_PIXELS, type PlanMeasure, type PlanWish } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
 import { by_id, make } from "./dom.ts";
 import { decimal, fixed, magnitude, whole, with_prefix } from "./format.ts";
-import { set_region_option } from "./marking.ts";
 import { nearest_place, place_name } from "./nearby.ts";
+import { WishForm } from "./wish_form.ts";
 
 export interface PlanCardEvents {
-  find: (wish: PlanWish) => void;
+  find: (wish: PlanWish, keep: boolean) => void;
   drop: () => void;
 }
 
@@ -20,8 +20,8 @@ const NAMED_TOWNS = 6;
 
 /** What a plan is to darken. */
 function measure_words(measure: string): string {
-  const { zenith, mean, horizontal, region_of_sky: region } = words().measures;
-  const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, region };
+  const { zenith, mean, horizontal, norm, region_of_sky: region } = words().measures;
+  const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, norm, region };
   return known[measure as PlanMeasure] ?? measure;
 }
 
@@ -44,45 +44,31 @@ export function effect_by_town(pixels: readonly DimmedPixel[], places: readonly 
 
 export class PlanCard {
   private readonly card = by_id("plan-card", HTMLElement);
-  private readonly reduction = by_id("plan-reduction", HTMLInputElement);
-  private readonly measure = by_id("plan-measure", HTMLSelectElement);
-  private readonly cut = by_id("plan-cut", HTMLInputElement);
-  private readonly find = by_id("plan-find", HTMLButtonElement);
-  private region: Region | null = null;
+  private readonly form: WishForm;
   private shown: { plan: Plan | null; places: readonly NamedPlace[] } = { plan: null, places: [] };
   private readonly progress = by_id("plan-progress", HTMLElement);
   private readonly reached = by_id("plan-reached", HTMLElement);
   private readonly answer = by_id("plan-answer", HTMLElement);
 
   constructor(private readonly events: PlanCardEvents) {
-    for (const slider of [this.reduction, this.cut]) slider.addEventListener("input", () => this.show_values());
-    this.find.addEventListener("click", () => events.find(this.wish()));
-    this.show_values();
+    this.form = new WishForm({ wished: events.find });
   }
 
   /** The part of the sky that is marked, which a wish may be about. */
   set_region(region: Region | null): void {
-    this.region = region;
-    set_region_option(this.measure, region !== null);
-  }
-
-  private wish(): PlanWish {
-    const measure = PLAN_MEASURES.find((name) => name === this.measure.value) ?? "zenith";
-    return { measure, reduce_by: Number(this.reduction.value) / 100, max_cut: Number(this.cut.value) / 100, region: this.region };
-  }
-
-  private show_values(): void {
-    for (const slider of [this.reduction, this.cut]) {
-      by_id(`${slider.id}-value`, HTMLOutputElement).value = `${slider.value} %`;
-      slider.setAttribute("aria-valuetext", words().plan.percent(slider.value));
-    }
+    this.form.set_region(region);
   }
 
   /** A plan is looked for, or no longer. */
   searching(on: boolean): void {
     this.card.setAttribute("aria-busy", String(on));
-    this.find.disabled = on;
+    this.form.searching(on);
     this.progress.textContent = on ? words().plan.searching : "";
+  }
+
+  /** What a slider was about to ask for is no longer wanted. */
+  rest(): void {
+    this.form.rest();
   }
 
   /** Shows a plan; null where there is none. */
@@ -95,13 +81,8 @@ export class PlanCard {
   }
 
   /** The wish that a plan was found for, after a reload too. */
-  show_wish({ max_cut, sites: [site] }: Plan): void {
-    const wanted = site?.target?.wanted;
-    if (site === undefined || wanted === undefined || site.before <= 0) return;
-    this.reduction.value = String(Math.round(100 * (1 - wanted / site.before)));
-    this.cut.value = String(Math.round(100 * (max_cut ?? 1)));
-    if ([...this.measure.options].some(({ value, disabled }) => value === site.measure && !disabled)) this.measure.value = site.measure;
-    this.show_values();
+  show_wish(plan: Plan): void {
+    this.form.show(plan);
   }
 
   /** What the plan reaches, and why not more: this is read out. */

@@ -1,15 +1,16 @@
 // What the pointed direction of the sky shows, in words.
 
 import { words } from "../language/words.ts";
-import { brightness_mag_arcsec2 } from "../photometry.ts";
 import type { SkyKind, SkySample } from "../sky/grid.ts";
 import { compass_name } from "../sky/projection.ts";
+import type { BrightnessUnit } from "../sky/units.ts";
 import { make } from "./dom.ts";
-import { fixed, magnitude, with_prefix } from "./format.ts";
+import { fixed, in_unit } from "./format.ts";
 
-export function show_readout(container: HTMLElement, sample: SkySample | null, kind: SkyKind): void {
+export function show_readout(container: HTMLElement, sample: SkySample | null, kind: SkyKind, unit: BrightnessUnit): void {
+  const say = words().readout;
   if (sample === null) {
-    container.replaceChildren(make("span", "hint", words().readout.hint));
+    container.replaceChildren(make("span", "hint", say.hint));
     container.removeAttribute("data-azimuth-deg");
     return;
   }
@@ -21,19 +22,19 @@ export function show_readout(container: HTMLElement, sample: SkySample | null, k
   container.dataset["luminanceCdM2"] = String(luminance_cd_m2);
   if (sample.is_below_horizon) {
     container.dataset["luminanceCdM2"] = "0";
-    container.replaceChildren(...direction_items(sample), make("span", "readout-item", make("b", "", words().readout.below_horizon)));
+    container.replaceChildren(...direction_items(sample), make("span", "readout-item", make("b", "", say.below_horizon)));
     return;
   }
   container.replaceChildren(
     ...direction_items(sample),
-    item(words().readout.brightness, magnitude(brightness_mag_arcsec2(luminance_cd_m2)), "mag/arcsec²"),
-    item(words().readout.luminance, with_prefix(luminance_cd_m2, "cd/m²"), ""),
-    item(kind === "total" ? words().readout.artificial_alone : words().readout.with_natural, magnitude(brightness_mag_arcsec2(other_cd_m2)), "mag/arcsec²"),
+    item(say.brightness, ...in_unit(luminance_cd_m2, unit)),
+    ...(unit === "magnitude" ? [item(say.luminance, ...in_unit(luminance_cd_m2, "luminance"))] : [item("", ...in_unit(luminance_cd_m2, "magnitude"))]),
+    item(kind === "total" ? say.artificial_alone : say.with_natural, ...in_unit(other_cd_m2, unit)),
   );
 }
 
 function item(name: string, value: string, unit: string): HTMLElement {
-  return make("span", "readout-item", make("small", "", name), " ", make("b", "", value), unit === "" ? "" : ` ${unit}`);
+  return make("span", "readout-item", ...(name === "" ? [] : [make("small", "", name), " "]), make("b", "", value), unit === "" ? "" : ` ${unit}`);
 }
 
 function direction_items({ azimuth_deg, elevation_deg }: SkySample): HTMLElement[] {

@@ -7,7 +7,7 @@ use crate::{
     stamp::rfc3339,
 };
 use serde::Serialize;
-use skyglow_engine::{PlanMethod, PlanOutcome, SiteOutcome, SkyAnswer};
+use skyglow_engine::{Level, PlanMethod, PlanOutcome, SiteOutcome, SkyAnswer};
 use skyglow_scene::{ChangeId, Scene, StoredPlan};
 use utoipa::ToSchema;
 
@@ -61,6 +61,8 @@ pub struct PlanFacts {
     pub sites: Vec<PlannedSite>,
     /// Of a threshold plan: Q_a and Q_b, in the site's `unit`.
     pub thresholds: Option<[f64; 2]>,
+    /// The same as they were asked for: values, or percentiles such as `p90`; null in plans made before this was told.
+    pub threshold_levels: Option<[String; 2]>,
     /// Of a threshold plan: γ.
     pub gamma: Option<f64>,
     /// Of a target plan: the largest part of a light that may go.
@@ -220,9 +222,15 @@ fn planned_site(site: &SiteOutcome, ask: &PlanAsk, number: usize, facts: &Source
 
 /// What is said of a plan.
 pub fn plan_facts(ask: &PlanAsk, outcome: &PlanOutcome, facts: &SourceFacts) -> PlanFacts {
-    let (method, gamma, max_cut) = match &ask.request.method {
-        PlanMethod::Threshold { gamma, .. } => ("threshold", Some(*gamma), None),
-        PlanMethod::Target { max_cut, .. } => ("target", None, Some(*max_cut)),
+    let level = |level: &Level| match level {
+        Level::Value(value) => format!("{value:e}"),
+        Level::Percentile(percent) => format!("p{percent}"),
+    };
+    let (method, threshold_levels, gamma, max_cut) = match &ask.request.method {
+        PlanMethod::Threshold { from, to, gamma, .. } => {
+            ("threshold", Some([from, to].map(level)), Some(*gamma), None)
+        }
+        PlanMethod::Target { max_cut, .. } => ("target", None, None, Some(*max_cut)),
     };
     let sites = outcome.sites.iter().enumerate();
     let flux_removed_dnb_w = outcome.flux_removed_dnb_w();
@@ -230,6 +238,7 @@ pub fn plan_facts(ask: &PlanAsk, outcome: &PlanOutcome, facts: &SourceFacts) -> 
         method: method.to_owned(),
         sites: sites.map(|(number, site)| planned_site(site, ask, number, facts)).collect(),
         thresholds: outcome.thresholds,
+        threshold_levels,
         gamma,
         max_cut,
         dimmed_pixels: outcome.pixels.len() as u64,

@@ -147,6 +147,7 @@ pub(crate) async fn plans_are_made_kept_and_handed_out(whole: &Whole, (lat, lon)
     assert!(number(&second["sites"][0]["after"]) < number(&second["sites"][0]["before"]));
     assert_eq!(second["sites"][0]["scenario"], json!(id));
     assert!(number(&second["thresholds"][0]) < number(&second["thresholds"][1]));
+    assert_eq!(second["threshold_levels"], json!(["p90", "p99"]));
 
     a_plan_can_be_tried_and_kept_later(whole, &json!({"lat": lat + 0.18, "lon": lon})).await;
 

@@ -1,0 +1,119 @@
+// How a sky is shown: as a camera sees it, in other units, and the link to it.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { assert_no_faults, get_json, open_page, SERVER, shot, sky_shown } from "./support/browser.mjs";
+import { NATURAL_SKY_CD_M2, sky_path } from "./support/sky.mjs";
+import { browser, fragment, here } from "./support/stage.mjs";
+
+const set_slider = (page, id, value) =>
+  page.$eval(
+    `#${id}`,
+    (slider, value) => {
+      slider.value = value;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    },
+    String(value),
+  );
+
+/** Colours of the shown panorama and of the server's picture in the same directions. */
+const side_by_side = (page, picture, directions) =>
+  page.evaluate(
+    async ({ picture, directions }) => {
+      const image = new Image();
+      image.src = picture;
+      await image.decode();
+      const pixels = (source, width, height) => {
+        const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+        context.drawImage(source, 0, 0);
+        return (x, y) => [...context.getImageData(Math.round(x), Math.round(y), 1, 1).data].slice(0, 3);
+      };
+      const canvas = document.querySelector(".sky-picture");
+      const scale = canvas.width / canvas.clientWidth;
+      const shown = pixels(canvas, canvas.width, canvas.height);
+      const wanted = pixels(image, image.width, image.height);
+      // The frame leaves 34 px at the left, 8 at the right and top, 28 below.
+      const plot = { left: 34 * scale, top: 8 * scale, width: canvas.width - 42 * scale, height: canvas.height - 36 * scale };
+      return directions.map(([azimuth_deg, elevation_deg]) => {
+        const [across, down] = [azimuth_deg / 360, 1 - elevation_deg / 90];
+        return [shown(plot.left + across * plot.width, plot.top + down * plot.height), wanted(across * image.width, down * image.height)];
+      });
+    },
+    { picture, directions },
+  );
+
+test("the sky as a camera sees it is the server's at the same exposure, which stays where it is put", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  assert.ok(await page.locator("#exposure-field").isHidden());
+  await page.selectOption("#colours", "realistic");
+  await page.waitForSelector("#exposure-field:not([hidden])");
+  // Away from frame lines and names.
+  const directions = [[37, 22], [77, 40], [141, 12], [200, 53], [253, 22], [318, 70]];
+  for (const exposure of [0, 3]) {
+    await set_slider(page, "exposure", exposure);
+    const picture = `${SERVER}/api/v1/${sky_path(here.scene, "panorama.png", here.beside, `&style=realistic&exposure=${exposure}&legend=off&width=2048&height_px=512`)}`;
+    const pairs = await side_by_side(page, picture, directions);
+    for (const [shown, wanted] of pairs) {
+      assert.ok(shown.every((value, c) => Math.abs(value - wanted[c]) <= 6), `${exposure} EV: ${shown} for ${wanted}`);
+    }
+    assert.ok(pairs.some(([shown]) => Math.max(...shown) > 25), `${exposure} EV: black`);
+  }
+  await shot(page, "realistic");
+  const png = await page.locator("#download-links a").first().getAttribute("href");
+  assert.match(png, /style=realistic&exposure=3/);
+  await page.reload();
+  await sky_shown(page);
+  assert.equal(await page.locator("#exposure").inputValue(), "3");
+  assert.equal(await page.locator("#colours").inputValue(), "realistic");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("numbers, readout and legend come in magnitudes, luminance or times the natural sky", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  const { sky } = await get_json(sky_path(here.scene, "sky", here.beside));
+  const box = await page.locator(".sky-overlay").boundingBox();
+  await page.locator(".sky-overlay").hover({ position: { x: box.width / 2, y: box.height / 2 } });
+  const big = () => page.locator(".zenith .zenith-value").textContent();
+  const marks = () => page.locator(".legend-tick b").allTextContents();
+  assert.equal(await big(), `${sky.zenith_brightness_mag_arcsec2.toFixed(2)}mag/arcsec²`);
+  await page.selectOption("#unit", "ratio");
+  assert.equal((await marks())[3].trim(), "1");
+  assert.ok(Math.abs(Number.parseFloat(await big()) / sky.ratio_to_natural - 1) < 0.05, await big());
+  const luminance = Number(await page.locator("#sky-readout").getAttribute("data-luminance-cd-m2"));
+  const read = await page.locator("#sky-readout b").allTextContents();
+  assert.ok(read.some((text) => Math.abs(Number.parseFloat(text) / (luminance / NATURAL_SKY_CD_M2) - 1) < 0.05 && text.endsWith("×")), `${read}`);
+  await shot(page, "ratio");
+  await page.selectOption("#unit", "luminance");
+  assert.ok((await marks()).map((mark) => mark.trim()).includes("100 µ"), `${await marks()}`);
+  assert.match(await page.locator("#legend-title").textContent(), /cd\/m²/);
+  assert.match(await page.locator("#download-links a").first().getAttribute("href"), /scale=luminance/);
+  await page.reload();
+  await sky_shown(page);
+  assert.equal(await page.locator("#unit").inputValue(), "luminance");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("the link to the view is copied, or shown where the browser forbids that", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  await page.click("#share");
+  await page.waitForFunction(() => document.querySelector("#share-told").textContent.includes("copied"));
+  assert.equal(await page.evaluate(() => navigator.clipboard.readText()), await page.evaluate(() => location.href));
+  await page.evaluate(() => {
+    navigator.clipboard.writeText = () => Promise.reject(new DOMException("no", "NotAllowedError"));
+  });
+  await page.click("#share");
+  await page.waitForSelector("#share-link:not([hidden])");
+  assert.equal(await page.locator("#share-link").inputValue(), await page.evaluate(() => location.href));
+  await page.keyboard.press("Tab");
+  assert.ok(await page.locator("#share-link").isHidden());
+  assert_no_faults(opened);
+  await context.close();
+});

@@ -1,0 +1,89 @@
+// The map of today over the map of other lights, as far as the split: a second map that follows the first.
+
+import { Map as MapLibreMap } from "maplibre-gl";
+import type { GeoJSON } from "geojson";
+import type { GeoJSONSource } from "maplibre-gl";
+import type { LayerName } from "../state.ts";
+import { make } from "../ui/dom.ts";
+import { reachable } from "./reachable.ts";
+import { RasterLayers, type WantedLayer } from "./raster_layers.ts";
+import { night_style } from "./style.ts";
+
+export interface SwipeEvents {
+  /** The line between the two maps was drawn to this part of the width. */
+  split: (part: number) => void;
+  failed: (reason: unknown) => void;
+}
+
+/** What both maps show: outlines and names by the name of their source. */
+export type SharedData = ReadonlyMap<string, GeoJSON>;
+
+export class Swipe {
+  private readonly map: MapLibreMap;
+  private readonly styled: Promise<unknown>;
+  private readonly layers: RasterLayers;
+  private readonly container = make("div", "swipe-map");
+  private readonly line = make("div", "swipe-line", make("div", "swipe-handle"));
+  private readonly follow: () => void;
+
+  constructor(
+    private readonly main: MapLibreMap,
+    shared: SharedData,
+    private readonly events: SwipeEvents,
+  ) {
+    // Below the marker of the picked place, above all that is drawn.
+    this.main.getCanvas().after(this.container);
+    this.main.getContainer().append(this.line);
+    this.map = new MapLibreMap({
+      container: this.container,
+      style: night_style(),
+      center: main.getCenter(),
+      zoom: main.getZoom(),
+      minZoom: 1,
+      maxZoom: 14,
+      interactive: false,
+      attributionControl: false,
+      transformRequest: reachable,
+    });
+    this.container.inert = true;
+    this.styled = new Promise((resolve) => this.map.once("load", resolve));
+    this.layers = new RasterLayers(this.map, this.styled, (_, state) => {
+      if (state.kind === "failed") events.failed(state.reason);
+    });
+    this.follow = () => this.map.jumpTo({ center: main.getCenter(), zoom: main.getZoom() });
+    this.main.on("move", this.follow);
+    for (const [name, data] of shared) void this.set_data(name, data);
+    this.line.addEventListener("pointerdown", (event) => this.line.setPointerCapture(event.pointerId));
+    this.line.addEventListener("pointermove", (event) => {
+      if (!this.line.hasPointerCapture(event.pointerId)) return;
+      const { left, width } = this.main.getContainer().getBoundingClientRect();
+      this.events.split(Math.min(Math.max((event.clientX - left) / width, 0), 1));
+    });
+  }
+
+  async set_data(name: string, data: GeoJSON): Promise<void> {
+    await this.styled;
+    this.map.getSource<GeoJSONSource>(name)?.setData(data);
+  }
+
+  show_layer(name: LayerName, wanted: WantedLayer | null): void {
+    this.layers.want(name, wanted);
+  }
+
+  /** Today's map reaches this part of the width from the left, 0 to 1. */
+  set_split(part: number): void {
+    this.container.style.clipPath = `inset(0 ${100 * (1 - part)}% 0 0)`;
+    this.line.style.left = `${100 * part}%`;
+  }
+
+  resize(): void {
+    this.map.resize();
+  }
+
+  remove(): void {
+    this.main.off("move", this.follow);
+    this.map.remove();
+    this.container.remove();
+    this.line.remove();
+  }
+}

@@ -1,0 +1,91 @@
+// The sky as a camera would show it: three bands to sRGB at a fixed exposure. The server's `realistic` is the authority.
+
+import { LUMINOUS_EFFICACY_LM_W } from "../photometry.ts";
+
+/** Luminance that an exposure of 0 EV shows as middle grey (18 % of display white), cd m⁻². */
+const MIDDLE_GREY_LUMINANCE_CD_M2 = 1e-3;
+const BAND_START_NM = [600, 500, 400] as const;
+const BAND_STEPS = 100;
+/** XYZ from linear sRGB primaries, D65 (IEC 61966-2-1), inverted. */
+const SRGB_FROM_XYZ = [
+  [3.2404542, -1.5371385, -0.4985314],
+  [-0.969266, 1.8760108, 0.041556],
+  [0.0556434, -0.2040259, 1.0572252],
+] as const;
+const LUMINANCE_WEIGHTS = [0.2126, 0.7152, 0.0722] as const;
+/** Steps of the encoding's table: the darkest is less than a byte wide. */
+const ENCODED_STEPS = 4096;
+
+type Three = [number, number, number];
+
+/** CIE 1931 colour matching functions at a wavelength (Wyman, Sloan, Shirley 2013, multi-lobe fit). */
+function colour_matching_xyz(wavelength_nm: number): Three {
+  const lobe = (centre: number, low: number, high: number) => {
+    const t = (wavelength_nm - centre) * (wavelength_nm < centre ? low : high);
+    return Math.exp(-0.5 * t * t);
+  };
+  return [
+    0.362 * lobe(442, 0.0624, 0.0374) + 1.056 * lobe(599.8, 0.0264, 0.0323) - 0.065 * lobe(501.1, 0.049, 0.0382),
+    0.821 * lobe(568.8, 0.0213, 0.0247) + 0.286 * lobe(530.9, 0.0613, 0.0322),
+    1.217 * lobe(437, 0.0845, 0.0278) + 0.681 * lobe(459, 0.0385, 0.0725),
+  ];
+}
+
+/** Linear sRGB [cd m⁻²] of 1 W m⁻² sr⁻¹ in a band whose light is weighted as lamps shine. */
+function srgb_of_band(band: 0 | 1 | 2): Three {
+  const start_nm = BAND_START_NM[band];
+  const xyz: Three = [0, 0, 0];
+  for (let step = 0; step < BAND_STEPS; step++) {
+    const wavelength_nm = start_nm + step + 0.5;
+    const weight = start_nm < 500 ? 1 : 1 - Math.abs(wavelength_nm - 600) / 100;
+    colour_matching_xyz(wavelength_nm).forEach((value, i) => {
+      xyz[i as 0 | 1 | 2] += weight * value;
+    });
+  }
+  const scale = LUMINOUS_EFFICACY_LM_W[band] / xyz[1];
+  return SRGB_FROM_XYZ.map((row) => scale * (row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])) as Three;
+}
+
+function encode_srgb(linear: number): number {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
+}
+
+const BANDS = [srgb_of_band(0), srgb_of_band(1), srgb_of_band(2)] as const;
+const ENCODED = Uint8ClampedArray.from({ length: ENCODED_STEPS + 1 }, (_, i) => 255 * encode_srgb(i / ENCODED_STEPS));
+
+/** Tone mapping at one exposure. */
+export class ToneMap {
+  private readonly reference_luminance_cd_m2: number;
+
+  constructor(exposure_ev: number) {
+    // 1 − exp(−x) is 0.18 at x = 0.198.
+    this.reference_luminance_cd_m2 = MIDDLE_GREY_LUMINANCE_CD_M2 / -Math.log(1 - 0.18) / 2 ** exposure_ev;
+  }
+
+  /**
+   * Writes the sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹] to `bytes[at..at + 3]`.
+   *
+   * Colours outside sRGB move towards grey of their own luminance until they fit. The film curve 1 − exp(−x) is that of the
+   * brightest channel; the others keep their ratio to it and come up to it as it nears white.
+   */
+  write(bytes: Uint8ClampedArray, at: number, red: number, green: number, blue: number): void {
+    const channel = (i: 0 | 1 | 2) => (BANDS[0][i] * red + BANDS[1][i] * green + BANDS[2][i] * blue) / this.reference_luminance_cd_m2;
+    const linear: Three = [channel(0), channel(1), channel(2)];
+    const grey = LUMINANCE_WEIGHTS[0] * linear[0] + LUMINANCE_WEIGHTS[1] * linear[1] + LUMINANCE_WEIGHTS[2] * linear[2];
+    const lowest = Math.min(...linear);
+    const saturation = lowest < 0 && grey > lowest ? grey / (grey - lowest) : 1;
+    for (let i = 0; i < 3; i++) linear[i as 0 | 1 | 2] = Math.max(grey + saturation * (linear[i as 0 | 1 | 2] - grey), 0);
+    const brightest = Math.max(...linear);
+    const shown = 1 - Math.exp(-brightest);
+    const whiteness = shown ** 4;
+    for (let i = 0; i < 3; i++) {
+      const ratio = brightest === 0 ? 0 : linear[i as 0 | 1 | 2] / brightest;
+      bytes[at + i] = ENCODED[Math.round(shown * (ratio + (1 - ratio) * whiteness) * ENCODED_STEPS)] ?? 255;
+    }
+  }
+
+  /** The grey that a luminance is shown as, a byte. */
+  grey(luminance_cd_m2: number): number {
+    return ENCODED[Math.round((1 - Math.exp(-luminance_cd_m2 / this.reference_luminance_cd_m2)) * ENCODED_STEPS)] ?? 255;
+  }
+}
