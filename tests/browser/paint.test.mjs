@@ -48,12 +48,13 @@ test("a town painted dark darkens the sky beside it; undo, redo, reload and a na
 
   // More of it, with other lamps inside an area.
   await page.selectOption("#paint-kind", "lamp");
+  await page.selectOption("#paint-lamp-from", "hps");
   await page.click("#paint-shape button[value=area]");
   await stroke(page, [[-0.12, -0.2], [0.2, -0.2], [0.2, 0.2], [-0.12, 0.2]]);
   await changed_from(page, first);
   const second = scenario_of(page);
   const { edits } = await get_json(`scenarios/${second}`);
-  assert.deepEqual([edits.length, edits[1].lamp, edits[1].area.type], [2, "pc_amber", "MultiPolygon"]);
+  assert.deepEqual([edits.length, edits[1].lamp, edits[1].lamp_from, edits[1].area.type], [2, "pc_amber", "hps", "MultiPolygon"]);
   await sky_shown(page);
   await shot(page, "paint");
 
@@ -131,6 +132,42 @@ test("a finger paints on a phone", async () => {
   await changed_from(page, null);
   await sky_shown(page);
   await shot(page, "paint-phone");
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("strokes and steps back that overtake a slow answer all count, and a search waits for the last of them", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await sky_shown(page);
+  let asked = 0;
+  await page.route("**/scenarios", async (route) => {
+    // The first answers come long after the next question.
+    const late = asked++ < 2;
+    if (late) await new Promise((resolve) => setTimeout(resolve, 1200));
+    // Who asked may not wait any more.
+    await route.continue().catch(() => {});
+  });
+  await page.click("#paint-draw");
+  await stroke(page, [[-0.1, 0], [0, 0]]);
+  await stroke(page, [[0.1, 0], [0.2, 0]]);
+  await stroke(page, [[0.1, 0.1], [0.2, 0.1]]);
+  await page.click("#paint-undo");
+  await page.waitForFunction(() => location.hash.includes("scenario=s-"));
+  await sky_shown(page);
+  const id = scenario_of(page);
+  assert.equal((await get_json(`scenarios/${id}`)).edits.length, 2);
+  assert.ok(await page.locator("#paint-redo").isEnabled());
+  // A plan that is looked for at once goes on from the stroke before it.
+  await page.route("**/scenarios", async (route) => {
+    await new Promise((resolve) => setTimeout(resolve, 800));
+    await route.continue().catch(() => {});
+  });
+  await page.click("#paint-redo");
+  await page.click("#plan-find");
+  await page.waitForSelector("#plan-status .plan-reached");
+  const plan = await get_json(`plans/${scenario_of(page)}?limit=0`);
+  assert.equal((await get_json(`scenarios/${plan.sites[0].scenario}`)).edits.length, 3);
   assert_no_faults(opened);
   await context.close();
 });

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import type { EditAnswer } from "./api/schema.ts";
 import { edit_from, edit_from_answer, Painting, type PaintChange } from "./painting.ts";
 
-const CHANGE: PaintChange = { kind: "factor", factor: 0.5, lamp: "pc_amber", emission: "shielded", add_radiance_nw_cm2_sr: 20 };
+const CHANGE: PaintChange = { kind: "factor", factor: 0.5, lamp: "pc_amber", lamp_from: null, emission: "shielded", add_radiance_nw_cm2_sr: 20 };
 const BRUSH = { shape: "brush", points: [[9, 46], [9.1, 46.000001234]], radius_m: 3000 } as const;
 const AREA = { shape: "area", points: [[9, 46], [9.1, 46], [9, 46.1]] } as const;
 
@@ -11,6 +11,7 @@ test("a stroke becomes the edit that its change says", () => {
   const brush = { points: [[9, 46], [9.1, 46]], radius_m: 3000 };
   assert.deepEqual(edit_from(BRUSH, CHANGE), { brush, factor: 0.5 });
   assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "lamp" }), { brush, lamp: { to: "pc_amber" } });
+  assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "lamp", lamp_from: "hps" }), { brush, lamp: { to: "pc_amber", from: "hps" } });
   assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "emission" }), { brush, emission: "shielded" });
   assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "add" }), { brush, add_radiance_nw_cm2_sr: 20 });
   const ring = [[9, 46], [9.1, 46], [9, 46.1], [9, 46]];

@@ -11,6 +11,8 @@ export interface PaintChange {
   factor: number;
   /** Preset of the new lamps. */
   lamp: string;
+  /** Preset of the lamps that they replace; null: of all. */
+  lamp_from: string | null;
   /** Preset of how light is sent upward. */
   emission: string;
   /** Radiance that is added, nW cm⁻² sr⁻¹. */
@@ -35,7 +37,7 @@ export function edit_from(area: PaintedArea, change: PaintChange): EditBody {
     case "factor":
       return { ...where, factor: change.factor };
     case "lamp":
-      return { ...where, lamp: { to: change.lamp } };
+      return { ...where, lamp: { to: change.lamp, ...(change.lamp_from === null ? {} : { from: change.lamp_from }) } };
     case "emission":
       return { ...where, emission: change.emission };
     case "add":

@@ -208,6 +208,8 @@ export const english = {
     factor: "Light left",
     switched_off: "none: switched off",
     lamp: "Lamps, as bright on the street as before",
+    lamp_from: "Instead of",
+    all_lamps: "all lamps",
     add: "Radiance",
     shape: "How to paint",
     brush: "Brush",

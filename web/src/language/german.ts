@@ -202,6 +202,8 @@ export const german: Words = {
     factor: "Restlicht",
     switched_off: "keines: abgeschaltet",
     lamp: "Lampen, auf der Straße so hell wie zuvor",
+    lamp_from: "Anstelle von",
+    all_lamps: "alle Lampen",
     add: "Strahldichte",
     shape: "Wie gemalt wird",
     brush: "Pinsel",

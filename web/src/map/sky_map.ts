@@ -33,8 +33,6 @@ export interface SkyMapEvents {
 
 const MOVE_MS = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 700;
 
-/** Maps narrower than this begin with their credits folded. */
-const NARROW_PX = 900;
 /** A picked place nearer to the map's edge than this counts as out of view. */
 const EDGE_PX = 40;
 
@@ -86,8 +84,8 @@ export class SkyMap {
     this.map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
     this.map.addControl(new AttributionControl({ compact: true, customAttribution: words().map.credits }), "bottom-left");
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
-    // On a phone or a small window the credits would hide much of the map; their button opens them.
-    if (container.clientWidth < NARROW_PX) void this.styled.then(() => this.fold_credits());
+    // The scene's own credits stand above the map; all of them are behind the button and hide none of it.
+    void this.styled.then(() => this.fold_credits());
     this.layers = new RasterLayers(this.map, this.styled, (name, state) => {
       this.failed_sources.delete(name);
       events.layer(name, state);

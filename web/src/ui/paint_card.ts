@@ -31,6 +31,7 @@ export class PaintCard {
   private readonly factor = by_id("paint-factor", HTMLInputElement);
   private readonly add = by_id("paint-add", HTMLInputElement);
   private readonly lamp = by_id("paint-lamp", HTMLSelectElement);
+  private readonly lamp_from = by_id("paint-lamp-from", HTMLSelectElement);
   private readonly emission = by_id("paint-emission", HTMLSelectElement);
   private readonly radius = by_id("paint-radius", HTMLInputElement);
   private readonly draw = by_id("paint-draw", HTMLButtonElement);
@@ -43,7 +44,9 @@ export class PaintCard {
   private painting = false;
 
   constructor(private readonly events: PaintCardEvents) {
-    for (const [select, options] of [[this.lamp, lamps()], [this.emission, emissions()]] as const) {
+    // A mixture is no lamp that could be taken down: its parts are.
+    const replaced: [string, string][] = [["", words().paint.all_lamps], ...lamps().filter(([name]) => name !== "mixed")];
+    for (const [select, options] of [[this.lamp, lamps()], [this.lamp_from, replaced], [this.emission, emissions()]] as const) {
       select.replaceChildren(...options.map(([name, title]) => new Option(title, name)));
     }
     this.lamp.value = "pc_amber";
@@ -71,6 +74,7 @@ export class PaintCard {
       kind: KINDS.find((kind) => kind === this.kind.value) ?? "factor",
       factor: Number(this.factor.value) / 100,
       lamp: this.lamp.value,
+      lamp_from: this.lamp_from.value === "" ? null : this.lamp_from.value,
       emission: this.emission.value,
       add_radiance_nw_cm2_sr: Number(this.add.value),
     };
