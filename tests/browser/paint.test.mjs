@@ -142,8 +142,8 @@ test("strokes and steps back that overtake a slow answer all count, and a search
   await sky_shown(page);
   let asked = 0;
   await page.route("**/scenarios", async (route) => {
-    // The first answers come long after the next question.
-    const late = asked++ < 2;
+    // These answers come long after the next question.
+    const late = asked++ < 3;
     if (late) await new Promise((resolve) => setTimeout(resolve, 1200));
     // Who asked may not wait any more.
     await route.continue().catch(() => {});

@@ -22,7 +22,7 @@ async function find_plan(page) {
 
 test("a plan makes the zenith as much darker as wished, says whose light goes, and can be left again", async () => {
   const opened = await open_page(browser, fragment(here.beside));
-  const { page, context } = opened;
+  const { page, context, asked } = opened;
   await sky_shown(page);
   assert.ok(await page.locator("#lights").isHidden(), "there is nothing to compare yet");
   await set_slider(page, "plan-reduction", 40);
@@ -66,6 +66,16 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   // So does the map, by a line of its own.
   const maps = () => page.locator("#map canvas.maplibregl-canvas").count();
   assert.equal(await maps(), 2);
+  // Whose light it is, is asked of both.
+  await page.locator("#layer-influence").check();
+  await page.waitForSelector("#layer-note-influence[data-state=shown]");
+  const influences = () => asked.filter((path) => /tiles\/influence\/tilejson/.test(path)).map((path) => path.includes(`scenario=${id}`));
+  for (let tries = 0; influences().length < 2; tries++) {
+    assert.ok(tries < 50, `${influences()}`);
+    await page.waitForTimeout(100);
+  }
+  assert.deepEqual(new Set(influences()), new Set([true, false]));
+  await page.locator("#layer-influence").uncheck();
   await page.waitForLoadState("networkidle");
   const line = await page.locator(".swipe-handle").boundingBox();
   await page.mouse.move(line.x + line.width / 2, line.y + line.height / 2);
@@ -74,7 +84,9 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   await page.mouse.up();
   assert.ok(Number(await page.locator("#split").inputValue()) > 60);
   assert.equal(await page.$eval(".swipe-map", ({ style }) => Math.round(100 - Number.parseFloat(style.clipPath.split(" ")[1]))), Number(await page.locator("#split").inputValue()));
+  await page.waitForFunction(() => /split=0\.[67]/.test(location.hash));
   await set_slider(page, "split", 100);
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   const whole = await strip();
   assert.deepEqual(half[1], right);
   assert.deepEqual(half[0], whole[0]);
@@ -99,45 +111,95 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   await context.close();
 });
 
+/** Until the link names other lights than these; which. */
+async function changed_from(page, known) {
+  await page.waitForFunction((known) => /scenario=p-/.test(location.hash) && !known.some((id) => location.hash.includes(id)), known);
+  return page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("scenario"));
+}
+
+/** Ids of the plans that a page had kept, as they come. */
+function kept_by(page) {
+  const kept = [];
+  page.on("response", async (response) => {
+    if (response.request().method() === "POST" && /plans\?.*keep=on/.test(response.url()) && response.status() === 201) kept.push((await response.json()).id);
+  });
+  return kept;
+}
+
+async function until(is_so, why) {
+  for (let tries = 0; !is_so(); tries++) {
+    assert.ok(tries < 100, why);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+}
+
 test("sliders of influence change the sky as they move, and what they rest on is kept", async () => {
   const opened = await open_page(browser, fragment(here.beside));
   const { page, context, asked } = opened;
+  const kept = kept_by(page);
   await sky_shown(page);
-  const plans = async () => (await get_json(`scenes/${here.scene.id}/plans`)).map(({ id }) => id);
-  const before = await plans();
   const steps = await page.evaluate(() => history.length);
   await page.getByRole("radio", { name: "By influence" }).click();
   assert.ok(await page.locator("#plan-target").isHidden());
-  const shown = new Set();
+  const shown = [];
   for (const gamma of [40, 60, 80]) {
     await set_slider(page, "plan-gamma", gamma);
-    await page.waitForFunction((known) => !known.includes(new URLSearchParams(location.hash.slice(1)).get("scenario")) && location.hash.includes("scenario=p-"), [...shown]);
+    shown.push(await changed_from(page, shown));
     await sky_shown(page);
-    shown.add(await page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("scenario")));
   }
-  assert.equal(shown.size, 3);
   assert.ok(asked.filter((path) => /plans\?.*keep=off/.test(path)).length >= 3);
-  // The last is kept after a while, and whatever the sliders rested on; what they went through is not. Each that is kept is one
-  // step of the way back.
-  const [, , last] = [...shown];
-  for (let tries = 0; !(await plans()).includes(last); tries++) {
-    assert.ok(tries < 50, "it is never kept");
-    await page.waitForTimeout(100);
-  }
-  const kept = (await plans()).filter((id) => !before.includes(id));
-  assert.ok(kept.every((id) => shown.has(id)), `${kept}`);
-  assert.equal(await page.evaluate(() => history.length), steps + kept.length);
+  // The last is kept after a while, and whatever the sliders rested on; what they went through is not: that is no
+  // step of the way back either.
+  const last = shown.at(-1);
+  await until(() => kept.includes(last), "it is never kept");
+  assert.ok(kept.every((id) => shown.includes(id)), `${kept}`);
+  assert.equal((await page.evaluate(() => history.length)) - steps, kept.length);
   const plan = await get_json(`plans/${last}?limit=0`);
   assert.deepEqual(plan.threshold_levels, ["p90", "p98"]);
   await numbers_shown(page, plan.sites[0].sky_after);
   await shot(page, "plan-threshold");
   // Neither slider goes past the other, and a reload has them again.
-  await set_slider(page, "plan-least", 99);
-  assert.equal(await page.locator("#plan-most").inputValue(), "99");
-  await page.waitForFunction((last) => !location.hash.includes(last), last);
+  await set_slider(page, "plan-least", 99.5);
+  assert.equal(await page.locator("#plan-most").inputValue(), "99.5");
+  const finer = await changed_from(page, shown);
+  await until(() => kept.includes(finer), "it is never kept");
   await page.reload();
   await page.waitForSelector("#plan-status .plan-reached");
-  assert.deepEqual(await page.$$eval("#plan-least, #plan-most, #plan-gamma", (sliders) => sliders.map(({ value }) => value)), ["99", "99", "80"]);
+  assert.deepEqual(await page.$$eval("#plan-least, #plan-most, #plan-gamma", (sliders) => sliders.map(({ value }) => value)), ["99.5", "99.5", "80"]);
+  assert_no_faults(opened);
+  await context.close();
+});
+
+test("what is only tried is kept before anything goes on from it, and never comes back over what was chosen since", async () => {
+  const opened = await open_page(browser, fragment(here.beside));
+  const { page, context } = opened;
+  const kept = kept_by(page);
+  await sky_shown(page);
+  await page.getByRole("radio", { name: "By influence" }).click();
+  // Another lamp, at once: the plan that the link names is kept.
+  await set_slider(page, "plan-gamma", 35);
+  const first = await changed_from(page, []);
+  await page.selectOption("#lamp", "hps");
+  await until(() => kept.includes(first), "it is never kept");
+  await sky_shown(page);
+  assert.equal(await page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("scenario")), first);
+  // A stroke, at once, goes on from it.
+  await set_slider(page, "plan-gamma", 45);
+  const second = await changed_from(page, [first]);
+  await page.click("#paint-draw");
+  await page.focus("#map canvas");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => location.hash.includes("scenario=s-"));
+  assert.equal((await get_json(`scenarios/${in_link(page, "scenario")}`)).base, second);
+  await page.click("#paint-draw");
+  // Back to today, at once: no plan comes after that.
+  await sky_shown(page);
+  await set_slider(page, "plan-gamma", 55);
+  await changed_from(page, [first, second]);
+  await set_slider(page, "plan-gamma", 65);
+  await page.click("#plan-drop");
+  await page.waitForTimeout(2500);
+  assert.ok(!(await page.evaluate(() => location.hash)).includes("scenario="), page.url());
   assert_no_faults(opened);
   await context.close();
 });

@@ -80,7 +80,7 @@ test("fingers find a plan, and draw the line between its sky and map and those o
   assert.ok(Math.abs(Number(await split.inputValue()) - 75) < 6, await split.inputValue());
   const line = page.locator(".swipe-line");
   const drawn_at = await line.evaluate(({ style }) => Number.parseFloat(style.left));
-  assert.equal(drawn_at, Number(await split.inputValue()));
+  assert.ok(Math.abs(drawn_at - Number(await split.inputValue())) < 0.6, `${drawn_at}`);
   await page.locator("#map").scrollIntoViewIfNeeded();
   const handle = await page.locator(".swipe-handle").boundingBox();
   const map = await page.locator("#map").boundingBox();

@@ -8,6 +8,7 @@ import { words } from "./language/words.ts";
 import type { Brush } from "./map/painter.ts";
 import type { SkyMap } from "./map/sky_map.ts";
 import { edit_from, Painting, type PaintedArea } from "./painting.ts";
+import { DraftRow } from "./draft_row.ts";
 import { id_of, Planning, type Change, type PlanWish } from "./planning.ts";
 import type { Region } from "./sky/region.ts";
 import type { LightsKind, Place } from "./state.ts";
@@ -33,7 +34,7 @@ export interface LightsContext {
 
 export interface LightsEvents {
   /** These lights are to be shown; null: those of today. Without `push` they take the place of those before in the browser's history. */
-  chosen: (scenario: string | null, how?: { push: boolean }) => void;
+  chosen: (scenario: string | null, how: { push: boolean }) => void;
   failed: (reason: unknown) => void;
 }
 
@@ -50,9 +51,17 @@ export class Lights {
   private kept: Promise<void> = Promise.resolve();
   /** What the server last took. */
   private accepted = this.painting.snapshot();
-  private searched_for = "";
-  /** The plan that is shown is one of a row that is tried: they are one step in the browser's history. */
-  private is_trying = false;
+  /** What searches depend on, as it was shown last. */
+  private key = "";
+  /** The lights that were chosen here last: others come from elsewhere. */
+  private expected: string | null = null;
+  private readonly row = new DraftRow({
+    kept: (id) => {
+      // What is made of kept plans alone is asked for now.
+      if (this.context?.scenario === id) this.choose(id, false);
+    },
+    failed: (reason) => this.events.failed(reason),
+  });
   private shown_dimmed: Plan | null = null;
   private shown_edits: readonly EditBody[] = NO_EDITS;
 
@@ -79,11 +88,17 @@ export class Lights {
       this.plan_card.searching(on);
       this.show_change();
     },
-    found: (change, is_kept) => {
-      // A slider that goes on moving is not put back to where it was.
-      if (is_kept) this.show_wish(change);
-      this.events.chosen(id_of(change), { push: !this.is_trying });
-      this.is_trying = !is_kept;
+    found: (change, keep) => {
+      // All of a row are one step in the browser's history.
+      const push = keep === null || !this.row.is_open();
+      if (keep === null) {
+        void this.row.end();
+        this.show_wish(change);
+      } else {
+        // A slider that goes on moving is not put back to where it was.
+        this.row.go_on({ id: id_of(change), keep });
+      }
+      this.choose(id_of(change), push);
       this.show_change();
     },
     loaded: (change) => {
@@ -98,7 +113,7 @@ export class Lights {
     failed: (reason, what) => {
       this.events.failed(reason);
       const is_gone = reason instanceof ApiError && GONE.includes(reason.status);
-      if (what === "load" && is_gone) this.events.chosen(null);
+      if (what === "load" && is_gone) this.choose(null);
       this.show_change();
     },
   });
@@ -127,11 +142,10 @@ export class Lights {
       // A link, the way back, or a plan: what was painted before is none of it.
       this.forget_painting(scenario);
     }
-    if (this.searched_for !== this.search_key()) {
-      this.planning.stop_search();
-      this.plan_card.rest();
-      this.is_trying = false;
-    }
+    const key = this.search_key();
+    if (key !== this.key || scenario !== this.expected) this.end_search();
+    this.key = key;
+    this.expected = scenario;
     void this.planning.show(scenario);
     this.show_change();
   }
@@ -155,7 +169,6 @@ export class Lights {
     if (this.context === null) return;
     const { scene, place, conditions } = this.context;
     if (scene === null || place === null) return;
-    this.searched_for = this.search_key();
     await this.planning.find(scene, place, { ...conditions, ...this.painted_before() }, wish, is_kept);
   }
 
@@ -185,15 +198,40 @@ export class Lights {
     this.own = scenario;
   }
 
+  /** Shows these lights; without `push` they take the place of those before in the browser's history. */
+  private choose(scenario: string | null, push = true): void {
+    this.expected = scenario;
+    this.events.chosen(scenario, { push });
+  }
+
+  /** What is looked for is no longer wanted; what was tried last stays in the browser's history, so it is kept. */
+  private end_search(): void {
+    this.planning.stop_search();
+    this.plan_card.rest();
+    void this.row.end();
+  }
+
+  /** Whether the plan that is shown is one of many that are tried. */
+  is_trying(): boolean {
+    return this.row.is_open();
+  }
+
+  /** When a link to what is shown will last; whether it will. */
+  lasting(): Promise<boolean> {
+    return this.row.end();
+  }
+
   private drop(): void {
+    this.end_search();
     this.forget_painting(null);
-    this.events.chosen(null);
+    this.choose(null);
   }
 
   private clear(): void {
     const { base } = this.painting;
+    this.end_search();
     this.forget_painting(base);
-    this.events.chosen(base);
+    this.choose(base);
   }
 
   /** Changes what is painted, and shows the lights that it makes. */
@@ -212,16 +250,24 @@ export class Lights {
     if (!this.painting.can_undo()) {
       this.accepted = this.painting.snapshot();
       this.own = this.painting.base;
-      this.events.chosen(this.painting.base);
+      this.choose(this.painting.base);
       return;
     }
     try {
+      // What is kept stands on what is kept.
+      const is_lasting = await this.lasting();
+      if (signal.aborted) return;
+      if (!is_lasting) {
+        this.painting.restore(this.accepted);
+        this.show_change();
+        return;
+      }
       const scenario = await api.paint(scene, this.painting.body(), signal);
       if (signal.aborted) return;
       this.accepted = this.painting.snapshot();
       this.planning.adopt({ kind: "scenario", scenario });
       this.own = scenario.id;
-      this.events.chosen(scenario.id);
+      this.choose(scenario.id);
     } catch (reason) {
       if (signal.aborted) return;
       // What the server refused is taken back.
@@ -238,7 +284,7 @@ export class Lights {
     const scenario = change?.kind === "scenario" ? change.scenario : null;
     const shown = this.context?.lights !== "today";
     this.plan_card.show(plan, this.places);
-    this.paint_card.show(this.painting, scenario);
+    this.paint_card.show(this.painting, scenario, this.context?.conditions.lamp ?? "mixed");
     by_id("lights-changed", HTMLButtonElement).textContent = scenario === null ? words().sky.with_plan : words().sky.as_painted;
     const dimmed = shown ? plan : null;
     const edits = shown ? this.painting.edits() : NO_EDITS;

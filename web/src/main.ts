@@ -14,7 +14,7 @@ import { SkyView } from "./sky/sky_view.ts";
 import { LAYERS, fragment_from_state, state_from_fragment, type LayerName, type Place, type ViewState } from "./state.ts";
 import { cloud_bases, packs_under } from "./ui/clouds.ts";
 import { Controls, DEFAULT_TURBIDITY } from "./ui/controls.ts";
-import { by_id } from "./ui/dom.ts";
+import { by_id, debounced } from "./ui/dom.ts";
 import { show_downloads } from "./ui/downloads.ts";
 import { coordinates } from "./ui/format.ts";
 import { show_layer_state } from "./ui/layers.ts";
@@ -34,6 +34,11 @@ const SHOWN_INFLUENCE = 0.9;
 
 /** What the sky of any place depends on. */
 type Conditions = Omit<SkyParameters, "lat" | "lon">;
+
+/** As requests have them. Five decimals are a metre; a link restores the very same request. */
+function coordinates_of({ latitude_deg, longitude_deg }: Place): { lat: number; lon: number } {
+  return { lat: +latitude_deg.toFixed(5), lon: +longitude_deg.toFixed(5) };
+}
 
 class Viewer {
   private state: ViewState = state_from_fragment(location.hash);
@@ -112,13 +117,16 @@ class Viewer {
     ended: () => this.set_busy(false),
   });
 
+  /** Once the line rests. */
+  private readonly write_split = debounced(300, () => this.write_url(false));
+
   private readonly lights = new Lights({
-    chosen: (scenario, how = { push: true }) => this.change({ scenario, lights: this.state.lights === "both" ? "both" : "changed" }, how),
+    chosen: (scenario, how) => this.change({ scenario, lights: this.state.lights === "both" ? "both" : "changed" }, how),
     failed: (reason) => this.notice.show(reason),
   });
 
   async start(): Promise<void> {
-    wire_share();
+    wire_share(() => this.lights.lasting());
     wire_switches(() => this.map?.resize());
     wire_locate(
       (place) => {
@@ -129,6 +137,7 @@ class Viewer {
     );
     const split = by_id("split", HTMLInputElement);
     split.addEventListener("input", () => this.set_split(Number(split.value) / 100));
+    this.set_split(this.state.split);
     this.show_look();
     const { signal } = this.scene_requests;
     const map_code = import("./map/sky_map.ts");
@@ -156,6 +165,7 @@ class Viewer {
     try {
       const { SkyMap } = await map_code;
       this.map = this.new_map(SkyMap);
+      this.map.set_split(this.state.split);
       this.lights.set_map(this.map);
     } catch (reason) {
       this.notice.show(new Error(words().problems.no_map(reason instanceof Error ? reason.message : String(reason))));
@@ -171,18 +181,20 @@ class Viewer {
         this.write_url(false);
       },
       layer: show_layer_state,
-      split: (part) => {
-        by_id("split", HTMLInputElement).value = String(Math.round(100 * part));
-        this.set_split(part);
-      },
+      split: (part) => this.set_split(part),
       failed: (reason) => this.notice.show(reason),
     });
   }
 
   /** How far today's sky and map reach from the left, 0 to 1. */
   private set_split(part: number): void {
+    const slider = by_id("split", HTMLInputElement);
+    slider.value = String(Math.round(100 * part));
+    slider.setAttribute("aria-valuetext", words().plan.percent(slider.value));
     this.sky_view.set_split(part);
     this.map?.set_split(part);
+    this.state = { ...this.state, split: part };
+    this.write_split();
   }
 
   private scene(): Scene | null {
@@ -270,6 +282,7 @@ class Viewer {
   private restore(): void {
     const scene_before = this.state.scene;
     this.state = state_from_fragment(location.hash);
+    this.set_split(this.state.split);
     this.drop_absent_air();
     if (this.state.view !== null) this.map?.jump_to(this.state.view);
     if (this.state.scene !== scene_before) this.enter_scene();
@@ -314,6 +327,8 @@ class Viewer {
   }
 
   private show_layer(layer: LayerName): void {
+    // Its sums take seconds: of plans that are only tried they are not asked for, and what is there stays.
+    if (layer === "brightness" && this.lights.is_trying()) return;
     const { scene, layers } = this.state;
     const { scenario: _, ...today } = this.conditions();
     const wanted = (conditions: Conditions) => {
@@ -332,14 +347,12 @@ class Viewer {
       elevation: this.scene()?.terrain === true ? {} : null,
       brightness: clouds === null ? conditions : null,
       radiance: scenario === undefined ? {} : { scenario },
-      influence: place === null ? null : { ...this.parameters(place), ...conditions, measure, ...marked },
+      influence: place === null ? null : { ...coordinates_of(place), ...conditions, measure, ...marked },
     }[layer];
   }
 
   private parameters(place: Place): SkyParameters {
-    // Five decimals are a metre; a link restores the very same request.
-    const rounded = (degrees: number) => +degrees.toFixed(5);
-    return { lat: rounded(place.latitude_deg), lon: rounded(place.longitude_deg), ...this.conditions() };
+    return { ...coordinates_of(place), ...this.conditions() };
   }
 
   private conditions(): Conditions {
@@ -411,8 +424,12 @@ class Viewer {
     const fragment = fragment_from_state(this.state);
     if (fragment === location.hash) return;
     const url = `${location.pathname}${location.search}${fragment}`;
-    if (push) history.pushState(null, "", url);
-    else history.replaceState(null, "", url);
+    try {
+      if (push) history.pushState(null, "", url);
+      else history.replaceState(null, "", url);
+    } catch {
+      // Some browsers take no more than some changes of the address in a while; the next one has it all.
+    }
   }
 }
 

@@ -54,8 +54,8 @@ export const LISTED_PIXELS = 5000;
 export interface PlanningEvents {
   /** A plan is looked for, or no longer. */
   searching: (on: boolean) => void;
-  /** A plan was looked for and found; it may be one that is only tried. */
-  found: (change: Change, is_kept: boolean) => void;
+  /** A plan was looked for and found; one that is only tried comes with what keeps it. */
+  found: (change: Change, keep: (() => Promise<unknown>) | null) => void;
   /** What the state names is there. */
   loaded: (change: Change) => void;
   failed: (reason: unknown, what: "search" | "load") => void;
@@ -70,15 +70,17 @@ export class Planning {
 
   /** Looks for what a wish takes from the lights of a place's sky. What is known stays until it is found. */
   async find(scene: string, place: Place, conditions: Omit<PlanQuery, "limit" | "keep">, wish: PlanWish, is_kept: boolean): Promise<void> {
+    const body = body_of(wish, place);
     this.search?.abort();
     const search = new AbortController();
     this.search = search;
     this.events.searching(true);
     try {
-      const plan = await api.find_plan(scene, { ...conditions, limit: LISTED_PIXELS, keep: is_kept ? "on" : "off" }, body_of(wish, place), search.signal);
+      const plan = await api.find_plan(scene, { ...conditions, limit: LISTED_PIXELS, keep: is_kept ? "on" : "off" }, body, search.signal);
       this.end_search();
       this.adopt({ kind: "plan", plan });
-      this.events.found({ kind: "plan", plan }, is_kept);
+      const keep = () => api.find_plan(scene, { ...conditions, limit: 0, keep: "on" }, body, new AbortController().signal);
+      this.events.found({ kind: "plan", plan }, is_kept ? null : keep);
     } catch (reason) {
       if (search.signal.aborted) return;
       this.end_search();

@@ -7,6 +7,7 @@ const EVERYTHING: ViewState = {
   place: { latitude_deg: -1.28638, longitude_deg: 36.81722 },
   scenario: "p-0123456789abcdef0123",
   lights: "today",
+  split: 0.25,
   view: { zoom: 7.31, latitude_deg: -1.25, longitude_deg: 36.9 },
   turbidity: 3.2,
   scattering: "single",

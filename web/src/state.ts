@@ -42,6 +42,8 @@ export interface ViewState {
   scenario: string | null;
   /** Which lights are shown where there is a scenario. */
   lights: LightsKind;
+  /** How far today's sky and map reach from the left where both are shown, 0 to 1. */
+  split: number;
   /** null: fit the scene. */
   view: MapView | null;
   /** null: the server's default. */
@@ -75,6 +77,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   place: null,
   scenario: null,
   lights: "changed",
+  split: 0.5,
   view: null,
   turbidity: null,
   scattering: null,
@@ -136,6 +139,7 @@ export function state_from_fragment(fragment: string): ViewState {
     place: latitude_deg !== null && longitude_deg !== null ? { latitude_deg, longitude_deg } : null,
     scenario: matching(query.get("scenario"), /^[ps]-[0-9a-f]{20}$/),
     lights: one_of(query.get("lights"), LIGHTS, DEFAULT_STATE.lights),
+    split: number_in(query.get("split"), 0, 1) ?? DEFAULT_STATE.split,
     view:
       view.zoom !== null && view.latitude_deg !== null && view.longitude_deg !== null
         ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }
@@ -150,7 +154,7 @@ export function state_from_fragment(fragment: string): ViewState {
     gaze: gaze_from_text(query.get("look")),
     sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
     colours: one_of(query.get("colours"), STYLES, DEFAULT_STATE.colours),
-    exposure_ev: number_in(query.get("exposure"), -6, 6) ?? DEFAULT_STATE.exposure_ev,
+    exposure_ev: number_in(query.get("exposure"), -4, 6) ?? DEFAULT_STATE.exposure_ev,
     unit: one_of(query.get("unit"), UNITS, DEFAULT_STATE.unit),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
     region,
@@ -168,7 +172,10 @@ export function fragment_from_state(state: ViewState): string {
   add("lat", state.place === null ? null : +state.place.latitude_deg.toFixed(5), null);
   add("lon", state.place === null ? null : +state.place.longitude_deg.toFixed(5), null);
   add("scenario", state.scenario, null);
-  if (state.scenario !== null) add("lights", state.lights, DEFAULT_STATE.lights);
+  if (state.scenario !== null) {
+    add("lights", state.lights, DEFAULT_STATE.lights);
+    add("split", +state.split.toFixed(2), DEFAULT_STATE.split);
+  }
   if (state.view !== null) {
     const { zoom, latitude_deg, longitude_deg } = state.view;
     parts.push(`map=${+zoom.toFixed(2)}/${+latitude_deg.toFixed(4)}/${+longitude_deg.toFixed(4)}`);

@@ -312,6 +312,10 @@ impl SkySource for ObservatorySource {
         self.observatory.changes().hold_plan(id, plan);
     }
 
+    fn check_base(&self, base: &ChangeId) -> Result<(), SourceError> {
+        Ok(self.observatory.changes().check_base(Some(base))?)
+    }
+
     fn is_kept(&self, id: &ChangeId) -> bool {
         self.observatory.changes().is_kept(id)
     }

@@ -53,6 +53,11 @@ pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> Ch
 /// As [`SkySource::plan`] and [`SkySource::keep_plan`].
 pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, bool), SourceError> {
     let scene_version = source.scene(&ask.scene)?.version;
+    if ask.keep
+        && let Some(base) = &ask.scenario
+    {
+        source.check_base(base)?;
+    }
     let id = plan_id(source, ask, &scene_version);
     let plan = match source.kept_plan(&id) {
         Ok(_) if !ask.keep || source.is_kept(&id) => return Ok((id, false)),

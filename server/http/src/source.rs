@@ -274,6 +274,11 @@ pub trait SkySource: Send + Sync + 'static {
     fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError>;
     /// Holds a plan for some minutes, and keeps nothing.
     fn hold_plan(&self, id: &ChangeId, plan: StoredPlan);
+    /// Whether what is kept may go on from this.
+    ///
+    /// # Errors
+    /// [`SourceError::DraftPlan`].
+    fn check_base(&self, base: &ChangeId) -> Result<(), SourceError>;
     /// Whether a plan is kept, and not just held.
     fn is_kept(&self, id: &ChangeId) -> bool;
     /// A plan, kept or held, and since when, seconds since 1970.

@@ -1764,7 +1764,7 @@ export interface Posts {
     body: InfluenceBody;
     answer: Blob;
   };
-  /** Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites meet limits (`target`). Values before and after come from the forward model. The plan is kept; its id is taken by every query as `scenario`, and the same request for the same scene answers the same plan. With `keep=off` it counts towards no share of what is kept, and is forgotten after some minutes without a question about it. */
+  /** Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites meet limits (`target`). Values before and after come from the forward model. The plan is kept, unless `keep=off` only tries it: then it counts towards no share of what is kept, and is forgotten after some minutes without a question about it. Its id is taken by every query as `scenario`, and the same request for the same scene answers the same plan. */
   "/api/v1/scenes/{scene}/plans": {
     path: {
       /** The scene's id */

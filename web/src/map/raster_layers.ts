@@ -61,6 +61,12 @@ export class RasterLayers {
     });
   }
 
+  /** Nothing is wanted any more, and the map may be gone. */
+  stop(): void {
+    for (const { controller } of this.asked.values()) controller.abort();
+    this.asked.clear();
+  }
+
   /** The opacity of a layer that is shown, at once. */
   set_opacity(name: LayerName, opacity: number): void {
     if (this.map.getLayer(name) !== undefined) this.map.setPaintProperty(name, "raster-opacity", opacity);

@@ -53,6 +53,7 @@ export class SkyMap {
   private readonly shared = new Map<string, GeoJSON>();
   private swipe: Swipe | null = null;
   private split = 0.5;
+  private cannot_compare = false;
 
   constructor(
     container: HTMLElement,
@@ -191,9 +192,18 @@ export class SkyMap {
   /** Begins or ends a map of today left of the split. */
   compare(on: boolean): void {
     if (on === (this.swipe !== null)) return;
+    if (on && this.cannot_compare) return;
     this.swipe?.remove();
-    this.swipe = on ? new Swipe(this.map, this.shared, this.events) : null;
-    this.swipe?.set_split(this.split);
+    this.swipe = null;
+    if (!on) return;
+    try {
+      this.swipe = new Swipe(this.map, this.shared, this.events);
+      this.swipe.set_split(this.split);
+    } catch (reason) {
+      // The two skies are still there to be compared.
+      this.cannot_compare = true;
+      this.events.failed(reason);
+    }
   }
 
   /** The map of today reaches this part of the width from the left, 0 to 1. */

@@ -25,6 +25,7 @@ export class Swipe {
   private readonly container = make("div", "swipe-map");
   private readonly line = make("div", "swipe-line", make("div", "swipe-handle"));
   private readonly follow: () => void;
+  private is_removed = false;
 
   constructor(
     private readonly main: MapLibreMap,
@@ -33,18 +34,16 @@ export class Swipe {
   ) {
     // Below the marker of the picked place, above all that is drawn.
     this.main.getCanvas().after(this.container);
+    try {
+      this.map = this.second_map();
+    } catch (reason) {
+      // The browser draws no more than one.
+      this.container.remove();
+      throw reason;
+    }
     this.main.getContainer().append(this.line);
-    this.map = new MapLibreMap({
-      container: this.container,
-      style: night_style(),
-      center: main.getCenter(),
-      zoom: main.getZoom(),
-      minZoom: 1,
-      maxZoom: 14,
-      interactive: false,
-      attributionControl: false,
-      transformRequest: reachable,
-    });
+    // What the first map says of its own tiles holds for these.
+    this.map.on("error", () => {});
     this.container.inert = true;
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
     this.layers = new RasterLayers(this.map, this.styled, (_, state) => {
@@ -53,7 +52,9 @@ export class Swipe {
     this.follow = () => this.map.jumpTo({ center: main.getCenter(), zoom: main.getZoom() });
     this.main.on("move", this.follow);
     for (const [name, data] of shared) void this.set_data(name, data);
-    this.line.addEventListener("pointerdown", (event) => this.line.setPointerCapture(event.pointerId));
+    this.line.addEventListener("pointerdown", (event) => {
+      if (event.isPrimary && event.button === 0) this.line.setPointerCapture(event.pointerId);
+    });
     this.line.addEventListener("pointermove", (event) => {
       if (!this.line.hasPointerCapture(event.pointerId)) return;
       const { left, width } = this.main.getContainer().getBoundingClientRect();
@@ -61,8 +62,23 @@ export class Swipe {
     });
   }
 
+  private second_map(): MapLibreMap {
+    return new MapLibreMap({
+      container: this.container,
+      style: night_style(),
+      center: this.main.getCenter(),
+      zoom: this.main.getZoom(),
+      minZoom: 1,
+      maxZoom: 14,
+      interactive: false,
+      attributionControl: false,
+      transformRequest: reachable,
+    });
+  }
+
   async set_data(name: string, data: GeoJSON): Promise<void> {
     await this.styled;
+    if (this.is_removed) return;
     this.map.getSource<GeoJSONSource>(name)?.setData(data);
   }
 
@@ -76,12 +92,10 @@ export class Swipe {
     this.line.style.left = `${100 * part}%`;
   }
 
-  resize(): void {
-    this.map.resize();
-  }
-
   remove(): void {
+    this.is_removed = true;
     this.main.off("move", this.follow);
+    this.layers.stop();
     this.map.remove();
     this.container.remove();
     this.line.remove();

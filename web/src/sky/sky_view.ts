@@ -133,7 +133,7 @@ export class SkyView {
 
   set_split(part: number): void {
     this.split = part;
-    this.draw();
+    if (this.other !== null) this.draw_soon();
   }
 
   /** The look may come with more than that; what is drawn already is not drawn again. */
@@ -283,6 +283,11 @@ export class SkyView {
 
   private look_at(gaze: Gaze): void {
     this.look = { ...this.look, gaze: { ...gaze, elevation_deg: Math.min(Math.max(gaze.elevation_deg, -10), 90) } };
+    this.draw_soon();
+  }
+
+  /** Once in a frame, however often something moves in it. */
+  private draw_soon(): void {
     if (this.drawing_soon) return;
     this.drawing_soon = true;
     requestAnimationFrame(() => {

@@ -15,6 +15,12 @@ export function make(tag: string, class_name: string, ...content: (string | Node
   return element;
 }
 
+/** Marks what the server says, which is English on every page. */
+export function in_english<E extends HTMLElement>(element: E): E {
+  element.lang = "en";
+  return element;
+}
+
 /** Calls once things have been quiet for a while, unless that is cancelled. */
 export function debounced<A extends unknown[]>(wait_ms: number, call: (...args: A) => void): ((...args: A) => void) & { cancel: () => void } {
   let timer: ReturnType<typeof setTimeout> | undefined;

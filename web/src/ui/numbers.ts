@@ -6,7 +6,7 @@ import type { SkyKind } from "../sky/grid.ts";
 import { compass_name } from "../sky/projection.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
 import { lamp_title } from "./lamps.ts";
-import { make } from "./dom.ts";
+import { in_english, make } from "./dom.ts";
 import { fixed, in_unit, magnitude, ratio, short_number, with_prefix } from "./format.ts";
 import { clouds_title } from "./clouds.ts";
 import { scattering_title } from "./scattering.ts";
@@ -39,7 +39,7 @@ export function terrain_title(answer: Pick<SkyAnswer, "terrain_occlusion" | "hid
 
 /** What the server had to do without, in its own words. */
 function warning(text: string): HTMLElement {
-  const shown = make("p", "warning", `${text.charAt(0).toUpperCase()}${text.slice(1)}.`);
+  const shown = in_english(make("p", "warning", `${text.charAt(0).toUpperCase()}${text.slice(1)}.`));
   shown.dataset["value"] = "warning";
   return shown;
 }

@@ -7,7 +7,7 @@ import type { PaintChange, PaintKind, Painting } from "../painting.ts";
 import { by_id, make } from "./dom.ts";
 import { fixed, whole, with_prefix } from "./format.ts";
 import { wire_group } from "./group.ts";
-import { emissions, lamps } from "./lamps.ts";
+import { emissions, lamps, lamps_in } from "./lamps.ts";
 
 export interface PaintCardEvents {
   /** The brush that strokes on the map paint with; null: none. */
@@ -44,9 +44,7 @@ export class PaintCard {
   private painting = false;
 
   constructor(private readonly events: PaintCardEvents) {
-    // A mixture is no lamp that could be taken down: its parts are.
-    const replaced: [string, string][] = [["", words().paint.all_lamps], ...lamps().filter(([name]) => name !== "mixed")];
-    for (const [select, options] of [[this.lamp, lamps()], [this.lamp_from, replaced], [this.emission, emissions()]] as const) {
+    for (const [select, options] of [[this.lamp, lamps()], [this.emission, emissions()]] as const) {
       select.replaceChildren(...options.map(([name, title]) => new Option(title, name)));
     }
     this.lamp.value = "pc_amber";
@@ -80,13 +78,24 @@ export class PaintCard {
     };
   }
 
+  /** Offers the lamps that can be replaced: those assumed, and those painted before. */
+  private show_lamps(assumed: string, painting: Painting): void {
+    const painted = painting.edits().flatMap(({ lamp }) => (typeof lamp === "object" && lamp !== null && "to" in lamp ? [lamp.to] : [lamp]));
+    const there = [...lamps_in(assumed), ...painted];
+    const options = [["", words().paint.all_lamps] as const, ...lamps().filter(([name]) => there.includes(name))];
+    const before = this.lamp_from.value;
+    this.lamp_from.replaceChildren(...options.map(([name, title]) => new Option(title, name, false, name === before)));
+  }
+
   set_painting(on: boolean): void {
     if (on === this.painting) return;
     this.painting = on;
     this.update();
   }
 
-  show(painting: Painting, scenario: Scenario | null): void {
+  /** `assumed`: the lamps of the lights that nobody painted. */
+  show(painting: Painting, scenario: Scenario | null, assumed: string): void {
+    this.show_lamps(assumed, painting);
     this.undo.disabled = !painting.can_undo();
     this.redo.disabled = !painting.can_redo();
     this.clear.disabled = !painting.can_undo();

@@ -5,7 +5,7 @@ import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import { LISTED_PIXELS, type PlanMeasure, type PlanWish } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
-import { by_id, make } from "./dom.ts";
+import { by_id, in_english, make } from "./dom.ts";
 import { decimal, fixed, magnitude, whole, with_prefix } from "./format.ts";
 import { nearest_place, place_name } from "./nearby.ts";
 import { WishForm } from "./wish_form.ts";
@@ -63,7 +63,8 @@ export class PlanCard {
   searching(on: boolean): void {
     this.card.setAttribute("aria-busy", String(on));
     this.form.searching(on);
-    this.progress.textContent = on ? words().plan.searching : "";
+    // Of plans that follow a slider nothing is said: the sky shows them.
+    this.progress.textContent = on && !this.form.is_live() ? words().plan.searching : "";
   }
 
   /** What a slider was about to ask for is no longer wanted. */
@@ -92,7 +93,7 @@ export class PlanCard {
       const name = place_name(site.observer, places);
       const reached = make("p", "plan-reached", make("b", "", words().plan.darker(percent(site.reduced_by))), ` ${where}, ${name}`);
       reached.dataset["reducedBy"] = String(site.reduced_by);
-      const unmet = site.target?.why_not == null ? [] : [make("p", "warning", site.target.why_not)];
+      const unmet = site.target?.why_not == null ? [] : [in_english(make("p", "warning", site.target.why_not))];
       return [reached, ...unmet];
     });
   }

@@ -6,11 +6,13 @@ import { by_id } from "./dom.ts";
 /** How long it is said that the link is copied. */
 const TOLD_MS = 6000;
 
-export function wire_share(): void {
+/** `lasting`: when a link to what is shown will last. */
+export function wire_share(lasting: () => Promise<boolean>): void {
   const told = by_id("share-told", HTMLElement);
   const field = by_id("share-link", HTMLInputElement);
   by_id("share", HTMLButtonElement).addEventListener("click", () => {
-    share(location.href)
+    lasting()
+      .then(() => share(location.href))
       .then((how) => {
         told.textContent = how === "copied" ? words().downloads.copied : "";
         setTimeout(() => (told.textContent = ""), TOLD_MS);

@@ -14,9 +14,8 @@ export interface WishEvents {
   wished: (wish: PlanWish, keep: boolean) => void;
 }
 
-/** A slider at rest for this long is tried, and then kept. */
+/** A slider at rest for this long is tried. */
 const TRIED_AFTER_MS = 120;
-const KEPT_AFTER_MS = 1500;
 
 export class WishForm {
   private readonly reduction = by_id("plan-reduction", HTMLInputElement);
@@ -27,20 +26,20 @@ export class WishForm {
   private readonly measure = by_id("plan-measure", HTMLSelectElement);
   private readonly find = by_id("plan-find", HTMLButtonElement);
   private readonly press_method: (method: PlanMethod) => void;
-  private readonly live: { cancel: () => void }[] = [];
+  private readonly try_soon: ReturnType<typeof debounced<[]>>;
   private method: PlanMethod = "target";
   private region: Region | null = null;
 
   constructor(events: WishEvents) {
-    const [try_it, keep_it] = [debounced(TRIED_AFTER_MS, () => events.wished(this.wish(), false)), debounced(KEPT_AFTER_MS, () => events.wished(this.wish(), true))];
-    this.live.push(try_it, keep_it);
+    this.try_soon = debounced(TRIED_AFTER_MS, () => events.wished(this.wish(), false));
     const moved = () => {
       this.show_values();
-      if (this.method !== "threshold") return;
-      try_it();
-      keep_it();
+      if (this.method === "threshold") this.try_soon();
     };
-    this.press_method = wire_group<PlanMethod>("plan-method", (method) => this.set_method(method));
+    this.press_method = wire_group<PlanMethod>("plan-method", (method) => {
+      this.rest();
+      this.set_method(method);
+    });
     for (const slider of [this.reduction, this.cut, this.gamma]) slider.addEventListener("input", moved);
     // Neither goes past the other.
     this.least.addEventListener("input", () => {
@@ -68,7 +67,12 @@ export class WishForm {
 
   /** What a slider was about to ask for is no longer wanted. */
   rest(): void {
-    for (const asking of this.live) asking.cancel();
+    this.try_soon.cancel();
+  }
+
+  /** Whether the sky follows the sliders. */
+  is_live(): boolean {
+    return this.method === "threshold";
   }
 
   searching(on: boolean): void {
@@ -81,7 +85,8 @@ export class WishForm {
     const [site] = plan.sites;
     if (site === undefined) return;
     if (plan.method === "threshold") {
-      const percents = plan.threshold_levels?.map((level) => Number(level.replace("p", ""))) ?? [];
+      // Thresholds in the measure's unit have no place on sliders of percentiles.
+      const percents = plan.threshold_levels?.map((level) => (level.startsWith("p") ? Number(level.slice(1)) : NaN)) ?? [];
       const [least = NaN, most = NaN] = percents;
       if (least <= 100 && most <= 100) [this.least.value, this.most.value] = [String(least), String(most)];
       this.gamma.value = String(Math.round(100 * (plan.gamma ?? 1)));

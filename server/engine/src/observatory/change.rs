@@ -25,6 +25,7 @@ pub fn keep_scenario(
 
 fn keep_on(shelf: &SceneShelf, scenario: &Scenario) -> Result<(ChangeId, Arc<ChangeSummary>), EngineError> {
     let (scene, changes) = (shelf.scene(&scenario.scene)?, shelf.changes());
+    changes.check_base(scenario.base.as_ref())?;
     let mut steps = match &scenario.base {
         Some(base) => changes.steps(base, &scenario.scene, &scene.metadata().version)?,
         None => Vec::new(),

@@ -27,9 +27,9 @@ use axum::{
 };
 
 /// Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites
-/// meet limits (`target`). Values before and after come from the forward model. The plan is kept; its id is taken by every
-/// query as `scenario`, and the same request for the same scene answers the same plan. With `keep=off` it counts towards no share
-/// of what is kept, and is forgotten after some minutes without a question about it.
+/// meet limits (`target`). Values before and after come from the forward model. The plan is kept, unless `keep=off` only tries
+/// it: then it counts towards no share of what is kept, and is forgotten after some minutes without a question about it. Its id is
+/// taken by every query as `scenario`, and the same request for the same scene answers the same plan.
 #[utoipa::path(
     post,
     path = "/api/v1/scenes/{scene}/plans",
@@ -40,7 +40,7 @@ use axum::{
         (status = 201, description = "The plan; Location is its address", body = PlanAnswer),
         (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene or scenario, or a site lies outside: then with the scene's bounds", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The scenario is a plan for an earlier state of the scene, or one that is not kept", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The scenario is a plan for an earlier state of the scene, or, with `keep=on`, one that is not kept", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
         (status = 429, description = "More than one client may have kept in a day, or too many requests; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),

@@ -363,6 +363,10 @@ impl SkySource for Fake {
 
     fn hold_plan(&self, _: &ChangeId, _: StoredPlan) {}
 
+    fn check_base(&self, _: &ChangeId) -> Result<(), SourceError> {
+        Ok(())
+    }
+
     fn is_kept(&self, _: &ChangeId) -> bool {
         false
     }

@@ -2,6 +2,7 @@
 
 use super::change_id::ChangeId;
 use super::store::StoredPlan;
+use moka::policy::EvictionPolicy;
 use moka::sync::Cache;
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,8 +11,10 @@ use std::time::Duration;
 const IDLE: Duration = Duration::from_secs(600);
 /// Bytes that all of them take together at most, about.
 const MOST_BYTES: u64 = 128 << 20;
-/// About what a draft takes besides its pixels: what is said of it.
-const ANSWER_BYTES: usize = 16_384;
+/// About what a draft takes besides its pixels and what is said of it.
+const BYTES_AT_LEAST: usize = 4096;
+/// About how much longer JSON is in memory than as text.
+const JSON_TIMES: usize = 4;
 
 /// A draft, and since when it is held, seconds since 1970.
 pub(super) type Held = Arc<(StoredPlan, u64)>;
@@ -23,13 +26,16 @@ pub(super) struct Drafts(Cache<ChangeId, Held>);
 impl Default for Drafts {
     fn default() -> Self {
         let bytes = |_: &ChangeId, held: &Held| u32::try_from(bytes_of(&held.0)).unwrap_or(u32::MAX);
-        Self(Cache::builder().weigher(bytes).max_capacity(MOST_BYTES).time_to_idle(IDLE).build())
+        // The newest is the one that is asked for next, however often others were.
+        let cache = Cache::builder().weigher(bytes).max_capacity(MOST_BYTES).time_to_idle(IDLE);
+        Self(cache.eviction_policy(EvictionPolicy::lru()).build())
     }
 }
 
 fn bytes_of(plan: &StoredPlan) -> usize {
     let of_pixel = size_of_val(&plan.factors.codes[..]) + size_of_val(&plan.factors.factors[..]);
-    ANSWER_BYTES + of_pixel + size_of_val(&plan.effects[..])
+    let of_answer = JSON_TIMES * plan.answer.to_string().len();
+    BYTES_AT_LEAST + of_answer + of_pixel + size_of_val(&plan.effects[..])
 }
 
 impl Drafts {

@@ -210,7 +210,7 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
     pub fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, ChangeStoreError> {
-        self.refuse_draft(scenario.base.as_ref())?;
+        self.check_base(scenario.base.as_ref())?;
         let id = self.scenario_id(scenario)?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         self.write_document(&id, scenario)?;
@@ -261,7 +261,10 @@ impl ChangeStore {
     }
 
     /// What is kept stands on what is kept: a draft would go from under it.
-    fn refuse_draft(&self, base: Option<&ChangeId>) -> Result<(), ChangeStoreError> {
+    ///
+    /// # Errors
+    /// [`ChangeStoreError::Draft`].
+    pub fn check_base(&self, base: Option<&ChangeId>) -> Result<(), ChangeStoreError> {
         match base {
             Some(id) if !self.is_kept(id) && self.is_there(id) => {
                 Err(ChangeStoreError::Draft { id: id.clone() })
@@ -285,7 +288,7 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
     pub fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), ChangeStoreError> {
-        self.refuse_draft(plan.base.as_ref())?;
+        self.check_base(plan.base.as_ref())?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         let path = self.path(id, "bin");
         let parts: Vec<(String, Cow<'_, [u8]>)> = vec![

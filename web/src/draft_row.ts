@@ -1,0 +1,67 @@
+// Plans that are tried one after the other, as sliders move: the server only holds them, and the one that the row ends with is
+// kept. Until then its link would be dead within minutes.
+
+import { debounced } from "./ui/dom.ts";
+
+/** A plan that is shown and not kept yet. */
+export interface Draft {
+  id: string;
+  /** Asks for it again, to be kept. */
+  keep: () => Promise<unknown>;
+}
+
+export interface DraftRowEvents {
+  kept: (id: string) => void;
+  failed: (reason: unknown) => void;
+}
+
+/** A row ends when nothing is tried for so long. */
+const ENDS_AFTER_MS = 1500;
+
+export class DraftRow {
+  private draft: Draft | null = null;
+  private keeping: Promise<boolean> = Promise.resolve(true);
+  private readonly end_soon: ReturnType<typeof debounced<[]>>;
+
+  constructor(
+    private readonly events: DraftRowEvents,
+    ends_after_ms = ENDS_AFTER_MS,
+  ) {
+    this.end_soon = debounced(ends_after_ms, () => void this.end());
+  }
+
+  /** Whether a plan is shown that is not kept yet. */
+  is_open(): boolean {
+    return this.draft !== null;
+  }
+
+  /** The next of the row. */
+  go_on(draft: Draft): void {
+    this.draft = draft;
+    this.end_soon();
+  }
+
+  /** Ends the row and keeps the last of it; whether all that was tried last is kept. */
+  end(): Promise<boolean> {
+    this.end_soon.cancel();
+    const { draft } = this;
+    if (draft === null) return this.keeping;
+    this.draft = null;
+    const keeping = draft.keep().then(
+      () => {
+        this.events.kept(draft.id);
+        return true;
+      },
+      (reason: unknown) => {
+        this.events.failed(reason);
+        return false;
+      },
+    );
+    this.keeping = keeping;
+    // A failure is told to those who waited for it, and to nobody later.
+    void keeping.then(() => {
+      if (this.keeping === keeping) this.keeping = Promise.resolve(true);
+    });
+    return keeping;
+  }
+}
