@@ -1,19 +1,9 @@
 // How a sky is shown: as a camera sees it, in other units, and the link to it.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, get_json, open_page, SERVER, shot, sky_shown } from "./support/browser.mjs";
+import { assert_no_faults, get_json, open_page, SERVER, set_slider, shot, sky_shown } from "./support/browser.mjs";
 import { NATURAL_SKY_CD_M2, sky_path } from "./support/sky.mjs";
 import { browser, fragment, here } from "./support/stage.mjs";
-
-const set_slider = (page, id, value) =>
-  page.$eval(
-    `#${id}`,
-    (slider, value) => {
-      slider.value = value;
-      slider.dispatchEvent(new Event("input", { bubbles: true }));
-    },
-    String(value),
-  );
 
 /** Colours of the shown panorama and of the server's picture in the same directions. */
 const side_by_side = (page, picture, directions) =>

@@ -1,19 +1,9 @@
 // What to dim: a plan is found for the picked place, its sky is shown beside today's, and a link brings both back.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, get_json, numbers_shown, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
+import { assert_no_faults, get_json, numbers_shown, open_page, PHONE, set_slider, shot, sky_shown } from "./support/browser.mjs";
 import { sky_path } from "./support/sky.mjs";
 import { browser, fragment, here, in_link } from "./support/stage.mjs";
-
-const set_slider = (page, id, value) =>
-  page.$eval(
-    `#${id}`,
-    (slider, value) => {
-      slider.value = value;
-      slider.dispatchEvent(new Event("input", { bubbles: true }));
-    },
-    String(value),
-  );
 
 async function find_plan(page) {
   await page.click("#plan-find");

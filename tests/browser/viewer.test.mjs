@@ -1,7 +1,7 @@
 // The viewer's main job: a place is picked, and its sky appears with its numbers.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, canvas_colours, get_json, numbers_shown, open_page, screen_colours, shot, sky_shown } from "./support/browser.mjs";
+import { assert_no_faults, canvas_colours, DESKTOP, get_json, numbers_shown, open_page, screen_colours, shot, sky_shown } from "./support/browser.mjs";
 import { NATURAL_SKY_CD_M2, sample, sky_path } from "./support/sky.mjs";
 import { browser, fragment, here } from "./support/stage.mjs";
 
@@ -40,7 +40,9 @@ test("the demo is said to be illustrative, and every scene can be chosen", async
 
 test("a click gives a marker, then the site, the numbers and the picture, all as the API says", async () => {
   const { beside } = here;
-  const opened = await open_page(browser, `#scene=${here.scene.id}&map=8/${beside.latitude_deg}/${beside.longitude_deg}`);
+  // With all its motion, for once.
+  const moving = { ...DESKTOP, reducedMotion: "no-preference" };
+  const opened = await open_page(browser, `#scene=${here.scene.id}&map=8/${beside.latitude_deg}/${beside.longitude_deg}`, moving);
   const { page, context, asked } = opened;
   assert.equal(await page.locator(".pin").count(), 0);
   const box = await page.locator("#map").boundingBox();

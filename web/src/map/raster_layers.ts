@@ -4,6 +4,7 @@ import type { Map as MapLibreMap } from "maplibre-gl";
 import { api, type LayerQuery } from "../api/client.ts";
 import type { TileJson } from "../api/types.ts";
 import { LAYERS, type LayerName } from "../state.ts";
+import { IS_STILL } from "./motion.ts";
 import { FIRST_LAYER_ABOVE_TILES } from "./style.ts";
 
 /** A layer as it is to be shown. */
@@ -81,7 +82,7 @@ export class RasterLayers {
     const credit = attribution == null ? {} : { attribution };
     this.map.addSource(name, { type: "raster", tiles: templates(description.tiles), tileSize: 256, minzoom, maxzoom, bounds: [west, south, east, north], ...credit });
     const above = LAYERS.slice(LAYERS.indexOf(name) + 1).find((other) => this.map.getLayer(other) !== undefined);
-    const paint = { "raster-fade-duration": 150, "raster-opacity": opacity };
+    const paint = { "raster-fade-duration": IS_STILL ? 0 : 150, "raster-opacity": opacity };
     this.map.addLayer({ id: name, type: "raster", source: name, paint }, above ?? FIRST_LAYER_ABOVE_TILES);
     this.changed(name, { kind: "shown", description });
   }

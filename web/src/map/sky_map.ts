@@ -12,6 +12,7 @@ import { make } from "../ui/dom.ts";
 import type { EditBody } from "../api/schema.ts";
 import type { PaintedArea } from "../painting.ts";
 import { load_basemap } from "./basemap.ts";
+import { IS_STILL } from "./motion.ts";
 import { Painter, type Brush } from "./painter.ts";
 import { reachable } from "./reachable.ts";
 import { RasterLayers, type LayerState, type WantedLayer } from "./raster_layers.ts";
@@ -31,7 +32,7 @@ export interface SkyMapEvents {
   failed: (reason: unknown) => void;
 }
 
-const MOVE_MS = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 700;
+const MOVE_MS = IS_STILL ? 0 : 700;
 
 /** A picked place nearer to the map's edge than this counts as out of view. */
 const EDGE_PX = 40;
@@ -71,6 +72,7 @@ export class SkyMap {
       pitchWithRotate: false,
       touchPitch: false,
       attributionControl: false,
+      fadeDuration: IS_STILL ? 0 : 300,
       transformRequest: reachable,
       locale: {
         "Map.Title": words().map.title,

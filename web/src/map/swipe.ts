@@ -72,6 +72,7 @@ export class Swipe {
       maxZoom: 14,
       interactive: false,
       attributionControl: false,
+      fadeDuration: 0,
       transformRequest: reachable,
     });
   }

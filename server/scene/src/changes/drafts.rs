@@ -1,7 +1,7 @@
 //! Plans that somebody tries one after the other, such as with a slider: held in memory for some minutes, never on disk.
 
 use super::change_id::ChangeId;
-use super::store::StoredPlan;
+use super::stored::StoredPlan;
 use moka::policy::EvictionPolicy;
 use moka::sync::Cache;
 use std::sync::Arc;

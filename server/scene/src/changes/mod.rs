@@ -10,10 +10,12 @@ mod gone;
 mod overlay;
 mod painting;
 mod store;
+mod stored;
 
 pub use area::{Area, AreaError, MOST_BRUSH_POINTS};
 pub use change_id::ChangeId;
 pub(crate) use gone::GoneLights;
 pub use overlay::{ChangeError, ChangeSummary, MOST_NEW_LIGHTS, MOST_NEW_LIGHTS_AMONG_HILLS};
 pub use painting::{Change, ChangeStep, Edit, MOST_EDITS, PixelFactors};
-pub use store::{ChangeKind, ChangeLimits, ChangeStore, ChangeStoreError, DEEPEST, Scenario, StoredPlan};
+pub use store::ChangeStore;
+pub use stored::{ChangeKind, ChangeLimits, ChangeStoreError, DEEPEST, Scenario, StoredPlan};

@@ -1,0 +1,132 @@
+//! What a [`ChangeStore`](super::store::ChangeStore) keeps, how much of it, and why it cannot.
+
+use super::change_id::ChangeId;
+use super::painting::{Edit, PixelFactors};
+use crate::scene_id::SceneId;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::time::Duration;
+use thiserror::Error;
+
+/// Changes on changes on changes: so many at most, the last included.
+pub const DEEPEST: usize = 16;
+
+/// What was painted over a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scenario {
+    /// The scene.
+    pub scene: SceneId,
+    /// Its name for people.
+    pub title: Option<String>,
+    /// The scenario or plan that it goes on from; None for the scene itself.
+    pub base: Option<ChangeId>,
+    /// The edits, in order.
+    pub edits: Vec<Edit>,
+}
+
+/// A reduction plan as it is kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredPlan {
+    /// The scene.
+    pub scene: SceneId,
+    /// Its version: pixels are of its raster.
+    pub scene_version: String,
+    /// The scenario or plan that it dims; None for the scene itself.
+    pub base: Option<ChangeId>,
+    /// All that is said of it, for whoever made it.
+    pub answer: serde_json::Value,
+    /// What is left of each pixel that is dimmed.
+    pub factors: PixelFactors,
+    /// Beside them, the part of each in what the plan achieves.
+    pub effects: Vec<f32>,
+}
+
+/// Which of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangeKind {
+    /// Painted.
+    Scenario,
+    /// A reduction plan.
+    Plan,
+}
+
+/// What a store keeps, of scenarios and of plans each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChangeLimits {
+    /// Most of them; the oldest go first.
+    pub count: usize,
+    /// Bytes that they take on disk together, the newest excepted.
+    pub bytes: u64,
+    /// Older ones go.
+    pub age: Duration,
+}
+
+impl Default for ChangeLimits {
+    fn default() -> Self {
+        Self { count: 5_000, bytes: 1 << 30, age: Duration::from_secs(90 * 86_400) }
+    }
+}
+
+impl ChangeLimits {
+    /// Keeps all: for programs beside a server, whose business it is.
+    pub fn none() -> Self {
+        Self { count: usize::MAX, bytes: u64::MAX, age: Duration::MAX }
+    }
+}
+
+/// Why a scenario or plan cannot be had or kept.
+#[derive(Debug, Error)]
+pub enum ChangeStoreError {
+    /// None of that id.
+    #[error("there is no scenario or plan \"{id}\"; those that are old or too many are not kept")]
+    Unknown {
+        /// The id.
+        id: ChangeId,
+    },
+    /// It belongs to another scene.
+    #[error("\"{id}\" belongs to scene \"{scene}\"")]
+    OtherScene {
+        /// The id.
+        id: ChangeId,
+        /// Its scene.
+        scene: SceneId,
+    },
+    /// The scene was ingested again since.
+    #[error("plan \"{id}\" is for the pixels of scene \"{scene}\" as it was before it was ingested again")]
+    Stale {
+        /// The id.
+        id: ChangeId,
+        /// Its scene.
+        scene: SceneId,
+    },
+    /// Too many, one upon the other.
+    #[error("\"{id}\" goes on from more than {DEEPEST} others, one upon the other")]
+    TooDeep {
+        /// The id.
+        id: ChangeId,
+    },
+    /// Only held for some minutes.
+    #[error(
+        "plan \"{id}\" is not kept, so nothing that is kept can go on from it; ask for it again with keep=on first"
+    )]
+    Draft {
+        /// The id.
+        id: ChangeId,
+    },
+    /// A file that is truncated, altered or of another format.
+    #[error("{}: {reason}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The file system failed.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
