@@ -88,6 +88,23 @@ test("numbers, readout and legend come in magnitudes, luminance or times the nat
   await context.close();
 });
 
+test("whose light it is comes as files, of the measure and the lights that are shown", async () => {
+  const opened = await open_page(browser, fragment(here.beside, "&measure=horizontal&turbidity=3"));
+  const { page, context } = opened;
+  await sky_shown(page);
+  const links = await page.locator("#influence-links a").evaluateAll((anchors) => anchors.map(({ href }) => href));
+  assert.equal(links.length, 4);
+  for (const [i, type] of ["image/tiff", "application/geo+json", "text/csv", "application/json"].entries()) {
+    assert.match(links[i], /measure=horizontal/);
+    assert.match(links[i], /turbidity=3/);
+    const answer = await fetch(links[i]);
+    assert.equal(answer.status, 200, links[i]);
+    assert.ok(answer.headers.get("content-type").startsWith(type), `${answer.headers.get("content-type")} for ${type}`);
+  }
+  assert_no_faults(opened);
+  await context.close();
+});
+
 test("the link to the view is copied, or shown where the browser forbids that", async () => {
   const opened = await open_page(browser, fragment(here.beside));
   const { page, context } = opened;

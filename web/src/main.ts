@@ -1,6 +1,6 @@
 // Puts the viewer together: state in the URL, controls, map, and the sky of the picked place.
 
-import { api, type LayerQuery, type SkyParameters } from "./api/client.ts";
+import { api, type InfluenceQuery, type LayerQuery, type SkyParameters } from "./api/client.ts";
 import type { Atmosphere, NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
 import { choose_language, words } from "./language/words.ts";
 import type { SkyMap } from "./map/sky_map.ts";
@@ -15,7 +15,7 @@ import { LAYERS, fragment_from_state, state_from_fragment, type LayerName, type 
 import { cloud_bases, packs_under } from "./ui/clouds.ts";
 import { Controls, DEFAULT_TURBIDITY } from "./ui/controls.ts";
 import { by_id, debounced } from "./ui/dom.ts";
-import { show_downloads } from "./ui/downloads.ts";
+import { show_downloads, show_influence_downloads } from "./ui/downloads.ts";
 import { coordinates } from "./ui/format.ts";
 import { show_layer_state } from "./ui/layers.ts";
 import { wire_locate } from "./ui/locate.ts";
@@ -340,15 +340,20 @@ class Viewer {
 
   /** What a layer is asked for under such conditions; null where there is nothing to show. */
   private layer_query(layer: LayerName, conditions: Conditions): LayerQuery | null {
-    const { place, measure, region, clouds } = this.state;
+    const { place, clouds } = this.state;
     const { scenario } = conditions;
-    const marked = measure === "region" && region !== null ? { region: text_from_region(region) } : {};
     return {
       elevation: this.scene()?.terrain === true ? {} : null,
       brightness: clouds === null ? conditions : null,
       radiance: scenario === undefined ? {} : { scenario },
-      influence: place === null ? null : { ...coordinates_of(place), ...conditions, measure, ...marked },
+      influence: place === null ? null : this.influence_query(place, conditions),
     }[layer];
+  }
+
+  private influence_query(place: Place, conditions: Conditions): InfluenceQuery {
+    const { measure, region } = this.state;
+    const marked = measure === "region" && region !== null ? { region: text_from_region(region) } : {};
+    return { ...coordinates_of(place), ...conditions, measure, ...marked };
   }
 
   private parameters(place: Place): SkyParameters {
@@ -365,7 +370,9 @@ class Viewer {
 
   private show_links(): void {
     const { scene, place } = this.state;
-    if (scene !== null && place !== null) show_downloads(by_id("download-links", HTMLElement), scene, this.parameters(place), this.state, this.sky_view.view());
+    if (scene === null || place === null) return;
+    show_downloads(by_id("download-links", HTMLElement), scene, this.parameters(place), this.state, this.sky_view.view());
+    show_influence_downloads(by_id("influence-links", HTMLElement), scene, this.influence_query(place, this.conditions()));
   }
 
   private show_look(): void {

@@ -12,6 +12,8 @@ type Query<P extends Path> = Gets[P]["query"];
 export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission" | "terrain" | "scenario">;
 /** What the tiles of a layer depend on besides the scene. */
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
+/** What the influences of lights on a sky depend on besides the scene. */
+export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 /** What a plan depends on besides its sites. */
 export type PlanQuery = Posts["/api/v1/scenes/{scene}/plans"]["query"];
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
