@@ -173,9 +173,17 @@ test("what is only tried is kept before anything goes on from it, and never come
   await until(() => kept.includes(first), "it is never kept");
   await sky_shown(page);
   assert.equal(await page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("scenario")), first);
+  // Today's lights, at once: they stay.
+  await set_slider(page, "plan-gamma", 40);
+  const tried = await changed_from(page, [first]);
+  await page.click("#lights button[value=today]");
+  await until(() => kept.includes(tried), "it is never kept");
+  await page.waitForTimeout(300);
+  assert.match(await page.evaluate(() => location.hash), /lights=today/);
+  await page.click("#lights button[value=changed]");
   // A stroke, at once, goes on from it.
   await set_slider(page, "plan-gamma", 45);
-  const second = await changed_from(page, [first]);
+  const second = await changed_from(page, [first, tried]);
   await page.click("#paint-draw");
   await page.focus("#map canvas");
   await page.keyboard.press("Enter");
@@ -185,7 +193,7 @@ test("what is only tried is kept before anything goes on from it, and never come
   // Back to today, at once: no plan comes after that.
   await sky_shown(page);
   await set_slider(page, "plan-gamma", 55);
-  await changed_from(page, [first, second]);
+  await changed_from(page, [first, tried, second]);
   await set_slider(page, "plan-gamma", 65);
   await page.click("#plan-drop");
   await page.waitForTimeout(2500);

@@ -3,8 +3,8 @@ import { test } from "node:test";
 import { DraftRow, type DraftRowEvents } from "./draft_row.ts";
 
 const told: string[] = [];
-const EVENTS: DraftRowEvents = { kept: (id) => told.push(`kept ${id}`), failed: (reason) => told.push(`failed ${String(reason)}`) };
-const draft = (id: string) => ({ id, keep: () => Promise.resolve(told.push(`asked ${id}`)) });
+const EVENTS: DraftRowEvents = { failed: (reason) => told.push(`failed ${String(reason)}`), ended: () => told.push("ended") };
+const draft = (id: string) => () => Promise.resolve(told.push(`asked ${id}`));
 
 test("of a row of drafts the last is kept, once, and at once where the row is ended", async () => {
   told.length = 0;
@@ -12,19 +12,20 @@ test("of a row of drafts the last is kept, once, and at once where the row is en
   for (const id of ["a", "b", "c"]) row.go_on(draft(id));
   assert.ok(row.is_open());
   await new Promise((resolve) => setTimeout(resolve, 60));
-  assert.deepEqual(told, ["asked c", "kept c"]);
+  assert.deepEqual(told, ["asked c", "ended"]);
   assert.ok(!row.is_open());
   row.go_on(draft("d"));
   assert.equal(await row.end(), true);
   assert.equal(await row.end(), true);
   await new Promise((resolve) => setTimeout(resolve, 40));
-  assert.deepEqual(told.slice(2), ["asked d", "kept d"]);
+  assert.deepEqual(told.slice(2), ["asked d", "ended"]);
 });
 
 test("a draft that cannot be kept is told, to whoever waits for it too", async () => {
   told.length = 0;
   const row = new DraftRow(EVENTS, 20);
-  row.go_on({ id: "a", keep: () => Promise.reject(new Error("enough")) });
+  row.go_on(() => Promise.reject(new Error("enough")));
   assert.equal(await row.end(), false);
-  assert.deepEqual(told, ["failed Error: enough"]);
+  assert.deepEqual(told, ["failed Error: enough", "ended"]);
+  assert.equal(await row.end(), true, "it is told once");
 });

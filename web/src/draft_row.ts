@@ -3,16 +3,13 @@
 
 import { debounced } from "./ui/dom.ts";
 
-/** A plan that is shown and not kept yet. */
-export interface Draft {
-  id: string;
-  /** Asks for it again, to be kept. */
-  keep: () => Promise<unknown>;
-}
+/** A plan that is shown and not kept yet: asks for it again, to be kept. */
+export type Draft = () => Promise<unknown>;
 
 export interface DraftRowEvents {
-  kept: (id: string) => void;
   failed: (reason: unknown) => void;
+  /** The last of a row is kept, or could not be. */
+  ended: () => void;
 }
 
 /** A row ends when nothing is tried for so long. */
@@ -47,20 +44,18 @@ export class DraftRow {
     const { draft } = this;
     if (draft === null) return this.keeping;
     this.draft = null;
-    const keeping = draft.keep().then(
-      () => {
-        this.events.kept(draft.id);
-        return true;
-      },
+    const keeping = draft().then(
+      () => true,
       (reason: unknown) => {
         this.events.failed(reason);
         return false;
       },
     );
     this.keeping = keeping;
-    // A failure is told to those who waited for it, and to nobody later.
     void keeping.then(() => {
+      // A failure is told to those who waited for it, and to nobody later.
       if (this.keeping === keeping) this.keeping = Promise.resolve(true);
+      this.events.ended();
     });
     return keeping;
   }

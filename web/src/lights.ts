@@ -35,6 +35,8 @@ export interface LightsContext {
 export interface LightsEvents {
   /** These lights are to be shown; null: those of today. Without `push` they take the place of those before in the browser's history. */
   chosen: (scenario: string | null, how: { push: boolean }) => void;
+  /** No plan is tried any more: what is made of others alone can be asked for. */
+  settled: () => void;
   failed: (reason: unknown) => void;
 }
 
@@ -56,11 +58,8 @@ export class Lights {
   /** The lights that were chosen here last: others come from elsewhere. */
   private expected: string | null = null;
   private readonly row = new DraftRow({
-    kept: (id) => {
-      // What is made of kept plans alone is asked for now.
-      if (this.context?.scenario === id) this.choose(id, false);
-    },
     failed: (reason) => this.events.failed(reason),
+    ended: () => this.events.settled(),
   });
   private shown_dimmed: Plan | null = null;
   private shown_edits: readonly EditBody[] = NO_EDITS;
@@ -96,7 +95,7 @@ export class Lights {
         this.show_wish(change);
       } else {
         // A slider that goes on moving is not put back to where it was.
-        this.row.go_on({ id: id_of(change), keep });
+        this.row.go_on(keep);
       }
       this.choose(id_of(change), push);
       this.show_change();

@@ -122,6 +122,7 @@ class Viewer {
 
   private readonly lights = new Lights({
     chosen: (scenario, how) => this.change({ scenario, lights: this.state.lights === "both" ? "both" : "changed" }, how),
+    settled: () => LAYERS.forEach((layer) => this.show_layer(layer)),
     failed: (reason) => this.notice.show(reason),
   });
 
@@ -165,7 +166,6 @@ class Viewer {
     try {
       const { SkyMap } = await map_code;
       this.map = this.new_map(SkyMap);
-      this.map.set_split(this.state.split);
       this.lights.set_map(this.map);
     } catch (reason) {
       this.notice.show(new Error(words().problems.no_map(reason instanceof Error ? reason.message : String(reason))));
@@ -192,9 +192,13 @@ class Viewer {
     slider.value = String(Math.round(100 * part));
     slider.setAttribute("aria-valuetext", words().plan.percent(slider.value));
     this.sky_view.set_split(part);
-    this.map?.set_split(part);
     this.state = { ...this.state, split: part };
+    this.compare();
     this.write_split();
+  }
+
+  private compare(): void {
+    this.map?.compare(this.is_compared() ? this.state.split : null);
   }
 
   private scene(): Scene | null {
@@ -292,7 +296,7 @@ class Viewer {
   private show_state(): void {
     this.controls.show(this.state, this.scene());
     this.show_look();
-    this.map?.compare(this.is_compared());
+    this.compare();
     for (const layer of LAYERS) this.show_layer(layer);
     this.map?.mark(this.state.place);
     this.show_title();
@@ -327,9 +331,9 @@ class Viewer {
   }
 
   private show_layer(layer: LayerName): void {
-    // Its sums take seconds: of plans that are only tried they are not asked for, and what is there stays.
-    if (layer === "brightness" && this.lights.is_trying()) return;
     const { scene, layers } = this.state;
+    // Its sums take seconds: of plans that are only tried they are not asked for, and what is there stays.
+    if (layer === "brightness" && layers.brightness > 0 && this.lights.is_trying()) return;
     const { scenario: _, ...today } = this.conditions();
     const wanted = (conditions: Conditions) => {
       const query = this.layer_query(layer, conditions);

@@ -53,7 +53,6 @@ export class SkyMap {
   /** Outlines and names, by the source that shows them. */
   private readonly shared = new Map<string, GeoJSON>();
   private swipe: Swipe | null = null;
-  private split = 0.5;
   private cannot_compare = false;
 
   constructor(
@@ -191,27 +190,22 @@ export class SkyMap {
     this.swipe?.show_layer(name, today);
   }
 
-  /** Begins or ends a map of today left of the split. */
-  compare(on: boolean): void {
-    if (on === (this.swipe !== null)) return;
-    if (on && this.cannot_compare) return;
-    this.swipe?.remove();
-    this.swipe = null;
-    if (!on) return;
+  /** A map of today reaches this part of the width from the left, 0 to 1; null: there is none. */
+  compare(part: number | null): void {
+    if (part === null) {
+      this.swipe?.remove();
+      this.swipe = null;
+      return;
+    }
+    if (this.cannot_compare) return;
     try {
-      this.swipe = new Swipe(this.map, this.shared, this.events);
-      this.swipe.set_split(this.split);
+      this.swipe ??= new Swipe(this.map, this.shared, this.events);
+      this.swipe.set_split(part);
     } catch (reason) {
       // The two skies are still there to be compared.
       this.cannot_compare = true;
       this.events.failed(reason);
     }
-  }
-
-  /** The map of today reaches this part of the width from the left, 0 to 1. */
-  set_split(part: number): void {
-    this.split = part;
-    this.swipe?.set_split(part);
   }
 
   async show_places(places: readonly NamedPlace[]): Promise<void> {

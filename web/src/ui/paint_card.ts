@@ -83,6 +83,8 @@ export class PaintCard {
     const painted = painting.edits().flatMap(({ lamp }) => (typeof lamp === "object" && lamp !== null && "to" in lamp ? [lamp.to] : [lamp]));
     const there = [...lamps_in(assumed), ...painted];
     const options = [["", words().paint.all_lamps] as const, ...lamps().filter(([name]) => there.includes(name))];
+    const is_same = options.length === this.lamp_from.options.length && options.every(([name], i) => this.lamp_from.options[i]?.value === name);
+    if (is_same) return;
     const before = this.lamp_from.value;
     this.lamp_from.replaceChildren(...options.map(([name, title]) => new Option(title, name, false, name === before)));
   }
