@@ -7,23 +7,17 @@
 //! is missed; with `every` a line for each sky too. A class is lit such that its zenith is as bright as the natural sky,
 //! places as their raster says.
 
-use skyglow_bench::{accuracy::zenith_and_horizontal, scenes::grid_under_open_sky};
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
-use skyglow_physics::{
-    BAND_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity, photometry::natural_sky_luminance_cd_m2,
-};
-use skyglow_scene::{PolarGrid, RING_COUNT, SceneId, SceneStore, ring_distance_m};
-use skyglow_tables::{Pack, Scattering, packs_in};
+use skyglow_physics::GeoPoint;
+use skyglow_scene::{PolarGrid, SceneId, SceneStore};
 use skyglow_tests::{
-    class_scenes::Class,
+    class_errors::{class_grid, engine_with, errors_of_sky},
     lobe_truth::LobeTruth,
-    sky_errors::{SkyErrors, mixes, sky_errors},
+    sky_errors::{SkyErrors, mixes},
 };
 use std::{
     collections::BTreeMap,
     error::Error,
     path::{Path, PathBuf},
-    sync::Arc,
 };
 
 /// What is wanted of the mean, the 99th percentile, the zenith and the horizontal illuminance, and their names.
@@ -50,24 +44,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => return Err(format!("{argument}: expected basis=N, data=DATA_DIR or every").into()),
         }
     }
-    let rings: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
-    let tables = packs_in(Path::new(packs))?
-        .iter()
-        .map(|path| Pack::open(path).map(|pack| Arc::new(pack.resident(&rings))))
-        .collect::<Result<Vec<_>, _>>()?;
-    let engine =
-        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() })?;
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(truths)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
-    files.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
-    files.sort();
+    let engine = engine_with(Path::new(packs))?;
     println!("# all in %: mean, 99 %, zenith, horizontal illuminance; limits 1, 5, 0.5, 0.5");
     let mut worst: BTreeMap<(String, &str), SkyErrors> = BTreeMap::new();
-    for path in files {
-        let truth: LobeTruth = serde_json::from_slice(&std::fs::read(&path)?)?;
+    for path in LobeTruth::files_in(Path::new(truths))? {
+        let truth = LobeTruth::read(&path)?;
         let polar = polar_grid(&truth, options.data.as_deref())?;
         for (mix, emission) in mixes() {
-            let errors = errors(&engine, &truth, &polar, emission, options.basis)?;
+            let errors = errors_of_sky(&engine, &truth, &polar, emission, options.basis)?;
             if options.every {
                 let sky =
                     format!("{} {:.0} m T {:.2}", truth.name, truth.observer_altitude_m, truth.turbidity);
@@ -115,12 +99,7 @@ fn polar_grid(truth: &LobeTruth, data: Option<&Path>) -> Result<PolarGrid, Box<d
             let scene = SceneStore::new(data).open(&SceneId::parse(&truth.name)?)?;
             scene.polar_grid(GeoPoint::from_deg(latitude_deg, longitude_deg)?, false)
         }
-        None => {
-            let class = Class::from_name(&truth.name).ok_or("a truth of no known class")?;
-            let scenes = class.scenes();
-            let same = scenes.iter().find(|scene| scene.observer_altitude_m == truth.observer_altitude_m);
-            grid_under_open_sky(&same.ok_or("a truth of no known observer")?.sources)
-        }
+        None => class_grid(truth)?,
     };
     if (grid.flux_dnb_w / truth.flux_dnb_w - 1.0).abs() > 1e-3 {
         return Err(format!(
@@ -130,38 +109,4 @@ fn polar_grid(truth: &LobeTruth, data: Option<&Path>) -> Result<PolarGrid, Box<d
         .into());
     }
     Ok(grid)
-}
-
-fn errors(
-    engine: &Engine,
-    truth: &LobeTruth,
-    grid: &PolarGrid,
-    emission: EmissionMix,
-    basis: Option<usize>,
-) -> Result<SkyErrors, Box<dyn Error>> {
-    let flux_per_dnb_flux = LampPreset::Mixed.lamp().flux_per_dnb_flux;
-    let mut exact = truth.mixed_w_m2_sr(emission, flux_per_dnb_flux);
-    let mut grid = grid.clone();
-    if truth.place_deg.is_none() {
-        let scale = natural_sky_luminance_cd_m2() / zenith_and_horizontal(&truth.samples, &exact)[0];
-        exact.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
-        grid.cells.iter_mut().for_each(|cell| cell.flux_dnb_w *= scale as f32);
-        grid.flux_dnb_w *= scale;
-    }
-    let rendered = engine.render_blocking(RenderRequest {
-        polar: Arc::new(grid),
-        observer_altitude_m: truth.observer_altitude_m,
-        turbidity: Turbidity::new(truth.turbidity)?,
-        scattering: Scattering::Multiple,
-        cloud_base_m: None,
-        emission,
-        flux_per_dnb_flux,
-        basis,
-    })?;
-    let fast: Vec<[f64; BAND_COUNT]> = truth
-        .samples
-        .iter()
-        .map(|&(row, column)| std::array::from_fn(|b| rendered.panorama.radiance_w_m2_sr(b, row, column)))
-        .collect();
-    Ok(sky_errors(&truth.samples, &fast, &exact).ok_or("no directions")?)
 }

@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let mut fields: Option<(f64, Vec<MultipleTable>)> = None;
     for file in files {
-        let truth: LobeTruth = serde_json::from_slice(&std::fs::read(file)?)?;
+        let truth = LobeTruth::read(Path::new(file))?;
         let turbidity = Turbidity::new(truth.turbidity)?;
         let air = Atmosphere::new(turbidity);
         let (of, multiple) = match &mut fields {

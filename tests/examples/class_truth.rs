@@ -1,6 +1,6 @@
 //! The truth of the classes of places, every lobe apart, for the `class_accuracy` example.
 //!
-//! `class_truth OUT_DIR TURBIDITIES DIRECTIONS [CLASS...]`: one JSON file for a class, an observer and a turbidity; files
+//! `class_truth OUT_DIR TURBIDITIES DIRECTIONS [CLASS...]`: one packed JSON file for a class, an observer and a turbidity; files
 //! that are there are kept. TURBIDITIES such as `2.5,6`. The first order is the sum over every source by quadrature, later
 //! orders come from fields solved for every altitude of sources, ten core-seconds each.
 
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 sources,
                 flux_dnb_w: sources.iter().map(|source| source.flux_dnb_w).sum(),
             };
-            std::fs::write(&path, serde_json::to_string(&truth(&sky, turbidity, &samples, &mut kept)?)?)?;
+            truth(&sky, turbidity, &samples, &mut kept)?.write(&path)?;
         }
     }
     Ok(())

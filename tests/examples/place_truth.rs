@@ -1,6 +1,6 @@
 //! The truth of places spread over a scene, every lobe apart, for the `class_accuracy` example.
 //!
-//! `place_truth DATA_DIR SCENE OUT_DIR PLACES DIRECTIONS SHARE TURBIDITY,…`: one JSON file a place, files that are there are
+//! `place_truth DATA_DIR SCENE OUT_DIR PLACES DIRECTIONS SHARE TURBIDITY,…`: one packed JSON file a place, files that are there are
 //! kept; place after place takes the next of the turbidities. All the places of one turbidity share what fields do not depend
 //! on the observer. Sources in one bin, SHARE of their distance deep and wide, are one (0 sums every source).
 
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             sources: &sources,
             flux_dnb_w,
         };
-        std::fs::write(&path, serde_json::to_string(&truth(&sky, *turbidity, &samples, kept)?)?)?;
+        truth(&sky, *turbidity, &samples, kept)?.write(&path)?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@
 
 pub mod absences;
 pub mod arrows;
+pub mod class_errors;
 pub mod class_scenes;
 pub mod documents;
 pub mod lit_areas;

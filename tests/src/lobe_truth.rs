@@ -2,6 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{BAND_COUNT, EmissionMix, LOBE_COUNT, direct_sum::GridSample};
+use std::{
+    fs::File,
+    io,
+    path::{Path, PathBuf},
+};
+
+/// How the names of truth files end: JSON, packed.
+const FILE_ENDING: &str = ".json.zst";
 
 /// Lights of one sky, per watt of flux in the band as if all of the raster's were in it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -31,6 +39,34 @@ pub struct LobeTruth {
 }
 
 impl LobeTruth {
+    /// Reads a file of [`Self::write`].
+    ///
+    /// # Errors
+    /// What the file system, unpacking or JSON says.
+    pub fn read(path: &Path) -> io::Result<Self> {
+        Ok(serde_json::from_slice(&zstd::decode_all(File::open(path)?)?)?)
+    }
+
+    /// Writes a file whose name is one of [`file_name`].
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        std::fs::write(path, zstd::encode_all(serde_json::to_vec(self)?.as_slice(), 19)?)
+    }
+
+    /// Files of truths in a folder, by name.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
+        let entries = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+        let mut files = entries.collect::<io::Result<Vec<PathBuf>>>()?;
+        files.retain(|path| path.to_string_lossy().ends_with(FILE_ENDING));
+        files.sort();
+        Ok(files)
+    }
+
     /// Radiance of all orders, W m⁻² sr⁻¹, of a mix of lobes and a lamp.
     pub fn mixed_w_m2_sr(
         &self,
@@ -50,7 +86,7 @@ impl LobeTruth {
 
 /// What the file of a truth is called.
 pub fn file_name(name: &str, observer_altitude_m: f64, turbidity: f64) -> String {
-    format!("{name}-{observer_altitude_m:.0}m-t{turbidity:.2}.json")
+    format!("{name}-{observer_altitude_m:.0}m-t{turbidity:.2}{FILE_ENDING}")
 }
 
 /// A number as far as the truth is known.

@@ -2,16 +2,17 @@
 //! scattering (`tests/examples/truth.rs`, then `tests/examples/truth_multiple.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
-use skyglow_engine::{BrightnessRequest, DeviceChoice, Engine, EngineConfig, RenderRequest, SkyRequest};
+use skyglow_engine::{BrightnessRequest, Engine, RenderRequest, SkyRequest};
 use skyglow_physics::{
     ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
     photometry::luminance_cd_m2,
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
-use skyglow_scene::{RING_COUNT, Scene, SceneId, SceneStore, create_demo, ring_distance_m};
-use skyglow_tables::{Pack, Scattering, packs_in};
+use skyglow_scene::{Scene, SceneId, SceneStore, create_demo};
+use skyglow_tables::Scattering;
 use skyglow_tests::{
+    class_errors::engine_with,
     open_sky::{observatory, open_sky},
     tree,
 };
@@ -47,16 +48,6 @@ impl StoredTruth {
     fn bands(&self, sample: usize, turbidity: usize) -> [f64; 3] {
         std::array::from_fn(|band| self.radiance[sample][turbidity * 3 + band])
     }
-}
-
-fn engine() -> Engine {
-    let rings: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
-    let tables = packs_in(&tree::root().join("precomputed"))
-        .unwrap()
-        .iter()
-        .map(|path| Arc::new(Pack::open(path).unwrap().resident(&rings)))
-        .collect();
-    Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() }).unwrap()
 }
 
 fn truth_files() -> Vec<PathBuf> {
@@ -114,7 +105,7 @@ fn skies_of_the_demo_are_those_of_the_stored_truth() {
     let store = SceneStore::new(folder.path());
     create_demo(&store, &mut |_| ()).unwrap();
     let scene = store.open(&SceneId::parse("demo").unwrap()).unwrap();
-    let engine = engine();
+    let engine = engine_with(&tree::root().join("precomputed")).unwrap();
     for path in truth_files() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let truth: StoredTruth = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();

@@ -26,6 +26,17 @@ const LOWEST_SOURCE_M: f64 = -2_000.0;
 const LOWEST_BEND_M: f64 = -3_000.0;
 /// The same behind a skyline: a source that far below the observer whose light still passes beneath is rare.
 const LOWEST_CUT_BEND_M: f64 = -1_500.0;
+/// Part of an open axis's steps that lie below the bend. A ray 0.7° up passes a source below the observer at |Δ| + 0.012 r,
+/// and what it gathers there goes as one over that: where nodes are some 0.02 r apart at the bend, the line between two is
+/// 1 % off in the lowest row; far below, where a step is to be short beside the haze's 1 200 m, it takes the same number.
+const OPEN_SHARE_BELOW: f64 = 0.58;
+/// r/L below the bend of an open axis, near the observer.
+const OPEN_DISTANCE_PER_SCALE: f64 = 20.0;
+/// The same behind a skyline, which hides the light close to the ground.
+const CUT_SHARE_BELOW: f64 = 0.4;
+const CUT_DISTANCE_PER_SCALE: f64 = 4.0;
+/// Largest L below the bend, metres.
+const LARGEST_SCALE_BELOW_M: f64 = 1_500.0;
 
 /// The sample points of a pack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,7 +70,7 @@ pub struct OffsetAxis {
 }
 
 impl OffsetAxis {
-    /// The axis at a distance with `count` ≥ 3 nodes, two fifths of them below the bend.
+    /// The axis at a distance with `count` ≥ 3 nodes, more of them below the bend than above.
     pub fn at_distance(distance_m: f64, count: usize) -> Self {
         Self::behind_skyline(distance_m, 0.0, count)
     }
@@ -67,15 +78,18 @@ impl OffsetAxis {
     /// The axis of a source behind a skyline of `blocking_deg` ≥ 0: the sky bends where the cone of that elevation
     /// meets the observer, Δ_e = −(r²/2R + r tan e).
     pub fn behind_skyline(distance_m: f64, blocking_deg: f64, count: usize) -> Self {
-        let lowest_m: f64 = if blocking_deg > 0.0 { LOWEST_CUT_BEND_M } else { LOWEST_BEND_M };
+        let (lowest_m, share_below, distance_per_scale): (f64, f64, f64) = match blocking_deg > 0.0 {
+            true => (LOWEST_CUT_BEND_M, CUT_SHARE_BELOW, CUT_DISTANCE_PER_SCALE),
+            false => (LOWEST_BEND_M, OPEN_SHARE_BELOW, OPEN_DISTANCE_PER_SCALE),
+        };
         // The fourth-power means keep the axis smooth along the distance, which is interpolated at constant node.
         let drop_m =
             distance_m * distance_m / (2.0 * EARTH_RADIUS_M) + distance_m * blocking_deg.to_radians().tan();
         let bend_m = -(drop_m.powi(-4) + lowest_m.powi(-4)).powf(-0.25);
-        let scale_below_m = 1.0 / (4.0 / distance_m + 1.0 / 1_500.0);
-        let scale_above_m = 0.25 * scale_below_m * (1.0 - bend_m / 500.0);
+        let scale_below_m = 1.0 / (distance_per_scale / distance_m + 1.0 / LARGEST_SCALE_BELOW_M);
+        let scale_above_m = (1.0 - bend_m / 500.0) / (16.0 / distance_m + 4.0 / LARGEST_SCALE_BELOW_M);
         let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / HIGHEST_ALTITUDE_M);
-        let bend_node = (((count - 1) as f64 * 0.4).round() as usize).max(1);
+        let bend_node = (((count - 1) as f64 * share_below).round() as usize).max(1);
         Self {
             bend_m,
             scale_below_m,
@@ -127,7 +141,7 @@ impl TableAxes {
         Self {
             distance_m: logarithmic(56),
             observer_altitude_m: vec![0.0, 300.0, 700.0, 1_200.0, 1_900.0, 2_900.0, 4_200.0, 6_000.0],
-            offset_count: 23,
+            offset_count: 32,
         }
     }
 
@@ -176,25 +190,27 @@ mod tests {
     use proptest::prelude::*;
     use skyglow_physics::interpolation::lagrange_taps;
 
+    const COUNT: usize = 32;
+
     #[test]
     fn the_offset_axis_spans_its_range_and_has_a_node_at_the_bend_at_every_distance() {
         for distance_m in [250.0, 3_000.0, 50_000.0, 300_000.0] {
-            let axis = OffsetAxis::at_distance(distance_m, 23);
+            let axis = OffsetAxis::at_distance(distance_m, COUNT);
             assert!((axis.offset_m(0.0) + 6_000.0).abs() < 1e-6);
-            assert!(axis.offset_m(22.0) > 0.5 * (1.5 * distance_m).min(6_000.0));
+            assert!(axis.offset_m((COUNT - 1) as f64) > 0.5 * (1.5 * distance_m).min(6_000.0));
             assert_eq!(axis.position(axis.bend_m), axis.bend_node as f64);
-            for position in [0.3, 7.0, 8.9, 9.1, 21.99] {
+            for position in [0.3, 7.0, 17.9, 18.1, 30.99] {
                 assert!((axis.position(axis.offset_m(position)) - position).abs() < 1e-9);
             }
         }
         // At 50 km the plane through the source falls 196 m below the sphere's tangent.
-        assert!((OffsetAxis::at_distance(50_000.0, 23).bend_m + 196.2).abs() < 0.1);
+        assert!((OffsetAxis::at_distance(50_000.0, COUNT).bend_m + 196.2).abs() < 0.1);
     }
 
     #[test]
     fn behind_a_skyline_the_bend_lies_where_the_cone_meets_the_observer() {
-        let open = OffsetAxis::at_distance(20_000.0, 23);
-        assert_eq!(OffsetAxis::behind_skyline(20_000.0, 0.0, 23), open);
+        let open = OffsetAxis::at_distance(20_000.0, COUNT);
+        assert_eq!(OffsetAxis::behind_skyline(20_000.0, 0.0, COUNT), open);
         // 10 km · tan 4° and 7.8 m of curvature.
         let axis = OffsetAxis::behind_skyline(10_000.0, 4.0, 9);
         assert!((axis.bend_m + 707.1).abs() < 10.0, "{}", axis.bend_m);

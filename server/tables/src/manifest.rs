@@ -7,6 +7,7 @@ use crate::{
     fit::{FitConstants, WEIGHT_EXPONENT},
     images::{DARK_LOG_SCALE, NODES_PER_PIECE},
     multiple::MultipleAxes,
+    packing::ShapeLayout,
 };
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{
@@ -14,7 +15,7 @@ use skyglow_physics::{
 };
 
 /// Version of the file format and of what its node numbers mean; a pack of another version is refused.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;
 /// Version of the physical model; raised when the images change.
 pub const MODEL_VERSION: u32 = 3;
 
@@ -181,6 +182,17 @@ pub struct PackParameters {
     pub fit: FitConstants,
 }
 
+impl Manifest {
+    /// Sample points of the shape coefficients.
+    pub(crate) fn shape_layout(&self) -> ShapeLayout {
+        ShapeLayout {
+            distances: self.axes.distance_m.len(),
+            offsets: self.axes.offset_count,
+            basis: self.basis_count,
+        }
+    }
+}
+
 impl PackParameters {
     /// The command that makes the pack.
     fn command(&self) -> String {
@@ -203,16 +215,18 @@ impl PackParameters {
     fn sections(&self) -> Vec<String> {
         let mut sections = vec![
             "log_scale f32 [observer_altitude][lobe][band][distance][offset], ln(m-2 sr-1)",
-            "shape f16 [observer_altitude][lobe][band][distance][offset][basis], 1; packed as differences of the bits \
-             along distance",
-            "basis_spectrum f32 [basis][elevation][frequency 0..=128], 1",
+            "shape_step i8 [observer_altitude][lobe][band][distance][offset], power of 2 of the step of a node's \
+             coefficients",
+            "shape u16 the same with [basis], steps off the line through the two distances before, sign in the lowest \
+             bit; coefficients of 1, f16",
+            "basis_spectrum f32 [basis][elevation][frequency 0..=128], 1, to 15 bits of mantissa",
         ];
         if self.blocked.is_some() {
             sections.extend([
                 "blocked_log_part f32 [observer_altitude][angle 0.5 to 32 degrees][lobe][band][distance][offset], ln of \
                  the scale over that of the open sky",
                 "blocked_shape_less_open f16 the same with [basis], 1: coefficients less those of the open sky; packed \
-                 as shape",
+                 as differences of the bits along distance",
             ]);
         }
         sections.into_iter().map(str::to_owned).collect()

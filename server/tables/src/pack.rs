@@ -1,8 +1,9 @@
-//! The pack file: a readable manifest and three or five compressed sections, checked before use.
+//! The pack file: a readable manifest and four or six compressed sections, checked before use.
 //!
 //! Layout: magic, manifest length (u64 LE), manifest (JSON), then each section as length (u64 LE) and a zstd
 //! frame of its bytes with equal byte positions side by side, and at the end the BLAKE3 of all before it. Shape
-//! coefficients are packed as wrapping differences of their bits from one distance to the next (`packing.rs`).
+//! coefficients are whole steps, a size a node, packed as what they are off the line through the two distances before;
+//! those of sources behind skylines as differences of their bits (`packing.rs`).
 //! The manifest lies beside the pack as `.json` too; the two must agree.
 
 use crate::{
@@ -11,7 +12,7 @@ use crate::{
     clouds::Clouds,
     error::TablesError,
     manifest::{Manifest, Scattering},
-    packing::{distance_differences, shuffle},
+    packing::{distance_differences, round_mantissas, round_to_steps, shuffle, to_steps},
     resident::ResidentTables,
 };
 use half::f16;
@@ -70,13 +71,16 @@ pub fn pack_file_name(turbidity: f64, scattering: Scattering, clouds: Option<Clo
 }
 
 impl Pack {
-    /// From computed parts, without sources behind skylines; the manifest's checksum is set here.
+    /// From computed parts, without sources behind skylines; coefficients and basis are rounded to what a file holds, and the
+    /// manifest's checksum is set.
     pub(crate) fn from_parts(
         manifest: Manifest,
         log_scale: Vec<f32>,
-        shape: Vec<f16>,
-        basis_spectrum: Vec<f32>,
+        mut shape: Vec<f16>,
+        mut basis_spectrum: Vec<f32>,
     ) -> Self {
+        round_to_steps(&mut shape, manifest.basis_count);
+        round_mantissas(&mut basis_spectrum);
         let mut pack = Self { manifest, log_scale, shape, basis_spectrum, blocked: None };
         pack.set_checksum();
         pack
@@ -134,11 +138,10 @@ impl Pack {
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&(json.len() as u64).to_le_bytes());
         bytes.extend_from_slice(json);
-        let axes = &self.manifest.axes;
-        let row = axes.offset_count * self.manifest.basis_count;
-        let shape = distance_differences(&self.shape, axes.distance_m.len(), row);
+        let (exponents, shape) = to_steps(&self.shape, self.manifest.shape_layout());
         let mut sections: Vec<(&[u8], usize)> = vec![
             (bytemuck::cast_slice(&self.log_scale), 4),
+            (bytemuck::cast_slice(&exponents), 1),
             (bytemuck::cast_slice(&shape), 2),
             (bytemuck::cast_slice(&self.basis_spectrum), 4),
         ];

@@ -26,9 +26,11 @@ pub fn pack(content: &[u8]) {
 /// Where the description that comes with the program cannot be read.
 #[must_use]
 pub fn smallest_pack() -> Vec<u8> {
-    let sections = [IMAGE_COUNT * 3 * 4, IMAGE_COUNT * 3 * 2, ELEVATION_COUNT * FREQUENCY_COUNT * 4];
+    let [log_scale, steps, shape, spectrum] =
+        [IMAGE_COUNT * 3 * 4, IMAGE_COUNT * 3, IMAGE_COUNT * 3 * 2, ELEVATION_COUNT * FREQUENCY_COUNT * 4];
     let mut hasher = blake3::Hasher::new();
-    for bytes in sections {
+    // Steps of no coefficients say nothing, and are not among what is hashed.
+    for bytes in [log_scale, shape, spectrum] {
         hasher.update(&vec![0; bytes]);
     }
     let mut manifest: Value = serde_json::from_str(MANIFEST).unwrap_or_default();
@@ -40,7 +42,7 @@ pub fn smallest_pack() -> Vec<u8> {
     let mut content = b"SKYGLOW\x01".to_vec();
     content.extend((manifest.len() as u64).to_le_bytes());
     content.extend(manifest.as_bytes());
-    for bytes in sections {
+    for bytes in [log_scale, steps, shape, spectrum] {
         let packed = zstd::bulk::compress(&vec![0; bytes], 19).unwrap_or_default();
         content.extend((packed.len() as u64).to_le_bytes());
         content.extend(packed);

@@ -7,7 +7,7 @@ use crate::{
     error::TablesError,
     images::IMAGE_COUNT,
     manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Versions},
-    packing::{from_distance_differences, unshuffle},
+    packing::{from_distance_differences, from_steps, unshuffle},
     resident::FREQUENCY_COUNT,
 };
 use skyglow_physics::ELEVATION_COUNT;
@@ -55,12 +55,9 @@ impl Pack {
         // No axis is long enough for this to overflow.
         let nodes = axes.observer_altitude_m.len() * IMAGE_COUNT * axes.geometries_per_observer();
         let log_scale = bytemuck::pod_collect_to_vec::<u8, f32>(&parts.section("log_scale", &[nodes], 4)?);
-        let shape = parts.section("shape", &[nodes, count], 2)?;
-        let shape = from_distance_differences(
-            bytemuck::pod_collect_to_vec::<u8, u16>(&shape),
-            axes.distance_m.len(),
-            axes.offset_count * count,
-        );
+        let exponents = bytemuck::pod_collect_to_vec::<u8, i8>(&parts.section("shape_step", &[nodes], 1)?);
+        let shape = bytemuck::pod_collect_to_vec::<u8, u16>(&parts.section("shape", &[nodes, count], 2)?);
+        let shape = from_steps(&exponents, &shape, manifest.shape_layout());
         let spectrum = parts.section("basis_spectrum", &[count, ELEVATION_COUNT, FREQUENCY_COUNT], 4)?;
         let basis_spectrum = bytemuck::pod_collect_to_vec::<u8, f32>(&spectrum);
         let blocked = manifest.blocked.as_ref().map(|axes| read_blocked(&mut parts, axes)).transpose()?;

@@ -1,0 +1,66 @@
+//! Whole skies of classes of places from the packs that come with the program, against stored truth with each lobe apart
+//! (`tests/examples/class_truth.rs`): the sum over every source, all orders of scattering.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
+
+use skyglow_physics::EmissionMix;
+use skyglow_tests::{
+    class_errors::{class_grid, engine_with, errors_of_sky},
+    class_scenes::Class,
+    lobe_truth::LobeTruth,
+    sky_errors::{SkyErrors, mixes},
+    tree,
+};
+
+/// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with the `garstang` mix. Wanted are 1, 5, 0.5 and
+/// 0.5 %; where lights are within a pixel of where one looks, and where it is hazy, less is kept (`precomputed/README.md`).
+fn limits(class: Class) -> SkyErrors {
+    let [mean, p99, zenith, horizontal] = match class {
+        Class::CityFarOff => [1.2, 7.0, 0.5, 0.5],
+        Class::InsideCity => [1.0, 9.0, 0.5, 0.5],
+        Class::Spread => [1.0, 5.0, 0.5, 0.6],
+        Class::AllDistances => [1.0, 5.0, 0.5, 0.5],
+        Class::AbovePlain => [1.0, 5.0, 1.0, 0.7],
+        Class::Valley => [1.0, 15.0, 0.5, 0.5],
+        Class::OverSea => [1.0, 5.0, 0.5, 0.5],
+    };
+    [0.01 * mean, 0.01 * p99, 0.01 * zenith, 0.01 * horizontal]
+}
+
+#[test]
+fn skies_of_every_class_are_those_of_the_stored_truth() {
+    let engine = engine_with(&tree::root().join("precomputed")).unwrap();
+    let files = LobeTruth::files_in(&tree::root().join("tests/truth/classes")).unwrap();
+    let mut seen = Vec::new();
+    let mut missed = Vec::new();
+    for file in files {
+        let truth = LobeTruth::read(&file).unwrap();
+        let class = Class::from_name(&truth.name).unwrap();
+        let grid = class_grid(&truth).unwrap();
+        assert!(
+            (grid.flux_dnb_w / truth.flux_dnb_w - 1.0).abs() < 1e-3,
+            "{}: the class has changed; make the truth anew",
+            file.display()
+        );
+        let errors = |emission, basis| errors_of_sky(&engine, &truth, &grid, emission, basis).unwrap();
+        let sky = format!("{} {:.0} m, T {}", truth.name, truth.observer_altitude_m, truth.turbidity);
+        let limits = limits(class);
+        let found = mixes().map(|(mix, emission)| {
+            let found = errors(emission, None);
+            let [mean, p99, zenith, horizontal] = found.map(|error| 100.0 * error);
+            println!("{sky:38} {mix:9} {mean:6.2} {p99:7.2} {zenith:+6.2} {horizontal:+6.2}");
+            (mix, found)
+        });
+        let garstang = found.iter().find(|(mix, _)| *mix == "garstang");
+        let found = garstang.map(|(_, found)| *found).unwrap();
+        if found.iter().zip(limits).any(|(error, limit)| error.abs() > limit) {
+            missed.push(format!("{sky}: {found:?}, at most {limits:?}"));
+        }
+        // The check can fail: an eighth of the functions is too few.
+        assert!(errors(EmissionMix::garstang(), Some(8))[0] > limits[0], "{sky}");
+        seen.push(class.name());
+    }
+    assert!(missed.is_empty(), "{missed:#?}");
+    for class in Class::ALL {
+        assert!(seen.contains(&class.name()), "there is no truth of {}", class.name());
+    }
+}
