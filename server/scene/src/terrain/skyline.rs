@@ -7,7 +7,7 @@
 use super::Terrain;
 use super::cell::Piece;
 use super::layer::TerrainLayer;
-use super::ray::Ray;
+use super::ray::{NEAREST_GROUND_M, Ray};
 use glam::DVec3;
 use rayon::prelude::*;
 use skyglow_physics::geometry::LocalFrame;
@@ -44,7 +44,8 @@ pub(super) struct View<'a> {
     pub(super) layer: &'a TerrainLayer,
     /// Layers before this one that may overlap it: where they have a value it counts.
     pub(super) earlier: Vec<&'a TerrainLayer>,
-    /// First and last distance at which the layer can lie and matter, metres.
+    /// First and last distance at which the layer can lie, metres: the same for every eye over a place, and with them
+    /// the stretches that are taken as straight. How far an eye sees, [`Ray::would_see`] tells.
     pub(super) reach_m: (f64, f64),
     /// Middle and half width of the azimuths under which it lies, radians.
     azimuths_rad: (f64, f64),
@@ -95,7 +96,7 @@ impl<'a> View<'a> {
         let bearing = frame.bearing_to(bounds.center);
         let (to_center_rad, radius_rad) = (bearing.distance_m / EARTH_RADIUS_M, bounds.radius_rad);
         let nearest_m = EARTH_RADIUS_M * (to_center_rad - radius_rad).max(0.0);
-        let last_m = farthest_m.min(EARTH_RADIUS_M * (to_center_rad + radius_rad));
+        let last_m = EARTH_RADIUS_M * (to_center_rad + radius_rad);
         let half_width_rad = if to_center_rad > radius_rad && to_center_rad + radius_rad < PI {
             (radius_rad.sin() / to_center_rad.sin()).clamp(0.0, 1.0).asin()
         } else {
@@ -107,7 +108,7 @@ impl<'a> View<'a> {
             let (center, other_radius_rad) = (other.bounds().center, other.bounds().radius_rad);
             center.angle_between(bounds.center) <= radius_rad + other_radius_rad
         };
-        (nearest_m < last_m).then(|| Self {
+        (nearest_m < last_m.min(farthest_m)).then(|| Self {
             layer,
             earlier: earlier.iter().filter(overlaps).collect(),
             reach_m: (nearest_m, last_m),
@@ -168,7 +169,7 @@ pub(super) fn look_along(
     let turn = grid.turn_columns();
     // Meridians draw together towards the poles, and great circles bend more between them.
     let longest_m = stride.longest_m * frame.up.truncate().length().max(0.02);
-    let mut start_m = first_m;
+    let mut start_m = first_m.max(NEAREST_GROUND_M);
     let mut start = grid.position_near(point(start_m), view.near);
     while start_m < last_m && ray.would_see(view.highest_m, start_m) {
         let stretch_m = (stride.share * start_m).min(longest_m).max(SHORTEST_STRETCH_M.min(longest_m));

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use skyglow_physics::horizon::terrain_elevation_tangent;
 
 /// The largest difference [degrees] from a walk in small steps over some columns's line of sight.
-fn worst_error_deg(terrain: &Terrain, place: GeoPoint, farthest_m: f64) -> f64 {
-    let eye_m = terrain.ground(place).altitude_m() + 2.0;
+fn worst_error_deg(terrain: &Terrain, place: GeoPoint, height_m: f64, farthest_m: f64) -> f64 {
+    let eye_m = terrain.ground(place).altitude_m() + height_m;
     let horizon = terrain.horizon(place, eye_m);
     let mut worst = 0.0f64;
     for column in (0..AZIMUTH_COUNT).step_by(19) {
@@ -95,7 +95,7 @@ fn hills_agree_with_a_walk_over_them() {
         for at in
             [place(latitude_deg - 1.3, 8.3), place(latitude_deg - 0.2, 9.1), place(latitude_deg - 2.61, 7.03)]
         {
-            let worst_deg = worst_error_deg(&terrain, at, 250_000.0);
+            let worst_deg = worst_error_deg(&terrain, at, 2.0, 250_000.0);
             assert!(worst_deg < 0.02, "{seed} {at:?}: {worst_deg}");
         }
     }
@@ -106,7 +106,7 @@ fn voids_are_no_ground_and_no_wall() {
     let holes = |c: u32, r: u32| if noise(c / 3, r / 3, 9) < 0.3 { f32::NAN } else { hills_m(c, r, 5) };
     let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 200), holes)]);
     for at in [place(46.0, 8.0), place(45.503, 7.503), place(46.312, 8.777)] {
-        let worst_deg = worst_error_deg(&terrain, at, 180_000.0);
+        let worst_deg = worst_error_deg(&terrain, at, 2.0, 180_000.0);
         assert!(worst_deg < 0.02, "{at:?}: {worst_deg}");
     }
     // An island of ground around the observer, and nothing else.
@@ -127,7 +127,7 @@ fn where_layers_overlap_the_first_counts_here_too() {
     let second = layer(grid(7.0, 47.0, 200), |c, r| hills_m(c, r, 7) + 900.0);
     let terrain = Terrain::new(vec![first, second]);
     for at in [place(46.3, 7.9), place(46.0, 7.2), place(46.75, 8.9)] {
-        let worst_deg = worst_error_deg(&terrain, at, 160_000.0);
+        let worst_deg = worst_error_deg(&terrain, at, 2.0, 160_000.0);
         assert!(worst_deg < 0.02, "{at:?}: {worst_deg}");
     }
 }
@@ -149,7 +149,7 @@ fn a_layer_in_a_projection_is_looked_along_too() {
     let terrain = Terrain::new(vec![layer(lattice, |c, r| hills_m(c, r, 8))]);
     // Inside, near a corner, and outside.
     for at in [place(60.0, 25.0), place(60.4, 25.5), place(60.9, 25.0), place(59.0, 24.0)] {
-        let worst_deg = worst_error_deg(&terrain, at, 150_000.0);
+        let worst_deg = worst_error_deg(&terrain, at, 2.0, 150_000.0);
         assert!(worst_deg < 0.02, "{at:?}: {worst_deg}");
     }
 }
@@ -181,6 +181,18 @@ fn bounds_are_made_when_a_horizon_is_asked_for_and_not_before() {
     assert!(!opened.layers[0].has_bounds());
     assert!(!opened.horizon(place(46.8, 7.2), 1000.0).is_flat());
     assert!(opened.layers[0].has_bounds());
+}
+
+#[test]
+fn from_the_ground_itself_a_slope_that_flattens_is_seen_where_it_begins() {
+    // Between samples, where lines of sight bend with the ground that they cross.
+    let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 150), |c, r| hills_m(c, r, 808))]);
+    for at in [place(46.57683003501028, 7.1), place(46.31, 7.7312), place(46.0807, 8.2009)] {
+        for height_m in [0.0, 0.1] {
+            let worst_deg = worst_error_deg(&terrain, at, height_m, 200_000.0);
+            assert!(worst_deg < 0.02, "{at:?} from {height_m} m: {worst_deg}");
+        }
+    }
 }
 
 proptest! {
