@@ -23,13 +23,12 @@ fn blocked_layer(observer_altitude: u32, angle_index: u32) -> u32 {
 }
 
 fn shape_texel(
+  row: u32,
+  observer_altitude: u32,
   lobe: u32,
   band: u32,
-  ring: u32,
-  ring_count: u32,
-  offset: u32,
   octet: u32,
   octet_count: u32,
 ) -> vec2<u32> {
-  return vec2<u32>(offset * octet_count + octet, (lobe * 3u + band) * ring_count + ring);
+  return vec2<u32>(((observer_altitude * 3u + lobe) * 3u + band) * octet_count + octet, row);
 }

@@ -5,9 +5,9 @@
 @group(0) @binding(2) var<storage, read> nodes: array<Node>;
 // The list of (node, band): shares of the lobes, and what this pass does not read.
 @group(0) @binding(3) var scales: texture_storage_2d<rgba32float, read>;
-// Layer: observer altitude; row: (lobe, band, ring); column: (offset, eight functions of 16 bits).
+// Row: (ring, offset); column: (observer altitude, lobe, band, eight functions of 16 bits); one layer.
 @group(0) @binding(4) var shape: texture_storage_2d_array<rgba32uint, read>;
-// The same with a layer for every (observer altitude, angle).
+// The same with a layer for every angle.
 @group(0) @binding(5) var blocked_shape: texture_storage_2d_array<rgba32uint, read>;
 // Row: node; column: (band, four functions).
 @group(0) @binding(6) var mixed: texture_storage_2d<rgba32float, write>;
@@ -26,8 +26,8 @@ fn add_shape(sum: Octet, factor: f32, halves: vec4<u32>) -> Octet {
   );
 }
 
-fn open_shape(sum: Octet, factor: f32, texel: vec2<u32>, first: u32, layer: u32) -> Octet {
-  return add_shape(sum, factor, textureLoad(shape, texel + vec2<u32>(first, 0u), layer));
+fn open_shape(sum: Octet, factor: f32, texel: vec2<u32>, first: u32) -> Octet {
+  return add_shape(sum, factor, textureLoad(shape, texel + vec2<u32>(first, 0u), 0u));
 }
 
 // The table may hold fewer functions than the pack: the others are 0.
@@ -65,6 +65,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let blocked_tap_layer = requests[node.request].blocked_tap_layer;
   let blocked_tap_weight = requests[node.request].blocked_tap_weight;
   let blocked_tap_count = select(requests[node.request].blocked_tap_count, 0u, is_open);
+  let row = node.ring * frame.offset_count + node.offset;
+  let hidden_row = node.ring * frame.blocked_offset_count + node.offset;
   var first = NO_FUNCTIONS;
   var second = NO_FUNCTIONS;
   var third = NO_FUNCTIONS;
@@ -72,23 +74,22 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
     // A loop that does not run costs software less than a branch, both sides of which it takes.
     let in_use = shares[lobe] > 0.0;
-    let texel = shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.table_octet_count);
     for (var tap = 0u; tap < select(0u, tap_count, in_use); tap++) {
       let factor = shares[lobe] * tap_weight[tap];
-      let layer = tap_layer[tap];
-      first = open_shape(first, factor, texel, 0u, layer);
-      second = open_shape(second, factor, texel, 1u, layer);
-      third = open_shape(third, factor, texel, 2u, layer);
-      fourth = open_shape(fourth, factor, texel, 3u, layer);
+      let texel = shape_texel(row, tap_layer[tap], lobe, band, octet, frame.table_octet_count);
+      first = open_shape(first, factor, texel, 0u);
+      second = open_shape(second, factor, texel, 1u);
+      third = open_shape(third, factor, texel, 2u);
+      fourth = open_shape(fourth, factor, texel, 3u);
     }
-    let hidden = shape_texel(lobe, band, node.ring, frame.ring_count, node.offset, octet, frame.blocked_octet_count);
     for (var tap = 0u; tap < select(0u, blocked_tap_count, in_use); tap++) {
       let factor = shares[lobe] * blocked_tap_weight[tap];
-      let layer = blocked_layer(blocked_tap_layer[tap], node.blocking - 1u);
-      first = hidden_shape(first, factor, hidden, octet, 0u, layer);
-      second = hidden_shape(second, factor, hidden, octet, 1u, layer);
-      third = hidden_shape(third, factor, hidden, octet, 2u, layer);
-      fourth = hidden_shape(fourth, factor, hidden, octet, 3u, layer);
+      let texel =
+        shape_texel(hidden_row, blocked_tap_layer[tap], lobe, band, octet, frame.blocked_octet_count);
+      first = hidden_shape(first, factor, texel, octet, 0u, node.blocking - 1u);
+      second = hidden_shape(second, factor, texel, octet, 1u, node.blocking - 1u);
+      third = hidden_shape(third, factor, texel, octet, 2u, node.blocking - 1u);
+      fourth = hidden_shape(fourth, factor, texel, octet, 3u, node.blocking - 1u);
     }
   }
   let texel = mixed_texel(node_index, band, 2u * octet, frame.quad_count);

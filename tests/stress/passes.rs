@@ -4,7 +4,7 @@ use crate::{
     Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
-    plain::{self, OFFSET_COUNT, fill_scale, fill_shape, make_needle, make_uniform},
+    plain::{self, fill_scale, fill_shape, make_needle, make_uniform},
     rig::{Lamp, Rig, grid_of, row_maxima, widened},
 };
 use skyglow_engine::{RenderRequest, synthetic::Noise};
@@ -117,7 +117,7 @@ fn mix_shape(report: &mut Report) -> Outcome {
 /// A column with light in every ring, brightest and dimmest 1e18 apart, brightest last and first.
 fn coefficients(report: &mut Report) -> Outcome {
     let mut tables = plain::tables(2.0, 4);
-    fill_shape(&mut tables, |node, k| if k == 0 { 1.0 + (node % OFFSET_COUNT) as f64 / 8.0 } else { 0.0 });
+    fill_shape(&mut tables, |offset, k| if k == 0 { 1.0 + offset as f64 / 8.0 } else { 0.0 });
     make_uniform(&mut tables, 0, |_| 1.0);
     let rig = rig([tables])?;
     for (name, rising) in [("brightest last", 1.0f32), ("brightest first", -1.0)] {

@@ -54,11 +54,12 @@ pub(crate) fn make_needle(tables: &mut ResidentTables, k: usize) {
     }
 }
 
-/// Gives every node `of` its position and function.
+/// Gives every coefficient `of` its place on the offset axis and its function.
 pub(crate) fn fill_shape(tables: &mut ResidentTables, mut of: impl FnMut(usize, usize) -> f64) {
     let count = tables.basis_count;
+    let node = ALTITUDES_M.len() * LOBE_COUNT * BAND_COUNT * count;
     for (position, value) in tables.shape.iter_mut().enumerate() {
-        *value = f16::from_f64(of(position / count, position % count));
+        *value = f16::from_f64(of(position / node % OFFSET_COUNT, position % count));
     }
 }
 

@@ -37,16 +37,15 @@ impl StoredImages {
         let mut shape = Vec::new();
         for band in 0..BAND_COUNT {
             for node in &nodes {
-                let index = |altitude: usize, lobe: usize| {
-                    tables.node_index(altitude, lobe, band, node.ring as usize, node.offset as usize)
-                };
+                let (ring, offset) = (node.ring as usize, node.offset as usize);
                 let shares = shares(request, &lobes, &|altitude, lobe| {
-                    f64::from(tables.log_scale[index(altitude, lobe)])
+                    f64::from(tables.log_scale[tables.scale_index(altitude, lobe, band, ring, offset)])
                 });
                 for (&lobe, share) in lobes.iter().zip(shares) {
                     for (&altitude, weight) in taps.indices().iter().zip(taps.weights()) {
                         weights.push((share * weight) as f32);
-                        let start = index(altitude, lobe) * tables.basis_count;
+                        let image = tables.shape_index(altitude, lobe, band, ring, offset);
+                        let start = image * tables.basis_count;
                         let coefficients = &tables.shape[start..start + basis_count];
                         shape.push(coefficients.iter().map(|value| value.to_f32()).collect());
                     }

@@ -16,9 +16,9 @@ pub(crate) struct NodeTable<'a> {
     pub(crate) taps: &'a Taps,
     /// Which of [`Self::window`] is the node itself.
     pub(crate) place_in_window: usize,
-    /// ln of the scale, by [`Self::index`].
+    /// ln of the scale, by [`Self::scale_index`].
     log_scale: &'a [f32],
-    /// Shape coefficients, [`Self::basis_count`] a node.
+    /// Shape coefficients, by [`Self::shape_index`].
     pub(crate) shape: &'a [f16],
     /// Functions of the table; those of the pack beyond are 0.
     pub(crate) basis_count: usize,
@@ -73,17 +73,26 @@ impl<'a> NodeTable<'a> {
     /// ln of the scale at the three nodes that give the bow: [`skyglow_tables::bow`].
     #[inline(always)]
     pub(crate) fn window(&self, observer_altitude: usize, lobe: usize, band: usize) -> [f32; WINDOW] {
-        let first = self.index(observer_altitude, lobe, band) - self.place_in_window;
+        let first = self.scale_index(observer_altitude, lobe, band) - self.place_in_window;
         // A window lies within its ring's offsets.
         self.log_scale[first..].first_chunk().copied().unwrap_or_default()
     }
 
-    /// Place of the node in a table; times [`Self::basis_count`] the start in [`Self::shape`].
-    pub(crate) fn index(&self, observer_altitude: usize, lobe: usize, band: usize) -> usize {
+    fn scale_index(&self, observer_altitude: usize, lobe: usize, band: usize) -> usize {
         match self.blocked {
-            None => self.tables.node_index(observer_altitude, lobe, band, self.ring, self.offset),
+            None => self.tables.scale_index(observer_altitude, lobe, band, self.ring, self.offset),
             Some((behind, angle_index)) => {
-                behind.node_index(observer_altitude, angle_index, lobe, band, self.ring, self.offset)
+                behind.scale_index(observer_altitude, angle_index, lobe, band, self.ring, self.offset)
+            }
+        }
+    }
+
+    /// Place of an image of the node in the table of shapes; times [`Self::basis_count`] the start in [`Self::shape`].
+    pub(crate) fn shape_index(&self, observer_altitude: usize, lobe: usize, band: usize) -> usize {
+        match self.blocked {
+            None => self.tables.shape_index(observer_altitude, lobe, band, self.ring, self.offset),
+            Some((behind, angle_index)) => {
+                behind.shape_index(observer_altitude, angle_index, lobe, band, self.ring, self.offset)
             }
         }
     }

@@ -117,7 +117,7 @@ pub fn mixed_node(
 ) -> ExactNode {
     let table = NodeTable::of(tables, request, node);
     let taps = table.taps;
-    let node = |tap: usize, lobe: usize| table.index(tap, lobe, band);
+    let node = |tap: usize, lobe: usize| table.shape_index(tap, lobe, band);
     let blend = |value: &dyn Fn(usize) -> f64| -> f64 {
         taps.indices().iter().zip(taps.weights()).map(|(&tap, weight)| weight * value(tap)).sum()
     };

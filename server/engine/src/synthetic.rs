@@ -78,13 +78,17 @@ fn with_all_orders(mut tables: ResidentTables) -> ResidentTables {
     tables
 }
 
+/// Lobe and band of every image, in the order of tables.
+fn images() -> impl Iterator<Item = (usize, usize)> {
+    (0..LOBE_COUNT * BAND_COUNT).map(|image| (image / BAND_COUNT, image % BAND_COUNT))
+}
+
 /// A made-up pack: brightness falls with distance and altitude, the first function is a glow towards the source,
 /// the others are ripples on it that shrink with their order.
 pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
     let observer_altitude_m = vec![0.0, 500.0, 1200.0, 2500.0, 4000.0, 6000.0];
     let ring_distances_m: Vec<f64> = (0..RING_COUNT).map(ring_distance_m).collect();
     let mut log_scale = Vec::new();
-    let mut shape = Vec::new();
     for observer_m in &observer_altitude_m {
         for lobe in 0..LOBE_COUNT {
             for band in 0..BAND_COUNT {
@@ -98,16 +102,26 @@ pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
                                 - distance_m / reach_m * (1.0 + 0.2 * band as f64)
                                 - (observer_m - offset_m) / 7000.0) as f32,
                         );
-                        for k in 0..basis_count {
-                            let wave = (0.7 * k as f64 + distance_m.ln() * (0.5 + 0.11 * k as f64)
-                                - offset_m / 4000.0
-                                + observer_m / 9000.0
-                                + lobe as f64
-                                + 0.3 * band as f64)
-                                .sin();
-                            let value = if k == 0 { 1.0 + 0.2 * wave } else { 0.25 * wave / (1 + k) as f64 };
-                            shape.push(f16::from_f64(value));
-                        }
+                    }
+                }
+            }
+        }
+    }
+    let mut shape = Vec::new();
+    for distance_m in &ring_distances_m {
+        let axis = OffsetAxis::at_distance(*distance_m, OFFSET_COUNT);
+        for offset_m in (0..OFFSET_COUNT).map(|node| axis.offset_m(node as f64)) {
+            for observer_m in &observer_altitude_m {
+                for (lobe, band) in images() {
+                    for k in 0..basis_count {
+                        let wave = (0.7 * k as f64 + distance_m.ln() * (0.5 + 0.11 * k as f64)
+                            - offset_m / 4000.0
+                            + observer_m / 9000.0
+                            + lobe as f64
+                            + 0.3 * band as f64)
+                            .sin();
+                        let value = if k == 0 { 1.0 + 0.2 * wave } else { 0.25 * wave / (1 + k) as f64 };
+                        shape.push(f16::from_f64(value));
                     }
                 }
             }
@@ -167,24 +181,32 @@ fn blocked_tables(open: &ResidentTables) -> ResidentBlocked {
     for observer_m in blocked.observer_altitude_m.clone() {
         for (angle_index, axes) in blocked.offset_axis.iter().enumerate() {
             let angle_rad = BLOCKING_ANGLES_DEG[angle_index + 1].to_radians();
-            for lobe in 0..LOBE_COUNT {
-                for band in 0..BAND_COUNT {
-                    for (axis, distance_m) in axes.iter().zip(&open.ring_distance_m) {
-                        for offset_m in (0..axis.count).map(|node| axis.offset_m(node as f64)) {
-                            let hidden =
-                                0.5 * angle_index as f64 + (distance_m * angle_rad.tan() / 9000.0).min(6.0);
-                            blocked.log_scale.push(
-                                (-18.0 - 1.3 * distance_m.ln() - hidden - (observer_m - offset_m) / 7000.0)
-                                    as f32,
-                            );
-                            for k in 0..basis_count {
-                                let wave = (0.9 * k as f64 + distance_m.ln() + angle_rad - offset_m / 4000.0
-                                    + (lobe + band) as f64)
-                                    .cos();
-                                let value =
-                                    if k == 0 { 0.9 + 0.2 * wave } else { 0.2 * wave / (1 + k) as f64 };
-                                blocked.shape.push(f16::from_f64(value));
-                            }
+            for _ in images() {
+                for (axis, distance_m) in axes.iter().zip(&open.ring_distance_m) {
+                    for offset_m in (0..axis.count).map(|node| axis.offset_m(node as f64)) {
+                        let hidden =
+                            0.5 * angle_index as f64 + (distance_m * angle_rad.tan() / 9000.0).min(6.0);
+                        blocked.log_scale.push(
+                            (-18.0 - 1.3 * distance_m.ln() - hidden - (observer_m - offset_m) / 7000.0)
+                                as f32,
+                        );
+                    }
+                }
+            }
+        }
+    }
+    for (angle_index, axes) in blocked.offset_axis.iter().enumerate() {
+        let angle_rad = BLOCKING_ANGLES_DEG[angle_index + 1].to_radians();
+        for (axis, distance_m) in axes.iter().zip(&open.ring_distance_m) {
+            for offset_m in (0..axis.count).map(|node| axis.offset_m(node as f64)) {
+                for _ in &blocked.observer_altitude_m {
+                    for (lobe, band) in images() {
+                        for k in 0..basis_count {
+                            let wave = (0.9 * k as f64 + distance_m.ln() + angle_rad - offset_m / 4000.0
+                                + (lobe + band) as f64)
+                                .cos();
+                            let value = if k == 0 { 0.9 + 0.2 * wave } else { 0.2 * wave / (1 + k) as f64 };
+                            blocked.shape.push(f16::from_f64(value));
                         }
                     }
                 }

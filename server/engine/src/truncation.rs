@@ -148,7 +148,7 @@ impl Sums {
         for lobe in (0..LOBE_COUNT).filter(|&lobe| shares[lobe] > 0.0) {
             for (&tap, of_tap) in table.taps.indices().iter().zip(table.taps.weights()) {
                 let weight = weight * f64::from(shares[lobe]) * of_tap;
-                let node = table.index(tap, lobe, band);
+                let node = table.shape_index(tap, lobe, band);
                 self.integral[band] += weight * norms.integral(node);
                 // Interpolation takes some altitudes away; norms add up all the same.
                 for (sums, remainder) in self.remainders.iter_mut().zip(norms.remainders(node)) {

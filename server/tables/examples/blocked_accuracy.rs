@@ -83,8 +83,10 @@ fn coefficients_at(tables: &ResidentTables, angle: usize, observer_m: f64, offse
                 offset_m,
                 count,
                 |observer, lobe, band, offset| {
-                    let node = blocked.node_index(observer, angle, lobe, band, 0, offset);
-                    values(blocked.log_scale[node], &blocked.shape[node * count..(node + 1) * count])
+                    let log_scale =
+                        blocked.log_scale[blocked.scale_index(observer, angle, lobe, band, 0, offset)];
+                    let node = blocked.shape_index(observer, angle, lobe, band, 0, offset);
+                    values(log_scale, &blocked.shape[node * count..(node + 1) * count])
                 },
             )
         }
@@ -92,8 +94,9 @@ fn coefficients_at(tables: &ResidentTables, angle: usize, observer_m: f64, offse
             let taps = lagrange_taps(&tables.observer_altitude_m, observer_m, 4);
             let count = tables.basis_count;
             coefficients(&taps, &tables.offset_axis[0], offset_m, count, |observer, lobe, band, offset| {
-                let node = tables.node_index(observer, lobe, band, 0, offset);
-                values(tables.log_scale[node], &tables.shape[node * count..(node + 1) * count])
+                let log_scale = tables.log_scale[tables.scale_index(observer, lobe, band, 0, offset)];
+                let node = tables.shape_index(observer, lobe, band, 0, offset);
+                values(log_scale, &tables.shape[node * count..(node + 1) * count])
             })
         }
     }

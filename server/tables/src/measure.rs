@@ -28,10 +28,10 @@ fn coefficients(tables: &ResidentTables, observer_altitude_m: f64, offset_m: f64
     let mut out = Vec::with_capacity(BAND_COUNT * LOBE_COUNT * tables.basis_count);
     for band in 0..BAND_COUNT {
         for lobe in 0..LOBE_COUNT {
-            let node = |observer, side| tables.node_index(observer, lobe, band, 0, low + side);
+            let node = |observer, side| tables.shape_index(observer, lobe, band, 0, low + side);
             let at = |offset: usize| -> f64 {
                 let value =
-                    |&(o, w)| w * f64::from(tables.log_scale[tables.node_index(o, lobe, band, 0, offset)]);
+                    |&(o, w)| w * f64::from(tables.log_scale[tables.scale_index(o, lobe, band, 0, offset)]);
                 taps.iter().map(value).sum()
             };
             let log_scale = log_scale_at(&tables.offset_axis[0], position, at);

@@ -15,7 +15,7 @@ use crate::{
     packing::{distance_differences, round_mantissas, round_to_steps, shuffle, to_steps},
     resident::ResidentTables,
 };
-use half::f16;
+use half::{f16, slice::HalfFloatSliceExt};
 use rayon::prelude::*;
 use skyglow_physics::interpolation::lagrange_taps;
 use std::{
@@ -71,9 +71,9 @@ pub fn pack_file_name(turbidity: f64, scattering: Scattering, clouds: Option<Clo
 }
 
 impl Pack {
-    /// From computed parts, without sources behind skylines; coefficients and basis are rounded to what a file holds, and the
-    /// manifest's checksum is set.
-    pub(crate) fn from_parts(
+    /// From parts as they were computed, without sources behind skylines; coefficients and basis are rounded to what a file
+    /// holds, and the manifest's checksum is set.
+    pub(crate) fn from_computed(
         manifest: Manifest,
         log_scale: Vec<f32>,
         mut shape: Vec<f16>,
@@ -93,6 +93,11 @@ impl Pack {
     }
 
     fn set_checksum(&mut self) {
+        self.manifest.checksum = self.checksum();
+    }
+
+    /// BLAKE3 of the data, hexadecimal.
+    fn checksum(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(bytemuck::cast_slice(&self.log_scale));
         hasher.update(bytemuck::cast_slice(&self.shape));
@@ -101,7 +106,7 @@ impl Pack {
             hasher.update(bytemuck::cast_slice(&blocked.log_part));
             hasher.update(bytemuck::cast_slice(&blocked.shape_less_open));
         }
-        self.manifest.checksum = hasher.finalize().to_hex().to_string();
+        hasher.finalize().to_hex().to_string()
     }
 
     /// What the pack is.
@@ -185,26 +190,7 @@ impl Pack {
                     }
                 }
             });
-        let row = offsets * count;
-        let mut shape = vec![f16::ZERO; self.shape.len() / distances * rings];
-        shape.par_chunks_exact_mut(rings * row).zip(self.shape.par_chunks_exact(distances * row)).for_each(
-            |(out, table)| {
-                let table: Vec<f32> = table.iter().map(|v| v.to_f32()).collect();
-                let mut sum = vec![0.0f32; row];
-                for (ring, taps) in taps.iter().enumerate() {
-                    sum.fill(0.0);
-                    for &(d, w) in taps {
-                        let w = w as f32;
-                        for (sum, value) in sum.iter_mut().zip(&table[d * row..(d + 1) * row]) {
-                            *sum += w * value;
-                        }
-                    }
-                    for (out, &sum) in out[ring * row..(ring + 1) * row].iter_mut().zip(&sum) {
-                        *out = f16::from_f32(sum);
-                    }
-                }
-            },
-        );
+        let shape = self.shape_on_rings(&taps);
         let mut tables = ResidentTables {
             turbidity: self.manifest.turbidity,
             scattering: self.manifest.scattering,
@@ -222,6 +208,36 @@ impl Pack {
         };
         tables.blocked = self.blocked.as_ref().map(|blocked| blocked.resident(&tables));
         tables
+    }
+
+    /// Shape coefficients on rings with these taps of the distances, `[ring][offset][observer_altitude][lobe][band][basis]`.
+    fn shape_on_rings(&self, taps: &[Vec<(usize, f64)>]) -> Vec<f16> {
+        let axes = &self.manifest.axes;
+        let (offsets, count) = (axes.offset_count, self.manifest.basis_count);
+        let row = offsets * count;
+        let table = axes.distance_m.len() * row;
+        let images = self.shape.len() / table;
+        let mut wide = vec![0.0f32; self.shape.len()];
+        wide.par_chunks_mut(table)
+            .zip(self.shape.par_chunks(table))
+            .for_each(|(wide, table)| table.convert_to_f32_slice(wide));
+        let mut shape = vec![f16::ZERO; images * row * taps.len()];
+        shape.par_chunks_exact_mut(images * row).zip(taps).for_each(|(out, taps)| {
+            let mut sum = vec![0.0f32; row];
+            for (image, table) in wide.chunks_exact(table).enumerate() {
+                sum.fill(0.0);
+                for &(d, w) in taps {
+                    let w = w as f32;
+                    for (sum, value) in sum.iter_mut().zip(&table[d * row..(d + 1) * row]) {
+                        *sum += w * value;
+                    }
+                }
+                for (offset, sum) in sum.chunks_exact(count).enumerate() {
+                    out[(offset * images + image) * count..][..count].convert_from_f32_slice(sum);
+                }
+            }
+        });
+        shape
     }
 }
 

@@ -1,7 +1,7 @@
 //! What makes sections small: bytes in another order, and differences along the distance. All of it is lossless but for
 //! [`round_to_steps`], which is done before anything is packed.
 
-use half::f16;
+use half::{f16, slice::HalfFloatSliceExt};
 use rayon::prelude::*;
 
 /// Equal byte positions of `width`-byte values side by side: smooth tables then compress.
@@ -104,19 +104,8 @@ fn in_other_steps(value: i32, shift: i32) -> i64 {
     }
 }
 
-/// What the line through the two distances before says of a coefficient, in steps of two to the `exponent`: before are
-/// the nearer and the farther, each with its own exponent.
-fn expected(before: [Option<(i32, i32)>; 2], exponent: i32) -> i32 {
-    let in_steps = |(value, own): (i32, i32)| in_other_steps(value, own - exponent);
-    let line = match before {
-        [None, _] => 0,
-        [Some(nearer), None] => in_steps(nearer),
-        [Some(nearer), Some(farther)] => 2 * in_steps(nearer) - in_steps(farther),
-    };
-    line.clamp(-LARGEST_EXPECTED, LARGEST_EXPECTED) as i32
-}
-
-/// Visits every coefficient of a table: `visit` has its place and what is expected there of the steps found so far.
+/// Visits every coefficient of a table: `visit` has its place and what the line through the two distances before, which
+/// have steps of their own, says of it in steps of its node.
 fn along_distances(
     layout: ShapeLayout,
     exponents: &[i8],
@@ -124,14 +113,21 @@ fn along_distances(
     mut visit: impl FnMut(usize, i32) -> i32,
 ) {
     let row = layout.row();
-    for node in 0..exponents.len() {
-        let exponent = i32::from(exponents[node]);
+    for (node, &exponent) in exponents.iter().enumerate() {
+        // By how much the steps at the nearer distance and at the farther are larger.
+        let shifts = [1, 2].map(|back| {
+            let before = node.checked_sub(back * layout.offsets)?;
+            Some(i32::from(exponents[before]) - i32::from(exponent))
+        });
         for at in node * layout.basis..(node + 1) * layout.basis {
-            let before = [1, 2].map(|back| {
-                let place = at.checked_sub(back * row)?;
-                Some((steps[place], i32::from(exponents[node - back * layout.offsets])))
-            });
-            steps[at] = visit(at, expected(before, exponent));
+            let line = match shifts {
+                [None, _] => 0,
+                [Some(nearer), None] => in_other_steps(steps[at - row], nearer),
+                [Some(nearer), Some(farther)] => {
+                    2 * in_other_steps(steps[at - row], nearer) - in_other_steps(steps[at - 2 * row], farther)
+                }
+            };
+            steps[at] = visit(at, line.clamp(-LARGEST_EXPECTED, LARGEST_EXPECTED) as i32);
         }
     }
 }
@@ -168,12 +164,15 @@ pub(crate) fn from_steps(exponents: &[i8], off: &[u16], layout: ShapeLayout) -> 
         .for_each(|((values, off), exponents)| {
             let mut steps = vec![0i32; values.len()];
             along_distances(layout, exponents, &mut steps, |at, expected| {
-                let by = i32::from(off[at] >> 1) ^ -i32::from(off[at] & 1);
-                let whole = expected + by;
-                let step = 2f32.powi(i32::from(exponents[at / layout.basis]));
-                values[at] = f16::from_f32(whole as f32 * step);
-                whole
+                expected + (i32::from(off[at] >> 1) ^ -i32::from(off[at] & 1))
             });
+            let mut wide = vec![0f32; layout.basis];
+            let nodes = values.chunks_mut(layout.basis).zip(steps.chunks(layout.basis));
+            for ((values, steps), exponent) in nodes.zip(exponents) {
+                let step = 2f32.powi(i32::from(*exponent));
+                wide.iter_mut().zip(steps).for_each(|(wide, steps)| *wide = *steps as f32 * step);
+                values.convert_from_f32_slice(&wide);
+            }
         });
     values
 }

@@ -232,7 +232,7 @@ pub fn precompute_together(
         parameters.iter().zip(&bases).zip(&atmospheres).enumerate()
     {
         let (log_scale, shape) = arrange(options, &parts, index);
-        let mut pack = Pack::from_parts(
+        let mut pack = Pack::from_computed(
             parameters.manifest(MeasuredError::default(), String::new()),
             log_scale,
             shape,

@@ -33,7 +33,8 @@ pub struct ResidentTables {
     pub basis_count: usize,
     /// ln of the scale [m⁻² sr⁻¹], `[observer_altitude][lobe][band][ring][offset]`.
     pub log_scale: Vec<f32>,
-    /// Shape coefficients, `[observer_altitude][lobe][band][ring][offset][basis]`.
+    /// Shape coefficients, `[ring][offset][observer_altitude][lobe][band][basis]`: a node's lie side by side, for all
+    /// that a request mixes of it is read at once.
     pub shape: Vec<f16>,
     /// F[B_k] along azimuth, real because B is even: `[basis][elevation][frequency]`,
     /// `F[f] = Σ_i B(θ_i)·cos(2π f i / 256)`, unnormalised.
@@ -58,7 +59,7 @@ pub struct ResidentBlocked {
     pub basis_count: usize,
     /// ln of the scale [m⁻² sr⁻¹], `[observer_altitude][angle_index][lobe][band][ring][offset]`.
     pub log_scale: Vec<f32>,
-    /// Shape coefficients, `[observer_altitude][angle_index][lobe][band][ring][offset][basis]`.
+    /// Shape coefficients, `[angle_index][ring][offset][observer_altitude][lobe][band][basis]`.
     pub shape: Vec<f16>,
 }
 
@@ -66,8 +67,8 @@ impl ResidentBlocked {
     /// Number of angles: those of [`skyglow_physics::blocking::BLOCKING_ANGLES_DEG`] but the open sky.
     pub const ANGLE_COUNT: usize = BLOCKING_COUNT - 1;
 
-    /// Position in [`Self::log_scale`]; times [`Self::basis_count`] the start in [`Self::shape`].
-    pub fn node_index(
+    /// Position in [`Self::log_scale`].
+    pub fn scale_index(
         &self,
         observer_altitude: usize,
         angle_index: usize,
@@ -80,11 +81,26 @@ impl ResidentBlocked {
         let table = (observer_altitude * Self::ANGLE_COUNT + angle_index) * LOBE_COUNT + lobe;
         ((table * BAND_COUNT + band) * rings + ring) * self.offset_count + offset
     }
+
+    /// Times [`Self::basis_count`] the start in [`Self::shape`].
+    pub fn shape_index(
+        &self,
+        observer_altitude: usize,
+        angle_index: usize,
+        lobe: usize,
+        band: usize,
+        ring: usize,
+        offset: usize,
+    ) -> usize {
+        let rings = self.offset_axis[angle_index].len();
+        let node = (angle_index * rings + ring) * self.offset_count + offset;
+        image_of_node(node, self.observer_altitude_m.len(), observer_altitude, lobe, band)
+    }
 }
 
 impl ResidentTables {
-    /// Position in [`Self::log_scale`]; times [`Self::basis_count`] the start in [`Self::shape`].
-    pub fn node_index(
+    /// Position in [`Self::log_scale`].
+    pub fn scale_index(
         &self,
         observer_altitude: usize,
         lobe: usize,
@@ -97,8 +113,32 @@ impl ResidentTables {
             + offset
     }
 
+    /// Times [`Self::basis_count`] the start in [`Self::shape`].
+    pub fn shape_index(
+        &self,
+        observer_altitude: usize,
+        lobe: usize,
+        band: usize,
+        ring: usize,
+        offset: usize,
+    ) -> usize {
+        let node = ring * self.offset_count + offset;
+        image_of_node(node, self.observer_altitude_m.len(), observer_altitude, lobe, band)
+    }
+
     /// Position in [`Self::basis_spectrum`].
     pub fn spectrum_index(&self, basis: usize, elevation: usize, frequency: usize) -> usize {
         (basis * ELEVATION_COUNT + elevation) * FREQUENCY_COUNT + frequency
     }
+}
+
+/// Position of an image in `[node][observer_altitude][lobe][band]`.
+fn image_of_node(
+    node: usize,
+    observer_altitudes: usize,
+    observer_altitude: usize,
+    lobe: usize,
+    band: usize,
+) -> usize {
+    ((node * observer_altitudes + observer_altitude) * LOBE_COUNT + lobe) * BAND_COUNT + band
 }

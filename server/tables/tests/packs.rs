@@ -52,8 +52,8 @@ fn a_pack_reads_back_and_says_what_it_is() {
     let tables = pack.resident(&rings);
     assert_eq!(tables.log_scale.len() * tables.basis_count, tables.shape.len());
     // On the first and last sample distance the resident tables are the pack's own.
-    let farther = tables.node_index(0, 0, 1, 3, 2);
-    let nearer = tables.node_index(0, 0, 1, 0, 2);
+    let farther = tables.scale_index(0, 0, 1, 3, 2);
+    let nearer = tables.scale_index(0, 0, 1, 0, 2);
     assert!(tables.log_scale[nearer] > tables.log_scale[farther] + 5.0);
 }
 
@@ -123,7 +123,7 @@ fn a_pack_of_all_orders_is_brighter_than_the_first_alone_and_says_over_which_gro
     let (all, first) = (pack.resident(&rings), alone.resident(&rings));
     // The farther the source, the more of its light has turned more than once.
     let factor = |ring: usize| {
-        let node = all.node_index(0, 0, 1, ring, 2);
+        let node = all.scale_index(0, 0, 1, ring, 2);
         f64::from(all.log_scale[node] - first.log_scale[node]).exp()
     };
     assert!(factor(0) > 1.02 && factor(1) > factor(0) && factor(2) > factor(1), "{}", factor(0));
@@ -252,7 +252,7 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_ends_below_them()
     assert!(closed[image] > open[image] + 0.3, "{} {}", closed[image], open[image]);
     let kept = |pack: &Pack, observer| {
         let tables = pack.resident(&axes.distance_m);
-        f64::from(tables.log_scale[tables.node_index(observer, 0, 1, distance, offset)])
+        f64::from(tables.log_scale[tables.scale_index(observer, 0, 1, distance, offset)])
     };
     assert!((kept(&pack, observer) - closed[image]).abs() < 1e-5);
     assert!((kept(&clear, observer) - open[image]).abs() < 1e-5);
@@ -266,6 +266,6 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_ends_below_them()
     );
     let held = images_of(&[air.under(Some(clouds.base()))], &[], &geometry)[0].log_scale;
     let tables = pack.resident(&axes.distance_m);
-    let kept_m = f64::from(tables.log_scale[tables.node_index(1, 0, 1, distance, highest)]);
+    let kept_m = f64::from(tables.log_scale[tables.scale_index(1, 0, 1, distance, highest)]);
     assert!((kept_m - held[image]).abs() < 1e-5);
 }

@@ -18,6 +18,10 @@ use skyglow_tables::resident::ResidentTables;
 pub(crate) const BLOCK: usize = 32;
 /// Nodes that a task mixes.
 const NODES_PER_TASK: usize = 64;
+/// How many nodes before its turn a node's coefficients are asked for.
+const NODES_AHEAD: usize = 2;
+/// Coefficients in a cache line.
+const LINE: usize = 32;
 
 /// Shares of the lobes at a node, the logarithm of its mixed scale and that one's bow: [`lobe_shares`], [`mixed_bow`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -128,72 +132,145 @@ pub(crate) fn mix_shape(
     let basis_count = request.basis_count.min(tables.basis_count);
     let node_count = request.nodes.len();
     mixed.resize(basis_count.div_ceil(BLOCK) * node_count, Aligned([[0.0; BLOCK]; BAND_COUNT]));
-    for_each_part(side_by_side, mixed, NODES_PER_TASK, |task, rows| {
-        for (slot, row) in (task * NODES_PER_TASK..).zip(rows) {
-            let (block, node) = (slot / node_count, slot % node_count);
-            mix_node(tables, request, node, &scales[node], block * BLOCK, basis_count, row);
+    // A node's coefficients lie together: a task has some nodes in every block.
+    let mut tasks: Vec<Vec<&mut [MixedNode]>> = Vec::new();
+    tasks.resize_with(node_count.div_ceil(NODES_PER_TASK), Vec::new);
+    for nodes in mixed.chunks_mut(node_count.max(1)) {
+        for (task, nodes) in tasks.iter_mut().zip(nodes.chunks_mut(NODES_PER_TASK)) {
+            task.push(nodes);
+        }
+    }
+    for_each_part(side_by_side, &mut tasks, 1, |task, blocks| {
+        for blocks in blocks {
+            mix_nodes(tables, request, scales, basis_count, task * NODES_PER_TASK, blocks);
         }
     });
 }
 
-/// One node in the block of functions that begins at `first`.
-fn mix_node(
+/// The nodes from `first` on in all blocks, `[block][node]`.
+fn mix_nodes(
     tables: &ResidentTables,
     request: &Prepared,
-    node: usize,
-    scales: &NodeScales,
-    first: usize,
+    scales: &[NodeScales],
     basis_count: usize,
-    mixed: &mut MixedNode,
+    first: usize,
+    blocks: &mut [&mut [MixedNode]],
 ) {
-    let table = NodeTable::of(tables, request, &request.nodes[node]);
-    let weights = table.taps.weights_f32();
-    let in_use = basis_count.min(table.basis_count).saturating_sub(first).min(BLOCK);
-    for ((band, sum), is_lit) in mixed.0.iter_mut().enumerate().zip(request.lit_bands()) {
-        if !is_lit {
-            *sum = [0.0; BLOCK];
-            continue;
-        }
-        let mut terms: [(f32, &[f16]); LOBE_COUNT * Taps::MAX] = [(0.0, &[]); LOBE_COUNT * Taps::MAX];
-        let mut count = 0;
-        for lobe in (0..LOBE_COUNT).filter(|&lobe| scales.shares[band][lobe] > 0.0) {
-            for (&tap, weight) in table.taps.indices().iter().zip(weights) {
-                let start = table.index(tap, lobe, band) * table.basis_count + first.min(table.basis_count);
-                terms[count] = (scales.shares[band][lobe] * weight, &table.shape[start..][..in_use]);
-                count += 1;
-            }
-        }
-        sum_shapes(&terms[..count], sum);
-    }
-}
-
-/// sum = Σ factor · shape, all of one length; 0 beyond it.
-fn sum_shapes(terms: &[(f32, &[f16])], sum: &mut [f32; BLOCK]) {
     #[cfg(target_arch = "x86_64")]
     if is_wide() {
         #[expect(unsafe_code, reason = "the processor was just asked for all that the callee needs")]
         // SAFETY: the features are there, and the function has no other precondition.
         unsafe {
-            sum_shapes_wide(terms, sum)
+            mix_nodes_wide(tables, request, scales, basis_count, first, blocks);
         };
         return;
     }
-    *sum = [0.0; BLOCK];
-    for (factor, shape) in terms {
-        for (sum, value) in sum.iter_mut().zip(*shape) {
-            *sum += factor * value.to_f32();
+    let sum_shapes = |terms: &[Term<'_>], sum: &mut [f32; BLOCK]| {
+        *sum = [0.0; BLOCK];
+        for (factor, shape) in terms {
+            for (sum, value) in sum.iter_mut().zip(*shape) {
+                *sum += factor * value.to_f32();
+            }
+        }
+    };
+    mix_nodes_with(tables, request, scales, basis_count, first, blocks, sum_shapes);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,f16c")]
+fn mix_nodes_wide(
+    tables: &ResidentTables,
+    request: &Prepared,
+    scales: &[NodeScales],
+    basis_count: usize,
+    first: usize,
+    blocks: &mut [&mut [MixedNode]],
+) {
+    let sum_shapes = |terms: &[Term<'_>], sum: &mut [f32; BLOCK]| sum_shapes_wide(terms, sum);
+    mix_nodes_with(tables, request, scales, basis_count, first, blocks, sum_shapes);
+}
+
+/// Asks for the coefficients of a node, which lie where no processor guesses: they come while others are worked on, and
+/// the mix takes half the time.
+#[inline(always)]
+fn fetch(table: &NodeTable<'_>, request: &Prepared, basis_count: usize) {
+    #[cfg(target_arch = "x86_64")]
+    for &tap in table.taps.indices() {
+        for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
+            for (band, _) in request.lit_bands().enumerate().filter(|(_, is_lit)| *is_lit) {
+                let start = table.shape_index(tap, lobe, band) * table.basis_count;
+                let image = &table.shape[start..][..basis_count.min(table.basis_count)];
+                for line in image.chunks(LINE) {
+                    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+                    #[expect(unsafe_code, reason = "there is no safe way to ask for what is needed soon")]
+                    // SAFETY: it changes nothing whatever the address, and every x86-64 has it.
+                    unsafe {
+                        _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast());
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A factor and coefficients.
+type Term<'a> = (f32, &'a [f16]);
+
+/// `sum_shapes` gives Σ factor · shape of coefficients of one length, and 0 beyond the first [`BLOCK`] of them.
+#[inline(always)]
+fn mix_nodes_with(
+    tables: &ResidentTables,
+    request: &Prepared,
+    scales: &[NodeScales],
+    basis_count: usize,
+    first: usize,
+    blocks: &mut [&mut [MixedNode]],
+    sum_shapes: impl Fn(&[Term<'_>], &mut [f32; BLOCK]),
+) {
+    let count = blocks.first().map_or(0, |nodes| nodes.len());
+    for (slot, (node, scales)) in request.nodes[first..].iter().zip(&scales[first..]).enumerate().take(count)
+    {
+        if let Some(ahead) = request.nodes[first..][..count].get(slot + NODES_AHEAD) {
+            fetch(&NodeTable::of(tables, request, ahead), request, basis_count);
+        }
+        let table = NodeTable::of(tables, request, node);
+        let weights = table.taps.weights_f32();
+        let basis_count = basis_count.min(table.basis_count);
+        for (band, is_lit) in request.lit_bands().enumerate() {
+            let mut terms: [Term<'_>; LOBE_COUNT * Taps::MAX] = [(0.0, &[]); LOBE_COUNT * Taps::MAX];
+            let mut count = 0;
+            for lobe in (0..LOBE_COUNT).filter(|&lobe| is_lit && scales.shares[band][lobe] > 0.0) {
+                for (&tap, weight) in table.taps.indices().iter().zip(weights) {
+                    let start = table.shape_index(tap, lobe, band) * table.basis_count;
+                    terms[count] = (scales.shares[band][lobe] * weight, &table.shape[start..][..basis_count]);
+                    count += 1;
+                }
+            }
+            for nodes in &mut *blocks {
+                sum_shapes(&terms[..count], &mut nodes[slot].0[band]);
+                for (_, shape) in &mut terms[..count] {
+                    *shape = &shape[BLOCK.min(shape.len())..];
+                }
+            }
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,f16c")]
-fn sum_shapes_wide(terms: &[(f32, &[f16])], sum: &mut [f32; BLOCK]) {
+#[inline]
+fn sum_shapes_wide(terms: &[Term<'_>], sum: &mut [f32; BLOCK]) {
     use std::arch::x86_64::{__m256, _mm256_cvtph_ps, _mm256_fmadd_ps, _mm256_set1_ps, _mm256_setzero_ps};
 
     let mut octets: [__m256; BLOCK / LANES] = [_mm256_setzero_ps(); BLOCK / LANES];
     for (factor, shape) in terms {
         let factor = _mm256_set1_ps(*factor);
+        if let Some(shape) = shape.first_chunk::<BLOCK>() {
+            for (sum, values) in octets.iter_mut().zip(shape.as_chunks::<LANES>().0) {
+                *sum = _mm256_fmadd_ps(factor, _mm256_cvtph_ps(bytemuck::cast(*values)), *sum);
+            }
+            continue;
+        }
         let (whole, rest) = shape.as_chunks::<LANES>();
         for (sum, values) in octets.iter_mut().zip(whole) {
             *sum = _mm256_fmadd_ps(factor, _mm256_cvtph_ps(bytemuck::cast(*values)), *sum);

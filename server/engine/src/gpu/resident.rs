@@ -9,9 +9,9 @@ use std::borrow::Cow;
 
 /// One pack as the passes bind it.
 pub(crate) struct ResidentPack {
-    /// Sources under an open sky: layers are observer altitudes.
+    /// Sources under an open sky: one layer.
     pub(crate) open: ResidentNodes,
-    /// Sources behind skylines: layers are (observer altitude, angle). A single empty node where the pack has none.
+    /// Sources behind skylines: layers are angles. A single empty node where the pack has none.
     pub(crate) blocked: ResidentNodes,
     /// f32, four elevations a texel.
     pub(crate) basis: wgpu::TextureView,
@@ -19,9 +19,9 @@ pub(crate) struct ResidentPack {
 
 /// The numbers at a table's nodes.
 pub(crate) struct ResidentNodes {
-    /// `[layer][lobe][band][ring][offset]`.
+    /// `[observer altitude][layer][lobe][band][ring][offset]`.
     pub(crate) log_scale: wgpu::Buffer,
-    /// f16 as in the pack, eight functions a texel of four words: on software Vulkan the pass then takes
+    /// `[layer][ring][offset]` by `[observer altitude][lobe][band][function]`, f16 as in the pack, eight functions a texel of four words: on software Vulkan the pass then takes
     /// half the processor time that it takes with half-float texels.
     pub(crate) shape: wgpu::TextureView,
 }
@@ -30,6 +30,7 @@ pub(crate) struct ResidentNodes {
 #[derive(Clone, Copy)]
 struct HostNodes<'a> {
     layers: usize,
+    observer_altitudes: usize,
     rings: usize,
     offsets: usize,
     basis_count: usize,
@@ -40,6 +41,7 @@ struct HostNodes<'a> {
 /// What is bound where there is no table: nothing reads it.
 const NO_NODES: HostNodes<'static> = HostNodes {
     layers: 1,
+    observer_altitudes: 1,
     rings: 1,
     offsets: 1,
     basis_count: FUNCTIONS_PER_TABLE_TEXEL,
@@ -50,7 +52,8 @@ const NO_NODES: HostNodes<'static> = HostNodes {
 impl<'a> HostNodes<'a> {
     fn open(tables: &'a ResidentTables) -> Self {
         Self {
-            layers: tables.observer_altitude_m.len(),
+            layers: 1,
+            observer_altitudes: tables.observer_altitude_m.len(),
             rings: tables.ring_distance_m.len(),
             offsets: tables.offset_count,
             basis_count: tables.basis_count,
@@ -61,7 +64,8 @@ impl<'a> HostNodes<'a> {
 
     fn blocked(tables: &'a ResidentTables) -> Self {
         tables.blocked.as_ref().map_or(NO_NODES, |blocked| Self {
-            layers: blocked.observer_altitude_m.len() * ResidentBlocked::ANGLE_COUNT,
+            layers: ResidentBlocked::ANGLE_COUNT,
+            observer_altitudes: blocked.observer_altitude_m.len(),
             rings: tables.ring_distance_m.len(),
             offsets: blocked.offset_count,
             basis_count: blocked.basis_count,
@@ -72,14 +76,15 @@ impl<'a> HostNodes<'a> {
 
     /// Width, height and layers of the shape texture.
     fn shape_extent(&self) -> wgpu::Extent3d {
+        let images = self.observer_altitudes * LOBE_COUNT * BAND_COUNT;
         wgpu::Extent3d {
-            width: (self.offsets * self.basis_count.div_ceil(FUNCTIONS_PER_TABLE_TEXEL)) as u32,
-            height: (LOBE_COUNT * BAND_COUNT * self.rings) as u32,
+            width: (images * self.basis_count.div_ceil(FUNCTIONS_PER_TABLE_TEXEL)) as u32,
+            height: (self.rings * self.offsets) as u32,
             depth_or_array_layers: self.layers as u32,
         }
     }
 
-    /// The shape table with each node's functions padded to whole texels.
+    /// The shape table with each image's functions padded to whole texels.
     fn whole_lanes(&self) -> Cow<'a, [f16]> {
         let padded = self.basis_count.next_multiple_of(FUNCTIONS_PER_TABLE_TEXEL);
         if padded == self.basis_count {

@@ -32,16 +32,15 @@ pub fn blocked_layer(observer_altitude: u32, angle_index: u32) -> u32 {
     observer_altitude * ResidentBlocked::ANGLE_COUNT as u32 + angle_index
 }
 
-/// Texel (x, y) of eight consecutive shape coefficients in the layer of one observer altitude.
+/// Texel (x, y) of eight consecutive shape coefficients of an image of the node in a row: `[ring][offset]`.
 #[inline(always)]
 pub fn shape_texel(
+    row: u32,
+    observer_altitude: u32,
     lobe: u32,
     band: u32,
-    ring: u32,
-    ring_count: u32,
-    offset: u32,
     octet: u32,
     octet_count: u32,
 ) -> [u32; 2] {
-    [offset * octet_count + octet, (lobe * 3 + band) * ring_count + ring]
+    [((observer_altitude * 3 + lobe) * 3 + band) * octet_count + octet, row]
 }

@@ -252,7 +252,7 @@ mod tests {
             for lobe in 0..LOBE_COUNT {
                 for band in 0..BAND_COUNT {
                     let image = image_index(lobe, band);
-                    let node = blocked.node_index(0, angle, lobe, band, distance, offset);
+                    let node = blocked.scale_index(0, angle, lobe, band, distance, offset);
                     let error = f64::from(blocked.log_scale[node]) - cut[image];
                     // Where a skyline takes nothing, the scale is that of the open tables with their error.
                     assert!(
@@ -265,7 +265,7 @@ mod tests {
             let (cut, open) = (cut[image_index(1, 1)], open[image_index(1, 1)]);
             assert!(cut <= open && (angle == 0 || cut < open - 0.05), "{angle}: {cut} {open}");
         }
-        let scale = |angle| blocked.log_scale[blocked.node_index(0, angle, 1, 1, distance, 2)];
+        let scale = |angle| blocked.log_scale[blocked.scale_index(0, angle, 1, 1, distance, 2)];
         assert!((1..ANGLE_COUNT).all(|angle| scale(angle) < scale(angle - 1) + 0.05));
         assert!(scale(ANGLE_COUNT - 1) < scale(0) - 1.0);
     }

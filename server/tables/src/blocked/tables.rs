@@ -7,7 +7,7 @@ use crate::{
     images::IMAGE_COUNT,
     resident::{ResidentBlocked, ResidentTables},
 };
-use half::f16;
+use half::{f16, slice::HalfFloatSliceExt};
 use rayon::prelude::*;
 use skyglow_physics::{BAND_COUNT, interpolation::lagrange_taps};
 
@@ -35,29 +35,54 @@ pub(super) fn open_sample(
     shape: &mut [f32],
 ) -> f64 {
     let position = open.offset_axis[ring].position(offset_m);
-    let low = (position as usize).min(open.offset_count - 2);
-    let upper_weight = position - low as f64;
-    shape.fill(0.0);
+    open_shape(open, observer_taps, image, ring, position, shape);
+    open_log_scale(open, observer_taps, image, ring, position)
+}
+
+/// ln of the open scale at a fractional node.
+fn open_log_scale(
+    open: &ResidentTables,
+    observer_taps: &[(usize, f64)],
+    image: usize,
+    ring: usize,
+    position: f64,
+) -> f64 {
     let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
-    let log_scale = log_scale_at(&open.offset_axis[ring], position, |offset| {
+    log_scale_at(&open.offset_axis[ring], position, |offset| {
         let at = |&(observer, weight): &(usize, f64)| {
-            weight * f64::from(open.log_scale[open.node_index(observer, lobe, band, ring, offset)])
+            weight * f64::from(open.log_scale[open.scale_index(observer, lobe, band, ring, offset)])
         };
         observer_taps.iter().map(at).sum()
-    });
+    })
+}
+
+/// The first open shape coefficients at a fractional node.
+fn open_shape(
+    open: &ResidentTables,
+    observer_taps: &[(usize, f64)],
+    image: usize,
+    ring: usize,
+    position: f64,
+    shape: &mut [f32],
+) {
+    let low = (position as usize).min(open.offset_count - 2);
+    let upper_weight = position - low as f64;
+    let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
+    let mut wide = vec![0.0f32; shape.len()];
+    shape.fill(0.0);
     for &(observer, observer_weight) in observer_taps {
         for (side, side_weight) in [(0, 1.0 - upper_weight), (1, upper_weight)] {
             let weight = observer_weight * side_weight;
             if weight == 0.0 {
                 continue;
             }
-            let node = open.node_index(observer, lobe, band, ring, low + side);
-            for (sum, value) in shape.iter_mut().zip(&open.shape[node * open.basis_count..]) {
-                *sum += weight as f32 * value.to_f32();
+            let node = open.shape_index(observer, lobe, band, ring, low + side);
+            open.shape[node * open.basis_count..][..wide.len()].convert_to_f32_slice(&mut wide);
+            for (sum, value) in shape.iter_mut().zip(&wide) {
+                *sum += weight as f32 * value;
             }
         }
     }
-    log_scale
 }
 
 impl BlockedTables {
@@ -65,7 +90,7 @@ impl BlockedTables {
     /// in ln r at constant fractional offset node) and observer altitude, and added to the open tables there.
     pub(crate) fn resident(&self, open: &ResidentTables) -> ResidentBlocked {
         let axes = &self.axes;
-        let (distances, offsets, count) = (axes.distance_m.len(), axes.offset_count, axes.basis_count);
+        let (offsets, count) = (axes.offset_count, axes.basis_count);
         let rings = open.ring_distance_m.len();
         let log_distance: Vec<f64> = axes.distance_m.iter().map(|d| d.ln()).collect();
         let distance_taps: Vec<Vec<(usize, f64)>> =
@@ -76,42 +101,66 @@ impl BlockedTables {
                 open.ring_distance_m.iter().map(axis).collect()
             })
             .collect();
-        let tables = open.observer_altitude_m.len() * ANGLE_COUNT * IMAGE_COUNT;
-        let mut log_scale = vec![0.0f32; tables * rings * offsets];
-        let mut shape = vec![f16::ZERO; log_scale.len() * count];
-        log_scale
-            .par_chunks_exact_mut(rings * offsets)
-            .zip(shape.par_chunks_exact_mut(rings * offsets * count))
-            .enumerate()
-            .for_each(|(table, (log_scale, shape))| {
+        // The same for every observer and image.
+        let position = |angle: usize, ring: usize, offset: usize| {
+            open.offset_axis[ring].position(offset_axis[angle][ring].offset_m(offset as f64))
+        };
+        let positions: Vec<f64> = (0..ANGLE_COUNT * rings * offsets)
+            .map(|node| position(node / (rings * offsets), node / offsets % rings, node % offsets))
+            .collect();
+        let observers = open.observer_altitude_m.len();
+        let differences: Vec<(Vec<f32>, Vec<f32>)> = (0..observers * ANGLE_COUNT * IMAGE_COUNT)
+            .into_par_iter()
+            .map(|table| {
+                let observer_m = open.observer_altitude_m[table / (ANGLE_COUNT * IMAGE_COUNT)];
+                self.at_observer(observer_m, table % (ANGLE_COUNT * IMAGE_COUNT))
+            })
+            .collect();
+        let mut log_scale = vec![0.0f32; differences.len() * rings * offsets];
+        log_scale.par_chunks_exact_mut(rings * offsets).zip(&differences).enumerate().for_each(
+            |(table, (log_scale, (log_part, _)))| {
                 let (observer, rest) =
                     (table / (ANGLE_COUNT * IMAGE_COUNT), table % (ANGLE_COUNT * IMAGE_COUNT));
-                let (angle, image) = (rest / IMAGE_COUNT, rest % IMAGE_COUNT);
-                let observer_m = open.observer_altitude_m[observer];
-                let (log_part, differences) = self.at_observer(observer_m, rest);
-                let mut sum = vec![0.0f32; count];
-                for ring in 0..rings {
-                    for offset in 0..offsets {
-                        let offset_m = offset_axis[angle][ring].offset_m(offset as f64);
-                        let open_log = open_sample(open, &[(observer, 1.0)], image, ring, offset_m, &mut sum);
-                        let mut log = 0.0;
-                        for &(distance, weight) in &distance_taps[ring] {
-                            let node = distance * offsets + offset;
-                            log += weight * f64::from(log_part[node]);
-                            for (sum, value) in sum.iter_mut().zip(&differences[node * count..]) {
-                                *sum += weight as f32 * value;
-                            }
-                        }
-                        let node = ring * offsets + offset;
-                        // Between nodes, too, a skyline takes light and adds none.
-                        log_scale[node] = (open_log + log.min(0.0)) as f32;
-                        for (out, &sum) in shape[node * count..(node + 1) * count].iter_mut().zip(&sum) {
-                            *out = f16::from_f32(sum);
-                        }
+                let positions = &positions[rest / IMAGE_COUNT * rings * offsets..];
+                for (node, (log_scale, position)) in log_scale.iter_mut().zip(positions).enumerate() {
+                    let ring = node / offsets;
+                    let open_log =
+                        open_log_scale(open, &[(observer, 1.0)], rest % IMAGE_COUNT, ring, *position);
+                    let part = |&(distance, weight): &(usize, f64)| {
+                        weight * f64::from(log_part[distance * offsets + node % offsets])
+                    };
+                    let log: f64 = distance_taps[ring].iter().map(part).sum();
+                    // Between nodes, too, a skyline takes light and adds none.
+                    *log_scale = (open_log + log.min(0.0)) as f32;
+                }
+            },
+        );
+        let mut shape = vec![f16::ZERO; log_scale.len() * count];
+        let node_images = observers * IMAGE_COUNT;
+        shape.par_chunks_exact_mut(offsets * node_images * count).enumerate().for_each(|(place, shape)| {
+            let (angle, ring) = (place / rings, place % rings);
+            let mut sum = vec![0.0f32; count];
+            for (slot, shape) in shape.chunks_exact_mut(count).enumerate() {
+                let (offset, observer, image) =
+                    (slot / node_images, slot / IMAGE_COUNT % observers, slot % IMAGE_COUNT);
+                open_shape(
+                    open,
+                    &[(observer, 1.0)],
+                    image,
+                    ring,
+                    positions[place * offsets + offset],
+                    &mut sum,
+                );
+                let (_, differences) = &differences[(observer * ANGLE_COUNT + angle) * IMAGE_COUNT + image];
+                for &(distance, weight) in &distance_taps[ring] {
+                    let differences = &differences[(distance * offsets + offset) * count..];
+                    for (sum, value) in sum.iter_mut().zip(differences) {
+                        *sum += weight as f32 * value;
                     }
                 }
-                debug_assert_eq!(log_part.len(), distances * offsets);
-            });
+                shape.convert_from_f32_slice(&sum);
+            }
+        });
         ResidentBlocked {
             observer_altitude_m: open.observer_altitude_m.clone(),
             offset_count: offsets,

@@ -64,12 +64,8 @@ impl Pack {
         if !parts.rest.is_empty() {
             return Err("it goes on behind its last section".to_owned());
         }
-        let checksum = manifest.checksum.clone();
-        let mut pack = Self::from_parts(manifest, log_scale, shape, basis_spectrum);
-        if let Some(blocked) = blocked {
-            pack.set_blocked(blocked);
-        }
-        if pack.manifest.checksum != checksum {
+        let pack = Self { manifest, log_scale, shape, basis_spectrum, blocked };
+        if pack.manifest.checksum != pack.checksum() {
             return Err("its data are not those of its manifest".to_owned());
         }
         if pack.is_finite() { Ok(pack) } else { Err("it holds values that are not finite".to_owned()) }

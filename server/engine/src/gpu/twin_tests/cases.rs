@@ -199,9 +199,9 @@ pub(super) fn cases() -> Vec<Case> {
         case(
             "shape_texel",
             indexing,
-            &[Whole(3), Whole(3), Whole(192), Whole(193), Whole(15), Whole(32), Whole(33)],
+            &[Whole(6_144), Whole(8), Whole(3), Whole(3), Whole(32), Whole(33)],
             Answer::WholeVector(2),
-            |w| twin::shape_texel(w[0], w[1], w[2], w[3], w[4], w[5], w[6]).to_vec(),
+            |w| twin::shape_texel(w[0], w[1], w[2], w[3], w[4], w[5]).to_vec(),
             0.0,
             0.0,
         ),
