@@ -11,7 +11,7 @@ use crate::{
     rows::{self, Subject},
     scenes::LitScene,
     skies,
-    truth::TruthSky,
+    truth::{self, TruthSky},
 };
 use skyglow_engine::{DeviceChoice, Engine, PackKind, RenderRequest, prepare::Prepared};
 use skyglow_scene::PolarGrid;
@@ -23,6 +23,7 @@ use std::sync::Arc;
 /// # Errors
 /// Packs that do not fit together or none of a clear sky, a device that fails, files of truth that are none.
 pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
+    truth::check_files(&options.truth_files)?;
     let setting = Setting::of(options)?;
     let extent = &options.extent;
     tracing::info!("measuring the machine");

@@ -56,6 +56,24 @@ pub(crate) fn tiny() -> Extent {
 }
 
 #[test]
+fn a_file_that_is_no_truth_is_refused_by_its_name_before_anything_is_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("truth.json");
+    std::fs::write(&file, "{}").unwrap();
+    for path in [file, folder.path().to_owned()] {
+        // Without packs nothing can be measured: that is not what is complained of.
+        let options = BenchOptions {
+            tables: Vec::new(),
+            manifests: Vec::new(),
+            truth_files: vec![path.clone()],
+            ..options(16, tiny())
+        };
+        let error = run(&options).err().unwrap().to_string();
+        assert!(error.contains(&path.display().to_string()), "{error}");
+    }
+}
+
+#[test]
 fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_back() {
     let report = run(&options(16, tiny())).unwrap();
     assert_eq!(report.scenes.len(), 3);

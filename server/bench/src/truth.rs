@@ -10,7 +10,10 @@ use skyglow_physics::{
 };
 use skyglow_scene::{DEMO_ID, PolarGrid, Scene};
 use skyglow_tables::Scattering;
-use std::{path::Path, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// Largest relative difference of the flux around a place from that of its truth: the raster is the same.
 const SAME_FLUX: f64 = 1e-3;
@@ -149,6 +152,14 @@ fn read(path: &Path) -> Result<StoredTruth, BenchError> {
         return Err(refuse("it has samples outside the panorama".to_owned()));
     }
     Ok(stored)
+}
+
+/// Reads files of truth: before minutes of work that end with one that is none.
+///
+/// # Errors
+/// The first that cannot be read or is no truth.
+pub(crate) fn check_files(paths: &[PathBuf]) -> Result<(), BenchError> {
+    paths.iter().try_for_each(|path| read(path).map(drop))
 }
 
 /// The skies of a file, one a turbidity within the packs'; none where the file has other orders of scattering.
