@@ -199,11 +199,13 @@ fn blocked_tables(open: &ResidentTables) -> ResidentBlocked {
         let angle_rad = BLOCKING_ANGLES_DEG[angle_index + 1].to_radians();
         for (axis, distance_m) in axes.iter().zip(&open.ring_distance_m) {
             for offset_m in (0..axis.count).map(|node| axis.offset_m(node as f64)) {
-                for _ in &blocked.observer_altitude_m {
+                for observer_m in &blocked.observer_altitude_m {
                     for (lobe, band) in images() {
                         for k in 0..basis_count {
                             let wave = (0.9 * k as f64 + distance_m.ln() + angle_rad - offset_m / 4000.0
-                                + (lobe + band) as f64)
+                                + observer_m / 9000.0
+                                + lobe as f64
+                                + 0.3 * band as f64)
                                 .cos();
                             let value = if k == 0 { 0.9 + 0.2 * wave } else { 0.2 * wave / (1 + k) as f64 };
                             blocked.shape.push(f16::from_f64(value));

@@ -7,6 +7,7 @@ use common::{largest_error, request};
 use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, TableSet, prepare::Prepared, reference::render_f64, synthetic,
 };
+use skyglow_physics::{BAND_COUNT, LOBE_COUNT};
 use skyglow_scene::{PolarCell, PolarGrid};
 use skyglow_tables::ResidentTables;
 use std::sync::Arc;
@@ -51,22 +52,36 @@ fn lavapipe_and_cpu_agree_with_f64_on_light_behind_skylines() {
     }
 }
 
+/// A coefficient under an open sky and one behind a skyline.
+fn one_of_each(tables: &ResidentTables) -> [half::f16; 2] {
+    let blocked = tables.blocked.as_ref().unwrap();
+    [
+        tables.shape[tables.shape_index(1, 2, 1, 30, 3) * tables.basis_count],
+        blocked.shape[blocked.shape_index(1, 4, 2, 1, 30, 3) * blocked.basis_count],
+    ]
+}
+
 /// The same pack with one observer altitude fewer and the others closer together, below clouds at 2 000 m.
 fn closed(pack: Arc<ResidentTables>) -> Arc<ResidentTables> {
     let mut pack = synthetic::under_clouds(vec![pack], 2_000).remove(0);
     let tables = Arc::make_mut(&mut pack);
+    let before = one_of_each(tables);
     let blocked = tables.blocked.as_mut().unwrap();
-    for (altitudes_m, log_scale, shape) in [
-        (&mut tables.observer_altitude_m, &mut tables.log_scale, &mut tables.shape),
-        (&mut blocked.observer_altitude_m, &mut blocked.log_scale, &mut blocked.shape),
+    for (altitudes_m, log_scale, shape, basis_count) in [
+        (&mut tables.observer_altitude_m, &mut tables.log_scale, &mut tables.shape, tables.basis_count),
+        (&mut blocked.observer_altitude_m, &mut blocked.log_scale, &mut blocked.shape, blocked.basis_count),
     ] {
         let count = altitudes_m.len();
         altitudes_m.truncate(count - 1);
         log_scale.truncate(log_scale.len() / count * (count - 1));
-        shape.truncate(shape.len() / count * (count - 1));
+        let images = LOBE_COUNT * BAND_COUNT * basis_count;
+        let kept = shape.chunks_exact(count * images).flat_map(|node| &node[..(count - 1) * images]);
+        *shape = kept.copied().collect();
         let part = 1_800.0 / altitudes_m[count - 2];
         altitudes_m.iter_mut().for_each(|altitude_m| *altitude_m *= part);
     }
+    // What is kept is where it belongs.
+    assert_eq!(one_of_each(tables), before);
     pack
 }
 

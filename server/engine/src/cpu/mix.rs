@@ -19,8 +19,10 @@ pub(crate) const BLOCK: usize = 32;
 /// Nodes that a task mixes.
 const NODES_PER_TASK: usize = 64;
 /// How many nodes before its turn a node's coefficients are asked for.
+#[cfg(target_arch = "x86_64")]
 const NODES_AHEAD: usize = 2;
 /// Coefficients in a cache line.
+#[cfg(target_arch = "x86_64")]
 const LINE: usize = 32;
 
 /// Shares of the lobes at a node, the logarithm of its mixed scale and that one's bow: [`lobe_shares`], [`mixed_bow`].
@@ -192,24 +194,38 @@ fn mix_nodes_wide(
 
 /// Asks for the coefficients of a node, which lie where no processor guesses: they come while others are worked on, and
 /// the mix takes half the time.
+#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn fetch(table: &NodeTable<'_>, request: &Prepared, basis_count: usize) {
-    #[cfg(target_arch = "x86_64")]
+    let in_use = basis_count.min(table.basis_count);
     for &tap in table.taps.indices() {
         for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
             for (band, _) in request.lit_bands().enumerate().filter(|(_, is_lit)| *is_lit) {
                 let start = table.shape_index(tap, lobe, band) * table.basis_count;
-                let image = &table.shape[start..][..basis_count.min(table.basis_count)];
+                let image = &table.shape[start..][..in_use];
                 for line in image.chunks(LINE) {
-                    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-                    #[expect(unsafe_code, reason = "there is no safe way to ask for what is needed soon")]
-                    // SAFETY: it changes nothing whatever the address, and every x86-64 has it.
-                    unsafe {
-                        _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast());
-                    }
+                    fetch_line(&line[0]);
+                }
+                // An image begins anywhere in a line and ends in one more, where a whole one's next begins.
+                if in_use < table.basis_count
+                    && let Some(last) = image.last()
+                {
+                    fetch_line(last);
                 }
             }
         }
+    }
+}
+
+/// Asks for the cache line of a value.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn fetch_line(value: &f16) {
+    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    #[expect(unsafe_code, reason = "there is no safe way to ask for what is needed soon")]
+    // SAFETY: it changes nothing whatever the address, and every x86-64 has it.
+    unsafe {
+        _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast());
     }
 }
 
@@ -230,6 +246,7 @@ fn mix_nodes_with(
     let count = blocks.first().map_or(0, |nodes| nodes.len());
     for (slot, (node, scales)) in request.nodes[first..].iter().zip(&scales[first..]).enumerate().take(count)
     {
+        #[cfg(target_arch = "x86_64")]
         if let Some(ahead) = request.nodes[first..][..count].get(slot + NODES_AHEAD) {
             fetch(&NodeTable::of(tables, request, ahead), request, basis_count);
         }

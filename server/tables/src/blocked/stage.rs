@@ -269,4 +269,51 @@ mod tests {
         assert!((1..ANGLE_COUNT).all(|angle| scale(angle) < scale(angle - 1) + 0.05));
         assert!(scale(ANGLE_COUNT - 1) < scale(0) - 1.0);
     }
+
+    #[test]
+    fn every_image_of_a_pack_is_where_its_index_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let options = PrecomputeOptions::coarse(Turbidity::new(2.0).unwrap());
+        let pack = Pack::open(&precompute(&options, folder.path(), &Silent).unwrap()).unwrap();
+        // On a pack's own distances nothing is interpolated.
+        let (axes, count) = (&pack.manifest().axes, pack.manifest().basis_count);
+        let tables = pack.resident(&axes.distance_m);
+        let (distances, offsets) = (axes.distance_m.len(), axes.offset_count);
+        for (observer, lobe, band, distance, offset) in
+            [(0, 0, 0, 0, 0), (1, 2, 1, 3, 2), (0, 1, 2, distances - 1, offsets - 1), (1, 0, 2, 2, 0)]
+        {
+            let image = observer * IMAGE_COUNT + image_index(lobe, band);
+            let of_pack = &pack.shape[((image * distances + distance) * offsets + offset) * count..][..count];
+            let index = tables.shape_index(observer, lobe, band, distance, offset);
+            assert_eq!(&tables.shape[index * count..][..count], of_pack);
+        }
+
+        let behind = pack.blocked.as_ref().unwrap();
+        let (distances, offsets) = (behind.axes.distance_m.len(), behind.axes.offset_count);
+        let tables = pack.resident(&behind.axes.distance_m);
+        let blocked = tables.blocked.as_ref().unwrap();
+        let count = blocked.basis_count;
+        // Differences at one observer altitude serve all.
+        assert_eq!(behind.axes.observer_altitude_m.len(), 1);
+        for (observer, angle, lobe, band, distance, offset) in [
+            (0, 0, 0, 0, 0, 0),
+            (1, 5, 2, 1, 2, 1),
+            (0, ANGLE_COUNT - 1, 1, 2, distances - 1, offsets - 1),
+            (1, 3, 0, 2, 1, 0),
+        ] {
+            let image = image_index(lobe, band);
+            let offset_m = blocked.offset_axis[angle][distance].offset_m(offset as f64);
+            let mut expected = vec![0.0f32; count];
+            open_sample(&tables, &[(observer, 1.0)], image, distance, offset_m, &mut expected);
+            let node = angle * IMAGE_COUNT + image;
+            let differences =
+                &behind.shape_less_open[((node * distances + distance) * offsets + offset) * count..];
+            let index = blocked.shape_index(observer, angle, lobe, band, distance, offset);
+            for ((value, open), difference) in
+                blocked.shape[index * count..][..count].iter().zip(expected).zip(differences)
+            {
+                assert_eq!(*value, f16::from_f32(open + difference.to_f32()));
+            }
+        }
+    }
 }

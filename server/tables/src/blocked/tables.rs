@@ -13,6 +13,8 @@ use skyglow_physics::{BAND_COUNT, interpolation::lagrange_taps};
 
 /// Nodes that an interpolation uses.
 const TAPS: usize = 4;
+/// Coefficients that are made wide at once.
+const AT_ONCE: usize = 32;
 
 /// Differences to the open tables at the pack's own sample points.
 #[derive(Clone, Debug)]
@@ -68,7 +70,6 @@ fn open_shape(
     let low = (position as usize).min(open.offset_count - 2);
     let upper_weight = position - low as f64;
     let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
-    let mut wide = vec![0.0f32; shape.len()];
     shape.fill(0.0);
     for &(observer, observer_weight) in observer_taps {
         for (side, side_weight) in [(0, 1.0 - upper_weight), (1, upper_weight)] {
@@ -77,9 +78,13 @@ fn open_shape(
                 continue;
             }
             let node = open.shape_index(observer, lobe, band, ring, low + side);
-            open.shape[node * open.basis_count..][..wide.len()].convert_to_f32_slice(&mut wide);
-            for (sum, value) in shape.iter_mut().zip(&wide) {
-                *sum += weight as f32 * value;
+            let values = &open.shape[node * open.basis_count..][..shape.len()];
+            for (sums, values) in shape.chunks_mut(AT_ONCE).zip(values.chunks(AT_ONCE)) {
+                let mut wide = [0.0f32; AT_ONCE];
+                values.convert_to_f32_slice(&mut wide[..values.len()]);
+                for (sum, value) in sums.iter_mut().zip(wide) {
+                    *sum += weight as f32 * value;
+                }
             }
         }
     }

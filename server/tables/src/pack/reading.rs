@@ -145,7 +145,7 @@ fn read_manifest(json: &[u8]) -> Result<Manifest, String> {
     let is_counted = |count: usize| (1..=LONGEST_AXIS).contains(&count);
     if !counts.chain(points.clone().map(Vec::len)).all(is_counted)
         || axes.offset_count < 3
-        || blocked.is_some_and(|axes| axes.basis_count > manifest.basis_count || axes.offset_count < 2)
+        || blocked.is_some_and(|axes| axes.basis_count > manifest.basis_count || axes.offset_count < 3)
     {
         return Err("an axis of its manifest is empty, or longer than it can be".to_owned());
     }
