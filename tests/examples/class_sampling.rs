@@ -13,7 +13,7 @@ use skyglow_physics::{
 };
 use skyglow_scene::{PolarGrid, ring_distance_m};
 use skyglow_tables::{
-    MultipleTable, PrecomputeOptions,
+    MultipleTable,
     images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index, images_of},
 };
 use skyglow_tests::{
@@ -39,10 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let air = Atmosphere::new(turbidity);
         let (of, multiple) = match &mut fields {
             Some(fields) => fields,
-            fields => {
-                let distance_m = PrecomputeOptions::full(turbidity).axes.distance_m;
-                fields.insert((truth.turbidity, vec![kept_table(air, &distance_m, Path::new(cache))?]))
-            }
+            fields => fields.insert((truth.turbidity, vec![kept_table(air, Path::new(cache))?])),
         };
         if *of != truth.turbidity {
             return Err(format!("{file} is of turbidity {}, the fields of {of}", truth.turbidity).into());

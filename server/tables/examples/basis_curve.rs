@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Vec::new()
     } else {
         options.scattering = Scattering::Multiple;
-        vec![kept_table(atmosphere, &options.axes.distance_m, Path::new(cache))?]
+        vec![kept_table(atmosphere, Path::new(cache))?]
     };
     let scenes: Vec<(Class, Vec<Lit>)> = Class::all()
         .into_iter()

@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut options = PrecomputeOptions::full(turbidity);
     options.scattering = if cache.is_some() { Scattering::Multiple } else { Scattering::Single };
     let multiple = match cache {
-        Some(cache) => vec![kept_table(atmosphere, &options.axes.distance_m, cache)?],
+        Some(cache) => vec![kept_table(atmosphere, cache)?],
         None => Vec::new(),
     };
     let basis = basis_alone(&options, &multiple)?;

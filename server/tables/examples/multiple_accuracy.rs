@@ -10,7 +10,7 @@ use skyglow_physics::{
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
-use skyglow_tables::{MultipleAxes, MultipleTable, TableAxes, images::image_index};
+use skyglow_tables::{MultipleAxes, MultipleTable, images::image_index};
 use std::{error::Error, path::Path, time::Instant};
 
 /// Rows and columns tried of each source.
@@ -59,7 +59,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let table = MultipleTable::solve(
         atmosphere,
         &axes,
-        &TableAxes::full().distance_m,
         |ground, offset| {
             let bytes = std::fs::read(file(ground, offset)).ok()?;
             Some(bytemuck::pod_collect_to_vec::<u8, f32>(&bytes))

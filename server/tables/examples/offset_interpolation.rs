@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let axes = TableAxes::full();
     let multiple = match cache.as_str() {
         "-" => Vec::new(),
-        cache => vec![kept_table(air, &axes.distance_m, Path::new(cache))?],
+        cache => vec![kept_table(air, Path::new(cache))?],
     };
     for place in places.first().map_or(PLACES, String::as_str).split(',') {
         let (observer_m, distance_m) = place.split_once(':').ok_or("expected OBSERVER_M:DISTANCE_M")?;

@@ -139,8 +139,10 @@ impl TableAxes {
     /// The axes of the packs that come with the program.
     pub fn full() -> Self {
         Self {
-            distance_m: logarithmic(56),
-            observer_altitude_m: vec![0.0, 300.0, 700.0, 1_200.0, 1_900.0, 2_900.0, 4_200.0, 6_000.0],
+            distance_m: logarithmic(48),
+            observer_altitude_m: vec![
+                0.0, 300.0, 700.0, 1_200.0, 1_800.0, 2_600.0, 3_600.0, 4_700.0, 6_000.0,
+            ],
             // Times the rings at most 8 192, the tallest texture of the smallest devices.
             offset_count: 32,
         }

@@ -301,16 +301,14 @@ fn make_multiple(
     let Some(axes) = options.multiple_axes() else { return Ok(Vec::new()) };
     let parts = axes.part_count(options.cloud_base());
     progress.begin("multiple scattering", (parts * atmospheres.len()) as u64);
-    let distance_m = &options.axes.distance_m;
     let name = |ground: usize, offset: usize| format!("multiple-{ground:02}-{offset:02}");
     atmospheres
         .iter()
         .zip(checkpoints)
         .map(|(&atmosphere, checkpoint)| {
             let kept = |ground, offset| {
-                let part = checkpoint
-                    .load(&name(ground, offset))
-                    .filter(|part| part.len() == axes.part_len(distance_m.len()))?;
+                let part =
+                    checkpoint.load(&name(ground, offset)).filter(|part| part.len() == axes.part_len())?;
                 progress.advance(1);
                 Some(part)
             };
@@ -318,7 +316,7 @@ fn make_multiple(
                 progress.advance(1);
                 checkpoint.store(&name(ground, offset), part)
             };
-            MultipleTable::solve(atmosphere, axes, distance_m, kept, made)
+            MultipleTable::solve(atmosphere, axes, kept, made)
         })
         .collect()
 }

@@ -13,6 +13,9 @@ use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, single_source::S
 
 /// Highest observer and source of the everyday part of the training set, metres.
 pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
+/// Share of its anywhere part below the plane where the sky bends: the axis has more of its nodes there, for the sake of the
+/// line between two of them, and as many training images would take functions from the rest.
+pub(crate) const ANYWHERE_SHARE_BELOW: f64 = 9.0 / 23.0;
 /// Of its raised part: highest observer, nearest and farthest source [m], steepest source [degrees].
 pub(crate) const RAISED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
 
@@ -25,9 +28,23 @@ pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, 
     for i in 1..100 * options.training_geometries {
         // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
-        let node = match nodes.len() % 3 {
-            0 => node_anywhere(axes, spread),
-            1 => everyday_node(axes, spread),
+        let cycle = std::env::var("CYCLE").unwrap_or("aer".into());
+        let node = match cycle.as_bytes()[nodes.len() % cycle.len()] {
+            b'a' => node_anywhere(axes, spread),
+            b'o' => {
+                // offsets even in a 23-node axis
+                let (o, d, _) = node_anywhere(axes, spread);
+                let axis = OffsetAxis::at_distance(axes.distance_m[d], axes.offset_count);
+                let (n, below) = (axes.offset_count - 1, axis.bend_node);
+                let t = spread[2] * 23.0;
+                let off = if t < 9.0 {
+                    t / 9.0 * below as f64
+                } else {
+                    below as f64 + (t - 9.0) / 14.0 * (n + 1 - below) as f64
+                };
+                (o, d, off as usize)
+            }
+            b'e' => everyday_node(axes, spread),
             _ => raised_node(axes, spread),
         };
         let geometry = axes.geometry(node.0, node.1, node.2, None);
@@ -47,11 +64,19 @@ pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, 
     nodes
 }
 
-/// A node from numbers 0..1, all observers, distances and offsets alike.
+/// A node from numbers 0..1, all observers and distances alike, and offsets alike on each side of the bend.
 fn node_anywhere(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
-    let counts = [axes.observer_altitude_m.len(), axes.distance_m.len(), axes.offset_count];
-    let [observer, distance, offset] = std::array::from_fn(|k| (spread[k] * counts[k] as f64) as usize);
-    (observer, distance, offset)
+    let counts = [axes.observer_altitude_m.len(), axes.distance_m.len()];
+    let [observer, distance] = std::array::from_fn(|k| (spread[k] * counts[k] as f64) as usize);
+    let bend = OffsetAxis::at_distance(axes.distance_m[distance], axes.offset_count).bend_node as f64;
+    let share = spread[2] / ANYWHERE_SHARE_BELOW;
+    let offset = if share < 1.0 {
+        share * bend
+    } else {
+        let above = (spread[2] - ANYWHERE_SHARE_BELOW) / (1.0 - ANYWHERE_SHARE_BELOW);
+        bend + above * (axes.offset_count as f64 - bend)
+    };
+    (observer, distance, offset as usize)
 }
 
 /// A node where people and lights are, observer and source between the sea and 1 500 m, low ones more often: few

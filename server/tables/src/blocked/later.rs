@@ -176,15 +176,14 @@ mod tests {
     fn at_its_nodes_the_part_is_that_of_a_cut_field_and_multiplies_the_open_table() {
         let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
         let distance_m = [2_000.0, 30_000.0];
-        let multiple = MultipleAxes::coarse(0.15);
+        let multiple = MultipleAxes { distance_m: distance_m.to_vec(), ..MultipleAxes::coarse(0.15) };
         let axes = LaterAxes {
             ground_altitude_m: vec![0.0],
             offset_m: vec![-1_500.0, 0.0],
             column: vec![0, 16, 64, 128],
             field_resolution: FieldResolution::Coarse,
         };
-        let table =
-            MultipleTable::solve(atmosphere, &multiple, &distance_m, |_, _| None, |_, _, _| Ok(())).unwrap();
+        let table = MultipleTable::solve(atmosphere, &multiple, |_, _| None, |_, _, _| Ok(())).unwrap();
         let later =
             LaterParts::solve(atmosphere, &multiple, &axes, &distance_m, |_, _| None, |_, _, _| Ok(()))
                 .unwrap();

@@ -1,6 +1,7 @@
 //! The sample points of multiply scattered light, and how finely its fields are solved.
 
 use crate::{
+    axes::logarithmic,
     clouds::{Clouds, altitudes_below, held_below_clouds_m},
     images::IMAGE_COUNT,
 };
@@ -42,6 +43,10 @@ impl FieldResolution {
 pub struct MultipleAxes {
     /// Version of the solver of the fields and of their layout.
     pub field_version: u32,
+    /// Distances of sources, metres, ascending. Not those of a pack: light that is smooth along the distance needs no node
+    /// where a pack has one, and packs of other distances are made from the same fields.
+    #[serde(default)]
+    pub distance_m: Vec<f64>,
     /// Lambertian albedo of the ground, 0..=1.
     pub ground_albedo: f64,
     /// Altitudes ℓ of the ground, metres, ascending. The lowest may lie below the sea: no source does, but packs have
@@ -66,6 +71,7 @@ impl MultipleAxes {
     pub fn full(ground_albedo: f64) -> Self {
         Self {
             field_version: FIELD_VERSION,
+            distance_m: logarithmic(56),
             ground_albedo,
             ground_altitude_m: vec![
                 -2_000.0, -1_000.0, -450.0, 0.0, 300.0, 700.0, 1_400.0, 2_600.0, 4_200.0, 6_000.0,
@@ -93,6 +99,7 @@ impl MultipleAxes {
     /// Few points, for tests of everything but accuracy.
     pub fn coarse(ground_albedo: f64) -> Self {
         Self {
+            distance_m: logarithmic(10),
             ground_altitude_m: vec![0.0, 3_000.0],
             offset_m: vec![-2_000.0, 0.0],
             haze_offset_m: vec![400.0],
@@ -127,8 +134,8 @@ impl MultipleAxes {
         (0..self.ground_altitude_m.len()).map(|ground| self.offsets_over_m(ground, cloud).len()).sum()
     }
 
-    /// Numbers of the table of one (ground, offset) at `distances` distances.
-    pub(crate) fn part_len(&self, distances: usize) -> usize {
-        distances * ELEVATION_COUNT * self.column.len() * IMAGE_COUNT
+    /// Numbers of the table of one (ground, offset).
+    pub(crate) fn part_len(&self) -> usize {
+        self.distance_m.len() * ELEVATION_COUNT * self.column.len() * IMAGE_COUNT
     }
 }

@@ -44,7 +44,7 @@ pub struct MultipleTable {
 }
 
 impl MultipleTable {
-    /// Solves the table for sources at the given distances [m]. `kept` may answer parts by (ground, offset), each
+    /// Solves the table. `kept` may answer parts by (ground, offset), each
     /// as [`MultipleTable`] keeps them; `made` is given each new one.
     ///
     /// Runs on the current rayon pool; the result does not depend on the number of threads.
@@ -54,14 +54,13 @@ impl MultipleTable {
     pub fn solve(
         atmosphere: Atmosphere,
         axes: &MultipleAxes,
-        distance_m: &[f64],
         kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
         made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
         let held_m = |altitude_m| held_below_clouds_m(altitude_m, atmosphere.cloud());
         let view_part = |field: &SourceField, ground: usize, offset: usize, offset_m: f64| {
             let observer_m = held_m(axes.ground_altitude_m[ground] - offset_m.min(0.0));
-            let part = view(field, &axes.column, distance_m, observer_m)?;
+            let part = view(field, &axes.column, &axes.distance_m, observer_m)?;
             made(ground, offset, &part)?;
             Ok(part)
         };
@@ -100,7 +99,7 @@ impl MultipleTable {
             |ground| axes.offsets_over_m(ground, atmosphere.cloud()).into_iter().map(bent_offset).collect();
         Ok(Self {
             axes: axes.clone(),
-            log_distance: distance_m.iter().map(|d| d.ln()).collect(),
+            log_distance: axes.distance_m.iter().map(|d| d.ln()).collect(),
             bent_offsets: grounds.map(bent).collect(),
             parts,
             column_taps: column_taps(&axes.column),
@@ -259,11 +258,8 @@ mod tests {
 
     fn table(distance_m: &[f64]) -> (Atmosphere, MultipleTable) {
         let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
-        let axes = MultipleAxes::coarse(0.15);
-        (
-            atmosphere,
-            MultipleTable::solve(atmosphere, &axes, distance_m, |_, _| None, |_, _, _| Ok(())).unwrap(),
-        )
+        let axes = MultipleAxes { distance_m: distance_m.to_vec(), ..MultipleAxes::coarse(0.15) };
+        (atmosphere, MultipleTable::solve(atmosphere, &axes, |_, _| None, |_, _, _| Ok(())).unwrap())
     }
 
     #[test]
