@@ -1,0 +1,192 @@
+//! The built program as a server: the demo scene, packs made here, lavapipe, HTTP on a port of its own.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
+
+mod commands;
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::{
+    server::{Answer, Server},
+    skyglow, text,
+};
+use serde_json::Value;
+use skyglow_physics::Turbidity;
+use skyglow_tables::{PrecomputeOptions, Silent, precompute};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, OnceLock, PoisonError, Weak},
+};
+
+/// Locarno, in the demo scene.
+const PLACE: &str = "lat=46.17&lon=8.79";
+
+/// Packs of no accuracy, for turbidities 2 and 3, and a data folder with the demo: made once for all tests here.
+struct Ground {
+    folder: PathBuf,
+}
+
+impl Ground {
+    fn get() -> &'static Self {
+        static GROUND: OnceLock<Ground> = OnceLock::new();
+        GROUND.get_or_init(|| {
+            let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("end-to-end");
+            let _ = std::fs::remove_dir_all(&folder);
+            for turbidity in [2.0, 3.0] {
+                let options = PrecomputeOptions::coarse(Turbidity::new(turbidity).unwrap());
+                precompute(&options, &folder.join("packs"), &Silent).unwrap();
+            }
+            Ground { folder }
+        })
+    }
+
+    fn data(&self) -> PathBuf {
+        self.folder.join("data")
+    }
+
+    fn packs(&self) -> PathBuf {
+        self.folder.join("packs")
+    }
+
+    fn server(&self) -> Server {
+        Server::start(&self.data(), &["--packs", text(&self.packs()), "--device", "lavapipe"])
+    }
+}
+
+/// One server for the tests that only ask, while any of them runs; the last one ends it.
+fn server() -> Arc<Server> {
+    static SERVER: Mutex<Weak<Server>> = Mutex::new(Weak::new());
+    let mut shared = SERVER.lock().unwrap_or_else(PoisonError::into_inner);
+    shared.upgrade().unwrap_or_else(|| {
+        let server = Arc::new(Ground::get().server());
+        *shared = Arc::downgrade(&server);
+        server
+    })
+}
+
+fn number(value: &Value, name: &str) -> f64 {
+    value[name].as_f64().unwrap_or_else(|| panic!("no number {name} in {value}"))
+}
+
+#[test]
+fn a_clicked_place_shows_its_sky() {
+    let server = server();
+    assert_eq!(server.get("/healthz").status, 200);
+    let scenes = server.get("/api/v1/scenes").json();
+    assert_eq!((&scenes[0]["id"], &scenes[0]["illustrative"]), (&"demo".into(), &true.into()));
+
+    let site = server.get(&format!("/api/v1/scenes/demo/site?{PLACE}")).json();
+    assert!(number(&site, "terrain_altitude_m") >= 0.0, "{site}");
+
+    let sky = server.get(&format!("/api/v1/scenes/demo/sky?{PLACE}")).json();
+    assert!(number(&sky["sky"], "ratio_to_natural") > 0.0, "{sky}");
+    assert_eq!(sky["lamp"]["preset"], "mixed");
+    assert!((0.0..=1.0).contains(&number(&sky, "coverage")));
+
+    let viewer = server.get("/");
+    assert_eq!(viewer.status, 200);
+    assert!(viewer.text().contains("<script"), "no viewer is built in");
+}
+
+#[test]
+fn the_picture_is_a_png_of_the_size_asked_for_with_more_than_one_colour() {
+    let server = server();
+    let answer = server.get(&format!(
+        "/api/v1/scenes/demo/panorama.png?{PLACE}&width=512&height_px=128&legend=off&style=false_colour"
+    ));
+    assert_eq!((answer.status, answer.header("content-type")), (200, "image/png"));
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&answer.body)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!((frame.width, frame.height), (512, 128));
+    let step = frame.buffer_size() / (512 * 128);
+    let colours: std::collections::BTreeSet<&[u8]> = pixels.chunks_exact(step).collect();
+    assert!(colours.len() > 16, "{} colours", colours.len());
+}
+
+#[test]
+fn the_raw_grid_is_lit_finite_and_brightest_where_the_numbers_say() {
+    let server = server();
+    let panorama = server.get(&format!("/api/v1/scenes/demo/panorama.json?{PLACE}")).json();
+    let rows = panorama["radiance"][1].as_array().unwrap();
+    assert_eq!(rows.len(), 64);
+    let (mut brightest, mut at) = (0.0, (0, 0));
+    for (row, values) in rows.iter().enumerate() {
+        let values = values.as_array().unwrap();
+        assert_eq!(values.len(), 256);
+        for (column, value) in values.iter().enumerate() {
+            let bands: Vec<f64> =
+                (0..3).map(|band| panorama["radiance"][band][row][column].as_f64().unwrap()).collect();
+            assert!(bands.iter().all(|value| value.is_finite() && *value >= 0.0), "{value}");
+            let luminance_cd_m2 = 150.0 * bands[0] + 567.0 * bands[1] + 45.0 * bands[2];
+            if luminance_cd_m2 > brightest {
+                (brightest, at) = (luminance_cd_m2, (row, column));
+            }
+        }
+    }
+    let sky = &panorama["sky"];
+    assert!((brightest / number(sky, "brightest_luminance_cd_m2") - 1.0).abs() < 1e-5);
+    assert!((number(sky, "brightest_azimuth_deg") - at.1 as f64 * 360.0 / 256.0).abs() < 1e-6);
+    assert!((number(sky, "brightest_elevation_deg") - (at.0 as f64 + 0.5) * 90.0 / 64.0).abs() < 1e-6);
+}
+
+#[test]
+fn every_kind_of_bad_request_is_told_what_is_wrong() {
+    let server = server();
+    let sky = "/api/v1/scenes/demo/sky";
+    let cases = [
+        ("place outside", format!("{sky}?lat=-1.3&lon=36.8"), 404, "outside", None),
+        ("altitude 9 000 m", format!("{sky}?{PLACE}&altitude=9000"), 422, "6000", Some("altitude")),
+        ("turbidity 0", format!("{sky}?{PLACE}&turbidity=0"), 422, "2 to 3", Some("turbidity")),
+        ("turbidity 100", format!("{sky}?{PLACE}&turbidity=100"), 422, "2 to 3", Some("turbidity")),
+        ("unknown parameter", format!("{sky}?{PLACE}&hight=2"), 400, "hight", Some("hight")),
+        ("no place", format!("{sky}?lat=46"), 400, "lon", Some("lon")),
+        ("latitude 91", format!("{sky}?lat=91&lon=8"), 400, "-90 to 90", Some("lat")),
+        ("clouds", format!("{sky}?{PLACE}&clouds=1500"), 422, "clouds", Some("clouds")),
+        ("unknown scene", format!("/api/v1/scenes/atlantis/sky?{PLACE}"), 404, "atlantis", None),
+        ("no such path", "/api/v1/sky".to_owned(), 404, "", None),
+    ];
+    for (name, path, status, word, parameter) in cases {
+        let answer = server.get(&path);
+        println!("{name}: {} {}", answer.status, answer.text());
+        assert_eq!(answer.status, status, "{name}: {}", answer.text());
+        assert!(answer.header("content-type").starts_with("application/problem+json"), "{name}");
+        let problem = answer.json();
+        assert!(problem.to_string().contains(word), "{name}: {problem}");
+        assert!(problem["type"].as_str().is_some_and(|kind| kind.starts_with("/problems/")), "{name}");
+        if let Some(parameter) = parameter {
+            assert_eq!(problem["errors"][0]["parameter"], parameter, "{name}: {problem}");
+        }
+    }
+    let outside = server.get(&format!("{sky}?lat=-1.3&lon=36.8")).json();
+    assert_eq!(outside["bounds"].as_array().map(Vec::len), Some(4), "{outside}");
+}
+
+#[test]
+fn a_client_that_has_the_picture_gets_304() {
+    let server = server();
+    let path = format!("/api/v1/scenes/demo/panorama.webp?{PLACE}&turbidity=2");
+    let first = server.get(&path);
+    assert_eq!(first.status, 200);
+    let again: Answer = server.get_with(&path, &[("If-None-Match", first.header("etag"))]);
+    assert_eq!((again.status, again.body.len()), (304, 0));
+}
+
+#[test]
+fn the_server_ends_with_0_when_told_to() {
+    let server = Ground::get().server();
+    assert_eq!(server.get("/readyz").status, 200);
+    assert_eq!(server.terminate(), 0);
+}
+
+#[test]
+fn a_taken_port_and_missing_packs_are_said_at_once() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let folder = tempfile::tempdir().unwrap();
+    let data = text(folder.path());
+    let refused = skyglow(&["serve", "--listen", &address, "--data", data]).expect_status(1);
+    assert!(refused.stderr.contains(&address), "{}", refused.stderr);
+    let refused =
+        skyglow(&["serve", "--listen", "127.0.0.1:0", "--data", data, "--no-demo", "--packs", data]);
+    assert!(refused.expect_status(1).stderr.contains("no table packs"), "packs");
+}
