@@ -263,6 +263,8 @@ impl Observatory {
             parts.push((lights.shared_pixels(), influence));
         }
         let (pixels, influence) = together(parts);
+        let total = Part::of_all(&pixels, &influence);
+        step("total");
         Ok(InfluenceMap {
             observer: view.observer,
             coverage: view.coverage(),
@@ -277,7 +279,7 @@ impl Observatory {
             basis_error_bound,
             region_sr: weights.filter(|_| is_region).map(|weights| weights.solid_angle_sr()),
             scene: Arc::clone(&view.scene),
-            total: Part::of_all(&pixels, &influence),
+            total,
             brightest: OnceLock::new(),
             pixels,
             influence,

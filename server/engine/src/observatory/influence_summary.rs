@@ -14,6 +14,8 @@ pub const RING_EDGES_M: [f64; 11] = [
 /// Sectors of azimuth; the first is centred on north.
 pub const SECTOR_COUNT: usize = 8;
 
+/// Pixels that a task adds up.
+const PIXELS_PER_TASK: usize = 16_384;
 /// Pixels that all have the brightest colour of a map.
 const OUTSHINING_COUNT: usize = 32;
 
@@ -35,10 +37,21 @@ impl Part {
         self.pixels += 1;
     }
 
+    /// Added up in order, piece by piece: the same map is to give the same bits.
     pub(super) fn of_all(pixels: &[LitPixel], influence: &[f32]) -> Self {
-        let mut all = Self::default();
-        pixels.iter().zip(influence).for_each(|(pixel, influence)| all.add(pixel, *influence));
-        all
+        let pieces = pixels.par_chunks(PIXELS_PER_TASK).zip(influence.par_chunks(PIXELS_PER_TASK));
+        let parts: Vec<Self> = pieces
+            .map(|(pixels, influence)| {
+                let mut part = Self::default();
+                pixels.iter().zip(influence).for_each(|(pixel, influence)| part.add(pixel, *influence));
+                part
+            })
+            .collect();
+        parts.into_iter().fold(Self::default(), |all, part| Self {
+            influence: all.influence + part.influence,
+            flux_dnb_w: all.flux_dnb_w + part.flux_dnb_w,
+            pixels: all.pixels + part.pixels,
+        })
     }
 }
 
