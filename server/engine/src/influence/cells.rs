@@ -101,11 +101,17 @@ impl InfluenceSolver {
         sky: &RenderRequest,
         measure: MeasureOfCells<'_>,
     ) -> Result<CellsInSky, EngineError> {
-        let prepared = Prepared::new(request, &self.set)?;
+        let is_linear = matches!(measure, MeasureOfCells::Linear(_));
+        let (prepared, prepared_sky) = rayon::join(
+            || Prepared::new(request, &self.set),
+            // A norm asks for no sky, and a request in its own sky needs no other.
+            || (is_linear && !std::ptr::eq(request, sky)).then(|| Prepared::new(sky, &self.set)).transpose(),
+        );
+        let (prepared, prepared_sky) = (prepared?, prepared_sky?);
         let mut cells = vec![CellInfluence::default(); request.polar.cells.len()];
         let mut of_sky = None;
         if prepared.is_dark() {
-            of_sky = matches!(measure, MeasureOfCells::Linear(_)).then_some(0.0);
+            of_sky = is_linear.then_some(0.0);
             return Ok(CellsInSky { cells, of_sky });
         }
         // Cells that shine on clouds from above are in the grid and not among those prepared.
@@ -118,8 +124,8 @@ impl InfluenceSolver {
         let mut of_cells = vec![Slope::default(); prepared.cells.len()];
         match measure {
             MeasureOfCells::Linear(measure) => {
-                let sky = Prepared::new(sky, &self.set)?;
-                of_sky = Some(self.linear(&prepared, &sky, measure, &mut of_cells));
+                let sky = prepared_sky.as_ref().unwrap_or(&prepared);
+                of_sky = Some(self.linear(&prepared, sky, measure, &mut of_cells));
             }
             MeasureOfCells::Norm => self.norms(&prepared, &mut of_cells),
         }

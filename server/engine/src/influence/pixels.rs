@@ -9,6 +9,8 @@ use skyglow_scene::{LightShares, PolarCell};
 const LARGEST_LOG_FACTOR: f32 = 2.0;
 /// Pixels that a task works on.
 const PIXELS_PER_TASK: usize = 16_384;
+/// Cells that a task makes ready.
+const CELLS_PER_TASK: usize = 8_192;
 
 /// What the pixels of a cell need of it.
 #[derive(Clone, Copy, Default)]
@@ -35,13 +37,13 @@ pub fn influence_of_pixels(
     cells: &[CellInfluence],
     of_sky: Option<f64>,
 ) -> (Vec<f32>, f64) {
-    let of_cells = cells.iter().zip(&shares.polar.cells);
+    let of_cells = cells.par_iter().zip(&shares.polar.cells);
     let line = |(of, cell): (&CellInfluence, &PolarCell)| CellLine {
         slope_per_m: of.log_slope_per_m,
         at_sea: -of.log_slope_per_m * cell.altitude_m,
         per_dnb_w: of.per_dnb_w as f32,
     };
-    let lines: Vec<CellLine> = of_cells.map(line).collect();
+    let lines: Vec<CellLine> = of_cells.with_min_len(CELLS_PER_TASK).map(line).collect();
     let mut influence = vec![0f32; shares.len()];
     // Added up in order: the same request is to give the same bits.
     let sums: Vec<f64> = influence

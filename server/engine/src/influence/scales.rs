@@ -1,6 +1,10 @@
 //! The scales of a cell between its two nodes, and how what comes of them changes with the cell's altitude.
 
-use crate::{cpu::mix::NodeScales, prepare::PreparedCell, twin::log_scale_between};
+use crate::{
+    cpu::mix::NodeScales,
+    prepare::PreparedCell,
+    twin::{log_scale_between, natural_exp},
+};
 use skyglow_physics::BAND_COUNT;
 
 /// Step in the weight of the upper node over which slopes are differences.
@@ -21,7 +25,7 @@ impl CellScales<'_> {
         let steps = steps_around(upper_weight);
         for band in 0..BAND_COUNT {
             let log_scale = |weight: f32| self.log_scale(band, weight);
-            let scale = flux_per_dnb_flux[band] * log_scale(upper_weight).exp();
+            let scale = flux_per_dnb_flux[band] * natural_exp(log_scale(upper_weight));
             let [lower, upper] = products.map(|product| product[band]);
             let shape = (1.0 - upper_weight) * lower + upper_weight * upper;
             sum.value += f64::from(scale * shape);
@@ -41,7 +45,7 @@ impl CellScales<'_> {
 
     /// s_b·scale of every band at a weight of the upper node, W m⁻² sr⁻¹ per DNB watt.
     pub(super) fn scale(&self, flux_per_dnb_flux: [f32; BAND_COUNT], upper_weight: f32) -> [f32; BAND_COUNT] {
-        std::array::from_fn(|band| flux_per_dnb_flux[band] * self.log_scale(band, upper_weight).exp())
+        std::array::from_fn(|band| flux_per_dnb_flux[band] * natural_exp(self.log_scale(band, upper_weight)))
     }
 }
 
