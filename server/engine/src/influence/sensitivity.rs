@@ -14,17 +14,6 @@ const DIRECTION_COUNT: usize = ELEVATION_COUNT * AZIMUTH_COUNT;
 /// Over all packs Σ (derivative · radiance) is the measure of the blended sky.
 pub(super) fn sensitivities(skies: &[Vec<f32>], taps: &Taps, measure: &LinearMeasure) -> Vec<Vec<f32>> {
     let mut of_packs = vec![vec![0f32; BAND_COUNT * DIRECTION_COUNT]; skies.len()];
-    if let ([sky], [of_pack]) = (skies, of_packs.as_mut_slice()) {
-        for ((sky, of_pack), band) in
-            sky.chunks_exact(DIRECTION_COUNT).zip(of_pack.chunks_exact_mut(DIRECTION_COUNT)).zip(Band::ALL)
-        {
-            for ((radiance, of_pack), weight) in sky.iter().zip(of_pack).zip(measure.weights()) {
-                let lit = if *radiance > 0.0 { 1.0 } else { 0.0 };
-                *of_pack = (weight * band.luminous_efficacy_lm_w() * lit) as f32;
-            }
-        }
-        return of_packs;
-    }
     let mut radiance = vec![0f64; skies.len()];
     for band in Band::ALL {
         for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
@@ -44,6 +33,9 @@ pub(super) fn sensitivities(skies: &[Vec<f32>], taps: &Taps, measure: &LinearMea
 /// ∂L/∂L_p of [`blend_radiance`](crate::twin::blend_radiance), one for each pack; Σ L_p·∂L/∂L_p = L.
 fn blend_slopes(radiance: &[f64], taps: &Taps) -> Vec<f64> {
     let count = radiance.len();
+    if let [own] = radiance {
+        return vec![if *own > 0.0 { 1.0 } else { 0.0 }];
+    }
     let largest = radiance.iter().copied().fold(0.0, f64::max);
     let floor = f64::from(RADIANCE_FLOOR_W_M2_SR);
     if largest <= floor {
