@@ -16,7 +16,7 @@ use skyglow_scene::{Scene, SceneId, SceneStore};
 use skyglow_tests::{lobe_truth::seven_digits, places::places};
 use std::{error::Error, path::Path, time::Instant};
 
-/// The packs' turbidities and two between them.
+/// The packs' turbidities and one between them.
 const TURBIDITIES: [f64; 7] = [1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0];
 /// Two packs and one between.
 const FEW_TURBIDITIES: [f64; 3] = [1.5, 4.0, 6.0];
@@ -24,7 +24,7 @@ const FEW_TURBIDITIES: [f64; 3] = [1.5, 4.0, 6.0];
 const REST_TURBIDITIES: [f64; 4] = [2.0, 2.5, 3.5, 4.75];
 
 /// Those between packs.
-const BETWEEN_TURBIDITIES: [f64; 2] = [2.0, 4.0];
+const BETWEEN_TURBIDITIES: [f64; 2] = [1.75, 4.0];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();

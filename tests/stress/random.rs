@@ -55,7 +55,7 @@ const MADE_UP: Limits = Limits { apart: 1e-3, darker: 0.5, darker_mean: 1e-3 };
 
 pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {
     explore(report, "packs that come along", &bench.shipped, 150, &SHIPPED)?;
-    let made_up = Rig::of(synthetic::table_set_with_skylines(&[1.5, 2.5, 3.5, 4.75, 6.0], 16))?;
+    let made_up = Rig::of(synthetic::table_set_with_skylines(&[1.5, 2.0, 2.5, 3.5, 4.75, 6.0], 16))?;
     explore(report, "made-up packs", &made_up, 150, &MADE_UP)?;
     against_f64(report, &made_up, 30)
 }
@@ -75,7 +75,7 @@ fn lamp() -> impl Strategy<Value = Lamp> {
 }
 
 fn scene(basis: usize) -> impl Strategy<Value = Scene> {
-    let turbidity = prop_oneof![3 => 1.5..6.0f64, 1 => prop::sample::select(vec![1.5, 2.5, 3.5, 4.75, 6.0])];
+    let turbidity = prop_oneof![3 => 1.5..6.0f64, 1 => prop::sample::select(vec![1.5, 2.0, 2.5, 3.5, 4.75, 6.0])];
     let emission =
         prop_oneof![Just([0.46, 0.54, 0.0]), Just([0.0, 0.0, 1.0]), prop::array::uniform3(1e-12..1.0f64)];
     (
