@@ -75,7 +75,8 @@ fn lamp() -> impl Strategy<Value = Lamp> {
 }
 
 fn scene(basis: usize) -> impl Strategy<Value = Scene> {
-    let turbidity = prop_oneof![3 => 1.5..6.0f64, 1 => prop::sample::select(vec![1.5, 2.0, 2.5, 3.5, 4.75, 6.0])];
+    let turbidity =
+        prop_oneof![3 => 1.5..6.0f64, 1 => prop::sample::select(vec![1.5, 2.0, 2.5, 3.5, 4.75, 6.0])];
     let emission =
         prop_oneof![Just([0.46, 0.54, 0.0]), Just([0.0, 0.0, 1.0]), prop::array::uniform3(1e-12..1.0f64)];
     (
