@@ -95,11 +95,6 @@ impl CpuExecutor {
         self.render_pack(&Item { request, pack }, side_by_side).0
     }
 
-    /// Buffers of its passes, to be given back.
-    pub(crate) fn scratch(&self) -> &ScratchPool {
-        &self.scratch
-    }
-
     /// The tables of its transforms.
     pub(crate) fn transforms(&self) -> &Transforms {
         &self.transforms

@@ -2,18 +2,14 @@
 
 use super::{
     correlation::correlate,
+    kept::{ReadyRequest, ReadyRequests},
     norms::NormsOfPack,
     products::products,
     scales::{Slope, scales_of},
     sensitivity::sensitivities,
 };
 use crate::{
-    cpu::{
-        CpuExecutor,
-        blend::blend,
-        mix::{mix_scale, mix_shape},
-        scratch::Scratch,
-    },
+    cpu::{CpuExecutor, blend::blend},
     error::EngineError,
     prepare::{Prepared, PreparedCell, shines},
     request::RenderRequest,
@@ -58,11 +54,13 @@ pub struct CellsInSky {
     pub of_sky: Option<f64>,
 }
 
-/// Finds influences, on the processor; what it needs of a pack for norms it computes once.
+/// Finds influences, on the processor; what it needs of a pack for norms it computes once, and what maps of one light under one
+/// air have in common it keeps for a while.
 pub struct InfluenceSolver {
     set: Arc<TableSet>,
     executor: CpuExecutor,
     grams: Vec<OnceLock<Vec<f32>>>,
+    ready: ReadyRequests,
 }
 
 impl std::fmt::Debug for InfluenceSolver {
@@ -75,7 +73,7 @@ impl InfluenceSolver {
     /// For the packs of a set.
     pub fn new(set: Arc<TableSet>) -> Self {
         let grams = set.tables().iter().map(|_| OnceLock::new()).collect();
-        Self { executor: CpuExecutor::new(set.as_ref().clone()), set, grams }
+        Self { executor: CpuExecutor::new(set.as_ref().clone()), set, grams, ready: ReadyRequests::new() }
     }
 
     /// The measure of each cell of the request's grid, by its place in [`PolarGrid::cells`](skyglow_scene::PolarGrid::cells).
@@ -102,12 +100,9 @@ impl InfluenceSolver {
         measure: MeasureOfCells<'_>,
     ) -> Result<CellsInSky, EngineError> {
         let is_linear = matches!(measure, MeasureOfCells::Linear(_));
-        let (prepared, prepared_sky) = rayon::join(
-            || Prepared::new(request, &self.set),
-            // A norm asks for no sky, and a request in its own sky needs no other.
-            || (is_linear && !std::ptr::eq(request, sky)).then(|| Prepared::new(sky, &self.set)).transpose(),
-        );
-        let (prepared, prepared_sky) = (prepared?, prepared_sky?);
+        // A norm asks for no sky.
+        let ready = self.ready.get(request, is_linear.then_some(sky), &self.set, &self.executor)?;
+        let prepared = &ready.prepared;
         let mut cells = vec![CellInfluence::default(); request.polar.cells.len()];
         let mut of_sky = None;
         if prepared.is_dark() {
@@ -124,15 +119,14 @@ impl InfluenceSolver {
         let mut of_cells = vec![Slope::default(); prepared.cells.len()];
         match measure {
             MeasureOfCells::Linear(measure) => {
-                let sky = prepared_sky.as_ref().unwrap_or(&prepared);
-                of_sky = Some(self.linear(&prepared, sky, measure, &mut of_cells));
+                of_sky = Some(self.linear(&ready, measure, &mut of_cells));
             }
-            MeasureOfCells::Norm => self.norms(&prepared, &mut of_cells),
+            MeasureOfCells::Norm => self.norms(&ready, &mut of_cells),
         }
         let found: Vec<CellInfluence> = (places.par_iter().zip(&of_cells).zip(&prepared.cells))
             .with_min_len(CELLS_AT_ONCE)
             .map(|((&at, of_cell), cell)| {
-                let per_m = self.upper_weight_per_m(request, &prepared, at as usize, cell);
+                let per_m = self.upper_weight_per_m(request, prepared, at as usize, cell);
                 let slope = (of_cell.log_slope() * f64::from(per_m)).clamp(-STEEPEST_PER_M, STEEPEST_PER_M);
                 CellInfluence { per_dnb_w: of_cell.value, log_slope_per_m: slope as f32 }
             })
@@ -180,55 +174,42 @@ impl InfluenceSolver {
     }
 
     /// Adds up what cells do, and gives the sky's own value.
-    fn linear(&self, request: &Prepared, sky: &Prepared, measure: &LinearMeasure, sum: &mut [Slope]) -> f64 {
+    fn linear(&self, ready: &ReadyRequest, measure: &LinearMeasure, sum: &mut [Slope]) -> f64 {
+        let (request, Some(sky)) = (&ready.prepared, &ready.sky) else { return 0.0 };
         let taps = &request.turbidity_taps;
-        let skies: Vec<Vec<f32>> = match sky.is_dark() {
-            true => vec![vec![0.0; Panorama::LEN]; taps.indices().len()],
-            false => taps.indices().par_iter().map(|&pack| self.executor.sky(sky, pack, true)).collect(),
-        };
-        let weights = sensitivities(&skies, taps, measure);
-        for (&pack, weights) in taps.indices().iter().zip(&weights) {
+        let weights = sensitivities(&sky.of_packs, taps, measure);
+        for ((&pack, weights), nodes) in taps.indices().iter().zip(&weights).zip(&ready.nodes) {
             let tables = &self.set.tables()[pack];
             let basis_count = request.basis_count.min(tables.basis_count);
             let correlated = correlate(self.executor.transforms(), tables, basis_count, weights);
-            let mut scratch = self.executor.scratch().take();
-            let Scratch { scales, mixed, .. } = &mut scratch;
-            mix_scale(tables, request, true, scales);
-            mix_shape(tables, request, scales, true, mixed);
-            let products = products(request, mixed, &correlated);
+            let products = products(request, &nodes.mixed, &correlated);
             let cells = sum.par_iter_mut().zip(&request.cells).zip(&products).with_min_len(CELLS_AT_ONCE);
             cells.for_each(|((sum, cell), products)| {
-                sum.add(scales_of(cell, scales).times(
+                sum.add(scales_of(cell, &nodes.scales).times(
                     request.flux_per_dnb_flux,
                     cell.upper_weight,
                     products,
                 ));
             });
-            self.executor.scratch().keep(scratch);
         }
-        blended(skies, taps, true).map_or(0.0, |sky| measure.of(&sky))
+        sky.between.as_ref().map_or(0.0, |sky| measure.of(sky))
     }
 
-    fn norms(&self, request: &Prepared, logs: &mut [Slope]) {
-        let taps = &request.turbidity_taps;
-        for (&pack, weight) in taps.indices().iter().zip(taps.weights()) {
+    fn norms(&self, ready: &ReadyRequest, logs: &mut [Slope]) {
+        let (request, taps) = (&ready.prepared, &ready.prepared.turbidity_taps);
+        for ((&pack, weight), nodes) in taps.indices().iter().zip(taps.weights()).zip(&ready.nodes) {
             let tables = &self.set.tables()[pack];
             let gram = self.grams[pack]
                 .get_or_init(|| gram_matrix(tables).into_iter().map(|value| value as f32).collect());
             let basis_count = request.basis_count.min(tables.basis_count);
             // The nodes alone: a norm knows no azimuth, and no sky is needed.
-            let mut scratch = self.executor.scratch().take();
-            let Scratch { scales, mixed, .. } = &mut scratch;
-            mix_scale(tables, request, true, scales);
-            mix_shape(tables, request, scales, true, mixed);
-            let of_pack =
-                NormsOfPack { request, scales, mixed, gram, basis_count, stride: tables.basis_count };
+            let (scales, mixed, stride) = (&nodes.scales, &nodes.mixed, tables.basis_count);
+            let of_pack = NormsOfPack { request, scales, mixed, gram, basis_count, stride };
             logs.par_iter_mut().zip(&request.cells).with_min_len(64).for_each(|(log, cell)| {
                 let norm = of_pack.norm(cell);
                 log.value += weight * norm.value.max(f64::MIN_POSITIVE).ln();
                 log.slope += weight * norm.log_slope();
             });
-            self.executor.scratch().keep(scratch);
         }
         for log in logs {
             log.value = log.value.exp();
@@ -245,7 +226,7 @@ pub(crate) fn luminance_norm(sky: &Panorama) -> f64 {
 }
 
 /// The sky between those of packs.
-fn blended(mut skies: Vec<Vec<f32>>, taps: &Taps, side_by_side: bool) -> Option<Panorama> {
+pub(super) fn blended(mut skies: Vec<Vec<f32>>, taps: &Taps, side_by_side: bool) -> Option<Panorama> {
     let samples = match skies.len() {
         1 => skies.swap_remove(0),
         _ => blend(&skies.iter().map(Vec::as_slice).collect::<Vec<_>>(), taps, side_by_side),

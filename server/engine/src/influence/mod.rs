@@ -12,6 +12,7 @@
 
 mod cells;
 mod correlation;
+mod kept;
 mod norms;
 mod pixels;
 mod products;
