@@ -79,8 +79,7 @@ pub fn errors_of_sky(
     if truth.place_deg.is_none() {
         let scale = natural_sky_luminance_cd_m2() / zenith_and_horizontal(&truth.samples, &exact)[0];
         exact.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
-        grid.cells.iter_mut().for_each(|cell| cell.flux_dnb_w *= scale as f32);
-        grid.flux_dnb_w *= scale;
+        grid = grid.brightened(scale);
     }
     let rendered = engine.render_blocking(RenderRequest {
         polar: Arc::new(grid),

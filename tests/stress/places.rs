@@ -104,7 +104,7 @@ fn rearranged(sky: &[f32], to: impl Fn(usize) -> usize) -> Vec<f32> {
 /// All longitudes around a pole, where a row of 3 600 pixels is one place.
 fn poles(report: &mut Report, rig: &Rig) -> Outcome {
     let folder = Folder::new()?;
-    let cap = Raster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 60), scattered);
+    let cap = Raster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 64), scattered);
     let (north, south) = (folder.scene(&cap)?, folder.scene(&cap.mirrored())?);
     let step_deg = 360.0 / AZIMUTH_COUNT as f64;
 
@@ -152,7 +152,7 @@ fn whole(report: &mut Report, rig: &Rig) -> Outcome {
         about(0.0, 180.0),
         about(60.0, 0.0),
         about(-89.5, 100.0),
-        Raster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 60), scattered),
+        Raster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 64), scattered),
         Raster::new((-180.0, 90.0), (1.0, 1.0), (360, 180), scattered),
     ];
     let (mut faults, mut worst, mut planted, mut cases) = (Faults::default(), 0f64, 0f64, 0);

@@ -12,6 +12,7 @@ pub mod error;
 mod executor;
 mod gpu;
 pub mod influence;
+mod near_lights;
 mod node_norms;
 mod node_table;
 pub mod observatory;
@@ -35,6 +36,7 @@ mod worker;
 pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
+pub use near_lights::NearLights;
 pub use observatory::{
     BrightnessMap, BrightnessRequest, DimmedPixel, InfluenceMap, InfluenceRequest, Level, Limit, MOST_PLACES,
     Measure, Observatory, Observer, ObserverHeight, Part, PlanMethod, PlanOutcome, PlanRequest, RING_EDGES_M,

@@ -2,6 +2,7 @@
 
 use crate::{
     error::EngineError,
+    near_lights::NearLights,
     packs::{PackKind, ResidentKind},
     request::{RenderRequest, WorkCount},
     ring_axis::{self, OFFSETS_AT_ONCE, Offsets, RingAxis},
@@ -85,6 +86,8 @@ pub struct Prepared {
     pub flux_per_dnb_flux: [f32; BAND_COUNT],
     /// Basis functions wanted; a pack with fewer uses what it has.
     pub basis_count: usize,
+    /// Near lights, whose peaks are put right when the passes are done; None without any.
+    pub near: Option<NearLights>,
 }
 
 impl Prepared {
@@ -122,6 +125,7 @@ impl Prepared {
             emission: request.emission.weights().map(|weight| weight as f32),
             flux_per_dnb_flux,
             basis_count,
+            near: NearLights::of(request),
         };
         if flux_per_dnb_flux.iter().any(|flux| *flux > 0.0) {
             let axes = NodeAxes { set, hides_lights: packs.hides_lights };

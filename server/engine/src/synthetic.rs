@@ -258,6 +258,7 @@ pub fn dark_grid() -> PolarGrid {
         observer: GeoPoint::from_rad_unchecked(0.0, 0.0),
         azimuth_start: vec![0; AZIMUTH_COUNT + 1],
         cells: Vec::new(),
+        near: Vec::new(),
         flux_dnb_w: 0.0,
         coverage: 1.0,
     }

@@ -7,7 +7,7 @@ use crate::{
     executor::{BatchOutput, Executor},
     plan::Pass,
     prepare::Prepared,
-    request::{ExecutorKind, Rendered, WorkCount},
+    request::{ExecutorKind, PassTime, Rendered, WorkCount},
     stats::StatsCell,
     table_set::TableSet,
 };
@@ -91,6 +91,8 @@ fn fits(batch: &[Ticket], ticket: &Ticket) -> bool {
         && ticket.prepared.is_compatible(&batch[0].prepared)
 }
 
+/// What the time of near lights is called among those of passes: it is spent on the processor, whatever renders.
+const NEAR_LIGHTS: &str = "near_lights";
 /// How long a device that could not be made anew is left before the next try.
 const REPAIR_INTERVAL: Duration = Duration::from_secs(5);
 
@@ -230,20 +232,20 @@ impl Worker {
         let batch_size = batch.len();
         let executor = self.executor.as_ref().map_or(ExecutorKind::Cpu, |executor| executor.kind());
         self.stats.count_batch(batch_size, &output.passes);
-        for (ticket, radiance_w_m2_sr) in batch.into_iter().zip(output.radiance_w_m2_sr) {
+        for (ticket, mut radiance_w_m2_sr) in batch.into_iter().zip(output.radiance_w_m2_sr) {
+            let mut passes = output.passes.clone();
+            if let Some(near) = &ticket.prepared.near {
+                let start = Instant::now();
+                near.add_to(&self.set, &mut radiance_w_m2_sr);
+                let microseconds = start.elapsed().as_secs_f64() * 1e6;
+                passes.push(PassTime { name: NEAR_LIGHTS, microseconds });
+            }
             let work = ticket.prepared.work();
             self.stats.count_work(work);
             let basis_count = ticket.prepared.basis_count;
             let answer = Panorama::from_samples(radiance_w_m2_sr)
                 .ok_or_else(|| DeviceFault::Other("a panorama of the wrong size came back".into()).into())
-                .map(|panorama| Rendered {
-                    panorama,
-                    passes: output.passes.clone(),
-                    batch_size,
-                    executor,
-                    work,
-                    basis_count,
-                });
+                .map(|panorama| Rendered { panorama, passes, batch_size, executor, work, basis_count });
             let _ = ticket.answer.send(answer);
         }
     }

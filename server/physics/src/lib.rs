@@ -24,6 +24,7 @@ pub mod horizon;
 pub mod interpolation;
 pub mod lamp;
 pub mod multiple_scattering;
+pub mod near_light;
 pub mod panorama;
 pub mod phase;
 pub mod photometry;

@@ -3,7 +3,8 @@
 //! Which light is taken how:
 //! * pixels whose centre is nearer than 5 km are split by `physics`' own rule;
 //! * a block stands for its pixels where all their centres are within [`FAR_BLOCK_RATIO`] of its distance
-//!   from its flux-weighted centre and all lie between 5 km and 300 km; it is opened otherwise;
+//!   from its flux-weighted centre and all lie between 30 km, within which every pixel is taken by itself, and 300 km; it is
+//!   opened otherwise;
 //! * so a pixel counts exactly when its own centre is within 300 km, as in the reference.
 //!
 //! The light goes where its skyline towards the observer puts it on the axis of blocking angles: a pixel's pieces by
@@ -27,6 +28,7 @@ use crate::polar_grid::{PlacedLight, PolarAccumulator, log_distance};
 use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::geometry::{Bearing, LocalFrame};
+use skyglow_physics::near_light::NEAR_LIGHT_WITHIN_M;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
 use skyglow_physics::{EARTH_RADIUS_M, PointSource, SourcePixel};
 use std::f64::consts::TAU;
@@ -47,8 +49,11 @@ pub(crate) trait LightSink {
 
 impl LightSink for PolarAccumulator {
     #[inline(always)]
-    fn take(&mut self, _number: Option<u32>, light: PlacedLight) {
+    fn take(&mut self, number: Option<u32>, light: PlacedLight) {
         self.add(light);
+        if let Some(number) = number {
+            self.keep_near(number, light);
+        }
     }
 }
 
@@ -159,7 +164,7 @@ impl<'a> Light<'a> {
     /// Adds all light within 300 km of the observer to `sink`. `far_block_ratio` 0 opens every block of more than one place,
     /// [`NO_BLOCKS`] every one.
     pub(crate) fn gather(&self, frame: &LocalFrame, far_block_ratio: f64, sink: &mut impl LightSink) {
-        let (nearest_m, farthest_m) = (chord_m(SPLIT_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
+        let (nearest_m, farthest_m) = (chord_m(NEAR_LIGHT_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
         let shared = std::cell::RefCell::new(sink);
         let take_block = |level: &Level, index: usize, distance_m: f64| {
             let block = &level.blocks[index];

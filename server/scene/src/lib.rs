@@ -71,7 +71,7 @@ pub use metadata::{
 pub use pixel_raster::{RasterError, RasterWords};
 pub use place_kernel::{EvenAxis, PlaceKernel};
 pub use place_sum::{PlaceLattice, PlaceValues, SumKeeper};
-pub use polar_grid::{AZIMUTH_COLUMN_COUNT, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
+pub use polar_grid::{AZIMUTH_COLUMN_COUNT, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 pub use scene::Scene;
 pub use scene_id::SceneId;
 pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_REACHES_M};

@@ -2,8 +2,8 @@
 
 use crate::gather::LightSink;
 use crate::polar_grid::{
-    AZIMUTH_COLUMN_COUNT, PlacedLight, PolarAccumulator, PolarAxes, PolarCell, PolarGrid, RING_COUNT,
-    blocking_shares,
+    AZIMUTH_COLUMN_COUNT, NearLight, PlacedLight, PolarAccumulator, PolarAxes, PolarCell, PolarGrid,
+    RING_COUNT, blocking_shares,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -95,15 +95,24 @@ impl LightShares {
             observer: self.polar.observer,
             azimuth_start: self.polar.azimuth_start.iter().map(first_of).collect(),
             cells: cells.collect(),
+            near: self.near_of(pixel.number).to_vec(),
             flux_dnb_w: f64::from(pixel.flux_dnb_w),
             coverage: self.polar.coverage,
         }
     }
 
+    /// The near points of the pixel of a number.
+    fn near_of(&self, number: u32) -> &[NearLight] {
+        let near = &self.polar.near;
+        let first = near.partition_point(|light| light.number < number);
+        let count = near[first..].partition_point(|light| light.number == number);
+        &near[first..first + count]
+    }
+
     /// Bytes held.
     pub fn byte_count(&self) -> usize {
         let of_pixels = self.pixels.len() * (size_of::<LitPixel>() + size_of::<u32>());
-        let of_cells = self.polar.cells.len() * size_of::<PolarCell>();
+        let of_cells = size_of_val(self.polar.cells.as_slice()) + size_of_val(self.polar.near.as_slice());
         of_pixels + self.shares.len() * size_of::<CellShare>() + of_cells
     }
 }
@@ -136,6 +145,7 @@ impl LightSink for ShareCollector {
         self.accumulator.add(light);
         // Blocks are not taken where pixels are asked for.
         let Some(number) = number else { return };
+        self.accumulator.keep_near(number, light);
         match self.visited.last_mut() {
             Some(last) if last.number == number => last.flux_dnb_w += light.flux_dnb_w,
             _ => self.visited.push(Visited {
@@ -172,7 +182,9 @@ impl ShareCollector {
         coverage: f64,
         center: impl Fn(u32) -> DVec3 + Sync,
     ) -> LightShares {
-        let polar = self.accumulator.finish(observer, coverage);
+        let mut polar = self.accumulator.finish(observer, coverage);
+        // Stable: points of a pixel keep their order.
+        polar.near.sort_by_key(|light| light.number);
         let mut cell_of = vec![u32::MAX; AZIMUTH_COLUMN_COUNT * RING_COUNT * BLOCKING_COUNT];
         for (column, range) in polar.azimuth_start.windows(2).enumerate() {
             for cell in range[0]..range[1] {

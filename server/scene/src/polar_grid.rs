@@ -1,6 +1,7 @@
 //! The light around an observer by azimuth and distance: what the engine turns into a sky.
 
 use skyglow_physics::blocking::BLOCKING_COUNT;
+use skyglow_physics::near_light::NEAR_LIGHT_WITHIN_M;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
 use skyglow_physics::{GeoPoint, PointSource};
 
@@ -29,10 +30,28 @@ pub struct PolarGrid {
     pub azimuth_start: Vec<u32>,
     /// Lit cells, by column, then by ring, then by blocking angle.
     pub cells: Vec<PolarCell>,
+    /// Lights within [`NEAR_LIGHT_WITHIN_M`] under an open sky, each where it is, beside what the cells have of them: cells share a light
+    /// among columns and rings, and the sky next to a near one shows it.
+    pub near: Vec<NearLight>,
     /// Flux of all cells, DNB watts, calibration included.
     pub flux_dnb_w: f64,
     /// Part of the 300 km disc around the observer for which there is data, 0..=1.
     pub coverage: f64,
+}
+
+/// A point of near light where it is. Points of one pixel come one after the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearLight {
+    /// Number of its pixel in the scene.
+    pub number: u32,
+    /// Radians clockwise from north, 0..=2π.
+    pub azimuth_rad: f32,
+    /// Distance along the ground, metres, at least 250.
+    pub distance_m: f32,
+    /// Altitude, metres above the sphere.
+    pub altitude_m: f32,
+    /// Upward flux of it that is under an open sky, DNB watts.
+    pub flux_dnb_w: f32,
 }
 
 /// One lit cell: the light of a column and a ring whose skyline towards the observer is at one blocking angle.
@@ -64,16 +83,27 @@ impl PolarGrid {
     /// counts as there, beyond 300 km is left out. For measuring: a scene makes its own.
     pub fn of_sources(observer: GeoPoint, sources: impl IntoIterator<Item = (PointSource, f64)>) -> Self {
         let mut accumulator = PolarAccumulator::new();
-        for (source, blocking) in sources.into_iter().filter(|(s, _)| s.distance_m <= FARTHEST_SOURCE_M) {
-            accumulator.add(PlacedLight {
+        let sources = sources.into_iter().filter(|(s, _)| s.distance_m <= FARTHEST_SOURCE_M);
+        for (number, (source, blocking)) in (0..).zip(sources) {
+            let light = PlacedLight {
                 azimuth_rad: source.azimuth_rad,
                 log_distance: log_distance(source.distance_m),
                 altitude_m: source.altitude_m,
                 blocking,
                 flux_dnb_w: source.flux_dnb_w,
-            });
+            };
+            accumulator.add(light);
+            accumulator.keep_near(number, light);
         }
         accumulator.finish(observer, 1.0)
+    }
+
+    /// The same light `factor` times as bright.
+    pub fn brightened(mut self, factor: f64) -> Self {
+        self.cells.iter_mut().for_each(|cell| cell.flux_dnb_w *= factor as f32);
+        self.near.iter_mut().for_each(|light| light.flux_dnb_w *= factor as f32);
+        self.flux_dnb_w *= factor;
+        self
     }
 }
 
@@ -87,6 +117,8 @@ pub(crate) struct PolarAccumulator {
     /// Light by the index of its blocking angle; that of index 0 stays dark here. In f32, so that a cell is one line of
     /// the processor's cache: good to 1e-6.
     blocked: Vec<BlockedCell>,
+    near: Vec<NearLight>,
+    near_log_distance: f64,
     flux_dnb_w: f64,
     axes: PolarAxes,
 }
@@ -156,6 +188,8 @@ impl PolarAccumulator {
             open: vec![[0.0; 2]; AZIMUTH_COLUMN_COUNT * RING_COUNT],
             blocked_at: Vec::new(),
             blocked: Vec::new(),
+            near: Vec::new(),
+            near_log_distance: log_distance(NEAR_LIGHT_WITHIN_M),
             flux_dnb_w: 0.0,
             axes: PolarAxes::new(),
         }
@@ -174,6 +208,21 @@ impl PolarAccumulator {
             }
         }
         self.flux_dnb_w += light.flux_dnb_w;
+    }
+
+    /// Keeps a point of light of a pixel as it is where that is near and under an open sky.
+    #[inline(always)]
+    pub(crate) fn keep_near(&mut self, number: u32, light: PlacedLight) {
+        let open = 1.0 - light.blocking;
+        if light.log_distance < self.near_log_distance && open > 0.0 && light.flux_dnb_w > 0.0 {
+            self.near.push(NearLight {
+                number,
+                azimuth_rad: light.azimuth_rad as f32,
+                distance_m: (NEAREST_SOURCE_M * light.log_distance.max(0.0).exp()) as f32,
+                altitude_m: light.altitude_m as f32,
+                flux_dnb_w: (light.flux_dnb_w * open) as f32,
+            });
+        }
     }
 
     /// Adds light to one cell at the two blocking angles around `blocking`, above 0.
@@ -226,7 +275,7 @@ impl PolarAccumulator {
             }
         }
         azimuth_start.push(count);
-        PolarGrid { observer, azimuth_start, cells, flux_dnb_w: self.flux_dnb_w, coverage }
+        PolarGrid { observer, azimuth_start, cells, near: self.near, flux_dnb_w: self.flux_dnb_w, coverage }
     }
 }
 

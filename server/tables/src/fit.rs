@@ -131,28 +131,14 @@ static FUNCTION_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEA
 /// What it adds when coefficients are.
 static COEFFICIENT_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEAR_SOURCE_OF_COEFFICIENTS));
 
-fn env_ridge() -> f64 {
-    static R: LazyLock<f64> = LazyLock::new(|| env("RIDGE", ROUNDING_VARIANCE));
-    *R
-}
-
-fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-}
-
 fn place_weights([boost, row_count, column_count]: [f64; 3]) -> Vec<f64> {
-    let (low, low_rows) = (env("LOW", 0.0), env("LOW_ROWS", 2.0));
-    let boost = env("BOOST", 1.0) * boost;
     (0..PIXEL_COUNT)
         .map(|p| {
             let (row, column) = (p / HALF_COLUMN_COUNT, p % HALF_COLUMN_COUNT);
             let up = row as f64 / row_count;
             let aside = column as f64 / column_count;
             let down = (ELEVATION_COUNT - 1 - row) as f64 / ZENITH_ROW_COUNT;
-            let l = row as f64 / low_rows;
-            1.0 + low * (-l * l).exp()
-                + boost * (-up * up - aside).exp()
-                + ZENITH_BOOST * (-down * down).exp()
+            1.0 + boost * (-up * up - aside).exp() + ZENITH_BOOST * (-down * down).exp()
         })
         .collect()
 }
@@ -193,13 +179,12 @@ pub fn sample_weights(shape: &[f32], dim_factor: f64) -> Vec<f32> {
 fn weights(shape: &[f32], dim_factor: f64, place_weights: &[f64]) -> Vec<f32> {
     let zenith_row = &shape[(ELEVATION_COUNT - 1) * HALF_COLUMN_COUNT..];
     let zenith = zenith_row.iter().sum::<f32>() / zenith_row.len() as f32;
-    let dim_over_zenith = env("DIM", 1.0) as f32 * DIM_OVER_ZENITH * dim_factor as f32;
+    let dim_over_zenith = DIM_OVER_ZENITH * dim_factor as f32;
     let dim = (dim_over_zenith * zenith).max(DIM_OVER_MEAN);
-    let exponent = env("EXPONENT", WEIGHT_EXPONENT);
     shape
         .iter()
         .zip(place_weights)
-        .map(|(&x, &place)| (f64::from(x.max(dim)).powf(-exponent) * place) as f32)
+        .map(|(&x, &place)| (f64::from(x.max(dim)).powf(-WEIGHT_EXPONENT) * place) as f32)
         .collect()
 }
 
@@ -258,7 +243,7 @@ fn solve_normal_equations(a: Mat<f64>, y: Mat<f64>, stage: &'static str) -> Resu
     let per_length: Vec<f64> =
         (0..count).map(|k| 1.0 / normal[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
     let normal = Mat::from_fn(count, count, |i, j| {
-        let ridge = if i == j { env_ridge() } else { 0.0 };
+        let ridge = if i == j { ROUNDING_VARIANCE } else { 0.0 };
         normal[(i, j)] * per_length[i] * per_length[j] + ridge
     });
     let right = Mat::from_fn(count, y.ncols(), |i, n| right[(i, n)] * per_length[i]);

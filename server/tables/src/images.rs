@@ -129,9 +129,9 @@ const COLUMN_STEP: usize = 4;
 const STEEP_RATIO: f64 = 0.1;
 /// Columns that are means over the width of a column of source azimuths: a source of the polar grid stands for
 /// light across that width, and a point's value is nearly singular when it lies straight ahead.
-const NEAR_COLUMN_COUNT: usize = 3;
-/// Four-node Gauss–Legendre rule over −½..½, (node, weight).
-const ACROSS_COLUMN: [(f64, f64); 4] = [
+pub const NEAR_COLUMN_COUNT: usize = 3;
+/// Four-node Gauss–Legendre rule over −½..½, (node, weight), ascending.
+pub const ACROSS_COLUMN: [(f64, f64); 4] = [
     (-0.430_568_155_797_026_3, 0.173_927_422_568_726_93),
     (-0.169_990_521_792_428_13, 0.326_072_577_431_273_1),
     (0.169_990_521_792_428_13, 0.326_072_577_431_273_1),

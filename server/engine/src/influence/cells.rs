@@ -152,7 +152,31 @@ impl InfluenceSolver {
         let taps = &prepared.turbidity_taps;
         let skies: Vec<Vec<f32>> =
             taps.indices().iter().map(|&pack| self.executor.sky(&prepared, pack, false)).collect();
-        Ok(blended(skies, taps, false).map_or(0.0, |sky| luminance_norm(&sky)))
+        Ok(blended(skies, taps, false).map_or(0.0, |mut sky| {
+            if let Some(near) = &prepared.near {
+                near.add_to(&self.set, sky.samples_mut());
+            }
+            luminance_norm(&sky)
+        }))
+    }
+
+    /// What near lights do to a linear measure of the sky of `sky` beyond what its cells have of them, by their place in the
+    /// `near` of the grid of `request`, which has the same lights.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`] of either.
+    pub fn near_lights(
+        &self,
+        request: &RenderRequest,
+        sky: &RenderRequest,
+        measure: &LinearMeasure,
+    ) -> Result<Vec<(usize, f64)>, EngineError> {
+        let ready = self.ready.get(request, Some(sky), &self.set, &self.executor)?;
+        let between = ready.sky.as_ref().and_then(|sky| sky.between.as_ref());
+        Ok(match (&ready.prepared.near, between) {
+            (Some(near), Some(sky)) => near.influences(&self.set, sky.samples(), measure),
+            _ => Vec::new(),
+        })
     }
 
     /// d(place on the offset axis)/d(altitude) of a cell, m⁻¹.

@@ -93,6 +93,7 @@ fn lights_at_every_node(observer_altitude_m: f64, offsets: EvenAxis, blocking_co
         azimuth_start,
         flux_dnb_w: cells.len() as f64,
         cells,
+        near: Vec::new(),
         coverage: 1.0,
     }
 }

@@ -235,6 +235,7 @@ fn dark() -> PolarGrid {
         observer: GeoPoint::from_rad_unchecked(0.0, 0.0),
         azimuth_start: vec![0; skyglow_scene::AZIMUTH_COLUMN_COUNT + 1],
         cells: Vec::new(),
+        near: Vec::new(),
         flux_dnb_w: 0.0,
         coverage: 0.0,
     }

@@ -260,6 +260,10 @@ impl Observatory {
             }
             let value = found.of_sky.unwrap_or(0.0);
             (before_scaling, after_scaling) = (before_scaling + value / scale, after_scaling + value);
+            if let Some(measure) = &weights {
+                add_near_lights(solver, &of_pixels, of_sky, measure, lights, &mut influence)?;
+                step("near lights");
+            }
             parts.push((lights.shared_pixels(), influence));
         }
         let (pixels, influence) = together(parts);
@@ -288,6 +292,24 @@ impl Observatory {
             steps,
         })
     }
+}
+
+/// Adds what near lights do beyond what their cells have of them.
+fn add_near_lights(
+    solver: &InfluenceSolver,
+    of_pixels: &RenderRequest,
+    of_sky: &RenderRequest,
+    measure: &LinearMeasure,
+    lights: &LightShares,
+    influence: &mut [f32],
+) -> Result<(), EngineError> {
+    for (index, value) in solver.near_lights(of_pixels, of_sky, measure)? {
+        let number = lights.polar.near[index].number;
+        if let Ok(position) = lights.pixels().binary_search_by_key(&number, |pixel| pixel.number) {
+            influence[position] += value as f32;
+        }
+    }
+    Ok(())
 }
 
 /// Lights of several kinds of fixtures as one list, ascending by number.

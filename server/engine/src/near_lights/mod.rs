@@ -1,0 +1,191 @@
+//! What the polar grid blurs of near lights, put right.
+//!
+//! The grid shares a light among two columns and two rings, packs hold images averaged across a column, and between two
+//! offsets a light above the observer has two peaks. In the sum over many lights this averages out; in a direction that looks
+//! past one near light it was wrong by tens of per cent. So for every near light that shows, the first order next to its
+//! direction is added as it is and taken away as the grid has it ([`patch`]), both by the closed form of
+//! [`skyglow_physics::near_light`]: only the difference counts, and with it the form's own error.
+//!
+//! A light shows where its peak reaches [`LEAST_SHARE`] of the sky there. What is added belongs to the sky as it is: to influences
+//! it is linear in the lights ([`NearLights::influences`]).
+
+mod patch;
+mod sight;
+
+use crate::{cpu::dispatch::LANES, request::RenderRequest, table_set::TableSet};
+use patch::{Chosen, PatchMaker, Place};
+use rayon::prelude::*;
+use sight::{Air, Sight};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, ELEVATION_COUNT, EmissionMix, LinearMeasure, Panorama,
+    Turbidity,
+    near_light::NearScattering,
+    panorama::{azimuth_rad, elevation_rad},
+};
+use skyglow_scene::{NearLight, PolarGrid};
+use std::sync::Arc;
+
+/// A light's peak counts in full from twice this part of the sky's radiance on, and not at all below it.
+const LEAST_SHARE: f32 = 0.006;
+/// No direction is darkened to less than this part of what it was: the pack's own peak is not quite the closed form's.
+const LEAST_LEFT: f32 = 0.1;
+/// Tasks at most, each with a sky of its own: few, and the same on every machine, so that sums have the same order.
+const MOST_TASKS: usize = 4;
+/// Lights that a task has at least.
+const LIGHTS_PER_TASK: usize = 64;
+
+/// The near lights of a request.
+#[derive(Clone, Debug)]
+pub struct NearLights {
+    polar: Arc<PolarGrid>,
+    observer_altitude_m: f64,
+    turbidity: Turbidity,
+    emission: EmissionMix,
+    flux_per_dnb_flux: [f32; BAND_COUNT],
+}
+
+impl NearLights {
+    /// None where there are none, and under clouds, where this was not measured.
+    pub(crate) fn of(request: &RenderRequest) -> Option<Self> {
+        let lit = request.flux_per_dnb_flux.iter().any(|flux| *flux > 0.0);
+        (lit && request.cloud_base_m.is_none() && !request.polar.near.is_empty()).then(|| Self {
+            polar: Arc::clone(&request.polar),
+            observer_altitude_m: request.observer_altitude_m.max(0.0),
+            turbidity: request.turbidity,
+            emission: request.emission,
+            flux_per_dnb_flux: request.flux_per_dnb_flux.map(|flux| flux as f32),
+        })
+    }
+
+    /// Puts a sky right, `[band][row][column]`, W m⁻² sr⁻¹. Nothing falls to less than a tenth of what it was.
+    pub(crate) fn add_to(&self, set: &TableSet, sky: &mut [f32]) {
+        let air = self.air();
+        let chosen = self.chosen(&air, set, sky);
+        if chosen.is_empty() {
+            return;
+        }
+        let added = self.sum(&air, set, &chosen);
+        for (radiance, added) in sky.iter_mut().zip(&added).filter(|(_, added)| **added != 0.0) {
+            *radiance += kept_share(*radiance, *added) * added;
+        }
+    }
+
+    /// What each near light adds to a linear measure of luminance beyond what the cells have of it, by its place in
+    /// [`PolarGrid::near`]; `sky` is the sky as the cells make it, before [`Self::add_to`].
+    pub(crate) fn influences(
+        &self,
+        set: &TableSet,
+        sky: &[f32],
+        measure: &LinearMeasure,
+    ) -> Vec<(usize, f64)> {
+        let air = self.air();
+        let chosen = self.chosen(&air, set, sky);
+        let added = self.sum(&air, set, &chosen);
+        let mut weights = vec![0f32; Panorama::LEN];
+        for band in Band::ALL {
+            for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, w)| **w > 0.0) {
+                let at = Panorama::index(band.index(), 0, 0) + direction;
+                let share = kept_share(sky[at], added[at]);
+                weights[at] = (weight * band.luminous_efficacy_lm_w()) as f32 * share;
+            }
+        }
+        let tasks = chosen.par_chunks(LIGHTS_PER_TASK).map(|lights| {
+            let mut maker = PatchMaker::new(&air, set, self.observer_altitude_m);
+            lights
+                .iter()
+                .map(|light| {
+                    let mut sum = 0.0;
+                    maker.for_each(light, self.flux_per_dnb_flux, &mut |at, value| {
+                        sum += f64::from(weights[at] * value);
+                    });
+                    (light.index as usize, sum)
+                })
+                .collect::<Vec<_>>()
+        });
+        tasks.collect::<Vec<_>>().concat()
+    }
+
+    fn air(&self) -> Air {
+        let atmosphere = Atmosphere::new(self.turbidity);
+        Air::new(NearScattering::of(self.emission), &atmosphere, self.observer_altitude_m)
+    }
+
+    /// The lights that show in a sky, those that share patches side by side.
+    fn chosen(&self, air: &Air, set: &TableSet, sky: &[f32]) -> Vec<Chosen> {
+        let lights = self.polar.near.par_iter().enumerate().with_min_len(256);
+        let mut chosen: Vec<Chosen> =
+            lights.filter_map(|(index, light)| self.choose(air, set, sky, index, light)).collect();
+        chosen.sort_unstable_by_key(|light| (light.place, light.index));
+        chosen
+    }
+
+    /// A light, if its peak shows.
+    fn choose(
+        &self,
+        air: &Air,
+        set: &TableSet,
+        sky: &[f32],
+        index: usize,
+        light: &NearLight,
+    ) -> Option<Chosen> {
+        let offset_m = f64::from(light.altitude_m) - self.observer_altitude_m;
+        let sight = Sight::new(air, f64::from(light.distance_m), offset_m);
+        let step = azimuth_rad(1) as f32;
+        let row = sight.elevation_rad() / step - 0.5;
+        // Below the lowest row by more than a patch reaches, or nearly overhead.
+        if !(-4.0..(ELEVATION_COUNT - 1) as f32).contains(&row) {
+            return None;
+        }
+        let column = light.azimuth_rad / step;
+        // Half a column beside it, and half a row above if there is a row.
+        let nearest = (row + 0.5).max(0.0) as usize;
+        let elevation = (elevation_rad(nearest) as f32).max(sight.elevation_rad() + 0.5 * step);
+        let (sin, cos) = elevation.sin_cos();
+        let (sin_aside, cos_aside) = (0.5 * step).sin_cos();
+        let peak = sight.radiance::<false>(air, [sin, cos], [&[cos_aside; LANES], &[sin_aside; LANES]]);
+        let first = column as usize % AZIMUTH_COUNT;
+        let share = (0..BAND_COUNT).map(|band| {
+            let at = |column: usize| sky[Panorama::index(band, nearest, column % AZIMUTH_COUNT)];
+            let flux = light.flux_dnb_w * self.flux_per_dnb_flux[band];
+            flux * peak[band][0] / at(first).min(at(first + 1)).max(f32::MIN_POSITIVE)
+        });
+        let share = share.fold(0.0, f32::max);
+        let weight = (share / LEAST_SHARE - 1.0).clamp(0.0, 1.0);
+        (weight > 0.0).then(|| Chosen {
+            index: index as u32,
+            place: Place::of(set, light.distance_m, offset_m as f32, row),
+            sight,
+            row,
+            column,
+            distance_m: light.distance_m,
+            offset_m: offset_m as f32,
+            flux_dnb_w: weight * light.flux_dnb_w,
+        })
+    }
+
+    /// What is added in every direction.
+    fn sum(&self, air: &Air, set: &TableSet, chosen: &[Chosen]) -> Vec<f32> {
+        let per_task = chosen.len().div_ceil(MOST_TASKS).max(LIGHTS_PER_TASK);
+        let of_task = |lights: &[Chosen]| {
+            let mut added = vec![0f32; Panorama::LEN];
+            let mut maker = PatchMaker::new(air, set, self.observer_altitude_m);
+            for light in lights {
+                maker.for_each(light, self.flux_per_dnb_flux, &mut |at, value| added[at] += value);
+            }
+            added
+        };
+        let tasks: Vec<Vec<f32>> = chosen.par_chunks(per_task).map(of_task).collect();
+        let mut tasks = tasks.into_iter();
+        let mut added = tasks.next().unwrap_or_else(|| vec![0.0; Panorama::LEN]);
+        for more in tasks {
+            added.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
+        added
+    }
+}
+
+/// The part of what is added that counts: all of it where enough is left.
+fn kept_share(radiance: f32, added: f32) -> f32 {
+    let most = (1.0 - LEAST_LEFT) * radiance;
+    if added < -most { most / -added } else { 1.0 }
+}

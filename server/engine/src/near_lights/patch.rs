@@ -1,0 +1,256 @@
+//! The sky next to one light: as it is, less as the polar grid and the packs' nodes have it.
+//!
+//! A patch is eight columns by up to eight rows around the light. The grid's part of it is made of the images of the four
+//! nodes around the light (two rings, two offsets), which lights at the same nodes share, each in two columns: an image stands on
+//! a column, and is a mean across one within [`AVERAGED`] columns of its light, as `skyglow_tables::images` makes it.
+
+use super::sight::{Air, Sight};
+use crate::{
+    cpu::dispatch::{LANES, dispatch_wide},
+    table_set::TableSet,
+};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama,
+    panorama::{azimuth_rad, elevation_rad},
+    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M},
+};
+use skyglow_scene::{RING_COUNT, ring_distance_m};
+use skyglow_tables::images::{ACROSS_COLUMN, NEAR_COLUMN_COUNT as AVERAGED};
+
+/// Columns and rows of a patch.
+const SIDE: usize = LANES;
+/// A patch counts in full within so many columns or rows of its light, and falls to nothing at [`REACH`].
+const FULL_WITHIN: f32 = 2.0;
+const REACH: f32 = 4.0;
+/// Columns of a node's image that patches look at: 0 to 4 from its own.
+const HALF: usize = SIDE / 2 + 1;
+/// Azimuths that make them: two for column 0, which is even, four for each other averaged one, one for the rest.
+const SAMPLES: usize = 2 + 4 * (AVERAGED - 1) + (HALF - AVERAGED);
+
+/// A light that shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chosen {
+    /// Its place among the near lights.
+    pub(super) index: u32,
+    pub(super) place: Place,
+    pub(super) sight: Sight,
+    /// Its elevation in rows and its azimuth in columns.
+    pub(super) row: f32,
+    pub(super) column: f32,
+    pub(super) distance_m: f32,
+    pub(super) offset_m: f32,
+    /// What counts of its flux, DNB watts.
+    pub(super) flux_dnb_w: f32,
+}
+
+/// The nodes around a light and the first row of its patch: lights of one place share what the nodes show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Place {
+    ring: u32,
+    /// Node at or below it on the axes of the ring and of the next.
+    offsets: [u32; 2],
+    first_row: i32,
+}
+
+/// Place of a distance among the rings.
+fn ring_position(distance_m: f32) -> f32 {
+    let log = (f64::from(distance_m) / NEAREST_SOURCE_M).ln() / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln();
+    ((RING_COUNT - 1) as f64 * log).clamp(0.0, (RING_COUNT - 1) as f64) as f32
+}
+
+impl Place {
+    pub(super) fn of(set: &TableSet, distance_m: f32, offset_m: f32, row: f32) -> Self {
+        let ring = (ring_position(distance_m) as usize).min(RING_COUNT - 2);
+        let below =
+            |ring: usize| (set.axis(ring).position(offset_m) as usize).min(set.offset_count() - 2) as u32;
+        Self {
+            ring: ring as u32,
+            offsets: [below(ring), below(ring + 1)],
+            first_row: row.floor() as i32 - (SIDE / 2 - 1) as i32,
+        }
+    }
+
+    /// Rows of the patch that are in the sky.
+    fn rows(self) -> std::ops::Range<usize> {
+        let row = |row: i32| row.clamp(0, ELEVATION_COUNT as i32) as usize;
+        row(self.first_row)..row(self.first_row + SIDE as i32)
+    }
+}
+
+/// Radiance per watt, `[row of the patch][band][column or half column]`.
+type OfBands<const N: usize> = [[[f32; N]; BAND_COUNT]; SIDE];
+
+/// Cosines and sines of the azimuths of a node's samples, in two vectors.
+struct Azimuths([[[f32; LANES]; 2]; 2]);
+
+impl Azimuths {
+    fn new() -> Self {
+        let step = azimuth_rad(1);
+        let mut azimuths = [0.0; 2 * LANES];
+        for (azimuth, (column, across, _)) in azimuths.iter_mut().zip(samples()) {
+            *azimuth = (column as f64 + across) * step;
+        }
+        let vector = |which: usize| {
+            let of = |f: fn(f64) -> f64| std::array::from_fn(|lane| f(azimuths[which * LANES + lane]) as f32);
+            [of(f64::cos), of(f64::sin)]
+        };
+        Self([vector(0), vector(1)])
+    }
+}
+
+/// Column, place across it and weight of every sample.
+fn samples() -> impl Iterator<Item = (usize, f64, f64)> {
+    (0..HALF).flat_map(|column| {
+        let averaged = column < AVERAGED;
+        ACROSS_COLUMN.into_iter().filter_map(move |(across, weight)| match column {
+            0 if across < 0.0 => None,
+            0 => Some((0, across, 2.0 * weight)),
+            _ if averaged => Some((column, across, weight)),
+            // One of the four stands for a column that is a point.
+            _ => (across == ACROSS_COLUMN[0].0).then_some((column, 0.0, 1.0)),
+        })
+    })
+}
+
+/// Makes patches; remembers the nodes of the last one.
+pub(super) struct PatchMaker<'a> {
+    air: &'a Air,
+    set: &'a TableSet,
+    observer_altitude_m: f64,
+    azimuths: Azimuths,
+    /// Column and weight of every sample.
+    shares: [(usize, f32); SAMPLES],
+    known: Option<Place>,
+    /// Images of the two offsets of the two rings.
+    nodes: Box<[[OfBands<HALF>; 2]; 2]>,
+}
+
+impl<'a> PatchMaker<'a> {
+    pub(super) fn new(air: &'a Air, set: &'a TableSet, observer_altitude_m: f64) -> Self {
+        let mut shares = [(0, 0f32); SAMPLES];
+        for (share, (column, _, weight)) in shares.iter_mut().zip(samples()) {
+            *share = (column, weight as f32);
+        }
+        let nodes = Box::new([[[[[0.0; HALF]; BAND_COUNT]; SIDE]; 2]; 2]);
+        Self { air, set, observer_altitude_m, azimuths: Azimuths::new(), shares, known: None, nodes }
+    }
+
+    /// Calls `add` with the position in a panorama and what a light changes there, W m⁻² sr⁻¹.
+    pub(super) fn for_each(
+        &mut self,
+        light: &Chosen,
+        flux_per_dnb_flux: [f32; BAND_COUNT],
+        add: &mut dyn FnMut(usize, f32),
+    ) {
+        if self.known != Some(light.place) {
+            image_nodes(self, light.place);
+            self.known = Some(light.place);
+        }
+        let mut patch = [[[0f32; SIDE]; BAND_COUNT]; SIDE];
+        fill(self, light, &mut patch);
+        let first_column = light.column.floor() as usize + AZIMUTH_COUNT - (SIDE / 2 - 1);
+        for row in light.place.rows() {
+            let of_row = &patch[(row as i32 - light.place.first_row) as usize];
+            for (band, of_band) in
+                of_row.iter().enumerate().filter(|(band, _)| flux_per_dnb_flux[*band] > 0.0)
+            {
+                let flux = light.flux_dnb_w * flux_per_dnb_flux[band];
+                for (column, value) in of_band.iter().enumerate() {
+                    add(Panorama::index(band, row, (first_column + column) % AZIMUTH_COUNT), flux * value);
+                }
+            }
+        }
+    }
+}
+
+dispatch_wide!(
+    /// The four nodes of a place.
+    image_nodes, image_nodes_wide, image_nodes_body, (maker: &mut PatchMaker<'_>, place: Place)
+);
+
+#[inline(always)]
+fn image_nodes_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, place: Place) {
+    for (ring, lower) in [place.ring as usize, place.ring as usize + 1]
+        .into_iter()
+        .zip(place.offsets)
+        .enumerate()
+        .map(|(i, (ring, lower))| ((i, ring), lower))
+    {
+        let (slot, ring) = ring;
+        let axis = maker.set.offset_axis()[ring];
+        for above in 0..2 {
+            let offset_m = axis.offset_m(f64::from(lower) + above as f64);
+            let sight = Sight::new(maker.air, ring_distance_m(ring), offset_m);
+            let image = &mut maker.nodes[slot][above];
+            for row in place.rows() {
+                let (sin, cos) = (elevation_rad(row) as f32).sin_cos();
+                let mut columns = [[0f32; HALF]; BAND_COUNT];
+                for (vector, [cosines, sines]) in maker.azimuths.0.iter().enumerate() {
+                    let radiance = sight.radiance::<FUSED>(maker.air, [sin, cos], [cosines, sines]);
+                    for (lane, &(column, weight)) in
+                        maker.shares.iter().enumerate().skip(vector * LANES).take(LANES)
+                    {
+                        for band in 0..BAND_COUNT {
+                            columns[band][column] += weight * radiance[band][lane - vector * LANES];
+                        }
+                    }
+                }
+                image[(row as i32 - place.first_row) as usize] = columns;
+            }
+        }
+    }
+    let _ = maker.observer_altitude_m;
+}
+
+/// How much of a patch counts at a distance from its light in columns or rows.
+#[inline(always)]
+fn taper(distance: f32) -> f32 {
+    ((REACH - distance.abs()) / (REACH - FULL_WITHIN)).clamp(0.0, 1.0)
+}
+
+dispatch_wide!(
+    /// The patch of a light per watt.
+    fill, fill_wide, fill_body,
+    (maker: &PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>)
+);
+
+#[inline(always)]
+fn fill_body<const FUSED: bool>(maker: &PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>) {
+    let step = azimuth_rad(1) as f32;
+    let along = light.column - light.column.floor();
+    let (mut cosines, mut sines, mut tapers) = ([0f32; LANES], [0f32; LANES], [0f32; LANES]);
+    for lane in 0..LANES {
+        let from = lane as f32 - (SIDE / 2 - 1) as f32 - along;
+        (sines[lane], cosines[lane]) = (from * step).sin_cos();
+        tapers[lane] = taper(from);
+    }
+    let out = ring_position(light.distance_m) - light.place.ring as f32;
+    let weights: [[f32; 2]; 2] = std::array::from_fn(|ring| {
+        let of_ring = if ring == 0 { 1.0 - out } else { out };
+        let position = maker.set.axis(light.place.ring as usize + ring).position(light.offset_m);
+        let up = (position - light.place.offsets[ring] as f32).clamp(0.0, 1.0);
+        [of_ring * (1.0 - up), of_ring * up]
+    });
+    for row in light.place.rows() {
+        let at = (row as i32 - light.place.first_row) as usize;
+        let (sin, cos) = (elevation_rad(row) as f32).sin_cos();
+        let exact = light.sight.radiance::<FUSED>(maker.air, [sin, cos], [&cosines, &sines]);
+        let of_row = taper(row as f32 - light.row);
+        for band in 0..BAND_COUNT {
+            let mut half = [0f32; HALF];
+            for (nodes, weights) in maker.nodes.iter().zip(weights) {
+                for (node, weight) in nodes.iter().zip(weights) {
+                    for (sum, value) in half.iter_mut().zip(node[at][band]) {
+                        *sum += weight * value;
+                    }
+                }
+            }
+            for lane in 0..LANES {
+                // The light's own column is the fourth; a part of it stands on the fifth.
+                let (own, next) = (lane.abs_diff(SIDE / 2 - 1), lane.abs_diff(SIDE / 2));
+                let of_grid = (1.0 - along) * half[own] + along * half[next];
+                patch[at][band][lane] = of_row * tapers[lane] * (exact[band][lane] - of_grid);
+            }
+        }
+    }
+}

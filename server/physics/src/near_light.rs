@@ -1,0 +1,161 @@
+//! First-order radiance next to the direction of a near source, where the sky has a peak.
+//!
+//! Let a view ray pass the source at the distance D, n be the unit vector from the source to the ray's nearest point, v the
+//! view, ŝ the vertical at the source, and α the angle at the source from that nearest point: u = u_c + D·tan α, so that
+//! du/d² = dα/D, cos γ = −sin α and cos ψ = (n·ŝ)·cos α + (v·ŝ)·sin α. Close to the source the air's densities and what gets
+//! through hardly change over the α that matter, and model section 4 becomes
+//!
+//! ```text
+//! b ≈ 1/D · Σ_species ω β(z_D) e^{−τ(S,O)} · F,    F = ∫ f(ψ(α)) p(γ(α)) dα     [m⁻² sr⁻¹]
+//! ```
+//!
+//! With n·ŝ = s·cos χ and v·ŝ = s·sin χ, cos ψ = s·cos(α − χ): F depends on s and χ alone, for each lobe and each species.
+//! [`NearScattering`] holds it as a table. The ray is taken to come from infinity; for a view above the source's horizontal
+//! plane what that adds is in the Earth's shadow.
+
+use crate::{
+    emission::{EmissionMix, LOBE_COUNT, lobe_intensities_per_sr},
+    phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
+    quadrature::gauss_legendre,
+};
+use std::{f64::consts::FRAC_PI_2, sync::LazyLock};
+
+/// A source nearer than this is a near one, metres.
+pub const NEAR_LIGHT_WITHIN_M: f64 = 30_000.0;
+
+/// Nodes of s over 0..=1.
+const SIZE_COUNT: usize = 49;
+/// Nodes of q = (n·ŝ)/(|n·ŝ| + v·ŝ) over −1..=1, which stands for χ: it needs no arc tangent. One lies at 0, where q bends.
+const TURN_COUNT: usize = 97;
+/// Gauss–Legendre nodes a piece.
+const NODES: usize = 24;
+
+/// F of molecules and of aerosol (its albedo is the caller's), m⁰ sr⁻².
+type Species = [f32; 2];
+
+/// F of a mix of lobes.
+#[derive(Clone, Debug)]
+pub struct NearScattering {
+    /// `[q][s]`.
+    values: Vec<Species>,
+}
+
+/// F of every lobe, `[lobe][q][s]`.
+static OF_LOBES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
+    let nodes = gauss_legendre(NODES);
+    let mut of_lobes = vec![Vec::with_capacity(TURN_COUNT * SIZE_COUNT); LOBE_COUNT];
+    for turn in 0..TURN_COUNT {
+        let q = 2.0 * turn as f64 / (TURN_COUNT - 1) as f64 - 1.0;
+        for size in 0..SIZE_COUNT {
+            let s = size as f64 / (SIZE_COUNT - 1) as f64;
+            let values = integrals(s, (1.0 - q.abs()).atan2(q), &nodes);
+            of_lobes.iter_mut().zip(values).for_each(|(of_lobe, value)| of_lobe.push(value));
+        }
+    }
+    of_lobes
+});
+
+/// F of molecules and aerosol for each lobe, by its integral; `turn_rad` is χ, 0..=π.
+fn integrals(size: f64, turn_rad: f64, nodes: &[(f64, f64)]) -> [[f64; 2]; LOBE_COUNT] {
+    // A source straight below or above the ray's plane of symmetry: its light goes along the horizon.
+    let size = size.max(1e-9);
+    let mut edges = vec![turn_rad - FRAC_PI_2, FRAC_PI_2];
+    // The `oblique` lobe ends at 60°.
+    if size > 0.5 {
+        let half = (0.5 / size).acos();
+        edges.extend([turn_rad - half, turn_rad + half]);
+    }
+    edges.retain(|edge| (turn_rad - FRAC_PI_2..=FRAC_PI_2).contains(edge));
+    edges.sort_by(f64::total_cmp);
+    let mut sums = [[0.0; 2]; LOBE_COUNT];
+    for pair in edges.windows(2) {
+        let width = pair[1] - pair[0];
+        for &(x, weight) in nodes {
+            let alpha = pair[0] + width * x;
+            let lobes = lobe_intensities_per_sr(size * (alpha - turn_rad).cos());
+            let cos_gamma = -alpha.sin();
+            let phases = [rayleigh_per_sr(cos_gamma), henyey_greenstein_per_sr(cos_gamma, AEROSOL_ASYMMETRY)];
+            for (sums, lobe) in sums.iter_mut().zip(lobes) {
+                for (sum, phase) in sums.iter_mut().zip(phases) {
+                    *sum += width * weight * lobe * phase;
+                }
+            }
+        }
+    }
+    sums
+}
+
+impl NearScattering {
+    /// The table of a mix of lobes.
+    pub fn of(emission: EmissionMix) -> Self {
+        let mut values = vec![[0f32; 2]; TURN_COUNT * SIZE_COUNT];
+        for (of_lobe, weight) in OF_LOBES.iter().zip(emission.weights()) {
+            for (value, of_lobe) in values.iter_mut().zip(of_lobe) {
+                for (value, of_lobe) in value.iter_mut().zip(of_lobe) {
+                    *value += (weight * of_lobe) as f32;
+                }
+            }
+        }
+        Self { values }
+    }
+
+    /// F of molecules and aerosol, sr⁻², from n·ŝ and v·ŝ; what lies below 0 of the second counts as 0. Linear between nodes:
+    /// within 1 % of the largest value.
+    #[inline(always)]
+    pub fn at(&self, across: f32, along: f32) -> Species {
+        let along = along.max(0.0);
+        let size = (across * across + along * along).sqrt().min(1.0);
+        let turn = across / (across.abs() + along).max(1e-9);
+        let x = (0.5 * (TURN_COUNT - 1) as f32) * (turn + 1.0);
+        let y = (SIZE_COUNT - 1) as f32 * size;
+        let (i, j) = ((x as usize).min(TURN_COUNT - 2), (y as usize).min(SIZE_COUNT - 2));
+        let (u, v) = (x - i as f32, y - j as f32);
+        let at = i * SIZE_COUNT + j;
+        let corners = [
+            self.values[at],
+            self.values[at + 1],
+            self.values[at + SIZE_COUNT],
+            self.values[at + SIZE_COUNT + 1],
+        ];
+        std::array::from_fn(|species| {
+            let [a, b, c, d] = corners.map(|corner| corner[species]);
+            let (low, high) = (a + v * (b - a), c + v * (d - c));
+            low + u * (high - low)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emission::Lobe;
+
+    #[test]
+    fn the_table_is_its_integral_between_nodes_too() {
+        let nodes = gauss_legendre(64);
+        for lobe in Lobe::ALL {
+            let table = NearScattering::of(EmissionMix::only(lobe));
+            let (mut worst, mut largest) = (0f64, 0f64);
+            for step in 0..400 {
+                let (s, turn) = (0.03 + 0.0024 * f64::from(step), 0.0078 * f64::from(step) + 0.01);
+                let exact = integrals(s, turn, &nodes)[lobe.index()];
+                let got = table.at((s * turn.cos()) as f32, (s * turn.sin()) as f32);
+                for (got, exact) in got.into_iter().zip(exact) {
+                    worst = worst.max((f64::from(got) - exact).abs());
+                    largest = largest.max(exact);
+                }
+            }
+            assert!(worst < 0.01 * largest, "{lobe:?}: {worst:e} of {largest:e}");
+        }
+    }
+
+    #[test]
+    fn light_that_only_goes_up_is_seen_above_a_source_and_not_beside_it() {
+        let table = NearScattering::of(EmissionMix::only(Lobe::Oblique));
+        // Above it: n·ŝ = 1; beside it, with a level view: nothing leaves within 30° of the horizon.
+        assert!(table.at(1.0, 0.02)[1] > 0.05);
+        assert!(table.at(0.1, 0.02)[1] < 1e-6);
+        // Below it everything is in the shadow but what the ray meets beyond.
+        assert!(table.at(-0.9, 0.02)[1] < 1e-3 * table.at(0.9, 0.02)[1]);
+    }
+}
