@@ -49,6 +49,7 @@ pub(crate) fn grid_of(lamps: &[Lamp]) -> PolarGrid {
             .collect(),
         flux_dnb_w: sorted.iter().map(|lamp| f64::from(lamp.flux_dnb_w)).sum(),
         cells: sorted.iter().map(cell).collect(),
+        near: Vec::new(),
         coverage: 1.0,
     }
 }

@@ -91,6 +91,11 @@ impl TableSet {
         })
     }
 
+    /// Whether it has packs that are no skies of the model.
+    pub(crate) fn is_made_up(&self) -> bool {
+        self.tables.iter().any(|tables| tables.is_made_up)
+    }
+
     /// The packs, by kind, then ascending in turbidity.
     pub fn tables(&self) -> &[Arc<ResidentTables>] {
         &self.tables

@@ -20,6 +20,8 @@ pub struct ResidentTables {
     pub clouds: Option<Clouds>,
     /// Checksum of the pack file, hexadecimal.
     pub checksum: String,
+    /// Whether it is no sky of the model: for tests. Nothing of the model is then added to what comes of it.
+    pub is_made_up: bool,
     /// Observer altitudes of the table, metres, ascending.
     pub observer_altitude_m: Vec<f64>,
     /// Number of nodes of the offset axis Δ = source altitude − observer altitude (see [`crate::axes`]).

@@ -28,23 +28,9 @@ pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, 
     for i in 1..100 * options.training_geometries {
         // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
-        let cycle = std::env::var("CYCLE").unwrap_or("aer".into());
-        let node = match cycle.as_bytes()[nodes.len() % cycle.len()] {
-            b'a' => node_anywhere(axes, spread),
-            b'o' => {
-                // offsets even in a 23-node axis
-                let (o, d, _) = node_anywhere(axes, spread);
-                let axis = OffsetAxis::at_distance(axes.distance_m[d], axes.offset_count);
-                let (n, below) = (axes.offset_count - 1, axis.bend_node);
-                let t = spread[2] * 23.0;
-                let off = if t < 9.0 {
-                    t / 9.0 * below as f64
-                } else {
-                    below as f64 + (t - 9.0) / 14.0 * (n + 1 - below) as f64
-                };
-                (o, d, off as usize)
-            }
-            b'e' => everyday_node(axes, spread),
+        let node = match nodes.len() % 3 {
+            0 => node_anywhere(axes, spread),
+            1 => everyday_node(axes, spread),
             _ => raised_node(axes, spread),
         };
         let geometry = axes.geometry(node.0, node.1, node.2, None);
