@@ -99,7 +99,17 @@ fn adding(report: &mut Report, rig: &Rig) -> Outcome {
     let (both, one, two) = (skies(&lamps)?, skies(&one)?, skies(&two)?);
     for (((name, both), (_, one)), (_, two)) in both.iter().zip(&one).zip(&two) {
         let sum: Vec<f64> = widened(one).zip(widened(two)).map(|(one, two)| one + two).collect();
-        let error = |sum: &[f64]| lost_digits(widened(both), sum.iter().copied(), row_maxima(sum));
+        // Where a part's functions cancel to less than nothing it is held at 0, and there is no sum.
+        let is_held: Vec<bool> = widened(one).zip(widened(two)).map(|(a, b)| a == 0.0 || b == 0.0).collect();
+        let held = is_held.iter().filter(|is_held| **is_held).count();
+        let share = held as f64 / sum.len() as f64;
+        let check = Check::new(format!("directions of parts held at 0, {name}"), "of all", sum.len());
+        report.add(check.found(share, 0.02, 0.02 + share + 1e-3).note("planted: 2 % more"));
+        let error = |sum: &[f64]| {
+            let error = |(at, maximum): (usize, f64)| if is_held[at] { f64::INFINITY } else { maximum };
+            let magnitude = row_maxima(sum).into_iter().enumerate().map(error);
+            lost_digits(widened(both), sum.iter().copied(), magnitude)
+        };
         let wrong: Vec<f64> = sum.iter().map(|value| value * 1.000_1).collect();
         let check = Check::new(
             format!("light adds up at a pack's turbidity, {name}"),

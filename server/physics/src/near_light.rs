@@ -31,7 +31,7 @@ const TURN_COUNT: usize = 97;
 const NODES: usize = 24;
 
 /// F of molecules and of aerosol (its albedo is the caller's), m⁰ sr⁻².
-type Species = [f32; 2];
+pub type Species = [f32; 2];
 
 /// F of a mix of lobes.
 #[derive(Clone, Debug)]
@@ -97,6 +97,11 @@ impl NearScattering {
             }
         }
         Self { values }
+    }
+
+    /// The largest F of molecules and of aerosol, sr⁻².
+    pub fn largest(&self) -> Species {
+        self.values.iter().fold([0.0; 2], |[m, a], value| [m.max(value[0]), a.max(value[1])])
     }
 
     /// F of molecules and aerosol, sr⁻², from n·ŝ and v·ŝ; what lies below 0 of the second counts as 0. Linear between nodes:

@@ -12,13 +12,13 @@
 mod patch;
 mod sight;
 
-use crate::{cpu::dispatch::LANES, request::RenderRequest, table_set::TableSet};
+use crate::{request::RenderRequest, table_set::TableSet};
 use patch::{Chosen, PatchMaker, Place};
 use rayon::prelude::*;
-use sight::{Air, Sight};
+use sight::{Air, Sight, density};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, ELEVATION_COUNT, EmissionMix, LinearMeasure, Panorama,
-    Turbidity,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, EARTH_RADIUS_M, ELEVATION_COUNT, EmissionMix, LinearMeasure,
+    Panorama, Turbidity,
     near_light::NearScattering,
     panorama::{azimuth_rad, elevation_rad},
 };
@@ -26,9 +26,12 @@ use skyglow_scene::{NearLight, PolarGrid};
 use std::sync::Arc;
 
 /// A light's peak counts in full from twice this part of the sky's radiance on, and not at all below it.
-const LEAST_SHARE: f32 = 0.006;
+const LEAST_SHARE: f32 = 0.008;
 /// No direction is darkened to less than this part of what it was: the pack's own peak is not quite the closed form's.
 const LEAST_LEFT: f32 = 0.1;
+/// Lights this many rows up (45°) count for nothing, and in full so many rows below: no ridge stands there.
+const HIGHEST_ROW: f32 = 32.0;
+const ROWS_TO_NOTHING: f32 = 8.0;
 /// Tasks at most, each with a sky of its own: few, and the same on every machine, so that sums have the same order.
 const MOST_TASKS: usize = 4;
 /// Lights that a task has at least.
@@ -90,12 +93,12 @@ impl NearLights {
             }
         }
         let tasks = chosen.par_chunks(LIGHTS_PER_TASK).map(|lights| {
-            let mut maker = PatchMaker::new(&air, set, self.observer_altitude_m);
+            let mut maker = PatchMaker::new(&air, set);
             lights
                 .iter()
                 .map(|light| {
                     let mut sum = 0.0;
-                    maker.for_each(light, self.flux_per_dnb_flux, &mut |at, value| {
+                    maker.for_each(light, self.flux_per_dnb_flux, |at, value| {
                         sum += f64::from(weights[at] * value);
                     });
                     (light.index as usize, sum)
@@ -112,7 +115,34 @@ impl NearLights {
 
     /// The lights that show in a sky, those that share patches side by side.
     fn chosen(&self, air: &Air, set: &TableSet, sky: &[f32]) -> Vec<Chosen> {
-        let lights = self.polar.near.par_iter().enumerate().with_min_len(256);
+        let near = &self.polar.near;
+        let lowest_m = near.iter().map(|light| light.altitude_m).fold(f32::INFINITY, f32::min);
+        let most_per_m = air.most_per_m(f64::from(lowest_m));
+        let step = azimuth_rad(1) as f32;
+        let per_sine = 1.0 / (0.5 * step).sin();
+        let most: [f32; BAND_COUNT] =
+            std::array::from_fn(|band| most_per_m[band] * self.flux_per_dnb_flux[band] * per_sine);
+        let eye_m = self.observer_altitude_m as f32;
+        let highest_m = near.iter().map(|light| light.altitude_m).fold(eye_m, f32::max);
+        let lost_per_m = air.least_lost_per_m(f64::from(highest_m));
+        // Most lights of a city are too small a part of its sky, and that is told by a few multiplications.
+        let may_show = |light: &NearLight| {
+            let slope = (light.altitude_m - eye_m) / light.distance_m
+                - light.distance_m / (2.0 * EARTH_RADIUS_M as f32);
+            // Rows up to the one above the light's; the tangent is the larger.
+            let row = (slope / step + 0.5).clamp(0.0, (ELEVATION_COUNT - 1) as f32) as usize;
+            let column = (light.azimuth_rad / step) as usize;
+            let per_watt = light.flux_dnb_w / (light.distance_m * LEAST_SHARE);
+            (0..BAND_COUNT).any(|band| {
+                let at = |row: usize, column: usize| sky[Panorama::index(band, row, column % AZIMUTH_COUNT)];
+                let lower = row.saturating_sub(row / 8 + 1);
+                let dimmest =
+                    [at(row, column), at(row, column + 1), at(lower, column), at(lower, column + 1)];
+                let through = density(-lost_per_m[band] * light.distance_m);
+                per_watt * most[band] * through >= dimmest.into_iter().fold(f32::INFINITY, f32::min)
+            })
+        };
+        let lights = near.par_iter().enumerate().with_min_len(512).filter(|(_, light)| may_show(light));
         let mut chosen: Vec<Chosen> =
             lights.filter_map(|(index, light)| self.choose(air, set, sky, index, light)).collect();
         chosen.sort_unstable_by_key(|light| (light.place, light.index));
@@ -132,8 +162,8 @@ impl NearLights {
         let sight = Sight::new(air, f64::from(light.distance_m), offset_m);
         let step = azimuth_rad(1) as f32;
         let row = sight.elevation_rad() / step - 0.5;
-        // Below the lowest row by more than a patch reaches, or nearly overhead.
-        if !(-4.0..(ELEVATION_COUNT - 1) as f32).contains(&row) {
+        // Below the lowest row by more than a patch reaches, or so high that columns crowd.
+        if !(-4.0..HIGHEST_ROW).contains(&row) {
             return None;
         }
         let column = light.azimuth_rad / step;
@@ -142,7 +172,7 @@ impl NearLights {
         let elevation = (elevation_rad(nearest) as f32).max(sight.elevation_rad() + 0.5 * step);
         let (sin, cos) = elevation.sin_cos();
         let (sin_aside, cos_aside) = (0.5 * step).sin_cos();
-        let peak = sight.radiance::<false>(air, [sin, cos], [&[cos_aside; LANES], &[sin_aside; LANES]]);
+        let peak = sight.radiance::<false, 1>(air, [sin, cos], [&[cos_aside], &[sin_aside]]);
         let first = column as usize % AZIMUTH_COUNT;
         let share = (0..BAND_COUNT).map(|band| {
             let at = |column: usize| sky[Panorama::index(band, nearest, column % AZIMUTH_COUNT)];
@@ -150,7 +180,8 @@ impl NearLights {
             flux * peak[band][0] / at(first).min(at(first + 1)).max(f32::MIN_POSITIVE)
         });
         let share = share.fold(0.0, f32::max);
-        let weight = (share / LEAST_SHARE - 1.0).clamp(0.0, 1.0);
+        let weight =
+            (share / LEAST_SHARE - 1.0).clamp(0.0, 1.0) * ((HIGHEST_ROW - row) / ROWS_TO_NOTHING).min(1.0);
         (weight > 0.0).then(|| Chosen {
             index: index as u32,
             place: Place::of(set, light.distance_m, offset_m as f32, row),
@@ -168,9 +199,9 @@ impl NearLights {
         let per_task = chosen.len().div_ceil(MOST_TASKS).max(LIGHTS_PER_TASK);
         let of_task = |lights: &[Chosen]| {
             let mut added = vec![0f32; Panorama::LEN];
-            let mut maker = PatchMaker::new(air, set, self.observer_altitude_m);
+            let mut maker = PatchMaker::new(air, set);
             for light in lights {
-                maker.for_each(light, self.flux_per_dnb_flux, &mut |at, value| added[at] += value);
+                maker.for_each(light, self.flux_per_dnb_flux, |at, value| added[at] += value);
             }
             added
         };

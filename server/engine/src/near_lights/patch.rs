@@ -112,40 +112,60 @@ fn samples() -> impl Iterator<Item = (usize, f64, f64)> {
     })
 }
 
-/// Makes patches; remembers the nodes of the last one.
+/// The image of a node in the rows of a patch.
+#[derive(Clone, Copy)]
+struct NodeImage {
+    /// Ring, offset and first row; None before its first use.
+    of: Option<(u32, u32, i32)>,
+    rows: OfBands<HALF>,
+}
+
+/// Rings, offsets and first rows whose images are remembered: of two rings side by side every offset, in four rows.
+const REMEMBERED: [usize; 3] = [2, 64, 4];
+
+/// Makes patches; remembers the images of nodes, which lights side by side share.
 pub(super) struct PatchMaker<'a> {
     air: &'a Air,
     set: &'a TableSet,
-    observer_altitude_m: f64,
     azimuths: Azimuths,
+    /// Sine and cosine of the elevation of every row.
+    elevations: [[f32; 2]; ELEVATION_COUNT],
     /// Column and weight of every sample.
     shares: [(usize, f32); SAMPLES],
-    known: Option<Place>,
-    /// Images of the two offsets of the two rings.
-    nodes: Box<[[OfBands<HALF>; 2]; 2]>,
+    nodes: Vec<NodeImage>,
+}
+
+/// Where the image of a node is remembered.
+#[inline(always)]
+fn slot((ring, offset, first_row): (u32, u32, i32)) -> usize {
+    let [rings, offsets, rows] = REMEMBERED;
+    ((ring as usize % rings) * offsets + offset as usize % offsets) * rows
+        + first_row.rem_euclid(rows as i32) as usize
 }
 
 impl<'a> PatchMaker<'a> {
-    pub(super) fn new(air: &'a Air, set: &'a TableSet, observer_altitude_m: f64) -> Self {
+    pub(super) fn new(air: &'a Air, set: &'a TableSet) -> Self {
         let mut shares = [(0, 0f32); SAMPLES];
         for (share, (column, _, weight)) in shares.iter_mut().zip(samples()) {
             *share = (column, weight as f32);
         }
-        let nodes = Box::new([[[[[0.0; HALF]; BAND_COUNT]; SIDE]; 2]; 2]);
-        Self { air, set, observer_altitude_m, azimuths: Azimuths::new(), shares, known: None, nodes }
+        let empty = NodeImage { of: None, rows: [[[0.0; HALF]; BAND_COUNT]; SIDE] };
+        let nodes = vec![empty; REMEMBERED.iter().product()];
+        let elevations = std::array::from_fn(|row| {
+            let (sin, cos) = elevation_rad(row).sin_cos();
+            [sin as f32, cos as f32]
+        });
+        Self { air, set, azimuths: Azimuths::new(), elevations, shares, nodes }
     }
 
     /// Calls `add` with the position in a panorama and what a light changes there, W m⁻² sr⁻¹.
+    #[inline(always)]
     pub(super) fn for_each(
         &mut self,
         light: &Chosen,
         flux_per_dnb_flux: [f32; BAND_COUNT],
-        add: &mut dyn FnMut(usize, f32),
+        mut add: impl FnMut(usize, f32),
     ) {
-        if self.known != Some(light.place) {
-            image_nodes(self, light.place);
-            self.known = Some(light.place);
-        }
         let mut patch = [[[0f32; SIDE]; BAND_COUNT]; SIDE];
         fill(self, light, &mut patch);
         let first_column = light.column.floor() as usize + AZIMUTH_COUNT - (SIDE / 2 - 1);
@@ -155,51 +175,45 @@ impl<'a> PatchMaker<'a> {
                 of_row.iter().enumerate().filter(|(band, _)| flux_per_dnb_flux[*band] > 0.0)
             {
                 let flux = light.flux_dnb_w * flux_per_dnb_flux[band];
+                let first = Panorama::index(band, row, 0);
                 for (column, value) in of_band.iter().enumerate() {
-                    add(Panorama::index(band, row, (first_column + column) % AZIMUTH_COUNT), flux * value);
+                    add(first + (first_column + column) % AZIMUTH_COUNT, flux * value);
                 }
             }
         }
     }
 }
 
-dispatch_wide!(
-    /// The four nodes of a place.
-    image_nodes, image_nodes_wide, image_nodes_body, (maker: &mut PatchMaker<'_>, place: Place)
-);
-
+/// Makes the image of a node unless it is remembered, and says where it is.
 #[inline(always)]
-fn image_nodes_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, place: Place) {
-    for (ring, lower) in [place.ring as usize, place.ring as usize + 1]
-        .into_iter()
-        .zip(place.offsets)
-        .enumerate()
-        .map(|(i, (ring, lower))| ((i, ring), lower))
-    {
-        let (slot, ring) = ring;
-        let axis = maker.set.offset_axis()[ring];
-        for above in 0..2 {
-            let offset_m = axis.offset_m(f64::from(lower) + above as f64);
-            let sight = Sight::new(maker.air, ring_distance_m(ring), offset_m);
-            let image = &mut maker.nodes[slot][above];
-            for row in place.rows() {
-                let (sin, cos) = (elevation_rad(row) as f32).sin_cos();
-                let mut columns = [[0f32; HALF]; BAND_COUNT];
-                for (vector, [cosines, sines]) in maker.azimuths.0.iter().enumerate() {
-                    let radiance = sight.radiance::<FUSED>(maker.air, [sin, cos], [cosines, sines]);
-                    for (lane, &(column, weight)) in
-                        maker.shares.iter().enumerate().skip(vector * LANES).take(LANES)
-                    {
-                        for band in 0..BAND_COUNT {
-                            columns[band][column] += weight * radiance[band][lane - vector * LANES];
-                        }
-                    }
+fn image_node<const FUSED: bool>(
+    maker: &mut PatchMaker<'_>,
+    key: (u32, u32, i32),
+    rows: std::ops::Range<usize>,
+) -> usize {
+    let at = slot(key);
+    if maker.nodes[at].of == Some(key) {
+        return at;
+    }
+    let (ring, offset, first_row) = key;
+    let offset_m = maker.set.offset_axis()[ring as usize].offset_m(f64::from(offset));
+    let sight = Sight::new(maker.air, ring_distance_m(ring as usize), offset_m);
+    for row in rows {
+        let elevation = maker.elevations[row];
+        let mut columns = [[0f32; HALF]; BAND_COUNT];
+        for (vector, [cosines, sines]) in maker.azimuths.0.iter().enumerate() {
+            let radiance = sight.radiance::<FUSED, LANES>(maker.air, elevation, [cosines, sines]);
+            for (lane, &(column, weight)) in maker.shares.iter().skip(vector * LANES).take(LANES).enumerate()
+            {
+                for band in 0..BAND_COUNT {
+                    columns[band][column] += weight * radiance[band][lane];
                 }
-                image[(row as i32 - place.first_row) as usize] = columns;
             }
         }
+        maker.nodes[at].rows[(row as i32 - first_row) as usize] = columns;
     }
-    let _ = maker.observer_altitude_m;
+    maker.nodes[at].of = Some(key);
+    at
 }
 
 /// How much of a patch counts at a distance from its light in columns or rows.
@@ -211,17 +225,20 @@ fn taper(distance: f32) -> f32 {
 dispatch_wide!(
     /// The patch of a light per watt.
     fill, fill_wide, fill_body,
-    (maker: &PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>)
+    (maker: &mut PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>)
 );
 
 #[inline(always)]
-fn fill_body<const FUSED: bool>(maker: &PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>) {
+fn fill_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>) {
     let step = azimuth_rad(1) as f32;
     let along = light.column - light.column.floor();
     let (mut cosines, mut sines, mut tapers) = ([0f32; LANES], [0f32; LANES], [0f32; LANES]);
     for lane in 0..LANES {
         let from = lane as f32 - (SIDE / 2 - 1) as f32 - along;
-        (sines[lane], cosines[lane]) = (from * step).sin_cos();
+        // Within a tenth of a radian their series are right to 1e-8.
+        let (x, square) = (from * step, from * step * from * step);
+        sines[lane] = x * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)));
+        cosines[lane] = 1.0 - square * (0.5 - square * (1.0 / 24.0));
         tapers[lane] = taper(from);
     }
     let out = ring_position(light.distance_m) - light.place.ring as f32;
@@ -231,18 +248,24 @@ fn fill_body<const FUSED: bool>(maker: &PatchMaker<'_>, light: &Chosen, patch: &
         let up = (position - light.place.offsets[ring] as f32).clamp(0.0, 1.0);
         [of_ring * (1.0 - up), of_ring * up]
     });
+    let Place { ring, offsets, first_row } = light.place;
+    let mut nodes = [(0, 0f32); 4];
+    for (node, at) in nodes.iter_mut().zip(0u32..) {
+        let (next, above) = (at / 2, at % 2);
+        let key = (ring + next, offsets[next as usize] + above, first_row);
+        let weight = weights[next as usize][above as usize];
+        *node = (image_node::<FUSED>(maker, key, light.place.rows()), weight);
+    }
     for row in light.place.rows() {
         let at = (row as i32 - light.place.first_row) as usize;
-        let (sin, cos) = (elevation_rad(row) as f32).sin_cos();
-        let exact = light.sight.radiance::<FUSED>(maker.air, [sin, cos], [&cosines, &sines]);
+        let exact =
+            light.sight.radiance::<FUSED, LANES>(maker.air, maker.elevations[row], [&cosines, &sines]);
         let of_row = taper(row as f32 - light.row);
         for band in 0..BAND_COUNT {
             let mut half = [0f32; HALF];
-            for (nodes, weights) in maker.nodes.iter().zip(weights) {
-                for (node, weight) in nodes.iter().zip(weights) {
-                    for (sum, value) in half.iter_mut().zip(node[at][band]) {
-                        *sum += weight * value;
-                    }
+            for (node, weight) in nodes {
+                for (sum, value) in half.iter_mut().zip(maker.nodes[node].rows[at][band]) {
+                    *sum += weight * value;
                 }
             }
             for lane in 0..LANES {

@@ -1,6 +1,6 @@
-//! The first order of one light next to its own direction, in f32, eight directions at a time.
+//! The first order of one light next to its own direction, in f32, some directions at a time.
 
-use crate::cpu::dispatch::{LANES, multiply_add};
+use crate::cpu::dispatch::multiply_add;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, EARTH_RADIUS_M,
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, MOLECULE_SCALE_HEIGHT_M},
@@ -24,6 +24,29 @@ impl Air {
     pub(super) fn new(scattering: NearScattering, air: &Atmosphere, observer_altitude_m: f64) -> Self {
         let extinction_per_m = [air.molecule_extinction_per_m(), air.aerosol_extinction_per_m()];
         Self { scattering, observer_altitude_m, extinction_per_m }
+    }
+}
+
+impl Air {
+    /// Extinction at an altitude, m⁻¹: below it none is less.
+    pub(super) fn least_lost_per_m(&self, altitude_m: f64) -> [f32; BAND_COUNT] {
+        let [of_molecules, of_aerosol] = self.extinction_per_m;
+        let density =
+            [MOLECULE_SCALE_HEIGHT_M, AEROSOL_SCALE_HEIGHT_M].map(|height_m| (-altitude_m / height_m).exp());
+        std::array::from_fn(|band| (density[0] * of_molecules[band] + density[1] * of_aerosol[band]) as f32)
+    }
+
+    /// No less than the radiance of a light per watt, in each band, times its distance and the sine of the angle past it, m⁻¹ sr⁻¹:
+    /// for lights at `lowest_m` and above, without what the air between takes.
+    pub(super) fn most_per_m(&self, lowest_m: f64) -> [f32; BAND_COUNT] {
+        let [molecules, aerosol] = self.scattering.largest().map(f64::from);
+        let density =
+            [MOLECULE_SCALE_HEIGHT_M, AEROSOL_SCALE_HEIGHT_M].map(|height_m| (-lowest_m / height_m).exp());
+        let [of_molecules, of_aerosol] = self.extinction_per_m;
+        std::array::from_fn(|band| {
+            let molecules = molecules * density[0] * of_molecules[band];
+            (molecules + aerosol * density[1] * AEROSOL_ALBEDO * of_aerosol[band]) as f32
+        })
     }
 }
 
@@ -52,6 +75,12 @@ fn exponential<const FUSED: bool>(x: f32) -> f32 {
     fourth * fourth
 }
 
+/// e^x with x held within ±8: no air of the model is thicker or thinner.
+#[inline(always)]
+pub(super) fn density(log: f32) -> f32 {
+    exponential::<false>(log.max(-LARGEST_LOG_DENSITY).min(LARGEST_LOG_DENSITY))
+}
+
 impl Sight {
     /// A light at a distance along the ground, `offset_m` above the observer.
     pub(super) fn new(air: &Air, distance_m: f64, offset_m: f64) -> Self {
@@ -63,12 +92,14 @@ impl Sight {
         let slant_m = across_m.hypot(up_m);
         let heights = [MOLECULE_SCALE_HEIGHT_M, AEROSOL_SCALE_HEIGHT_M];
         let middle_m = 0.5 * (altitude_m + air.observer_altitude_m);
-        let middle: [f64; 2] = heights.map(|height_m| (-middle_m / height_m).exp());
-        let here: [f64; 2] = heights.map(|height_m| (-altitude_m / height_m).exp());
+        let thin = |altitude_m: f64, height_m: f64| f64::from(density((-altitude_m / height_m) as f32));
+        let middle: [f64; 2] = heights.map(|height_m| thin(middle_m, height_m));
+        let here: [f64; 2] = heights.map(|height_m| thin(altitude_m, height_m));
         let strength_per_m = std::array::from_fn(|band| {
             let [molecules, aerosol] = air.extinction_per_m.map(|of_bands| of_bands[band]);
-            let through = (-slant_m * (molecules * middle[0] + aerosol * middle[1])).exp();
-            [(through * molecules * here[0]) as f32, (through * AEROSOL_ALBEDO * aerosol * here[1]) as f32]
+            let through = ((-slant_m * (molecules * middle[0] + aerosol * middle[1])) as f32).exp();
+            let [molecules, aerosol] = [molecules * here[0], AEROSOL_ALBEDO * aerosol * here[1]];
+            [through * molecules as f32, through * aerosol as f32]
         });
         Self {
             across_m: across_m as f32,
@@ -87,18 +118,18 @@ impl Sight {
     /// Radiance per watt in each band, m⁻² sr⁻¹, `[band][direction]`, at one elevation (sine and cosine) and azimuths relative to its own
     /// (cosines, sines).
     #[inline(always)]
-    pub(super) fn radiance<const FUSED: bool>(
+    pub(super) fn radiance<const FUSED: bool, const N: usize>(
         &self,
         air: &Air,
         [sin_elevation, cos_elevation]: [f32; 2],
-        [cos_azimuth, sin_azimuth]: [&[f32; LANES]; 2],
-    ) -> [[f32; LANES]; BAND_COUNT] {
+        [cos_azimuth, sin_azimuth]: [&[f32; N]; 2],
+    ) -> [[f32; N]; BAND_COUNT] {
         let [sin_arc, cos_arc] = self.arc;
-        let mut across = [0f32; LANES];
-        let mut along = [0f32; LANES];
-        let mut per_miss = [0f32; LANES];
-        let mut density = [[0f32; LANES]; 2];
-        for lane in 0..LANES {
+        let mut across = [0f32; N];
+        let mut along = [0f32; N];
+        let mut per_miss = [0f32; N];
+        let mut density = [[0f32; N]; 2];
+        for lane in 0..N {
             let (x, y) = (cos_elevation * cos_azimuth[lane], cos_elevation * sin_azimuth[lane]);
             let z = sin_elevation;
             // |S × v|, without the difference of two long vectors.
@@ -116,16 +147,16 @@ impl Sight {
             density[0][lane] = exponential::<FUSED>(clamp(-up_m * (1.0 / MOLECULE_SCALE_HEIGHT_M as f32)));
             density[1][lane] = exponential::<FUSED>(clamp(-up_m * (1.0 / AEROSOL_SCALE_HEIGHT_M as f32)));
         }
-        let mut scattered = [[0f32; LANES]; 2];
-        for lane in 0..LANES {
+        let mut scattered = [[0f32; N]; 2];
+        for lane in 0..N {
             let of_species = air.scattering.at(across[lane], along[lane]);
             for species in 0..2 {
                 scattered[species][lane] = of_species[species] * density[species][lane] * per_miss[lane];
             }
         }
-        let mut radiance = [[0f32; LANES]; BAND_COUNT];
+        let mut radiance = [[0f32; N]; BAND_COUNT];
         for (radiance, [molecules, aerosol]) in radiance.iter_mut().zip(self.strength_per_m) {
-            for lane in 0..LANES {
+            for lane in 0..N {
                 radiance[lane] = molecules * scattered[0][lane] + aerosol * scattered[1][lane];
             }
         }
@@ -142,9 +173,9 @@ mod tests {
     };
 
     fn one(sight: &Sight, air: &Air, azimuth_rad: f64, elevation_rad: f64) -> [f64; BAND_COUNT] {
-        let (cosines, sines) = ([azimuth_rad.cos() as f32; LANES], [azimuth_rad.sin() as f32; LANES]);
+        let (cosines, sines) = ([azimuth_rad.cos() as f32], [azimuth_rad.sin() as f32]);
         let elevation = [elevation_rad.sin() as f32, elevation_rad.cos() as f32];
-        sight.radiance::<false>(air, elevation, [&cosines, &sines]).map(|of_band| f64::from(of_band[0]))
+        sight.radiance::<false, 1>(air, elevation, [&cosines, &sines]).map(|of_band| f64::from(of_band[0]))
     }
 
     #[test]

@@ -1,0 +1,140 @@
+//! Skies next to near lights, from the packs that come with the program.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
+
+use skyglow_bench::scenes::{LitPixel, grid_under_open_sky, sources_of_pixels};
+use skyglow_engine::{Engine, InfluenceRequest, Measure, Observatory, RenderRequest, SkyRequest};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, LampPreset, PointSource, Turbidity,
+    panorama::{azimuth_rad, elevation_rad},
+    single_source::{SourceGeometry, mixed_radiance_per_watt},
+};
+use skyglow_scene::{PolarGrid, SceneId, SceneStore, create_demo};
+use skyglow_tables::Scattering;
+use skyglow_tests::{
+    class_errors::engine_with,
+    open_sky::{observatory, open_sky},
+    tree,
+};
+use std::sync::Arc;
+
+fn packs() -> std::path::PathBuf {
+    tree::root().join("precomputed")
+}
+
+fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
+    RenderRequest {
+        polar: Arc::new(polar),
+        observer_altitude_m: 300.0,
+        turbidity: Turbidity::new(turbidity).unwrap(),
+        scattering: Scattering::Multiple,
+        cloud_base_m: None,
+        emission: EmissionMix::garstang(),
+        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+        basis: None,
+    }
+}
+
+fn sky(engine: &Engine, polar: PolarGrid, turbidity: f64) -> Vec<f32> {
+    let rendered = engine.render_blocking(request(polar, turbidity)).unwrap();
+    rendered.panorama.samples().to_vec()
+}
+
+/// A pixel 7 km away, 400 m above the observer, at an azimuth between two columns.
+fn one_light() -> Vec<PointSource> {
+    sources_of_pixels([LitPixel { east_m: 5_000.0, north_m: 4_930.0, altitude_m: 700.0, flux_dnb_w: 1e4 }])
+}
+
+#[test]
+fn the_peak_next_to_a_near_light_is_that_of_the_first_order() {
+    let engine = engine_with(&packs()).unwrap();
+    let lights = one_light();
+    let [light] = lights.as_slice() else { panic!("{} lights", lights.len()) };
+    let air = Atmosphere::new(Turbidity::new(2.5).unwrap());
+    let geometry = SourceGeometry {
+        distance_m: light.distance_m,
+        source_altitude_m: light.altitude_m,
+        observer_altitude_m: 300.0,
+    };
+    let flux = LampPreset::Mixed.lamp().flux_per_dnb_flux.map(|flux| flux * light.flux_dnb_w);
+    let with = sky(&engine, grid_under_open_sky(&lights), 2.5);
+    let without = sky(&engine, PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, 2.5);
+    let (mut right, mut wrong) = (0f64, 0f64);
+    let column = (light.azimuth_rad / azimuth_rad(1)) as usize;
+    // Its elevation is 3.2°, between rows 1 and 2: right above it.
+    for row in 2..5 {
+        for column in [column, column + 1] {
+            let exact: [f64; BAND_COUNT] = mixed_radiance_per_watt(
+                &[air],
+                &geometry,
+                EmissionMix::garstang(),
+                azimuth_rad(column) - light.azimuth_rad,
+                elevation_rad(row),
+                1e-6,
+            );
+            let at = skyglow_physics::Panorama::index(1, row, column % AZIMUTH_COUNT);
+            // Later orders are a few per cent of it here.
+            let error = |sky: &[f32]| (f64::from(sky[at]) / (flux[1] * exact[1]) - 1.0).abs();
+            right = right.max(error(&with));
+            wrong = wrong.max(error(&without));
+        }
+    }
+    println!("within {right:.3} with near lights, {wrong:.3} without");
+    assert!(right < 0.2 && wrong > 1.5 * right, "{right} {wrong}");
+}
+
+#[test]
+fn far_from_near_lights_nothing_changes_and_nothing_is_negative() {
+    let engine = engine_with(&packs()).unwrap();
+    let lights = one_light();
+    for turbidity in [2.5, 3.0] {
+        let with = sky(&engine, grid_under_open_sky(&lights), turbidity);
+        let without = sky(&engine, PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, turbidity);
+        let own = (lights[0].azimuth_rad / azimuth_rad(1)) as usize;
+        let mut changed = 0;
+        for (at, (with, without)) in with.iter().zip(&without).enumerate() {
+            assert!(*with >= 0.1 * without - 1e-30 && with.is_finite(), "{with} {without}");
+            let (row, column) = (at / AZIMUTH_COUNT % 64, at % AZIMUTH_COUNT);
+            let aside = (column + AZIMUTH_COUNT - own) % AZIMUTH_COUNT;
+            let is_near = row < 8 && (aside <= 4 || aside >= AZIMUTH_COUNT - 4);
+            assert!(is_near || with == without, "row {row}, column {column}");
+            changed += usize::from(with != without);
+        }
+        assert!(changed > 50, "{changed}");
+    }
+    // Lights beyond 30 km are none, and cost nothing.
+    let far =
+        sources_of_pixels([LitPixel { east_m: 31_000.0, north_m: 0.0, altitude_m: 0.0, flux_dnb_w: 1e6 }]);
+    let grid = grid_under_open_sky(&far);
+    assert!(grid.near.is_empty() && !grid.cells.is_empty());
+    let rendered = engine.render_blocking(request(grid, 2.5)).unwrap();
+    assert!(rendered.passes.iter().all(|pass| pass.name != "near_lights"));
+}
+
+#[test]
+fn parts_of_the_lights_around_add_up_to_the_sky_with_near_lights_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();
+    let observatory: Observatory = observatory(folder.path(), &packs()).unwrap();
+    let id = SceneId::parse("demo").unwrap();
+    // In a town between mountains, at a pack's turbidity and between packs.
+    let place = GeoPoint::from_deg(46.17, 8.79).unwrap();
+    for turbidity in [2.5, 3.0] {
+        let sky = SkyRequest {
+            terrain_hides: true,
+            ..open_sky(id.clone(), place, Turbidity::new(turbidity).unwrap())
+        };
+        let rendered = observatory.sky_blocking(&sky).unwrap();
+        assert!(rendered.rendered.passes.iter().any(|pass| pass.name == "near_lights"));
+        let whole = [
+            (Measure::Zenith, rendered.quantities.zenith_luminance_cd_m2),
+            (Measure::Mean, rendered.quantities.mean_luminance_cd_m2),
+            (Measure::Horizontal, rendered.quantities.horizontal_illuminance_lx),
+        ];
+        for (measure, whole) in whole {
+            let asked = InfluenceRequest { sky: sky.clone(), measure };
+            let map = observatory.influence(&asked).unwrap();
+            let sum: f64 = map.influence().iter().copied().map(f64::from).sum();
+            assert!((sum / whole - 1.0).abs() < 1e-4, "{turbidity} {:?}: {sum} {whole}", asked.measure);
+        }
+    }
+}
