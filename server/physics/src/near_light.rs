@@ -43,7 +43,7 @@ pub struct NearScattering {
 /// F of every lobe, `[lobe][q][s]`.
 static OF_LOBES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
     let nodes = gauss_legendre(NODES);
-    let mut of_lobes = vec![Vec::with_capacity(TURN_COUNT * SIZE_COUNT); LOBE_COUNT];
+    let mut of_lobes = vec![Vec::new(); LOBE_COUNT];
     for turn in 0..TURN_COUNT {
         let q = 2.0 * turn as f64 / (TURN_COUNT - 1) as f64 - 1.0;
         for size in 0..SIZE_COUNT {

@@ -78,7 +78,7 @@ fn exponential<const FUSED: bool>(x: f32) -> f32 {
 /// e^x with x held within ±8: no air of the model is thicker or thinner.
 #[inline(always)]
 pub(super) fn density(log: f32) -> f32 {
-    exponential::<false>(log.max(-LARGEST_LOG_DENSITY).min(LARGEST_LOG_DENSITY))
+    exponential::<false>(log.clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY))
 }
 
 impl Sight {
@@ -143,7 +143,7 @@ impl Sight {
             let up_m = -(out[0] * sin_arc + out[2] * cos_arc);
             across[lane] = up_m * per_miss[lane];
             along[lane] = x * sin_arc + z * cos_arc;
-            let clamp = |x: f32| x.max(-LARGEST_LOG_DENSITY).min(LARGEST_LOG_DENSITY);
+            let clamp = |x: f32| x.clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY);
             density[0][lane] = exponential::<FUSED>(clamp(-up_m * (1.0 / MOLECULE_SCALE_HEIGHT_M as f32)));
             density[1][lane] = exponential::<FUSED>(clamp(-up_m * (1.0 / AEROSOL_SCALE_HEIGHT_M as f32)));
         }
