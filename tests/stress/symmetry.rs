@@ -101,10 +101,13 @@ fn adding(report: &mut Report, rig: &Rig) -> Outcome {
         let sum: Vec<f64> = widened(one).zip(widened(two)).map(|(one, two)| one + two).collect();
         // Where a part's functions cancel to less than nothing it is held at 0, and there is no sum.
         let is_held: Vec<bool> = widened(one).zip(widened(two)).map(|(a, b)| a == 0.0 || b == 0.0).collect();
-        let held = is_held.iter().filter(|is_held| **is_held).count();
-        let share = held as f64 / sum.len() as f64;
-        let check = Check::new(format!("directions of parts held at 0, {name}"), "of all", sum.len());
-        report.add(check.found(share, 0.02, 0.02 + share + 1e-3).note("planted: 2 % more"));
+        let share = |held: usize| held as f64 / is_held.len() as f64;
+        let held = share(is_held.iter().filter(|is_held| **is_held).count());
+        // Planted: rows that sink by a twentieth of their brightest.
+        let alone: Vec<f64> = widened(one).collect();
+        let sunk = alone.iter().zip(row_maxima(&alone)).filter(|(value, most)| **value < 0.05 * most);
+        let check = Check::new(format!("directions of parts held at 0, {name}"), "of all", is_held.len());
+        report.add(check.found(held, 0.002, share(sunk.count())));
         let error = |sum: &[f64]| {
             let error = |(at, maximum): (usize, f64)| if is_held[at] { f64::INFINITY } else { maximum };
             let magnitude = row_maxima(sum).into_iter().enumerate().map(error);

@@ -111,6 +111,29 @@ fn far_from_near_lights_nothing_changes_and_nothing_is_negative() {
 }
 
 #[test]
+fn a_near_light_too_weak_to_show_is_left_as_the_cells_have_it() {
+    let engine = engine_with(&packs()).unwrap();
+    // A town fills the sky; one more light beside it, faint and then bright.
+    let town = (0..900).map(|pixel| LitPixel {
+        east_m: 2_000.0 + 460.0 * f64::from(pixel % 30),
+        north_m: -7_000.0 + 460.0 * f64::from(pixel / 30),
+        altitude_m: 300.0,
+        flux_dnb_w: 1e5,
+    });
+    let sky_with = |flux_dnb_w: f64| {
+        let one = LitPixel { east_m: 9_100.0, north_m: 300.0, altitude_m: 300.0, flux_dnb_w };
+        let grid = grid_under_open_sky(&sources_of_pixels(town.clone().chain([one])));
+        let last = grid.near.len() - 1;
+        let fewer = PolarGrid { near: grid.near[..last].to_vec(), ..grid.clone() };
+        (sky(&engine, grid, 2.5), sky(&engine, fewer, 2.5))
+    };
+    let (with, without) = sky_with(1e3);
+    assert_eq!(with, without);
+    let (with, without) = sky_with(1e7);
+    assert_ne!(with, without);
+}
+
+#[test]
 fn parts_of_the_lights_around_add_up_to_the_sky_with_near_lights_in_it() {
     let folder = tempfile::tempdir().unwrap();
     create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();

@@ -112,7 +112,7 @@ impl LightShares {
     /// Bytes held.
     pub fn byte_count(&self) -> usize {
         let of_pixels = self.pixels.len() * (size_of::<LitPixel>() + size_of::<u32>());
-        let of_cells = size_of_val(self.polar.cells.as_slice()) + size_of_val(self.polar.near.as_slice());
+        let of_cells = self.polar.byte_count();
         of_pixels + self.shares.len() * size_of::<CellShare>() + of_cells
     }
 }

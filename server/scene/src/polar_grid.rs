@@ -98,6 +98,11 @@ impl PolarGrid {
         accumulator.finish(observer, 1.0)
     }
 
+    /// Bytes of its lists of lights.
+    pub fn byte_count(&self) -> usize {
+        size_of_val(self.cells.as_slice()) + size_of_val(self.near.as_slice())
+    }
+
     /// The same light `factor` times as bright.
     pub fn brightened(mut self, factor: f64) -> Self {
         self.cells.iter_mut().for_each(|cell| cell.flux_dnb_w *= factor as f32);

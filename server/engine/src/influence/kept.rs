@@ -118,7 +118,7 @@ impl ReadyRequest {
             let between = blended(of_packs.clone(), &prepared.turbidity_taps, true);
             KnownSky { of_packs, between }
         });
-        let grids = [Some(request), other].map(|held| held.map_or(0, |held| size_of_val(&*held.polar.cells)));
+        let grids = [Some(request), other].map(|held| held.map_or(0, |held| held.polar.byte_count()));
         let of_nodes = |nodes: &NodesOfPack| size_of_val(&*nodes.scales) + size_of_val(&*nodes.mixed);
         let of_sky = sky_known.as_ref().map_or(0, |sky| (1 + sky.of_packs.len()) * 4 * Panorama::LEN);
         let bytes = size_of_val(&*prepared.cells)

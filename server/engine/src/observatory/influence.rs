@@ -174,7 +174,7 @@ impl std::fmt::Debug for InfluenceDesk {
 impl InfluenceDesk {
     pub(super) fn new() -> Self {
         let weigh = |_: &SeenKey, seen: &Seen| {
-            let of_grids = seen.view.lights.iter().map(|(_, polar)| size_of_val(polar.cells.as_slice()));
+            let of_grids = seen.view.lights.iter().map(|(_, polar)| polar.byte_count());
             let of_shares = seen.shares.iter().map(LightShares::byte_count);
             let bytes = BYTES_AT_LEAST + of_grids.chain(of_shares).sum::<usize>();
             u32::try_from(bytes).unwrap_or(u32::MAX)
