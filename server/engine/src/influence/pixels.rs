@@ -1,7 +1,7 @@
 //! From what cells do to what pixels do.
 
 use super::CellInfluence;
-use crate::cpu::dispatch::{dispatch_wide, multiply_add};
+use crate::cpu::dispatch::{dispatch_wide, exponential, multiply_add};
 use rayon::prelude::*;
 use skyglow_scene::{LightShares, PolarCell};
 
@@ -91,13 +91,7 @@ fn add_shares_body<const FUSED: bool>(
 #[inline(always)]
 fn factor<const FUSED: bool>(cell: &CellLine, altitude_m: f32) -> f32 {
     let exponent = multiply_add::<FUSED>(cell.slope_per_m, altitude_m, cell.at_sea);
-    let x = 0.125 * exponent.clamp(-LARGEST_LOG_FACTOR, LARGEST_LOG_FACTOR);
-    // (e^{x/8})^8: a library's exponential takes a third of the whole.
-    let add = multiply_add::<FUSED>;
-    let root = add(x, add(x, add(x, add(x, add(x, 1.0 / 120.0, 1.0 / 24.0), 1.0 / 6.0), 0.5), 1.0), 1.0);
-    let square = root * root;
-    let fourth = square * square;
-    fourth * fourth
+    exponential::<FUSED>(exponent.clamp(-LARGEST_LOG_FACTOR, LARGEST_LOG_FACTOR))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The first order of one light next to its own direction, in f32, some directions at a time.
 
-use crate::cpu::dispatch::multiply_add;
+use crate::cpu::dispatch::exponential;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, EARTH_RADIUS_M,
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, MOLECULE_SCALE_HEIGHT_M},
@@ -62,17 +62,6 @@ pub(super) struct Sight {
     arc: [f32; 2],
     /// ω·β at the light times what gets through to the observer, `[band][molecules, aerosol]`, m⁻¹.
     strength_per_m: [[f32; 2]; BAND_COUNT],
-}
-
-/// e^x for |x| ≤ 8, to 2e-5: (e^{x/8})^8.
-#[inline(always)]
-fn exponential<const FUSED: bool>(x: f32) -> f32 {
-    let x = 0.125 * x;
-    let add = multiply_add::<FUSED>;
-    let root = add(x, add(x, add(x, add(x, add(x, 1.0 / 120.0, 1.0 / 24.0), 1.0 / 6.0), 0.5), 1.0), 1.0);
-    let square = root * root;
-    let fourth = square * square;
-    fourth * fourth
 }
 
 /// e^x with x held within ±8: no air of the model is thicker or thinner.
