@@ -92,7 +92,7 @@ impl NearLights {
                 weights[at] = (weight * band.luminous_efficacy_lm_w()) as f32 * share;
             }
         }
-        let tasks = chosen.par_chunks(LIGHTS_PER_TASK).map(|lights| {
+        let tasks = chosen.par_chunks(lights_per_task(&chosen)).map(|lights| {
             let mut maker = PatchMaker::new(&air, set);
             lights
                 .iter()
@@ -196,7 +196,6 @@ impl NearLights {
 
     /// What is added in every direction.
     fn sum(&self, air: &Air, set: &TableSet, chosen: &[Chosen]) -> Vec<f32> {
-        let per_task = chosen.len().div_ceil(MOST_TASKS).max(LIGHTS_PER_TASK);
         let of_task = |lights: &[Chosen]| {
             let mut added = vec![0f32; Panorama::LEN];
             let mut maker = PatchMaker::new(air, set);
@@ -205,7 +204,7 @@ impl NearLights {
             }
             added
         };
-        let tasks: Vec<Vec<f32>> = chosen.par_chunks(per_task).map(of_task).collect();
+        let tasks: Vec<Vec<f32>> = chosen.par_chunks(lights_per_task(chosen)).map(of_task).collect();
         let mut tasks = tasks.into_iter();
         let mut added = tasks.next().unwrap_or_else(|| vec![0.0; Panorama::LEN]);
         for more in tasks {
@@ -213,6 +212,11 @@ impl NearLights {
         }
         added
     }
+}
+
+/// Lights of a task: what a task remembers of nodes is made once for it.
+fn lights_per_task(chosen: &[Chosen]) -> usize {
+    chosen.len().div_ceil(MOST_TASKS).max(LIGHTS_PER_TASK)
 }
 
 /// The part of what is added that counts: all of it where enough is left.
