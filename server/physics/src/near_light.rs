@@ -20,9 +20,6 @@ use crate::{
 };
 use std::{f64::consts::FRAC_PI_2, sync::LazyLock};
 
-/// A source nearer than this is a near one, metres.
-pub const NEAR_LIGHT_WITHIN_M: f64 = 30_000.0;
-
 /// Nodes of s over 0..=1.
 const SIZE_COUNT: usize = 97;
 /// Nodes of q = (n·ŝ)/(|n·ŝ| + v·ŝ) over −1..=1, which stands for χ: it needs no arc tangent. One lies at 0, where q bends.
@@ -99,9 +96,21 @@ impl NearScattering {
         Self { values }
     }
 
-    /// The largest F of molecules and of aerosol, sr⁻².
-    pub fn largest(&self) -> Species {
-        self.values.iter().fold([0.0; 2], |[m, a], value| [m.max(value[0]), a.max(value[1])])
+    /// The largest F of molecules and of aerosol, sr⁻², of rays that pass above the source: n·ŝ at least a half.
+    pub fn largest_above(&self) -> Species {
+        let mut largest = [0f32; 2];
+        for (turn, row) in self.values.chunks_exact(SIZE_COUNT).enumerate() {
+            let q = 2.0 * turn as f64 / (TURN_COUNT - 1) as f64 - 1.0;
+            // cos χ of the node after it, which may be nearer to the half.
+            let next = (q + 2.0 / (TURN_COUNT - 1) as f64).min(1.0);
+            let cosine = (1.0 - next.abs()).atan2(next).cos();
+            for (size, value) in row.iter().enumerate() {
+                if (size + 1) as f64 / (SIZE_COUNT - 1) as f64 * cosine >= 0.5 {
+                    largest.iter_mut().zip(value).for_each(|(largest, value)| *largest = largest.max(*value));
+                }
+            }
+        }
+        largest
     }
 
     /// F of molecules and aerosol, sr⁻², from n·ŝ and v·ŝ; what lies below 0 of the second counts as 0. Linear between nodes:

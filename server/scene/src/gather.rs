@@ -21,39 +21,39 @@
 
 use crate::changes::GoneLights;
 use crate::grid::Grid;
-use crate::light_pyramid::{Level, LightPyramid};
+use crate::light_pyramid::LightPyramid;
 use crate::lit_pixels::LitPixels;
 use crate::morton;
 use crate::polar_grid::{PlacedLight, PolarAccumulator, log_distance};
 use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::geometry::{Bearing, LocalFrame};
-use skyglow_physics::near_light::NEAR_LIGHT_WITHIN_M;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
 use skyglow_physics::{EARTH_RADIUS_M, PointSource, SourcePixel};
-use std::f64::consts::TAU;
+use std::{f64::consts::TAU, ops::Range};
 
 /// Largest distance of a pixel from its block's centre, relative to the block's distance from the observer:
-/// an azimuth column, π/128.
-pub const FAR_BLOCK_RATIO: f64 = std::f64::consts::PI / 128.0;
+/// a quarter of an azimuth column, π/512, so that in the sky next to it a block is as good as a point.
+pub const FAR_BLOCK_RATIO: f64 = std::f64::consts::PI / 512.0;
+
+/// Within this of the observer every pixel is taken by itself, metres.
+const NO_BLOCKS_WITHIN_M: f64 = 30_000.0;
 
 /// A `far_block_ratio` that takes every pixel by itself.
 pub(crate) const NO_BLOCKS: f64 = -1.0;
 
 /// What gathered light goes into.
 pub(crate) trait LightSink {
-    /// Takes a point of light of a lit pixel by its number in the scene, or of a block of several where that is None. All points
-    /// of a pixel come one after the other.
-    fn take(&mut self, number: Option<u32>, light: PlacedLight);
+    /// Takes a point of light of a lit pixel, or of a block of several, by their numbers in the scene. All points of a pixel come one
+    /// after the other.
+    fn take(&mut self, numbers: Range<u32>, light: PlacedLight);
 }
 
 impl LightSink for PolarAccumulator {
     #[inline(always)]
-    fn take(&mut self, number: Option<u32>, light: PlacedLight) {
+    fn take(&mut self, numbers: Range<u32>, light: PlacedLight) {
         self.add(light);
-        if let Some(number) = number {
-            self.keep_near(number, light);
-        }
+        self.keep_near(numbers, light);
     }
 }
 
@@ -131,7 +131,7 @@ impl<'a> Light<'a> {
         &self,
         place: DVec3,
         radius_m: f64,
-        mut take_block: impl FnMut(&Level, usize, f64) -> bool,
+        mut take_block: impl FnMut(usize, usize, f64) -> bool,
         mut visit: impl FnMut(usize),
     ) {
         if self.pyramid.top() == 0 {
@@ -147,7 +147,7 @@ impl<'a> Light<'a> {
             let touched = self.gone.filter(|gone| gone.is_touched(level, index));
             if distance_m - block.radius_m > reach_m
                 || touched.is_some_and(|gone| gone.is_empty_block(level, index))
-                || touched.is_none() && take_block(blocks, index, distance_m)
+                || touched.is_none() && take_block(level, index, distance_m)
             {
                 continue;
             }
@@ -164,9 +164,10 @@ impl<'a> Light<'a> {
     /// Adds all light within 300 km of the observer to `sink`. `far_block_ratio` 0 opens every block of more than one place,
     /// [`NO_BLOCKS`] every one.
     pub(crate) fn gather(&self, frame: &LocalFrame, far_block_ratio: f64, sink: &mut impl LightSink) {
-        let (nearest_m, farthest_m) = (chord_m(NEAR_LIGHT_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
+        let (nearest_m, farthest_m) = (chord_m(NO_BLOCKS_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
         let shared = std::cell::RefCell::new(sink);
-        let take_block = |level: &Level, index: usize, distance_m: f64| {
+        let take_block = |number: usize, index: usize, distance_m: f64| {
+            let level = self.pyramid.level(number);
             let block = &level.blocks[index];
             let taken = block.radius_m <= far_block_ratio * distance_m
                 && distance_m - block.radius_m > nearest_m
@@ -181,7 +182,11 @@ impl<'a> Light<'a> {
                 let azimuth_rad = bearing.azimuth_rad;
                 let (altitude_m, flux_dnb_w) = (block.altitude_m, block.flux_dnb_w);
                 let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                shared.borrow_mut().take(None, light);
+                let pixels = self.pyramid.pixels(number, index);
+                let numbers = pixels.start as u32..pixels.end as u32;
+                shared
+                    .borrow_mut()
+                    .take(self.first_number + numbers.start..self.first_number + numbers.end, light);
             }
             taken
         };
@@ -193,7 +198,8 @@ impl<'a> Light<'a> {
                 return;
             }
             let mut sink = shared.borrow_mut();
-            let number = Some(self.first_number + index as u32);
+            let number = self.first_number + index as u32;
+            let numbers = number..number + 1;
             let skylines = known_around(self.skylines, index);
             if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
                 let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
@@ -206,7 +212,7 @@ impl<'a> Light<'a> {
                     });
                     let PointSource { azimuth_rad, altitude_m, flux_dnb_w, .. } = s;
                     let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                    sink.take(number, light);
+                    sink.take(numbers.clone(), light);
                 });
             } else {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
@@ -217,7 +223,7 @@ impl<'a> Light<'a> {
                 });
                 let azimuth_rad = bearing.azimuth_rad;
                 let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                sink.take(number, light);
+                sink.take(numbers, light);
             }
         };
         self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);

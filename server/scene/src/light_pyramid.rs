@@ -112,6 +112,13 @@ impl LightPyramid {
         self.levels.len()
     }
 
+    /// The pixels of a block of level `number`.
+    pub(crate) fn pixels(&self, number: usize, index: usize) -> std::ops::Range<usize> {
+        self.levels[..number].iter().rev().fold(index..index + 1, |range, level| {
+            level.children(range.start).start..level.children(range.end - 1).end
+        })
+    }
+
     /// Level `number`, 1..=top.
     pub(crate) fn level(&self, number: usize) -> &Level {
         &self.levels[number - 1]

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::geometry::LocalFrame;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 /// A part of a pixel's light in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,11 +141,10 @@ fn slot(at: usize, blocking: usize) -> u32 {
 }
 
 impl LightSink for ShareCollector {
-    fn take(&mut self, number: Option<u32>, light: PlacedLight) {
-        self.accumulator.add(light);
+    fn take(&mut self, numbers: Range<u32>, light: PlacedLight) {
+        self.accumulator.take(numbers.clone(), light);
         // Blocks are not taken where pixels are asked for.
-        let Some(number) = number else { return };
-        self.accumulator.keep_near(number, light);
+        let number = numbers.start;
         match self.visited.last_mut() {
             Some(last) if last.number == number => last.flux_dnb_w += light.flux_dnb_w,
             _ => self.visited.push(Visited {

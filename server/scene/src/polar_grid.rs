@@ -1,9 +1,9 @@
 //! The light around an observer by azimuth and distance: what the engine turns into a sky.
 
 use skyglow_physics::blocking::BLOCKING_COUNT;
-use skyglow_physics::near_light::NEAR_LIGHT_WITHIN_M;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
 use skyglow_physics::{GeoPoint, PointSource};
+use std::ops::Range;
 
 /// Azimuth columns; column i is centred on i·360/256 degrees.
 pub const AZIMUTH_COLUMN_COUNT: usize = 256;
@@ -30,8 +30,8 @@ pub struct PolarGrid {
     pub azimuth_start: Vec<u32>,
     /// Lit cells, by column, then by ring, then by blocking angle.
     pub cells: Vec<PolarCell>,
-    /// Lights within [`NEAR_LIGHT_WITHIN_M`] under an open sky, each where it is, beside what the cells have of them: cells share a light
-    /// among columns and rings, and the sky next to a near one shows it.
+    /// Lights under an open sky, each where it is, beside what the cells have of them: cells share a light among columns and rings,
+    /// and the sky near its direction shows it.
     pub near: Vec<NearLight>,
     /// Flux of all cells, DNB watts, calibration included.
     pub flux_dnb_w: f64,
@@ -39,11 +39,14 @@ pub struct PolarGrid {
     pub coverage: f64,
 }
 
-/// A point of near light where it is. Points of one pixel come one after the other.
+/// A point of light where it is: a piece of a pixel, a pixel, or far away a block of them. Points of one pixel come one after the
+/// other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearLight {
-    /// Number of its pixel in the scene.
+    /// Number of its pixel in the scene, or of the first of a block.
     pub number: u32,
+    /// Pixels that it stands for, whose numbers follow.
+    pub pixel_count: u32,
     /// Radians clockwise from north, 0..=2π.
     pub azimuth_rad: f32,
     /// Distance along the ground, metres, at least 250.
@@ -93,7 +96,7 @@ impl PolarGrid {
                 flux_dnb_w: source.flux_dnb_w,
             };
             accumulator.add(light);
-            accumulator.keep_near(number, light);
+            accumulator.keep_near(number..number + 1, light);
         }
         accumulator.finish(observer, 1.0)
     }
@@ -123,7 +126,6 @@ pub(crate) struct PolarAccumulator {
     /// the processor's cache: good to 1e-6.
     blocked: Vec<BlockedCell>,
     near: Vec<NearLight>,
-    near_log_distance: f64,
     flux_dnb_w: f64,
     axes: PolarAxes,
 }
@@ -194,7 +196,6 @@ impl PolarAccumulator {
             blocked_at: Vec::new(),
             blocked: Vec::new(),
             near: Vec::new(),
-            near_log_distance: log_distance(NEAR_LIGHT_WITHIN_M),
             flux_dnb_w: 0.0,
             axes: PolarAxes::new(),
         }
@@ -215,13 +216,14 @@ impl PolarAccumulator {
         self.flux_dnb_w += light.flux_dnb_w;
     }
 
-    /// Keeps a point of light of a pixel as it is where that is near and under an open sky.
+    /// Keeps a point of light of pixels as it is where it is under an open sky.
     #[inline(always)]
-    pub(crate) fn keep_near(&mut self, number: u32, light: PlacedLight) {
+    pub(crate) fn keep_near(&mut self, numbers: Range<u32>, light: PlacedLight) {
         let open = 1.0 - light.blocking;
-        if light.log_distance < self.near_log_distance && open > 0.0 && light.flux_dnb_w > 0.0 {
+        if open > 0.0 && light.flux_dnb_w > 0.0 {
             self.near.push(NearLight {
-                number,
+                number: numbers.start,
+                pixel_count: numbers.end - numbers.start,
                 azimuth_rad: light.azimuth_rad as f32,
                 distance_m: (NEAREST_SOURCE_M * light.log_distance.max(0.0).exp()) as f32,
                 altitude_m: light.altitude_m as f32,

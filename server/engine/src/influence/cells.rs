@@ -11,6 +11,7 @@ use super::{
 use crate::{
     cpu::{CpuExecutor, blend::blend},
     error::EngineError,
+    near_lights::NearLights,
     prepare::{Prepared, PreparedCell, shines},
     request::RenderRequest,
     table_set::TableSet,
@@ -161,7 +162,7 @@ impl InfluenceSolver {
     }
 
     /// What near lights do to a linear measure of the sky of `sky` beyond what its cells have of them, by their place in the
-    /// `near` of the grid of `request`, which has the same lights.
+    /// `near` of its grid; `request` is that of [`Self::cells_in_sky`].
     ///
     /// # Errors
     /// As [`Prepared::new`] of either.
@@ -173,7 +174,7 @@ impl InfluenceSolver {
     ) -> Result<Vec<(usize, f64)>, EngineError> {
         let ready = self.ready.get(request, Some(sky), &self.set, &self.executor)?;
         let between = ready.sky.as_ref().and_then(|sky| sky.between.as_ref());
-        Ok(match (&ready.prepared.near, between) {
+        Ok(match (NearLights::of(sky).filter(|_| !self.set.is_made_up()), between) {
             (Some(near), Some(sky)) => near.influences(&self.set, sky.samples(), measure),
             _ => Vec::new(),
         })

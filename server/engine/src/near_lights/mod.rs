@@ -15,7 +15,7 @@ mod sight;
 use crate::{request::RenderRequest, table_set::TableSet};
 use patch::{Chosen, PatchMaker, Place};
 use rayon::prelude::*;
-use sight::{Air, Sight, density};
+use sight::{Air, Most, Sight};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, EARTH_RADIUS_M, ELEVATION_COUNT, EmissionMix, LinearMeasure,
     Panorama, Turbidity,
@@ -23,10 +23,22 @@ use skyglow_physics::{
     panorama::{azimuth_rad, elevation_rad},
 };
 use skyglow_scene::{NearLight, PolarGrid};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// A light's peak counts in full from twice this part of the sky's radiance on, and not at all below it.
-const LEAST_SHARE: f32 = 0.008;
+const LEAST_SHARE: f32 = 0.004;
+/// Sine and cosine of half a column's width, which is half a row's height.
+static HALF_A_COLUMN: LazyLock<[f32; 2]> = LazyLock::new(|| {
+    let (sin, cos) = (0.5 * azimuth_rad(1)).sin_cos();
+    [sin as f32, cos as f32]
+});
+/// Sine and cosine of the elevation of every row.
+static ROWS: LazyLock<[[f32; 2]; ELEVATION_COUNT]> = LazyLock::new(|| {
+    std::array::from_fn(|row| {
+        let (sin, cos) = elevation_rad(row).sin_cos();
+        [sin as f32, cos as f32]
+    })
+});
 /// No direction is darkened to less than this part of what it was: the pack's own peak is not quite the closed form's.
 const LEAST_LEFT: f32 = 0.1;
 /// Lights this many rows up (45°) count for nothing, and in full so many rows below: no ridge stands there.
@@ -98,8 +110,9 @@ impl NearLights {
                 .iter()
                 .map(|light| {
                     let mut sum = 0.0;
-                    maker.for_each(light, self.flux_per_dnb_flux, |at, value| {
-                        sum += f64::from(weights[at] * value);
+                    maker.for_each(light, self.flux_per_dnb_flux, |at, values| {
+                        let weighted = weights[at..].iter().zip(values).map(|(weight, value)| weight * value);
+                        sum += f64::from(weighted.sum::<f32>());
                     });
                     (light.index as usize, sum)
                 })
@@ -116,15 +129,12 @@ impl NearLights {
     /// The lights that show in a sky, those that share patches side by side.
     fn chosen(&self, air: &Air, set: &TableSet, sky: &[f32]) -> Vec<Chosen> {
         let near = &self.polar.near;
-        let lowest_m = near.iter().map(|light| light.altitude_m).fold(f32::INFINITY, f32::min);
-        let most_per_m = air.most_per_m(f64::from(lowest_m));
         let step = azimuth_rad(1) as f32;
-        let per_sine = 1.0 / (0.5 * step).sin();
-        let most: [f32; BAND_COUNT] =
-            std::array::from_fn(|band| most_per_m[band] * self.flux_per_dnb_flux[band] * per_sine);
         let eye_m = self.observer_altitude_m as f32;
-        let highest_m = near.iter().map(|light| light.altitude_m).fold(eye_m, f32::max);
-        let lost_per_m = air.least_lost_per_m(f64::from(highest_m));
+        let range_m = near.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], light| {
+            [low.min(light.altitude_m), high.max(light.altitude_m)]
+        });
+        let most = Most::new(air, range_m);
         // Most lights of a city are too small a part of its sky, and that is told by a few multiplications.
         let may_show = |light: &NearLight| {
             let slope = (light.altitude_m - eye_m) / light.distance_m
@@ -133,13 +143,14 @@ impl NearLights {
             let row = (slope / step + 0.5).clamp(0.0, (ELEVATION_COUNT - 1) as f32) as usize;
             let column = (light.azimuth_rad / step) as usize;
             let per_watt = light.flux_dnb_w / (light.distance_m * LEAST_SHARE);
+            let most = most.per_m(light.altitude_m, light.distance_m);
             (0..BAND_COUNT).any(|band| {
                 let at = |row: usize, column: usize| sky[Panorama::index(band, row, column % AZIMUTH_COUNT)];
                 let lower = row.saturating_sub(row / 8 + 1);
                 let dimmest =
                     [at(row, column), at(row, column + 1), at(lower, column), at(lower, column + 1)];
-                let through = density(-lost_per_m[band] * light.distance_m);
-                per_watt * most[band] * through >= dimmest.into_iter().fold(f32::INFINITY, f32::min)
+                per_watt * self.flux_per_dnb_flux[band] * most[band]
+                    >= dimmest.into_iter().fold(f32::INFINITY, f32::min)
             })
         };
         let lights = near.par_iter().enumerate().with_min_len(512).filter(|(_, light)| may_show(light));
@@ -169,10 +180,15 @@ impl NearLights {
         let column = light.azimuth_rad / step;
         // Half a column beside it, and half a row above if there is a row.
         let nearest = (row + 0.5).max(0.0) as usize;
-        let elevation = (elevation_rad(nearest) as f32).max(sight.elevation_rad() + 0.5 * step);
-        let (sin, cos) = elevation.sin_cos();
-        let (sin_aside, cos_aside) = (0.5 * step).sin_cos();
-        let peak = sight.radiance::<false, 1>(air, [sin, cos], [&[cos_aside], &[sin_aside]]);
+        let [sin_aside, cos_aside] = *HALF_A_COLUMN;
+        let [sin, cos] = if row + 0.5 > nearest as f32 {
+            let [sin, cos] = sight.elevation();
+            [sin * cos_aside + cos * sin_aside, cos * cos_aside - sin * sin_aside]
+        } else {
+            ROWS[nearest]
+        };
+        let through = sight.through::<false, 1>(air, [&[sin], &[cos]]).map(|of_band| of_band[0]);
+        let peak = sight.radiance::<false, 1>(air, through, [sin, cos], [&[cos_aside], &[sin_aside]]);
         let first = column as usize % AZIMUTH_COUNT;
         let share = (0..BAND_COUNT).map(|band| {
             let at = |column: usize| sky[Panorama::index(band, nearest, column % AZIMUTH_COUNT)];
@@ -200,7 +216,9 @@ impl NearLights {
             let mut added = vec![0f32; Panorama::LEN];
             let mut maker = PatchMaker::new(air, set);
             for light in lights {
-                maker.for_each(light, self.flux_per_dnb_flux, |at, value| added[at] += value);
+                maker.for_each(light, self.flux_per_dnb_flux, |at, values| {
+                    added[at..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                });
             }
             added
         };

@@ -4,14 +4,17 @@
 //! nodes around the light (two rings, two offsets), which lights at the same nodes share, each in two columns: an image stands on
 //! a column, and is a mean across one within [`AVERAGED`] columns of its light, as `skyglow_tables::images` makes it.
 
-use super::sight::{Air, Sight};
+use super::{
+    ROWS,
+    sight::{Air, Sight},
+};
 use crate::{
     cpu::dispatch::{LANES, dispatch_wide},
     table_set::TableSet,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama,
-    panorama::{azimuth_rad, elevation_rad},
+    panorama::azimuth_rad,
     source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M},
 };
 use skyglow_scene::{RING_COUNT, ring_distance_m};
@@ -151,24 +154,23 @@ impl<'a> PatchMaker<'a> {
         }
         let empty = NodeImage { of: None, rows: [[[0.0; HALF]; BAND_COUNT]; SIDE] };
         let nodes = vec![empty; REMEMBERED.iter().product()];
-        let elevations = std::array::from_fn(|row| {
-            let (sin, cos) = elevation_rad(row).sin_cos();
-            [sin as f32, cos as f32]
-        });
+        let elevations = *ROWS;
         Self { air, set, azimuths: Azimuths::new(), elevations, shares, nodes }
     }
 
-    /// Calls `add` with the position in a panorama and what a light changes there, W m⁻² sr⁻¹.
+    /// Calls `add` with a position in a panorama and what a light changes there and in the columns after it, W m⁻² sr⁻¹.
     #[inline(always)]
     pub(super) fn for_each(
         &mut self,
         light: &Chosen,
         flux_per_dnb_flux: [f32; BAND_COUNT],
-        mut add: impl FnMut(usize, f32),
+        mut add: impl FnMut(usize, &[f32]),
     ) {
         let mut patch = [[[0f32; SIDE]; BAND_COUNT]; SIDE];
         fill(self, light, &mut patch);
-        let first_column = light.column.floor() as usize + AZIMUTH_COUNT - (SIDE / 2 - 1);
+        let first_column = (light.column.floor() as usize + AZIMUTH_COUNT - (SIDE / 2 - 1)) % AZIMUTH_COUNT;
+        // Columns before north.
+        let before = SIDE.min(AZIMUTH_COUNT - first_column);
         for row in light.place.rows() {
             let of_row = &patch[(row as i32 - light.place.first_row) as usize];
             for (band, of_band) in
@@ -176,12 +178,30 @@ impl<'a> PatchMaker<'a> {
             {
                 let flux = light.flux_dnb_w * flux_per_dnb_flux[band];
                 let first = Panorama::index(band, row, 0);
-                for (column, value) in of_band.iter().enumerate() {
-                    add(first + (first_column + column) % AZIMUTH_COUNT, flux * value);
+                let changes = of_band.map(|value| flux * value);
+                add(first + first_column, &changes[..before]);
+                if before < SIDE {
+                    add(first, &changes[before..]);
                 }
             }
         }
     }
+}
+
+/// What gets through to the observer along each row of a patch, `[band][row]`.
+#[inline(always)]
+fn throughs<const FUSED: bool>(
+    maker: &PatchMaker<'_>,
+    sight: &Sight,
+    first_row: i32,
+) -> [[f32; SIDE]; BAND_COUNT] {
+    let (mut sines, mut cosines) = ([0f32; SIDE], [1f32; SIDE]);
+    for row in 0..SIDE {
+        let elevation =
+            usize::try_from(first_row + row as i32).ok().and_then(|row| maker.elevations.get(row));
+        [sines[row], cosines[row]] = elevation.copied().unwrap_or([0.0, 1.0]);
+    }
+    sight.through::<FUSED, SIDE>(maker.air, [&sines, &cosines])
 }
 
 /// Makes the image of a node unless it is remembered, and says where it is.
@@ -198,11 +218,13 @@ fn image_node<const FUSED: bool>(
     let (ring, offset, first_row) = key;
     let offset_m = maker.set.offset_axis()[ring as usize].offset_m(f64::from(offset));
     let sight = Sight::new(maker.air, ring_distance_m(ring as usize), offset_m);
+    let through = throughs::<FUSED>(maker, &sight, first_row);
     for row in rows {
+        let through = through.map(|of_band| of_band[(row as i32 - first_row) as usize]);
         let elevation = maker.elevations[row];
         let mut columns = [[0f32; HALF]; BAND_COUNT];
         for (vector, [cosines, sines]) in maker.azimuths.0.iter().enumerate() {
-            let radiance = sight.radiance::<FUSED, LANES>(maker.air, elevation, [cosines, sines]);
+            let radiance = sight.radiance::<FUSED, LANES>(maker.air, through, elevation, [cosines, sines]);
             for (lane, &(column, weight)) in maker.shares.iter().skip(vector * LANES).take(LANES).enumerate()
             {
                 for band in 0..BAND_COUNT {
@@ -256,10 +278,12 @@ fn fill_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, light: &Chosen, patc
         let weight = weights[next as usize][above as usize];
         *node = (image_node::<FUSED>(maker, key, light.place.rows()), weight);
     }
+    let through = throughs::<FUSED>(maker, &light.sight, first_row);
     for row in light.place.rows() {
         let at = (row as i32 - light.place.first_row) as usize;
-        let exact =
-            light.sight.radiance::<FUSED, LANES>(maker.air, maker.elevations[row], [&cosines, &sines]);
+        let elevation = maker.elevations[row];
+        let through = through.map(|of_band| of_band[at]);
+        let exact = light.sight.radiance::<FUSED, LANES>(maker.air, through, elevation, [&cosines, &sines]);
         let of_row = taper(row as f32 - light.row);
         for band in 0..BAND_COUNT {
             let mut half = [0f32; HALF];

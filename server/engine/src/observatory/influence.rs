@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M,
 };
-use skyglow_scene::{LightShares, LitPixel, PixelNumbers, RasterTile, Scene, SceneMetadata};
+use skyglow_scene::{LightShares, LitPixel, NearLight, PixelNumbers, RasterTile, Scene, SceneMetadata};
 use std::{
     sync::{Arc, OnceLock},
     time::{Duration, Instant},
@@ -304,9 +304,14 @@ fn add_near_lights(
     influence: &mut [f32],
 ) -> Result<(), EngineError> {
     for (index, value) in solver.near_lights(of_pixels, of_sky, measure)? {
-        let number = lights.polar.near[index].number;
-        if let Ok(position) = lights.pixels().binary_search_by_key(&number, |pixel| pixel.number) {
-            influence[position] += value as f32;
+        // A block's is shared among its pixels as their flux is.
+        let NearLight { number, pixel_count, .. } = of_sky.polar.near[index];
+        let first = lights.pixels().partition_point(|pixel| pixel.number < number);
+        let pixels = &lights.pixels()[first..];
+        let pixels = &pixels[..pixels.partition_point(|pixel| pixel.number - number < pixel_count)];
+        let flux_dnb_w: f32 = pixels.iter().map(|pixel| pixel.flux_dnb_w).sum();
+        for (influence, pixel) in influence[first..].iter_mut().zip(pixels) {
+            *influence += value as f32 * pixel.flux_dnb_w / flux_dnb_w;
         }
     }
     Ok(())
