@@ -11,7 +11,6 @@ use super::{
 use crate::{
     cpu::{CpuExecutor, blend::blend},
     error::EngineError,
-    near_lights::NearLights,
     prepare::{Prepared, PreparedCell, shines},
     request::RenderRequest,
     table_set::TableSet,
@@ -173,11 +172,10 @@ impl InfluenceSolver {
         measure: &LinearMeasure,
     ) -> Result<Vec<(usize, f64)>, EngineError> {
         let ready = self.ready.get(request, Some(sky), &self.set, &self.executor)?;
-        let between = ready.sky.as_ref().and_then(|sky| sky.between.as_ref());
-        Ok(match (NearLights::of(sky).filter(|_| !self.set.is_made_up()), between) {
-            (Some(near), Some(sky)) => near.influences(&self.set, sky.samples(), measure),
-            _ => Vec::new(),
-        })
+        let known = ready.sky.as_ref().and_then(|sky| sky.between.as_ref().zip(sky.near.as_ref()));
+        Ok(known.map_or_else(Vec::new, |(between, (near, shown))| {
+            near.influences(&self.set, between.samples(), shown, measure)
+        }))
     }
 
     /// d(place on the offset axis)/d(altitude) of a cell, m⁻¹.

@@ -7,6 +7,7 @@ use crate::{
         mix::{MixedNode, NodeScales, mix_scale, mix_shape},
     },
     error::EngineError,
+    near_lights::{NearLights, ShownLights},
     packs::PackKind,
     prepare::Prepared,
     request::RenderRequest,
@@ -33,6 +34,8 @@ pub(super) struct KnownSky {
     pub(super) of_packs: Vec<Vec<f32>>,
     /// Between them; None where there is no light at all.
     pub(super) between: Option<Panorama>,
+    /// The near lights and which of them show in it; None where there are none.
+    pub(super) near: Option<(NearLights, ShownLights)>,
 }
 
 /// A request made ready, with what its measures are found from.
@@ -111,16 +114,28 @@ impl ReadyRequest {
         let sky_known = sky.filter(|_| !prepared.is_dark()).map(|_| {
             let of_sky = of_sky.as_ref().unwrap_or(&prepared);
             if of_sky.is_dark() {
-                return KnownSky { of_packs: vec![vec![0.0; Panorama::LEN]; packs.len()], between: None };
+                return KnownSky {
+                    of_packs: vec![vec![0.0; Panorama::LEN]; packs.len()],
+                    between: None,
+                    near: None,
+                };
             }
             let of_packs: Vec<Vec<f32>> =
                 packs.iter().map(|&pack| executor.sky(of_sky, pack, true)).collect();
             let between = blended(of_packs.clone(), &prepared.turbidity_taps, true);
-            KnownSky { of_packs, between }
+            let near = between.as_ref().and_then(|between| {
+                let near = of_sky.near.clone()?;
+                let shown = near.shown(set, between.samples());
+                Some((near, shown))
+            });
+            KnownSky { of_packs, between, near }
         });
         let grids = [Some(request), other].map(|held| held.map_or(0, |held| held.polar.byte_count()));
         let of_nodes = |nodes: &NodesOfPack| size_of_val(&*nodes.scales) + size_of_val(&*nodes.mixed);
-        let of_sky = sky_known.as_ref().map_or(0, |sky| (1 + sky.of_packs.len()) * 4 * Panorama::LEN);
+        let of_sky = sky_known.as_ref().map_or(0, |sky| {
+            let of_near = sky.near.as_ref().map_or(0, |(_, shown)| shown.byte_count());
+            (1 + sky.of_packs.len()) * 4 * Panorama::LEN + of_near
+        });
         let bytes = size_of_val(&*prepared.cells)
             + size_of_val(&*prepared.nodes)
             + nodes.iter().map(of_nodes).sum::<usize>()

@@ -23,7 +23,10 @@ use skyglow_physics::{
     panorama::{azimuth_rad, elevation_rad},
 };
 use skyglow_scene::{NearLight, PolarGrid};
-use std::sync::{Arc, LazyLock};
+use std::{
+    f32::consts::TAU,
+    sync::{Arc, LazyLock},
+};
 
 /// A light's peak counts in full from twice this part of the sky's radiance on, and not at all below it.
 const LEAST_SHARE: f32 = 0.004;
@@ -59,6 +62,20 @@ pub struct NearLights {
     flux_per_dnb_flux: [f32; BAND_COUNT],
 }
 
+/// The near lights that show in a sky.
+#[derive(Debug)]
+pub(crate) struct ShownLights {
+    chosen: Vec<Chosen>,
+    /// What they add in every direction, `[band][row][column]`.
+    added: Vec<f32>,
+}
+
+impl ShownLights {
+    pub(crate) fn byte_count(&self) -> usize {
+        size_of_val(self.chosen.as_slice()) + size_of_val(self.added.as_slice())
+    }
+}
+
 impl NearLights {
     /// None where there are none, and under clouds, where this was not measured.
     pub(crate) fn of(request: &RenderRequest) -> Option<Self> {
@@ -85,17 +102,24 @@ impl NearLights {
         }
     }
 
+    /// What shows in `sky`, which is the sky as the cells make it, before [`Self::add_to`].
+    pub(crate) fn shown(&self, set: &TableSet, sky: &[f32]) -> ShownLights {
+        let air = self.air();
+        let chosen = self.chosen(&air, set, sky);
+        let added = self.sum(&air, set, &chosen);
+        ShownLights { chosen, added }
+    }
+
     /// What each near light adds to a linear measure of luminance beyond what the cells have of it, by its place in
-    /// [`PolarGrid::near`]; `sky` is the sky as the cells make it, before [`Self::add_to`].
+    /// [`PolarGrid::near`]; `shown` is what shows in `sky`.
     pub(crate) fn influences(
         &self,
         set: &TableSet,
         sky: &[f32],
+        ShownLights { chosen, added }: &ShownLights,
         measure: &LinearMeasure,
     ) -> Vec<(usize, f64)> {
         let air = self.air();
-        let chosen = self.chosen(&air, set, sky);
-        let added = self.sum(&air, set, &chosen);
         let mut weights = vec![0f32; Panorama::LEN];
         for band in Band::ALL {
             for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, w)| **w > 0.0) {
@@ -104,7 +128,7 @@ impl NearLights {
                 weights[at] = (weight * band.luminous_efficacy_lm_w()) as f32 * share;
             }
         }
-        let tasks = chosen.par_chunks(lights_per_task(&chosen)).map(|lights| {
+        let tasks = chosen.par_chunks(lights_per_task(chosen)).map(|lights| {
             let mut maker = PatchMaker::new(&air, set);
             lights
                 .iter()
@@ -136,22 +160,22 @@ impl NearLights {
         });
         let most = Most::new(air, range_m);
         // Most lights of a city are too small a part of its sky, and that is told by a few multiplications.
+        let dimmest = dimmest(sky);
+        let (per_step, per_column) = (1.0 / step, AZIMUTH_COUNT as f32 / TAU);
         let may_show = |light: &NearLight| {
             let slope = (light.altitude_m - eye_m) / light.distance_m
-                - light.distance_m / (2.0 * EARTH_RADIUS_M as f32);
+                - light.distance_m * (0.5 / EARTH_RADIUS_M as f32);
             // Rows up to the one above the light's; the tangent is the larger.
-            let row = (slope / step + 0.5).clamp(0.0, (ELEVATION_COUNT - 1) as f32) as usize;
-            let column = (light.azimuth_rad / step) as usize;
-            let per_watt = light.flux_dnb_w / (light.distance_m * LEAST_SHARE);
+            let row = (slope * per_step + 0.5).clamp(0.0, (LOW_ROWS - 1) as f32) as usize;
+            let column = (light.azimuth_rad * per_column) as usize % AZIMUTH_COUNT;
+            let needed = light.distance_m * LEAST_SHARE;
             let most = most.per_m(light.altitude_m, light.distance_m);
-            (0..BAND_COUNT).any(|band| {
-                let at = |row: usize, column: usize| sky[Panorama::index(band, row, column % AZIMUTH_COUNT)];
-                let lower = row.saturating_sub(row / 8 + 1);
-                let dimmest =
-                    [at(row, column), at(row, column + 1), at(lower, column), at(lower, column + 1)];
-                per_watt * self.flux_per_dnb_flux[band] * most[band]
-                    >= dimmest.into_iter().fold(f32::INFINITY, f32::min)
-            })
+            let per_band = most.iter().zip(self.flux_per_dnb_flux).zip(&dimmest);
+            per_band
+                .map(|((most, flux), dimmest)| {
+                    light.flux_dnb_w * flux * most >= needed * dimmest[row * AZIMUTH_COUNT + column]
+                })
+                .fold(false, |any, shows| any | shows)
         };
         let lights = near.par_iter().enumerate().with_min_len(512).filter(|(_, light)| may_show(light));
         let mut chosen: Vec<Chosen> =
@@ -230,6 +254,27 @@ impl NearLights {
         }
         added
     }
+}
+
+/// Rows in which lights may show.
+const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
+
+/// No more than the sky's radiance around a direction, `[band][row][column]`: of the row, one or some below it, and two columns.
+fn dimmest(sky: &[f32]) -> [Vec<f32>; BAND_COUNT] {
+    std::array::from_fn(|band| {
+        let of_row = |row: usize| &sky[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
+        let mut dimmest = Vec::with_capacity(LOW_ROWS * AZIMUTH_COUNT);
+        for row in 0..LOW_ROWS {
+            let of_both: Vec<f32> = of_row(row)
+                .iter()
+                .zip(of_row(row.saturating_sub(row / 8 + 1)))
+                .map(|(here, lower)| here.min(*lower))
+                .collect();
+            let next = of_both.iter().cycle().skip(1);
+            dimmest.extend(of_both.iter().zip(next).map(|(here, next)| here.min(*next)));
+        }
+        dimmest
+    })
 }
 
 /// Lights of a task: what a task remembers of nodes is made once for it.

@@ -56,10 +56,12 @@ impl Air {
         distance_m: [f64; 2],
     ) -> [f32; BAND_COUNT] {
         let step = azimuth_rad(1);
-        let aside = 0.99 * (0.5 * step).sin();
+        let half = 0.99 * (0.5 * step).sin();
+        // Up to 45° a column is no narrower than by √½ there.
+        let aside = half * 1.5f64.sqrt();
         let [from_m, to_m] = distance_m;
         let curved_m = from_m * from_m / (2.0 * EARTH_RADIUS_M);
-        let nearest_m = from_m * aside + altitude_m[0].max(self.observer_altitude_m + curved_m);
+        let nearest_m = from_m * half + altitude_m[0].max(self.observer_altitude_m + curved_m);
         let mean_m = altitude_m[1].max(self.observer_altitude_m)
             + to_m * (0.75 * step + to_m / (6.0 * EARTH_RADIUS_M));
         let at = |altitude_m: f64| HEIGHTS_M.map(|height_m| density(-altitude_m as f32 / height_m));
@@ -360,7 +362,7 @@ mod tests {
                 for aside in [0.25, 0.5, 1.0, 1.5] {
                     let [of_form, of_exact] = at(aside);
                     let off = (of_form / form - of_exact / exact).abs();
-                    assert!(off < 0.03, "{distance_m} m, {aside} columns aside, {lobe:?}: {off}");
+                    assert!(off < 0.4 * most, "{distance_m} m, {aside} columns aside, {lobe:?}: {off}");
                 }
             }
         }
