@@ -14,17 +14,19 @@ use skyglow_tests::{
 /// Three that packs are of, and those that lie between packs.
 const TURBIDITIES: [f64; 6] = [1.75, 2.0, 2.5, 3.0, 4.0, 6.0];
 
-/// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with the `garstang` mix. Wanted are 1, 5, 0.5 and
+/// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with a mix of lobes. Wanted are 1, 5, 0.5 and
 /// 0.5 %; wider ones are of what `precomputed/README.md` says is missed, and why.
-fn limits(class: Class) -> SkyErrors {
-    let [mean, p99, zenith, horizontal] = match class {
-        Class::CityFarOff => [1.0, 5.0, 0.5, 0.5],
-        Class::InsideCity => [1.0, 5.0, 0.5, 0.5],
-        Class::Spread => [1.0, 5.0, 0.5, 0.6],
-        Class::AllDistances => [1.0, 5.5, 0.5, 0.5],
-        Class::AbovePlain => [1.0, 5.0, 0.5, 0.5],
-        Class::Valley => [1.0, 5.0, 0.5, 0.5],
-        Class::OverSea => [1.0, 5.0, 0.5, 0.5],
+fn limits(class: Class, mix: &str) -> SkyErrors {
+    let [mean, p99, zenith, horizontal] = match (class, mix) {
+        (Class::Spread, "garstang" | "horizon") => [1.0, 5.0, 0.5, 0.65],
+        (Class::AllDistances, "garstang" | "horizon") => [1.0, 5.5, 0.5, 0.5],
+        (Class::AllDistances, "lambert") => [1.0, 6.0, 0.5, 0.5],
+        (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.55, 0.5],
+        (Class::CityFarOff, "oblique") => [1.0, 6.0, 0.5, 0.5],
+        (Class::Spread | Class::AllDistances, "oblique") => [1.0, 8.0, 0.5, 0.5],
+        (Class::AbovePlain, "oblique") => [1.0, 9.0, 0.5, 0.5],
+        (Class::Valley, "oblique") => [1.0, 11.5, 0.5, 0.5],
+        _ => [1.0, 5.0, 0.5, 0.5],
     };
     [0.01 * mean, 0.01 * p99, 0.01 * zenith, 0.01 * horizontal]
 }
@@ -46,20 +48,17 @@ fn skies_of_every_class_are_those_of_the_stored_truth() {
         );
         let errors = |emission, basis| errors_of_sky(&engine, &truth, &grid, emission, basis).unwrap();
         let sky = format!("{} {:.0} m, T {}", truth.name, truth.observer_altitude_m, truth.turbidity);
-        let limits = limits(class);
-        let found = mixes().map(|(mix, emission)| {
+        for (mix, emission) in mixes() {
             let found = errors(emission, None);
             let [mean, p99, zenith, horizontal] = found.map(|error| 100.0 * error);
             println!("{sky:38} {mix:9} {mean:6.2} {p99:7.2} {zenith:+6.2} {horizontal:+6.2}");
-            (mix, found)
-        });
-        let garstang = found.iter().find(|(mix, _)| *mix == "garstang");
-        let found = garstang.map(|(_, found)| *found).unwrap();
-        if found.iter().zip(limits).any(|(error, limit)| error.abs() > limit) {
-            missed.push(format!("{sky}: {found:?}, at most {limits:?}"));
+            let limits = limits(class, mix);
+            if found.iter().zip(limits).any(|(error, limit)| error.abs() > limit) {
+                missed.push(format!("{sky}, {mix}: {found:?}, at most {limits:?}"));
+            }
         }
         // The check can fail: an eighth of the functions is too few.
-        assert!(errors(EmissionMix::garstang(), Some(8))[0] > limits[0], "{sky}");
+        assert!(errors(EmissionMix::garstang(), Some(8))[0] > limits(class, "garstang")[0], "{sky}");
         seen.push((truth.name, truth.observer_altitude_m, truth.turbidity));
     }
     assert!(missed.is_empty(), "{missed:#?}");
