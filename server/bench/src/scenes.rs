@@ -7,8 +7,8 @@ use skyglow_physics::{
     panorama::azimuth_rad,
     source_pixel::{FARTHEST_SOURCE_M, upward_flux_dnb_w},
 };
-use skyglow_scene::{PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
-use std::{sync::Arc, time::Instant};
+use skyglow_scene::{FAR_BLOCK_RATIO, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
+use std::{collections::BTreeMap, sync::Arc, time::Instant};
 
 /// Eye above the ground, metres.
 const EYE_HEIGHT_M: f64 = 2.0;
@@ -106,6 +106,42 @@ pub fn grid_under_open_sky(sources: &[PointSource]) -> PolarGrid {
     PolarGrid::of_sources(observer(), sources.iter().map(|&source| (source, 0.0)))
 }
 
+/// Lights beyond 30 km by blocks of pixels, as wide as those of a scene.
+fn far_ones_in_blocks(lights: &[NearLight]) -> Vec<NearLight> {
+    let mut blocks = BTreeMap::new();
+    let mut kept = Vec::new();
+    for light in lights {
+        if light.distance_m <= 30_000.0 {
+            kept.push(*light);
+            continue;
+        }
+        let distance_m = f64::from(light.distance_m);
+        let (sin, cos) = f64::from(light.azimuth_rad).sin_cos();
+        let pixels = std::f64::consts::SQRT_2 * FAR_BLOCK_RATIO * distance_m / PIXEL_SIDE_M;
+        let side_m = 2f64.powi(pixels.max(1.0).log2() as i32) * PIXEL_SIDE_M;
+        let at = |along_m: f64| (along_m / side_m).floor() as i64;
+        let (east_m, north_m) = (distance_m * sin, distance_m * cos);
+        let sums: &mut [f64; 4] =
+            blocks.entry((side_m as u32, at(east_m), at(north_m))).or_insert([0.0; 4]);
+        let flux_dnb_w = f64::from(light.flux_dnb_w);
+        for (sum, part) in sums.iter_mut().zip([1.0, east_m, north_m, f64::from(light.altitude_m)]) {
+            *sum += flux_dnb_w * part;
+        }
+    }
+    kept.extend((0..).zip(blocks.into_values()).map(|(number, [flux_dnb_w, east, north, altitude])| {
+        let (east_m, north_m) = (east / flux_dnb_w, north / flux_dnb_w);
+        NearLight {
+            number,
+            pixel_count: 1,
+            azimuth_rad: east_m.atan2(north_m).rem_euclid(std::f64::consts::TAU) as f32,
+            distance_m: east_m.hypot(north_m) as f32,
+            altitude_m: (altitude / flux_dnb_w) as f32,
+            flux_dnb_w: flux_dnb_w as f32,
+        }
+    }));
+    kept
+}
+
 impl LitScene {
     /// So many cells of the polar grid, spread over all its columns and rings, each with one source at its middle that
     /// is as bright as ground of the cell's area.
@@ -158,7 +194,8 @@ impl LitScene {
         });
         let sources = sources_of_pixels(lit);
         let start = Instant::now();
-        let polar = grid_under_open_sky(&sources);
+        let mut polar = grid_under_open_sky(&sources);
+        polar.near = far_ones_in_blocks(&polar.near);
         Self {
             name: "raster",
             lit_sources: pixels.len(),

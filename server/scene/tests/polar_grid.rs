@@ -233,6 +233,33 @@ fn far_blocks_change_a_smooth_sky_by_less_than_the_splat_does() {
 }
 
 #[test]
+fn lights_kept_as_they_are_stand_for_every_pixel_once_and_blocks_of_them_are_narrow() {
+    for (_, scene) in worlds() {
+        let [west, south, east, north] = scene.metadata().bounds;
+        let longitude = (0.5 * (west + east) + 540.0).rem_euclid(360.0) - 180.0;
+        let observer = place(0.5 * (south + north), longitude);
+        let grid = scene.polar_grid(observer, false);
+        let lit = scene.source_pixels_within(observer, 300_000.0);
+        let mut seen = std::collections::BTreeMap::new();
+        for light in &grid.near {
+            // Pieces of one pixel come one after the other.
+            let count = seen.entry(light.number).or_insert(light.pixel_count);
+            assert_eq!(*count, light.pixel_count);
+            assert!(light.pixel_count == 1 || light.distance_m > 30_000.0, "{light:?}");
+        }
+        let mut last = None;
+        for (number, count) in &seen {
+            assert!(last.is_none_or(|last| last <= *number), "{number} twice");
+            last = Some(number + count);
+        }
+        let pixels: u32 = seen.values().sum();
+        assert!(!lit.is_empty() && pixels as usize == lit.len(), "{pixels} of {}", lit.len());
+        let flux: f64 = grid.near.iter().map(|light| f64::from(light.flux_dnb_w)).sum();
+        assert!((flux / grid.flux_dnb_w - 1.0).abs() < 1e-5, "{flux} of {}", grid.flux_dnb_w);
+    }
+}
+
+#[test]
 fn one_lamp_is_found_where_it_is() {
     let bench = Bench::new();
     let raster = TestRaster::new(700, 500, |c, r| if (c, r) == (600, 100) { 25.0 } else { 0.0 });
