@@ -54,8 +54,7 @@ fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<AimRow> {
         let words = "slowest over fastest scene, nothing skipped".to_owned();
         aims.push(aim(words, FLATNESS, flatness, flatness <= FLATNESS));
         let of_passes = || rows().filter(|row| !row.skipping).map(without_near_lights_ms);
-        let flatness =
-            of_passes().fold(0.0, f64::max) / of_passes().fold(f64::INFINITY, f64::min);
+        let flatness = of_passes().fold(0.0, f64::max) / of_passes().fold(f64::INFINITY, f64::min);
         let words = "the same without near lights".to_owned();
         aims.push(aim(words, FLATNESS, flatness, flatness <= FLATNESS));
     }

@@ -98,7 +98,7 @@ fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_b
         let floors = report.floors.iter().filter(|floor| floor.executor == executor.executor).count();
         assert_eq!(floors, if executor.executor == "gpu" { 0 } else { 3 * 8 });
     }
-    assert_eq!(report.aims.len(), 5 * report.executors.len());
+    assert_eq!(report.aims.len(), 6 * report.executors.len());
     assert_eq!(report.packs.len(), 2);
     assert!(
         report.errors.is_empty() && report.notes.iter().any(|note| note.contains("errors were left out"))

@@ -121,8 +121,7 @@ fn far_ones_in_blocks(lights: &[NearLight]) -> Vec<NearLight> {
         let side_m = 2f64.powi(pixels.max(1.0).log2() as i32) * PIXEL_SIDE_M;
         let at = |along_m: f64| (along_m / side_m).floor() as i64;
         let (east_m, north_m) = (distance_m * sin, distance_m * cos);
-        let sums: &mut [f64; 4] =
-            blocks.entry((side_m as u32, at(east_m), at(north_m))).or_insert([0.0; 4]);
+        let sums: &mut [f64; 4] = blocks.entry((side_m as u32, at(east_m), at(north_m))).or_insert([0.0; 4]);
         let flux_dnb_w = f64::from(light.flux_dnb_w);
         for (sum, part) in sums.iter_mut().zip([1.0, east_m, north_m, f64::from(light.altitude_m)]) {
             *sum += flux_dnb_w * part;
