@@ -7,7 +7,9 @@ use skyglow_physics::{
     panorama::azimuth_rad,
     source_pixel::{FARTHEST_SOURCE_M, upward_flux_dnb_w},
 };
-use skyglow_scene::{FAR_BLOCK_RATIO, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
+use skyglow_scene::{
+    FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m,
+};
 use std::{collections::BTreeMap, sync::Arc, time::Instant};
 
 /// Eye above the ground, metres.
@@ -106,12 +108,12 @@ pub fn grid_under_open_sky(sources: &[PointSource]) -> PolarGrid {
     PolarGrid::of_sources(observer(), sources.iter().map(|&source| (source, 0.0)))
 }
 
-/// Lights beyond 30 km by blocks of pixels, as wide as those of a scene.
+/// Lights beyond [`NO_BLOCKS_WITHIN_M`] by blocks of pixels, as wide as those of a scene.
 fn far_ones_in_blocks(lights: &[NearLight]) -> Vec<NearLight> {
     let mut blocks = BTreeMap::new();
     let mut kept = Vec::new();
     for light in lights {
-        if light.distance_m <= 30_000.0 {
+        if f64::from(light.distance_m) <= NO_BLOCKS_WITHIN_M {
             kept.push(*light);
             continue;
         }

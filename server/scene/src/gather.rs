@@ -37,7 +37,7 @@ use std::{f64::consts::TAU, ops::Range};
 pub const FAR_BLOCK_RATIO: f64 = std::f64::consts::PI / 512.0;
 
 /// Within this of the observer every pixel is taken by itself, metres.
-const NO_BLOCKS_WITHIN_M: f64 = 30_000.0;
+pub const NO_BLOCKS_WITHIN_M: f64 = 30_000.0;
 
 /// A `far_block_ratio` that takes every pixel by itself.
 pub(crate) const NO_BLOCKS: f64 = -1.0;

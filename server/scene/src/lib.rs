@@ -59,7 +59,7 @@ pub use changes::{
 };
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use error::SceneError;
-pub use gather::FAR_BLOCK_RATIO;
+pub use gather::{FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M};
 pub use ground::Ground;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
 pub use light_shares::{CellShare, LightShares, LitPixel};

@@ -1,9 +1,9 @@
 //! Which cells of a polar grid each pixel's light went to: the way back from what cells do to what pixels do.
 
-use crate::gather::LightSink;
+use crate::gather::{LightSink, NO_BLOCKS_WITHIN_M};
 use crate::polar_grid::{
     AZIMUTH_COLUMN_COUNT, NearLight, PlacedLight, PolarAccumulator, PolarAxes, PolarCell, PolarGrid,
-    RING_COUNT, blocking_shares,
+    RING_COUNT, blocking_shares, log_distance,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -130,6 +130,8 @@ struct Visited {
 pub(crate) struct ShareCollector {
     accumulator: PolarAccumulator,
     axes: PolarAxes,
+    /// Pixels as near as this keep their points.
+    near_log_distance: f64,
     visited: Vec<Visited>,
     /// Shares with the numbers of their places on the grid in place of their cells'.
     shares: Vec<CellShare>,
@@ -142,7 +144,11 @@ fn slot(at: usize, blocking: usize) -> u32 {
 
 impl LightSink for ShareCollector {
     fn take(&mut self, numbers: Range<u32>, light: PlacedLight) {
-        self.accumulator.take(numbers.clone(), light);
+        self.accumulator.add(light);
+        // Far pixels are not asked for alone: what shows of them is told by the sky's own grid.
+        if light.log_distance < self.near_log_distance {
+            self.accumulator.keep_near(numbers.clone(), light);
+        }
         // Blocks are not taken where pixels are asked for.
         let number = numbers.start;
         match self.visited.last_mut() {
@@ -168,7 +174,13 @@ impl LightSink for ShareCollector {
 impl ShareCollector {
     pub(crate) fn new() -> Self {
         let (visited, shares) = (Vec::new(), Vec::new());
-        Self { accumulator: PolarAccumulator::new(), axes: PolarAxes::new(), visited, shares }
+        Self {
+            accumulator: PolarAccumulator::new(),
+            axes: PolarAxes::new(),
+            near_log_distance: log_distance(NO_BLOCKS_WITHIN_M),
+            visited,
+            shares,
+        }
     }
 
     /// Orders pixels by their number, sees where they are, and names the cells of their shares.

@@ -91,12 +91,10 @@ impl NearLights {
 
     /// Puts a sky right, `[band][row][column]`, W m⁻² sr⁻¹. Nothing falls to less than a tenth of what it was.
     pub(crate) fn add_to(&self, set: &TableSet, sky: &mut [f32]) {
-        let air = self.air();
-        let chosen = self.chosen(&air, set, sky);
+        let ShownLights { chosen, added } = self.shown(set, sky);
         if chosen.is_empty() {
             return;
         }
-        let added = self.sum(&air, set, &chosen);
         for (radiance, added) in sky.iter_mut().zip(&added).filter(|(_, added)| **added != 0.0) {
             *radiance += kept_share(*radiance, *added) * added;
         }
