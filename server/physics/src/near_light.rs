@@ -24,6 +24,7 @@ use std::{f64::consts::FRAC_PI_2, sync::LazyLock};
 const SIZE_COUNT: usize = 97;
 /// Nodes of q = (n·ŝ)/(|n·ŝ| + v·ŝ) over −1..=1, which stands for χ: it needs no arc tangent. One lies at 0, where q bends.
 const TURN_COUNT: usize = 97;
+const NODE_COUNT: usize = TURN_COUNT * SIZE_COUNT;
 /// Gauss–Legendre nodes a piece.
 const NODES: usize = 24;
 
@@ -34,7 +35,7 @@ pub type Species = [f32; 2];
 #[derive(Clone, Debug)]
 pub struct NearScattering {
     /// `[q][s]`.
-    values: Vec<Species>,
+    values: Box<[Species; NODE_COUNT]>,
 }
 
 /// F of every lobe, `[lobe][q][s]`.
@@ -85,7 +86,7 @@ fn integrals(size: f64, turn_rad: f64, nodes: &[(f64, f64)]) -> [[f64; 2]; LOBE_
 impl NearScattering {
     /// The table of a mix of lobes.
     pub fn of(emission: EmissionMix) -> Self {
-        let mut values = vec![[0f32; 2]; TURN_COUNT * SIZE_COUNT];
+        let mut values = Box::new([[0f32; 2]; NODE_COUNT]);
         for (of_lobe, weight) in OF_LOBES.iter().zip(emission.weights()) {
             for (value, of_lobe) in values.iter_mut().zip(of_lobe) {
                 for (value, of_lobe) in value.iter_mut().zip(of_lobe) {
@@ -113,29 +114,39 @@ impl NearScattering {
         largest
     }
 
-    /// F of molecules and aerosol, sr⁻², from n·ŝ and v·ŝ; what lies below 0 of the second counts as 0. Linear between nodes:
-    /// within 2 % of the largest value.
+    /// F of molecules and of aerosol, sr⁻², `[species][ray]`, from n·ŝ and v·ŝ of some rays; what lies below 0 of the second
+    /// counts as 0. Linear between nodes: within 2 % of the largest value.
     #[inline(always)]
-    pub fn at(&self, across: f32, along: f32) -> Species {
-        let along = along.max(0.0);
-        let size = (across * across + along * along).sqrt().min(1.0);
-        let turn = across / (across.abs() + along).max(1e-9);
-        let x = (0.5 * (TURN_COUNT - 1) as f32) * (turn + 1.0);
-        let y = (SIZE_COUNT - 1) as f32 * size;
-        let (i, j) = ((x as usize).min(TURN_COUNT - 2), (y as usize).min(SIZE_COUNT - 2));
-        let (u, v) = (x - i as f32, y - j as f32);
-        let at = i * SIZE_COUNT + j;
-        let corners = [
-            self.values[at],
-            self.values[at + 1],
-            self.values[at + SIZE_COUNT],
-            self.values[at + SIZE_COUNT + 1],
-        ];
-        std::array::from_fn(|species| {
-            let [a, b, c, d] = corners.map(|corner| corner[species]);
-            let (low, high) = (a + v * (b - a), c + v * (d - c));
-            low + u * (high - low)
-        })
+    pub fn at<const N: usize>(&self, across: &[f32; N], along: &[f32; N]) -> [[f32; N]; 2] {
+        // Places first, then what is there, then sums: the first and the last are vectors, the middle has no branches.
+        let (mut node, mut u, mut v) = ([0i32; N], [0f32; N], [0f32; N]);
+        for ray in 0..N {
+            let (across, along) = (across[ray], along[ray].max(0.0));
+            let size = (across * across + along * along).sqrt().min(1.0);
+            let turn = across / (across.abs() + along).max(1e-9);
+            let x = (0.5 * (TURN_COUNT - 1) as f32) * (turn + 1.0);
+            let y = (SIZE_COUNT - 1) as f32 * size;
+            let (i, j) = ((x as i32).min(TURN_COUNT as i32 - 2), (y as i32).min(SIZE_COUNT as i32 - 2));
+            (u[ray], v[ray]) = (x - i as f32, y - j as f32);
+            node[ray] = i * SIZE_COUNT as i32 + j;
+        }
+        let mut corners = [[[0f32; N]; 2]; 4];
+        for ray in 0..N {
+            let at = (node[ray] as usize).min(NODE_COUNT - SIZE_COUNT - 2);
+            for (corner, next) in corners.iter_mut().zip([0, 1, SIZE_COUNT, SIZE_COUNT + 1]) {
+                [corner[0][ray], corner[1][ray]] = self.values[at + next];
+            }
+        }
+        let [a, b, c, d] = corners;
+        let mut scattered = [[0f32; N]; 2];
+        for (species, scattered) in scattered.iter_mut().enumerate() {
+            for ray in 0..N {
+                let low = a[species][ray] + v[ray] * (b[species][ray] - a[species][ray]);
+                let high = c[species][ray] + v[ray] * (d[species][ray] - c[species][ray]);
+                scattered[ray] = low + u[ray] * (high - low);
+            }
+        }
+        scattered
     }
 }
 
@@ -153,8 +164,8 @@ mod tests {
             for step in 0..400 {
                 let (s, turn) = (0.03 + 0.0024 * f64::from(step), 0.0078 * f64::from(step) + 0.01);
                 let exact = integrals(s, turn, &nodes)[lobe.index()];
-                let got = table.at((s * turn.cos()) as f32, (s * turn.sin()) as f32);
-                for (got, exact) in got.into_iter().zip(exact) {
+                let got = table.at(&[(s * turn.cos()) as f32], &[(s * turn.sin()) as f32]);
+                for ([got], exact) in got.into_iter().zip(exact) {
                     worst = worst.max((f64::from(got) - exact).abs());
                     largest = largest.max(exact);
                 }
@@ -167,10 +178,11 @@ mod tests {
     fn light_that_only_goes_up_is_seen_above_a_source_and_not_beside_it() {
         let table = NearScattering::of(EmissionMix::only(Lobe::Oblique));
         // Above it: n·ŝ = 1; beside it, with a level view: nothing leaves within 30° of the horizon.
-        assert!(table.at(0.8, 0.3)[1] > 1e-3);
-        assert!(table.at(0.8, 0.3)[1] > 3.0 * table.at(0.55, 0.02)[1]);
-        assert!(table.at(0.1, 0.02)[1] < 1e-6);
+        let aerosol = |across: f32, along: f32| table.at(&[across], &[along])[1][0];
+        assert!(aerosol(0.8, 0.3) > 1e-3);
+        assert!(aerosol(0.8, 0.3) > 3.0 * aerosol(0.55, 0.02));
+        assert!(aerosol(0.1, 0.02) < 1e-6);
         // Below it everything is in the shadow but what the ray meets beyond.
-        assert!(table.at(-0.9, 0.02)[1] < 1e-3 * table.at(0.9, 0.02)[1]);
+        assert!(aerosol(-0.9, 0.02) < 1e-3 * aerosol(0.9, 0.02));
     }
 }

@@ -126,7 +126,14 @@ impl NearLights {
                 weights[at] = (weight * band.luminous_efficacy_lm_w()) as f32 * share;
             }
         }
-        let tasks = chosen.par_chunks(lights_per_task(chosen)).map(|lights| {
+        // Patches of lights where nothing is asked for add nothing: all of them at the zenith.
+        let weighs: [bool; ELEVATION_COUNT] = std::array::from_fn(|row| {
+            let of_row = |band: usize| &weights[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
+            (0..BAND_COUNT).any(|band| of_row(band).iter().any(|weight| *weight != 0.0))
+        });
+        let weighed: Vec<Chosen> =
+            chosen.iter().filter(|light| weighs[light.place.rows()].contains(&true)).copied().collect();
+        let tasks = weighed.par_chunks(lights_per_task(&weighed)).map(|lights| {
             let mut maker = PatchMaker::new(&air, set);
             lights
                 .iter()
@@ -164,8 +171,8 @@ impl NearLights {
             let slope = (light.altitude_m - eye_m) / light.distance_m
                 - light.distance_m * (0.5 / EARTH_RADIUS_M as f32);
             // Rows up to the one above the light's; the tangent is the larger.
-            let row = (slope * per_step + 0.5).clamp(0.0, (LOW_ROWS - 1) as f32) as usize;
-            let column = (light.azimuth_rad * per_column) as usize % AZIMUTH_COUNT;
+            let row = (slope * per_step + 0.5).clamp(0.0, (LOW_ROWS - 1) as f32) as i32 as usize;
+            let column = (light.azimuth_rad * per_column) as i32 as usize % AZIMUTH_COUNT;
             let needed = light.distance_m * LEAST_SHARE;
             let most = most.per_m(light.altitude_m, light.distance_m);
             let per_band = most.iter().zip(self.flux_per_dnb_flux).zip(&dimmest);
@@ -178,7 +185,7 @@ impl NearLights {
         let lights = near.par_iter().enumerate().with_min_len(512).filter(|(_, light)| may_show(light));
         let mut chosen: Vec<Chosen> =
             lights.filter_map(|(index, light)| self.choose(air, set, sky, index, light)).collect();
-        chosen.sort_unstable_by_key(|light| (light.place, light.index));
+        chosen.par_sort_unstable_by_key(|light| (light.place.key(), light.index));
         chosen
     }
 

@@ -9,7 +9,7 @@ use super::{
     sight::{Air, Sight},
 };
 use crate::{
-    cpu::dispatch::{LANES, dispatch_wide},
+    cpu::dispatch::{LANES, dispatch_wide, multiply_add},
     table_set::TableSet,
 };
 use skyglow_physics::{
@@ -25,8 +25,9 @@ const SIDE: usize = LANES;
 /// A patch counts in full within so many columns or rows of its light, and falls to nothing at [`REACH`].
 const FULL_WITHIN: f32 = 2.0;
 const REACH: f32 = 4.0;
-/// Columns of a node's image that patches look at: 0 to 4 from its own.
+/// Columns of a node's image that patches look at: 0 to 4 from its own, and as many on the other side.
 const HALF: usize = SIDE / 2 + 1;
+const BOTH_SIDES: usize = 2 * HALF - 1;
 /// Azimuths that make them: two for column 0, which is even, four for each other averaged one, one for the rest.
 const SAMPLES: usize = 2 + 4 * (AVERAGED - 1) + (HALF - AVERAGED);
 
@@ -47,7 +48,7 @@ pub(super) struct Chosen {
 }
 
 /// The nodes around a light and the first row of its patch: lights of one place share what the nodes show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     ring: u32,
     /// Node at or below it on the axes of the ring and of the next.
@@ -73,8 +74,16 @@ impl Place {
         }
     }
 
+    /// Places in one order, as one number.
+    pub(super) fn key(self) -> u64 {
+        let [below, above] = self.offsets.map(u64::from);
+        // Rows from −8 up: lights more than four below the lowest are not chosen.
+        let row = (self.first_row + SIDE as i32).max(0) as u64;
+        (u64::from(self.ring) << 48) | (below << 32) | (above << 16) | row
+    }
+
     /// Rows of the patch that are in the sky.
-    fn rows(self) -> std::ops::Range<usize> {
+    pub(super) fn rows(self) -> std::ops::Range<usize> {
         let row = |row: i32| row.clamp(0, ELEVATION_COUNT as i32) as usize;
         row(self.first_row)..row(self.first_row + SIDE as i32)
     }
@@ -120,7 +129,8 @@ fn samples() -> impl Iterator<Item = (usize, f64, f64)> {
 struct NodeImage {
     /// Ring, offset and first row; None before its first use.
     of: Option<(u32, u32, i32)>,
-    rows: OfBands<HALF>,
+    /// Columns −4 to 4 from its own.
+    rows: OfBands<BOTH_SIDES>,
 }
 
 /// Rings, offsets and first rows whose images are remembered: of two rings side by side every offset, in four rows.
@@ -152,7 +162,7 @@ impl<'a> PatchMaker<'a> {
         for (share, (column, _, weight)) in shares.iter_mut().zip(samples()) {
             *share = (column, weight as f32);
         }
-        let empty = NodeImage { of: None, rows: [[[0.0; HALF]; BAND_COUNT]; SIDE] };
+        let empty = NodeImage { of: None, rows: [[[0.0; BOTH_SIDES]; BAND_COUNT]; SIDE] };
         let nodes = vec![empty; REMEMBERED.iter().product()];
         let elevations = *ROWS;
         Self { air, set, azimuths: Azimuths::new(), elevations, shares, nodes }
@@ -232,7 +242,8 @@ fn image_node<const FUSED: bool>(
                 }
             }
         }
-        maker.nodes[at].rows[(row as i32 - first_row) as usize] = columns;
+        maker.nodes[at].rows[(row as i32 - first_row) as usize] =
+            columns.map(|half| std::array::from_fn(|column| half[column.abs_diff(HALF - 1)]));
     }
     maker.nodes[at].of = Some(key);
     at
@@ -286,16 +297,17 @@ fn fill_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, light: &Chosen, patc
         let exact = light.sight.radiance::<FUSED, LANES>(maker.air, through, elevation, [&cosines, &sines]);
         let of_row = taper(row as f32 - light.row);
         for band in 0..BAND_COUNT {
-            let mut half = [0f32; HALF];
+            // The light's own column is the fourth; a part of it stands on the fifth.
+            let (mut own, mut next) = ([0f32; LANES], [0f32; LANES]);
             for (node, weight) in nodes {
-                for (sum, value) in half.iter_mut().zip(maker.nodes[node].rows[at][band]) {
-                    *sum += weight * value;
+                let of_node = &maker.nodes[node].rows[at][band];
+                for lane in 0..LANES {
+                    own[lane] = multiply_add::<FUSED>(weight, of_node[lane + 1], own[lane]);
+                    next[lane] = multiply_add::<FUSED>(weight, of_node[lane], next[lane]);
                 }
             }
             for lane in 0..LANES {
-                // The light's own column is the fourth; a part of it stands on the fifth.
-                let (own, next) = (lane.abs_diff(SIDE / 2 - 1), lane.abs_diff(SIDE / 2));
-                let of_grid = (1.0 - along) * half[own] + along * half[next];
+                let of_grid = own[lane] + along * (next[lane] - own[lane]);
                 patch[at][band][lane] = of_row * tapers[lane] * (exact[band][lane] - of_grid);
             }
         }

@@ -106,8 +106,8 @@ impl Most {
     /// For a light, m⁻¹ sr⁻¹.
     #[inline(always)]
     pub(super) fn per_m(&self, altitude_m: f32, distance_m: f32) -> [f32; BAND_COUNT] {
-        let altitude = ((altitude_m - self.lowest_m) * (1.0 / ALTITUDE_STEP_M)) as usize;
-        let distance = (distance_m * (1.0 / DISTANCE_STEP_M)) as usize;
+        let altitude = ((altitude_m - self.lowest_m) * (1.0 / ALTITUDE_STEP_M)) as i32 as usize;
+        let distance = (distance_m * (1.0 / DISTANCE_STEP_M)) as i32 as usize;
         self.per_m[altitude.min(self.per_m.len() - 1)][distance.min(DISTANCE_STEPS - 1)]
     }
 }
@@ -242,11 +242,10 @@ impl Sight {
                 density[species][lane] = exponential::<FUSED>(clamp(-up_m * (1.0 / HEIGHTS_M[species])));
             }
         }
-        let mut scattered = [[0f32; N]; 2];
-        for lane in 0..N {
-            let of_species = air.scattering.at(across[lane], along[lane]);
-            for species in 0..2 {
-                scattered[species][lane] = of_species[species] * density[species][lane] * per_miss[lane];
+        let mut scattered = air.scattering.at(&across, &along);
+        for (scattered, density) in scattered.iter_mut().zip(&density) {
+            for lane in 0..N {
+                scattered[lane] *= density[lane] * per_miss[lane];
             }
         }
         let mut radiance = [[0f32; N]; BAND_COUNT];
