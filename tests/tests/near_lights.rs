@@ -2,14 +2,18 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 use skyglow_bench::scenes::{LitPixel, grid_under_open_sky, sources_of_pixels};
-use skyglow_engine::{Engine, InfluenceRequest, Measure, Observatory, RenderRequest, SkyRequest};
+use skyglow_engine::{
+    Engine, InfluenceRequest, InfluenceSolver, Measure, Observatory, RenderRequest, SkyRequest, TableSet,
+    resident_tables,
+};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, LampPreset, PointSource, Turbidity,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Direction, EmissionMix, GeoPoint, Horizon, LampPreset,
+    LinearMeasure, PointSource, SkyCurve, Turbidity,
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, mixed_radiance_per_watt},
 };
 use skyglow_scene::{PolarGrid, SceneId, SceneStore, create_demo};
-use skyglow_tables::Scattering;
+use skyglow_tables::{Scattering, packs_in};
 use skyglow_tests::{
     class_errors::engine_with,
     open_sky::{observatory, open_sky},
@@ -107,6 +111,34 @@ fn far_from_near_lights_nothing_changes_and_nothing_is_negative() {
     let grid = PolarGrid { near: Vec::new(), ..grid_under_open_sky(&far) };
     let rendered = engine.render_blocking(request(grid, 2.5)).unwrap();
     assert!(rendered.passes.iter().all(|pass| pass.name != "near_lights"));
+}
+
+#[test]
+fn near_lights_are_made_only_where_a_measure_looks() {
+    let (tables, _) = resident_tables(&packs_in(&packs()).unwrap()).unwrap();
+    let solver = InfluenceSolver::new(Arc::new(TableSet::new(tables).unwrap()));
+    // 3° high, in the north-east.
+    let asked = request(grid_under_open_sky(&one_light()), 2.5);
+    let of = |measure: &LinearMeasure| solver.near_lights(&asked, &asked, measure).unwrap();
+    let region = |corners_deg: [(f64, f64); 4]| {
+        let corner = |(azimuth_deg, elevation_deg): (f64, f64)| Direction {
+            azimuth_rad: azimuth_deg.to_radians(),
+            elevation_rad: elevation_deg.to_radians(),
+        };
+        LinearMeasure::region(&SkyCurve::new(corners_deg.map(corner).to_vec()).unwrap(), &Horizon::flat())
+    };
+    let around = of(&region([(30.0, 0.1), (60.0, 0.1), (60.0, 6.0), (30.0, 6.0)]));
+    assert!(around.len() == 1 && around[0].1 != 0.0, "{around:?}");
+    assert_eq!(of(&LinearMeasure::mean(&Horizon::flat())).len(), 1);
+    // Where nothing of it is, nothing is made, and nothing is missing: its share of the sky there is the cells'.
+    let (above, behind) = (
+        region([(30.0, 40.0), (60.0, 40.0), (60.0, 60.0), (30.0, 60.0)]),
+        region([(200.0, 0.1), (250.0, 0.1), (250.0, 6.0), (200.0, 6.0)]),
+    );
+    for elsewhere in [LinearMeasure::zenith(&Horizon::flat()), above, behind] {
+        assert_eq!(of(&elsewhere).iter().filter(|(_, value)| *value != 0.0).count(), 0);
+    }
+    assert!(of(&LinearMeasure::zenith(&Horizon::flat())).is_empty());
 }
 
 #[test]

@@ -20,7 +20,9 @@ use self::{influence::InfluenceDesk, view::View};
 use crate::{
     engine::Engine, error::EngineError, packs::PackKind, request::Rendered, scene_shelf::SceneShelf,
 };
-use skyglow_physics::{BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, SkyQuantities, Turbidity};
+use skyglow_physics::{
+    BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, LampPreset, SkyQuantities, Turbidity,
+};
 use skyglow_scene::{
     ChangeId, ChangeLimits, ChangeStore, Ground, RasterTile, Scene, SceneId, SceneMetadata, SceneStore,
     TileLayer,
@@ -125,6 +127,8 @@ pub struct SkyAnswer {
     /// Where a tolerance was given, the bound of the difference to the sky of all functions
     /// ([`BasisWithin::error_bound`](crate::BasisWithin::error_bound)).
     pub basis_error_bound: Option<f64>,
+    /// Lamps that changes replace around here where there are none of them by then.
+    pub lamps_not_met: Vec<LampPreset>,
     /// The reported quantities, of the sky above the horizon.
     pub quantities: SkyQuantities,
     /// Covered share of the 300 km disc, 0..=1.

@@ -1,18 +1,7 @@
 //! Strong ETags, known before anything is rendered.
 
+use crate::program::program;
 use axum::http::{HeaderMap, header};
-use std::sync::LazyLock;
-
-/// What tells this build of the program from any other: the hash of its executable, for a change in how something
-/// is drawn or worded is another answer, whatever the version says.
-static PROGRAM: LazyLock<String> = LazyLock::new(|| {
-    let hash = |path| {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(std::fs::File::open(path)?)?;
-        std::io::Result::Ok(hasher.finalize().to_hex().to_string())
-    };
-    std::env::current_exe().and_then(hash).unwrap_or_else(|_| env!("CARGO_PKG_VERSION").to_owned())
-});
 
 /// A strong ETag without its quotes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,7 +14,7 @@ impl ETag {
     /// The tag of everything that decides an answer's bytes. The program itself is added.
     pub fn of(parts: &[&str]) -> Self {
         let mut hasher = blake3::Hasher::new();
-        for part in [PROGRAM.as_str()].iter().chain(parts) {
+        for part in [program()].iter().chain(parts) {
             // The length keeps ("ab", "c") apart from ("a", "bc").
             hasher.update(&(part.len() as u64).to_le_bytes());
             hasher.update(part.as_bytes());

@@ -23,6 +23,7 @@ pub mod parameters;
 pub mod plan_file;
 pub mod planning;
 pub mod problem;
+mod program;
 pub mod reader;
 pub mod request;
 pub mod respond;

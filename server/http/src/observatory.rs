@@ -370,6 +370,7 @@ impl SkySource for ObservatorySource {
                     flux_dnb_w: answer.flux_dnb_w,
                     basis_count: answer.rendered.basis_count,
                     basis_error_bound: answer.basis_error_bound,
+                    lamps_not_met: answer.lamps_not_met,
                 },
                 quantities: answer.quantities,
                 passes: horizon_time.into_iter().chain(passes).collect(),

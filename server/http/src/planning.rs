@@ -2,6 +2,7 @@
 
 use crate::{
     answers::plan_facts,
+    program::program,
     request::PlanAsk,
     source::{SkySource, SourceError},
 };
@@ -31,7 +32,7 @@ impl KeptPlan {
     }
 }
 
-/// The id of a plan: the same request for the same scene with the same tables has the same.
+/// The id of a plan: the same request for the same scene with the same tables and the same build of the program has the same.
 ///
 /// * `scene_version`: of the scene itself.
 pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> ChangeId {
@@ -39,6 +40,7 @@ pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> Ch
     let decides = [
         &format!("{:?} {:?}", ask.scenario, ask.request),
         scene_version,
+        program(),
         &facts.pack_checksums,
         &facts.executor,
         &facts.adapter,

@@ -12,7 +12,7 @@ pub use error::SourceError;
 use skyglow_engine::{
     BrightnessMap, BrightnessRequest, EngineStats, InfluenceMap, Measure, PlanOutcome, PlanRequest,
 };
-use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, Panorama, SkyQuantities, Turbidity};
+use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, LampPreset, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{
     ChangeId, ChangeSummary, Ground, IngestOptions, Place, RasterTile, Scenario, Scene, SceneId,
     SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
@@ -106,6 +106,8 @@ pub struct Circumstances {
     pub basis_count: usize,
     /// Where a tolerance was given: bound of the relative difference to the sky of all functions.
     pub basis_error_bound: Option<f64>,
+    /// Lamps that changes replace around here where there are none of them by then.
+    pub lamps_not_met: Vec<LampPreset>,
 }
 
 impl Circumstances {
@@ -120,6 +122,7 @@ impl Circumstances {
             flux_dnb_w: map.flux_dnb_w,
             basis_count: map.basis_count,
             basis_error_bound: map.basis_error_bound,
+            lamps_not_met: map.lamps_not_met.clone(),
         }
     }
 }

@@ -74,9 +74,17 @@ impl Mixture {
         Self { flux_per_dnb_flux: lamp.flux_per_dnb_flux, parts }
     }
 
+    /// Whether lamps that a change replaces are there.
+    fn meets(&self, change: &LampChange) -> bool {
+        self.parts.iter().any(|(lamp, dnb)| Self::replaces(change, lamp) && *dnb > 0.0)
+    }
+
+    fn replaces(change: &LampChange, lamp: &Option<LampPreset>) -> bool {
+        change.from.is_none_or(|from| Self::holds(*lamp, from))
+    }
+
     fn replace(&mut self, change: &LampChange) {
-        let is_replaced =
-            |lamp: &Option<LampPreset>| change.from.is_none_or(|from| Mixture::holds(*lamp, from));
+        let is_replaced = |lamp: &Option<LampPreset>| Self::replaces(change, lamp);
         let dnb: f64 = self.parts.iter().filter(|(lamp, _)| is_replaced(lamp)).map(|(_, dnb)| dnb).sum();
         if dnb == 0.0 {
             return;
@@ -142,6 +150,17 @@ impl Fixture {
         let mut mixture = Mixture::of(asked);
         self.lamps.iter().for_each(|change| mixture.replace(change));
         mixture.flux_per_dnb_flux
+    }
+
+    /// Lamps that are to be replaced where there are none of them by then, where a sky is asked with `asked`.
+    pub fn lamps_not_met(&self, asked: &Lamp) -> Vec<LampPreset> {
+        let mut mixture = Mixture::of(asked);
+        let mut not_met = Vec::new();
+        for change in &self.lamps {
+            not_met.extend(change.from.filter(|_| !mixture.meets(change)));
+            mixture.replace(change);
+        }
+        not_met
     }
 
     /// Where these lights send their light.
@@ -213,6 +232,20 @@ mod tests {
         assert_eq!(fixture(&lamps).flux_per_dnb_flux(&asked), asked.flux_per_dnb_flux);
         let custom = Lamp::custom([0.4, 0.5, 0.6]).unwrap();
         assert_eq!(fixture(&lamps).flux_per_dnb_flux(&custom), custom.flux_per_dnb_flux);
+    }
+
+    #[test]
+    fn lamps_to_be_replaced_that_are_not_there_are_named() {
+        let to_led = change(Some(LampPreset::Hps), LampPreset::Led4000k, Kept::LuminousFlux);
+        let not_met = |lamps: &[LampChange], asked: LampPreset| fixture(lamps).lamps_not_met(&asked.lamp());
+        assert_eq!(not_met(&[to_led], LampPreset::Mixed), []);
+        assert_eq!(not_met(&[to_led], LampPreset::Led3000k), [LampPreset::Hps]);
+        // None are left the second time, and all that there is has always been met.
+        assert_eq!(not_met(&[to_led, to_led], LampPreset::Hps), [LampPreset::Hps]);
+        assert_eq!(
+            not_met(&[change(None, LampPreset::Hps, Kept::DnbFlux), to_led], LampPreset::Led3000k),
+            []
+        );
     }
 
     #[test]

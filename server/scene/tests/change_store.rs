@@ -154,6 +154,7 @@ fn old_ones_make_room() {
     std::thread::sleep(Duration::from_millis(2_100));
     assert!(matches!(aged.scenario(&last), Err(ChangeStoreError::Unknown { .. })));
     assert!(aged.list(ChangeKind::Scenario).unwrap().is_empty());
+    assert!(!aged.is_kept(&last) && narrow.is_kept(&last));
 }
 
 #[test]

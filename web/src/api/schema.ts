@@ -203,6 +203,8 @@ export type InfluenceAnswer = Assumptions & ({
   region_sr?: number | null;
   /** All lights by distance. */
   rings: RingAnswer[];
+  /** What the pixels' influences were multiplied by to add up to the sky's own value, which takes far lights in cells and blocks: 1 for `norm`. */
+  scale: number;
   /** All lights by azimuth. */
   sectors: SectorAnswer[];
   /** Sum over all lights. For every measure but `norm` it is the sky's own value of it. */

@@ -154,6 +154,7 @@ impl Reference {
                     .sum(),
                 basis_count: 0,
                 basis_error_bound: None,
+                lamps_not_met: Vec::new(),
             },
             passes: Vec::new(),
         };

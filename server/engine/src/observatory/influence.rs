@@ -11,7 +11,7 @@ use crate::{
 use moka::sync::Cache;
 use rayon::prelude::*;
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M,
+    Atmosphere, BAND_COUNT, Horizon, LampPreset, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M,
 };
 use skyglow_scene::{LightShares, LitPixel, NearLight, PixelNumbers, RasterTile, Scene, SceneMetadata};
 use std::{
@@ -96,6 +96,8 @@ pub struct InfluenceMap {
     pub basis_count: usize,
     /// Where a tolerance was given, the bound of the difference to the sky of all functions.
     pub basis_error_bound: Option<f64>,
+    /// Lamps that changes replace around here where there are none of them by then.
+    pub lamps_not_met: Vec<LampPreset>,
     /// Solid angle of the grid's directions that a region holds, visible ones, sr; None for other measures.
     pub region_sr: Option<f64>,
     /// What influences were multiplied by to add up to the sky's own value: 1 but for what far light taken by blocks and cells
@@ -281,6 +283,7 @@ impl Observatory {
                 .max()
                 .unwrap_or_else(|| self.basis_count(sky.kind())),
             basis_error_bound,
+            lamps_not_met: view.lamps_not_met(&sky.lamp),
             region_sr: weights.filter(|_| is_region).map(|weights| weights.solid_angle_sr()),
             scene: Arc::clone(&view.scene),
             total,

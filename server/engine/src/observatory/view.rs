@@ -7,7 +7,7 @@ use crate::{
     scene_shelf::SceneShelf,
     truncation::BasisChooser,
 };
-use skyglow_physics::{Atmosphere, Fixture, Horizon, SkyCover, SkyQuantities};
+use skyglow_physics::{Atmosphere, Fixture, Horizon, Lamp, LampPreset, SkyCover, SkyQuantities};
 use skyglow_scene::{PolarGrid, Scene};
 use std::{
     sync::Arc,
@@ -72,6 +72,13 @@ impl View {
         self.lights.iter().map(|(_, polar)| polar.flux_dnb_w).sum()
     }
 
+    /// Lamps that changes replace around here where there are none of them by then, each once.
+    pub(super) fn lamps_not_met(&self, asked: &Lamp) -> Vec<LampPreset> {
+        let not_met: Vec<LampPreset> =
+            self.lights.iter().flat_map(|(fixture, _)| fixture.lamps_not_met(asked)).collect();
+        LampPreset::ALL.into_iter().filter(|lamp| not_met.contains(lamp)).collect()
+    }
+
     /// What is to be rendered and added up; with a tolerance, the fewest functions that it allows, and the bound of what they
     /// miss.
     pub(super) fn render_requests(
@@ -112,6 +119,7 @@ impl View {
     ) -> SkyAnswer {
         let atmosphere = Atmosphere::new(request.turbidity);
         let (coverage, flux_dnb_w) = (self.coverage(), self.flux_dnb_w());
+        let lamps_not_met = self.lamps_not_met(&request.lamp);
         let (horizon, horizon_time) = self.horizon.unzip();
         let horizon = horizon.unwrap_or_default();
         horizon.darken(&mut rendered.panorama);
@@ -125,6 +133,7 @@ impl View {
             ),
             rendered,
             basis_error_bound,
+            lamps_not_met,
             horizon,
             horizon_time,
             coverage,

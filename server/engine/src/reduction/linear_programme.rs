@@ -2,12 +2,13 @@
 //!
 //! Most lights are clearly worth their cut or clearly not, whatever the exact prices. So a few thousand near the edge are solved
 //! for, the others are held where the prices put them, and whoever the new prices prove wrong joins the few: in the end no light
-//! contradicts the prices, and the cut is that of the whole programme. Should the solver give up, cuts are filled up greedily: they
+//! contradicts the prices, and the cut is that of the whole programme. Where time runs out before, cuts are filled up greedily: they
 //! meet the needs, and the bound says how far from the least they may be.
 
 use super::target::Reduction;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use std::time::{Duration, Instant};
 
 /// Lights that are solved for at first.
 const FEW: usize = 6_000;
@@ -15,8 +16,8 @@ const FEW: usize = 6_000;
 const WRONG: f64 = 1e-7;
 /// Solving over; the few at least double each time, so this is never met.
 const MOST_ROUNDS: usize = 40;
-/// Seconds after which the solver gives up, and all lights are filled up greedily.
-const LONGEST_S: f64 = 10.0;
+/// Time that all rounds may take together; after it, cuts are filled up greedily.
+const LONGEST: Duration = Duration::from_secs(10);
 /// A cut this near its end is there.
 const AT_END: f64 = 1e-6;
 /// What a need may miss by rounding, of itself.
@@ -24,17 +25,26 @@ const ROUNDING: f64 = 1e-12;
 
 /// Cuts and prices. Every need must be in reach.
 pub(super) fn solve(problem: &Reduction) -> (Vec<f64>, Vec<f64>) {
+    solve_within(problem, LONGEST)
+}
+
+/// The same within a time.
+pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>, Vec<f64>) {
+    let deadline = Instant::now() + longest;
     let lights = problem.flux.len();
     let can_help =
         |light: &usize| problem.most_cut[*light] > 0.0 && problem.gain.iter().any(|gain| gain[*light] > 0.0);
     let useful: Vec<usize> = (0..lights).filter(can_help).collect();
     let mut cut = vec![0.0; lights];
-    let mut prices = first_prices(problem, &useful);
+    let mut prices = first_prices(problem, &useful, deadline);
     let mut is_free = vec![useful.len() <= FEW; lights];
     if useful.len() > FEW {
         nearest(problem, &useful, &prices, FEW).into_iter().for_each(|light| is_free[light] = true);
     }
     for _ in 0..MOST_ROUNDS {
+        if Instant::now() >= deadline {
+            break;
+        }
         let (free, held): (Vec<usize>, Vec<usize>) = useful.iter().partition(|light| is_free[**light]);
         for &light in &held {
             let is_worth_it = problem.worth(light, &prices) > problem.flux[light];
@@ -51,7 +61,7 @@ pub(super) fn solve(problem: &Reduction) -> (Vec<f64>, Vec<f64>) {
         };
         let is_short =
             (0..left.len()).any(|site| left[site] > reach(site) * (1.0 - 1e-9)) && !held.is_empty();
-        let solved = (!is_short).then(|| solve_few(problem, &free, &left)).flatten();
+        let solved = (!is_short).then(|| solve_few(problem, &free, &left, deadline)).flatten();
         let Some((of_free, new_prices)) = solved else {
             // The few cannot do it by themselves: twice as many.
             let more = nearest(problem, &held, &prices, free.len().max(FEW));
@@ -85,7 +95,7 @@ pub(super) fn solve(problem: &Reduction) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Prices by a sample of the lights, each standing for its share.
-fn first_prices(problem: &Reduction, useful: &[usize]) -> Vec<f64> {
+fn first_prices(problem: &Reduction, useful: &[usize], deadline: Instant) -> Vec<f64> {
     let step = useful.len().div_ceil(FEW).max(1);
     let sample: Vec<usize> = useful.iter().copied().step_by(step).collect();
     if step == 1 {
@@ -98,7 +108,7 @@ fn first_prices(problem: &Reduction, useful: &[usize]) -> Vec<f64> {
         (need * part).min(0.99 * reach)
     });
     let need: Vec<f64> = need.collect();
-    solve_few(problem, &sample, &need).map_or_else(|| vec![0.0; need.len()], |(_, prices)| prices)
+    solve_few(problem, &sample, &need, deadline).map_or_else(|| vec![0.0; need.len()], |(_, prices)| prices)
 }
 
 /// The `count` lights whose worth is nearest to their flux, by ratio.
@@ -116,7 +126,12 @@ fn nearest(problem: &Reduction, lights: &[usize], prices: &[f64], count: usize) 
 }
 
 /// The programme over some lights, and the price of each site; None where the solver gives up.
-fn solve_few(problem: &Reduction, lights: &[usize], need: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+fn solve_few(
+    problem: &Reduction,
+    lights: &[usize],
+    need: &[f64],
+    deadline: Instant,
+) -> Option<(Vec<f64>, Vec<f64>)> {
     let rows: Vec<usize> = (0..need.len()).filter(|&site| need[site] > 0.0).collect();
     let mut prices = vec![0.0; need.len()];
     if rows.is_empty() {
@@ -155,7 +170,8 @@ fn solve_few(problem: &Reduction, lights: &[usize], need: &[f64]) -> Option<(Vec
         .iter()
         .map(|&light| problem.flux[light] * problem.most_cut[light] * count as f64 / of_all)
         .collect();
-    let settings = DefaultSettings { verbose: false, time_limit: LONGEST_S, ..DefaultSettings::default() };
+    let time_limit = deadline.saturating_duration_since(Instant::now()).as_secs_f64();
+    let settings = DefaultSettings { verbose: false, time_limit, ..DefaultSettings::default() };
     let cones = [SupportedConeT::NonnegativeConeT(height)];
     let no_squares = CscMatrix::zeros((count, count));
     let mut solver = DefaultSolver::new(&no_squares, &costs, &matrix, &bounds, &cones, settings).ok()?;

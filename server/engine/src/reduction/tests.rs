@@ -1,5 +1,6 @@
 use super::*;
 use proptest::prelude::*;
+use std::time::Duration;
 
 /// Every combination of fixed lights (at nothing or at the most) and as many free ones as there are sites: the corners of the
 /// programme's polytope, one of which is best.
@@ -174,6 +175,21 @@ fn a_plan_of_many_lights_is_proved_to_be_the_least() {
     // The bound is one: wrong prices prove less.
     let half = Reduction { need: problem.need.iter().map(|need| 0.5 * need).collect(), ..problem };
     assert!(least_cut(&half).flux < 0.6 * found.flux);
+}
+
+#[test]
+fn out_of_time_every_need_is_met_all_the_same() {
+    let problem = large(60_000, 4);
+    let (cut, prices) = linear_programme::solve_within(&problem, Duration::ZERO);
+    assert_eq!(prices, [0.0; 4]);
+    for site in 0..4 {
+        let fall = problem.fall(site, &cut);
+        assert!(fall >= problem.need[site] * (1.0 - 1e-9), "{site}: {fall} {}", problem.need[site]);
+    }
+    assert!(cut.iter().zip(&problem.most_cut).all(|(cut, most)| (0.0..=*most).contains(cut)));
+    let flux: f64 = cut.iter().zip(&problem.flux).map(|(cut, flux)| cut * flux).sum();
+    let least = least_cut(&problem).flux;
+    assert!((least..2.0 * least).contains(&flux), "{flux} {least}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::kind_facts::KindFacts;
 use crate::source::{Circumstances, EyeHeight, InfluenceQuery, SkyQuery, SourceFacts, rounded};
 use serde::Serialize;
 use skyglow_engine::{InfluenceMap, Measure};
-use skyglow_physics::{EmissionMix, Lamp, Lobe};
+use skyglow_physics::{EmissionMix, Lamp, LampPreset, Lobe};
 use skyglow_scene::{ChangeId, Ground, SceneMetadata};
 use utoipa::ToSchema;
 
@@ -175,8 +175,9 @@ pub fn sky_warnings(
         EyeHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, sky.ground),
     };
     let skyline = open_lights_warning(query.terrain_hides, scene, facts.kind(query));
+    let lamps = sky.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, query.lamp));
     let words = [coverage_warning(sky.coverage), ground, skyline, cloud_warning(query)];
-    words.into_iter().flatten().collect()
+    words.into_iter().flatten().chain(lamps).collect()
 }
 
 /// What is said where much of the light around is unknown.
@@ -188,6 +189,16 @@ fn coverage_warning(coverage: f64) -> Option<String> {
             100.0 * coverage
         )
     })
+}
+
+/// What is said where a scenario replaces lamps that are not there.
+fn lamp_warning(from: LampPreset, asked: Lamp) -> String {
+    let all = asked.preset.map_or("of their own kind", LampPreset::name);
+    let from = from.name();
+    format!(
+        "the scenario replaces {from} lamps, but where it does there are none of them: the lamps of the scene are taken to be \
+         {all}, as `lamp` says"
+    )
 }
 
 /// What is said of an eye more than a metre below the ground.

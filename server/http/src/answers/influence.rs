@@ -100,6 +100,9 @@ pub struct InfluenceAnswer {
     pub total: f64,
     /// Lit pixels within 300 km.
     pub lit_pixels: u64,
+    /// What the pixels' influences were multiplied by to add up to the sky's own value, which takes far lights in cells
+    /// and blocks: 1 for `norm`.
+    pub scale: f64,
     /// Solid angle of the visible directions in the region, sr; null for other measures.
     pub region_sr: Option<f64>,
     /// The most influential pixels, the most first.
@@ -184,6 +187,7 @@ impl InfluenceAnswer {
             unit: measure.unit().to_owned(),
             total,
             lit_pixels: map.pixels().len() as u64,
+            scale: map.scale,
             region_sr: map.region_sr,
             pixels: influential_pixels(map, total, limit),
             rings: RING_EDGES_M.windows(2).zip(map.rings()).map(ring).collect(),

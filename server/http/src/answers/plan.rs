@@ -171,6 +171,7 @@ fn circumstances(sky: &SkyAnswer) -> Circumstances {
         flux_dnb_w: sky.flux_dnb_w,
         basis_count: sky.rendered.basis_count,
         basis_error_bound: sky.basis_error_bound,
+        lamps_not_met: sky.lamps_not_met.clone(),
     }
 }
 

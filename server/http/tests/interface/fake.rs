@@ -190,6 +190,7 @@ impl Fake {
                 flux_dnb_w: 1e6,
                 basis_count: query.basis.unwrap_or(if query.tolerance.is_some() { 16 } else { 64 }),
                 basis_error_bound: query.tolerance.map(|tolerance| 0.5 * tolerance),
+                lamps_not_met: Vec::new(),
             },
             passes: vec![("coefficients", 900.0), ("basis sum", 80.0)],
         })

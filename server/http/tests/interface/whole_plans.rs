@@ -68,6 +68,15 @@ pub(crate) async fn scenarios_change_every_query(whole: &Whole, (lat, lon): (f64
         let ratio = number(&influence["total"]) / number(&changed["sky"][of_sky]);
         assert!(status == 200 && (ratio - 1.0).abs() < 1e-4, "{measure} {ratio}");
     }
+    // Who says that the scene has no sodium is told that none is replaced.
+    let unmet = |sky: &Value| {
+        let warnings = sky["warnings"].as_array().unwrap();
+        warnings.iter().filter(|warning| warning.as_str().unwrap().contains("replaces hps lamps")).count()
+    };
+    let (_, white) = whole.json(&format!("/api/v1/scenes/demo/sky?{place}&lamp=led_3000k")).await;
+    let (_, influence) =
+        whole.json(&format!("/api/v1/scenes/demo/influence?{place}&lamp=led_3000k&limit=0")).await;
+    assert_eq!((unmet(&changed), unmet(&white), unmet(&influence)), (0, 1, 1), "{white}");
     for path in ["panorama.png?", "panorama.json?", "influence.tif?", "influence.csv?"] {
         assert_eq!(whole.get(&format!("/api/v1/scenes/demo/{path}{place}")).await.status(), 200, "{path}");
     }

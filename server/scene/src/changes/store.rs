@@ -133,9 +133,14 @@ impl ChangeStore {
         self.is_kept(id) || self.drafts.get(id).is_some()
     }
 
-    /// Whether one of that id is on disk.
+    /// Whether one of that id is on disk and not past its age.
     pub fn is_kept(&self, id: &ChangeId) -> bool {
-        self.path(id, "json").is_file()
+        let kept = std::fs::metadata(self.path(id, "json")).and_then(|metadata| metadata.modified());
+        kept.is_ok_and(|modified| !self.is_past_age(modified))
+    }
+
+    fn is_past_age(&self, modified: SystemTime) -> bool {
+        unix_s(SystemTime::now()).saturating_sub(unix_s(modified)) > self.limits.age.as_secs()
     }
 
     /// What is kept stands on what is kept: a draft would go from under it.
@@ -387,7 +392,7 @@ impl ChangeStore {
         }
         // What stands on it may have made it young again since.
         let kept = std::fs::metadata(&path).and_then(|metadata| metadata.modified()).map_err(io(&path))?;
-        if unix_s(SystemTime::now()).saturating_sub(unix_s(kept)) > self.limits.age.as_secs() {
+        if self.is_past_age(kept) {
             return Err(ChangeStoreError::Unknown { id: id.clone() });
         }
         let content = serde_json::from_value(stored.content)
