@@ -83,9 +83,21 @@ impl Mistake {
 /// At most this many characters of what a client sent are sent back.
 const LONGEST_ECHO: usize = 100;
 
+/// At most this many of a message about it, which may quote it and lists what is allowed.
+const LONGEST_MESSAGE: usize = 400;
+
 /// A client's text, shortened.
 pub fn echo(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_ECHO) {
+    shortened(text, LONGEST_ECHO)
+}
+
+/// A message that may quote a client's text, shortened.
+pub fn message_with_echo(text: &str) -> String {
+    shortened(text, LONGEST_MESSAGE)
+}
+
+fn shortened(text: &str, longest: usize) -> String {
+    match text.char_indices().nth(longest) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
     }

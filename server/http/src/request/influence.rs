@@ -5,7 +5,7 @@ use crate::{
     accept::InfluenceFormat,
     error::ApiError,
     parameters::{self as p, ParameterSet},
-    problem::{FieldError, Mistake, echo},
+    problem::{FieldError, Mistake, message_with_echo},
     reader::Reader,
     request::geojson::{BoundaryBody, boundary},
     source::{InfluenceQuery, SourceFacts},
@@ -108,7 +108,7 @@ fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Optio
         let corners: Option<Vec<[f64; 2]>> = text.split(';').map(two_numbers).collect();
         let refused = match corners.map(curve) {
             Some(Ok(curve)) => return Some(Some(curve)),
-            Some(Err(error)) => Some(error.to_string()),
+            Some(Err(reason)) => Some(reason),
             None => None,
         };
         reader.fail(&p::REGION, Mistake::Malformed, refused, None);
@@ -123,12 +123,20 @@ fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Optio
     }
 }
 
-pub(super) fn curve(corners_deg: Vec<[f64; 2]>) -> Result<SkyCurve, PhysicsError> {
+/// The curve through corners in degrees, or why there is none.
+pub(super) fn curve(corners_deg: Vec<[f64; 2]>) -> Result<SkyCurve, String> {
+    let outside = |[_, elevation_deg]: &[f64; 2]| !(0.0..=90.0).contains(elevation_deg);
+    if let Some(which) = corners_deg.iter().position(outside) {
+        return Err(format!("the elevation of corner {} is {} degrees", which + 1, corners_deg[which][1]));
+    }
     let direction = |[azimuth_deg, elevation_deg]: [f64; 2]| Direction {
         azimuth_rad: azimuth_deg.to_radians(),
         elevation_rad: elevation_deg.to_radians(),
     };
-    SkyCurve::new(corners_deg.into_iter().map(direction).collect())
+    SkyCurve::new(corners_deg.into_iter().map(direction).collect()).map_err(|error| match error {
+        PhysicsError::Invalid { reason, .. } => reason,
+        PhysicsError::OutOfRange { .. } => error.to_string(),
+    })
 }
 
 /// `azimuth,elevation`.
@@ -171,7 +179,7 @@ impl Reader {
             parameter: name.to_owned(),
             value: None,
             allowed: allowed.to_owned(),
-            message: echo(message),
+            message: message_with_echo(message),
             code,
         });
     }

@@ -16,4 +16,5 @@ mod server;
 mod whole;
 mod whole_layers;
 mod whole_plans;
+mod whole_refusals;
 mod whole_uploads;

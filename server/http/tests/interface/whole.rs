@@ -1,6 +1,6 @@
 //! The real program behind the interface: the demo scene, the CPU executor, made-up tables.
 
-use crate::{server::header, whole_layers, whole_plans, whole_uploads};
+use crate::{server::header, whole_layers, whole_plans, whole_refusals, whole_uploads};
 use serde_json::{Value, json};
 use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
 use skyglow_http::{
@@ -118,6 +118,7 @@ async fn a_place_in_the_demo_scene_shows_its_sky() {
     whole_plans::scenarios_change_every_query(&whole, (lat, lon), &sky).await;
     whole_plans::plans_are_made_kept_and_handed_out(&whole, (lat, lon), &sky).await;
     whole_plans::bodies_that_cannot_be_meant_are_refused(&whole, (lat, lon)).await;
+    whole_refusals::bad_bodies_get_what_the_table_says(&whole).await;
 
     whole_layers::brightness_is_that_of_the_skies(&whole, (lat, lon)).await;
     whole_layers::layers_come_as_rasters(&whole, (lat, lon)).await;
