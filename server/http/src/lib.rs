@@ -14,6 +14,7 @@ pub mod drawing;
 pub mod error;
 pub mod etag;
 pub mod influence_file;
+pub mod kept;
 pub mod kind_facts;
 pub mod layers;
 pub mod listener;

@@ -1,7 +1,8 @@
 //! The real program behind the interface.
 
 use crate::{
-    answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry, plan_entry},
+    answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
+    kept::{kept_plans, kept_scenarios},
     kind_facts::KindFacts,
     parameters::{BASIS, SCATTERING, TURBIDITY},
     source::{
@@ -17,8 +18,8 @@ use skyglow_engine::{
 };
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{
-    ChangeId, ChangeKind, ChangeStoreError, ChangeSummary, IngestOptions, Place, RasterTile, Scenario, Scene,
-    SceneError, SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
+    ChangeId, ChangeStoreError, ChangeSummary, IngestOptions, Place, RasterTile, Scenario, Scene, SceneError,
+    SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
@@ -329,30 +330,12 @@ impl SkySource for ObservatorySource {
 
     fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, SourceError> {
         self.scene(scene)?;
-        let read = |(id, _): (ChangeId, u64)| match self.observatory.changes().scenario(&id) {
-            Ok((scenario, created_unix_s)) => {
-                (scenario.scene == *scene).then(|| ScenarioEntry::new(&id, &scenario, created_unix_s))
-            }
-            Err(error) => {
-                tracing::error!(%error, "a scenario is left out of the list");
-                None
-            }
-        };
-        Ok(self.observatory.list_changes(ChangeKind::Scenario)?.into_iter().filter_map(read).collect())
+        Ok(kept_scenarios(self.observatory.changes(), scene)?)
     }
 
     fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, SourceError> {
         self.scene(scene)?;
-        let read = |(id, _): (ChangeId, u64)| match self.observatory.changes().plan_answer(&id) {
-            Ok((of, facts, created_unix_s)) => {
-                (of == *scene).then(|| plan_entry(&id, &facts, created_unix_s))
-            }
-            Err(error) => {
-                tracing::error!(%error, "a plan is left out of the list");
-                None
-            }
-        };
-        Ok(self.observatory.list_changes(ChangeKind::Plan)?.into_iter().filter_map(read).collect())
+        Ok(kept_plans(self.observatory.changes(), scene)?)
     }
 
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {

@@ -325,7 +325,8 @@ fn start_by_pca(shapes: &[&[f32]], rms: &[f64], count: usize) -> Mat<f64> {
     let scaled = Mat::from_fn(shapes.len(), PIXEL_COUNT, |n, p| f64::from(shapes[n][p]) / rms[p]);
     // A hash of the position is random enough to start from and the same everywhere.
     let mut vectors = Mat::from_fn(PIXEL_COUNT, count, |p, k| {
-        let mut h = (p as u64 * 0x9E37_79B9_7F4A_7C15) ^ ((k as u64 + 1) * 0xD1B5_4A32_D192_ED03);
+        let mut h = (p as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            ^ (k as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
         h ^= h >> 31;
         h = h.wrapping_mul(0x94D0_49BB_1331_11EB);
         h ^= h >> 29;

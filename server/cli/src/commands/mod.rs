@@ -5,6 +5,7 @@ mod bench;
 mod config;
 mod influence;
 mod ingest;
+mod kept;
 mod packs;
 mod panorama;
 mod plan;
@@ -42,6 +43,7 @@ pub(crate) enum Command {
     Influence(influence::Influence),
     Plan(plan::Plan),
     Scenario(scenario::Scenario),
+    Kept(kept::Kept),
     Atlas(atlas::Atlas),
     Reference(reference::Reference),
     Bench(bench::Bench),
@@ -62,6 +64,7 @@ impl Command {
             Command::Influence(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Scenario(command) => command.run(),
+            Command::Kept(command) => command.run(),
             Command::Atlas(command) => command.run(),
             Command::Reference(command) => command.run(),
             Command::Bench(command) => command.run(),

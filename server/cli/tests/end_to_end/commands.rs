@@ -248,6 +248,19 @@ fn scenarios_and_plans_of_the_command_line_are_those_of_the_api() {
     let written: Value = serde_json::from_slice(&std::fs::read(file("plan.json")).unwrap()).unwrap();
     assert!((number(&written["sites"][0], "reduced_by") - 0.25).abs() < 1e-3);
     assert_eq!(written["id"], plan.as_str());
+    // What is kept is listed as the server lists it.
+    let lists =
+        skyglow(&["kept", "--scene", "demo", "--json", "--data", text(&data)]).expect_status(0).json();
+    for kind in ["scenarios", "plans"] {
+        assert_eq!(lists[kind], server.get(&format!("/api/v1/scenes/demo/{kind}")).json(), "{kind}");
+    }
+    let listed = skyglow(&["kept", "--scene", "demo", "--data", text(&data)]).expect_status(0).stdout;
+    let line =
+        |id: &str| listed.lines().find(|line| line.starts_with(id)).unwrap_or_else(|| panic!("{listed}"));
+    assert!(line(id).contains("amber, 1 edits") && line(&plan).contains("target, 1 sites"), "{listed}");
+    let nothing = skyglow(&["kept", "--scene", "nowhere", "--data", text(&data)]).expect_status(1);
+    assert!(nothing.stderr.contains("nowhere"), "{}", nothing.stderr);
+
     std::fs::write(&request, r#"{"method": "target"}"#).unwrap();
     let refused = write(&file("none.json"), &request).expect_status(2);
     assert!(refused.stderr.contains("sites"), "{}", refused.stderr);

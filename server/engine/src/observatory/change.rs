@@ -3,8 +3,8 @@
 use super::Observatory;
 use crate::{error::EngineError, scene_shelf::SceneShelf};
 use skyglow_scene::{
-    ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, DEEPEST,
-    Scenario, SceneMetadata, SceneStore,
+    ChangeId, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, DEEPEST, Scenario,
+    SceneMetadata, SceneStore,
 };
 use std::{path::Path, sync::Arc};
 
@@ -63,13 +63,5 @@ impl Observatory {
         let (scenario, created_unix_s) = self.changes().scenario(id)?;
         let (_, summary) = self.shelf.changed(&self.shelf.scene(&scenario.scene)?, id)?;
         Ok((scenario, summary, created_unix_s))
-    }
-
-    /// Ids with the time they were kept, seconds since 1970, the newest first.
-    ///
-    /// # Errors
-    /// [`EngineError::ChangeStore`].
-    pub fn list_changes(&self, kind: ChangeKind) -> Result<Vec<(ChangeId, u64)>, EngineError> {
-        Ok(self.changes().list(kind)?)
     }
 }

@@ -1,0 +1,65 @@
+//! `skyglow kept`: which scenarios and plans there are.
+
+use crate::{
+    failure::Failure,
+    flags::{DataFlags, JsonFlags},
+    table::aligned,
+};
+use clap::Args;
+use serde::Serialize;
+use skyglow_http::{
+    answers::{PlanEntry, ScenarioEntry},
+    kept::{kept_plans, kept_scenarios},
+};
+use skyglow_scene::{ChangeLimits, ChangeStore, SceneId, SceneStore};
+
+/// List the scenarios and plans that are kept of a scene, the newest first
+///
+/// Each id is taken by every query as --scenario.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  skyglow kept --scene demo")]
+pub(crate) struct Kept {
+    /// The scene's id
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
+    scene: SceneId,
+    #[command(flatten)]
+    data: DataFlags,
+    #[command(flatten)]
+    json: JsonFlags,
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Lists {
+    scenarios: Vec<ScenarioEntry>,
+    plans: Vec<PlanEntry>,
+}
+
+impl Kept {
+    /// Runs the command.
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let folder = self.data.folder();
+        // A scene that is not there is an error, not an empty list.
+        SceneStore::new(&folder).open(&self.scene).map_err(Failure::work)?;
+        let changes = ChangeStore::new(&folder, ChangeLimits::none());
+        let scenarios = kept_scenarios(&changes, &self.scene).map_err(Failure::work)?;
+        let plans = kept_plans(&changes, &self.scene).map_err(Failure::work)?;
+        if self.json.json {
+            return super::print_json(&Lists { scenarios, plans });
+        }
+        let painted = scenarios.iter().map(|entry| {
+            let title = entry.title.as_deref().unwrap_or("no title");
+            vec![entry.id.clone(), entry.created.clone(), format!("{title}, {} edits", entry.edit_count)]
+        });
+        let planned = plans.iter().map(|entry| {
+            let share = 100.0 * entry.flux_removed_share;
+            let what = format!("{}, {} sites, {share:.2} % of the flux goes", entry.method, entry.site_count);
+            vec![entry.id.clone(), entry.created.clone(), what]
+        });
+        let rows: Vec<Vec<String>> = painted.chain(planned).collect();
+        if rows.is_empty() {
+            return super::print_line(&format!("nothing is kept of {}", self.scene));
+        }
+        super::print_line(aligned(&rows).trim_end())
+    }
+}
