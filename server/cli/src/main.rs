@@ -105,6 +105,7 @@ mod tests {
                 "influence",
                 "plan",
                 "scenario",
+                "kept",
                 "atlas",
                 "reference",
                 "bench",
