@@ -1,16 +1,17 @@
 //! Whole skies of classes of places by the engine on the CPU against their truth: sampling, interpolation and compression
 //! all count.
 //!
-//! `class_accuracy PACKS_DIR TRUTH_DIR [basis=N] [data=DATA_DIR] [every]`: TRUTH_DIR holds files of `class_truth` and
+//! `class_accuracy PACKS_DIR TRUTH_DIR [basis=N] [data=DATA_DIR] [worst=N] [every]`: TRUTH_DIR holds files of `class_truth` and
 //! `place_truth`; those of places in a scene need DATA_DIR. For every class, and every mix of lobes in it, the worst over
 //! observers and turbidities of the mean, the 99th percentile, the zenith and the horizontal illuminance, and which limit
 //! is missed; with `every` a line for each sky too. A class is lit such that its zenith is as bright as the natural sky,
 //! places as their raster says.
 
-use skyglow_physics::GeoPoint;
+use skyglow_engine::Engine;
+use skyglow_physics::{BAND_COUNT, EmissionMix, GeoPoint};
 use skyglow_scene::{PolarGrid, SceneId, SceneStore};
 use skyglow_tests::{
-    class_errors::{class_grid, engine_with, errors_of_sky},
+    class_errors::{class_grid, engine_with, errors_of_sky, skies_of},
     lobe_truth::LobeTruth,
     sky_errors::{SkyErrors, mixes},
 };
@@ -28,20 +29,23 @@ struct Options {
     basis: Option<usize>,
     data: Option<PathBuf>,
     every: bool,
+    /// How many of the worst directions of each sky are printed.
+    worst: usize,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let [_, packs, truths, rest @ ..] = arguments.as_slice() else {
-        return Err("usage: class_accuracy PACKS_DIR TRUTH_DIR [basis=N] [data=DATA_DIR] [every]".into());
+        return Err("usage: class_accuracy PACKS_DIR TRUTH_DIR [basis=N] [data=DATA_DIR] [worst=N] [every]".into());
     };
-    let mut options = Options { basis: None, data: None, every: false };
+    let mut options = Options { basis: None, data: None, every: false, worst: 0 };
     for argument in rest {
         match argument.split_once('=') {
             Some(("basis", count)) => options.basis = Some(count.parse()?),
+            Some(("worst", count)) => options.worst = count.parse()?,
             Some(("data", folder)) => options.data = Some(folder.into()),
             None if argument == "every" => options.every = true,
-            _ => return Err(format!("{argument}: expected basis=N, data=DATA_DIR or every").into()),
+            _ => return Err(format!("{argument}: expected basis=N, data=DATA_DIR, worst=N or every").into()),
         }
     }
     let engine = engine_with(Path::new(packs))?;
@@ -57,6 +61,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     format!("{} {:.0} m T {:.2}", truth.name, truth.observer_altitude_m, truth.turbidity);
                 print_line(&sky, mix, errors);
             }
+            if options.worst > 0 {
+                print_directions(&engine, &truth, &polar, emission, &options)?;
+            }
             let kept = worst.entry((truth.name.clone(), mix)).or_default();
             kept.iter_mut().zip(errors).for_each(|(kept, error)| *kept = larger(*kept, error));
         }
@@ -71,6 +78,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("# the worst over mixes too");
     for (name, errors) in classes {
         print_line(name, "all", errors);
+    }
+    Ok(())
+}
+
+/// The directions of a sky that are most off.
+fn print_directions(
+    engine: &Engine,
+    truth: &LobeTruth,
+    polar: &PolarGrid,
+    emission: EmissionMix,
+    options: &Options,
+) -> Result<(), Box<dyn Error>> {
+    let [fast, exact] = skies_of(engine, truth, polar, emission, options.basis)?;
+    let errors = fast.iter().zip(&exact).map(|(fast, exact)| {
+        let errors: [f64; BAND_COUNT] = std::array::from_fn(|band| 100.0 * (fast[band] / exact[band] - 1.0));
+        errors
+    });
+    let mut directions: Vec<_> = truth.samples.iter().zip(errors).collect();
+    let most = |errors: &[f64; BAND_COUNT]| errors.iter().fold(0f64, |most, error| most.max(error.abs()));
+    directions.sort_by(|a, b| most(&b.1).total_cmp(&most(&a.1)));
+    for (&(row, column), [red, green, blue]) in directions.into_iter().take(options.worst) {
+        println!("    row {row:2}, column {column:3}: {red:+.2}, {green:+.2}, {blue:+.2}");
     }
     Ok(())
 }

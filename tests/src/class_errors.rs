@@ -61,8 +61,7 @@ pub fn class_grid(truth: &LobeTruth) -> Result<PolarGrid, JudgeError> {
     })
 }
 
-/// Errors of the engine's sky of a grid. A class is lit such that its zenith is as bright as the natural sky, places as they
-/// are; `basis` as requests have it.
+/// Errors of the engine's sky of a grid, as [`skies_of`] has it.
 ///
 /// # Errors
 /// [`JudgeError`].
@@ -73,6 +72,25 @@ pub fn errors_of_sky(
     emission: EmissionMix,
     basis: Option<usize>,
 ) -> Result<SkyErrors, JudgeError> {
+    let [fast, exact] = skies_of(engine, truth, grid, emission, basis)?;
+    sky_errors(&truth.samples, &fast, &exact).ok_or(JudgeError::NoDirections)
+}
+
+/// Radiance in each direction of a truth, W m⁻² sr⁻¹.
+pub type Directions = Vec<[f64; BAND_COUNT]>;
+
+/// The engine's sky of a grid and the true one. A class is lit such that its zenith is as bright as the natural sky, places
+/// as they are; `basis` as requests have it.
+///
+/// # Errors
+/// [`JudgeError`].
+pub fn skies_of(
+    engine: &Engine,
+    truth: &LobeTruth,
+    grid: &PolarGrid,
+    emission: EmissionMix,
+    basis: Option<usize>,
+) -> Result<[Directions; 2], JudgeError> {
     let flux_per_dnb_flux = LampPreset::Mixed.lamp().flux_per_dnb_flux;
     let mut exact = truth.mixed_w_m2_sr(emission, flux_per_dnb_flux);
     let mut grid = grid.clone();
@@ -91,10 +109,10 @@ pub fn errors_of_sky(
         flux_per_dnb_flux,
         basis,
     })?;
-    let fast: Vec<[f64; BAND_COUNT]> = truth
+    let fast = truth
         .samples
         .iter()
         .map(|&(row, column)| std::array::from_fn(|b| rendered.panorama.radiance_w_m2_sr(b, row, column)))
         .collect();
-    sky_errors(&truth.samples, &fast, &exact).ok_or(JudgeError::NoDirections)
+    Ok([fast, exact])
 }
