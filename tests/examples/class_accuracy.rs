@@ -36,7 +36,9 @@ struct Options {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let [_, packs, truths, rest @ ..] = arguments.as_slice() else {
-        return Err("usage: class_accuracy PACKS_DIR TRUTH_DIR [basis=N] [data=DATA_DIR] [worst=N] [every]".into());
+        return Err(
+            "usage: class_accuracy PACKS_DIR TRUTH_DIR [basis=N] [data=DATA_DIR] [worst=N] [every]".into()
+        );
     };
     let mut options = Options { basis: None, data: None, every: false, worst: 0 };
     for argument in rest {
