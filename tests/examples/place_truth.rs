@@ -1,7 +1,7 @@
 //! The truth of places spread over a scene, every lobe apart, for the `class_accuracy` example.
 //!
-//! `place_truth DATA_DIR SCENE OUT_DIR PLACES DIRECTIONS SHARE TURBIDITY,…`: one packed JSON file a place, files that are there are
-//! kept; place after place takes the next of the turbidities. All the places of one turbidity share what fields do not depend
+//! `place_truth DATA_DIR SCENE OUT_DIR PLACES DIRECTIONS SHARE TURBIDITY,… [later]`: one packed JSON file a place, files that are there are
+//! kept, with `later` their first order (and no place is added); place after place takes the next of the turbidities. All the places of one turbidity share what fields do not depend
 //! on the observer. Sources in one bin, SHARE of their distance deep and wide, are one (0 sums every source).
 
 use skyglow_physics::{
@@ -12,7 +12,7 @@ use skyglow_physics::{
 use skyglow_scene::{Scene, SceneId, SceneStore};
 use skyglow_tests::{
     lobe_sum::{AskedSky, fields, truth},
-    lobe_truth::file_name,
+    lobe_truth::{LobeTruth, file_name},
     merged_sources::merged,
     places::places,
 };
@@ -20,8 +20,14 @@ use std::{error::Error, path::Path};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let [_, data, id, out, count, directions, share, turbidities] = arguments.as_slice() else {
-        return Err("usage: place_truth DATA_DIR SCENE OUT_DIR PLACES DIRECTIONS SHARE TURBIDITY,…".into());
+    let (arguments, later) = match arguments.as_slice() {
+        [arguments @ .., last] if last == "later" => (arguments, true),
+        arguments => (arguments, false),
+    };
+    let [_, data, id, out, count, directions, share, turbidities] = arguments else {
+        return Err(
+            "usage: place_truth DATA_DIR SCENE OUT_DIR PLACES DIRECTIONS SHARE TURBIDITY,… [later]".into()
+        );
     };
     let scene = SceneStore::new(data).open(&SceneId::parse(id)?)?;
     std::fs::create_dir_all(out)?;
@@ -39,9 +45,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
         let name = file_name(&format!("{id}-{number:02}"), observer_altitude_m, turbidity.value());
         let path = Path::new(out).join(name);
-        if path.exists() {
+        if path.exists() != later {
             continue;
         }
+        let before = later.then(|| LobeTruth::read(&path)).transpose()?;
         let (sources, flux_dnb_w) = sources_at(&scene, place, share);
         if sources.is_empty() {
             println!("{place:?}: dark");
@@ -54,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             sources: &sources,
             flux_dnb_w,
         };
-        truth(&sky, *turbidity, &samples, kept)?.write(&path)?;
+        truth(&sky, *turbidity, &samples, kept, before)?.write(&path)?;
     }
     Ok(())
 }

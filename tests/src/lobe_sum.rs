@@ -33,7 +33,8 @@ pub fn fields(turbidity: Turbidity) -> KeptFields {
     KeptFields::new(Atmosphere::new(turbidity), DEFAULT_GROUND_ALBEDO, Resolution::table(), density)
 }
 
-/// The truth at some directions; says on stdout how long it took. `fields` are those of [`fields`] for the turbidity.
+/// The truth at some directions; says on stdout how long it took. `fields` are those of [`fields`] for the turbidity. The first
+/// order of `before`, a truth of the same sky and directions, is taken over: it does not depend on the solver.
 ///
 /// # Errors
 /// Altitudes beyond the solver's.
@@ -42,16 +43,21 @@ pub fn truth(
     turbidity: Turbidity,
     samples: &[GridSample],
     fields: &mut KeptFields,
+    before: Option<LobeTruth>,
 ) -> Result<LobeTruth, PhysicsError> {
     let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
     let AskedSky { name, place_deg, observer_altitude_m, sources, flux_dnb_w } = *sky;
     let start = Instant::now();
-    let first: Vec<[f64; OUTPUT_COUNT]> = direct_sum_by_lobe(
-        &[Atmosphere::new(turbidity)],
-        sources,
-        observer_altitude_m,
-        &directions,
-        TOLERANCE,
+    let digits = |values: &[f64]| values.iter().copied().map(seven_digits).collect::<Vec<_>>();
+    let same = |before: &LobeTruth| before.samples == samples && before.sources == sources.len();
+    let first_w_m2_sr = before.filter(same).map_or_else(
+        || {
+            let air = [Atmosphere::new(turbidity)];
+            let first: Vec<[f64; OUTPUT_COUNT]> =
+                direct_sum_by_lobe(&air, sources, observer_altitude_m, &directions, TOLERANCE);
+            first.iter().map(|outputs| digits(outputs)).collect()
+        },
+        |before| before.first_w_m2_sr,
     );
     let first_s = start.elapsed().as_secs_f64();
     let solved = fields.solved_count();
@@ -64,7 +70,6 @@ pub fn truth(
         fields.solved_count() - solved,
         seconds - first_s,
     );
-    let digits = |values: &[f64]| values.iter().copied().map(seven_digits).collect::<Vec<_>>();
     Ok(LobeTruth {
         name: name.to_owned(),
         place_deg,
@@ -75,7 +80,7 @@ pub fn truth(
         flux_dnb_w,
         seconds,
         samples: samples.to_vec(),
-        first_w_m2_sr: first.iter().map(|outputs| digits(outputs)).collect(),
+        first_w_m2_sr,
         later_w_m2_sr: later.iter().map(|bands| digits(bands.as_flattened())).collect(),
     })
 }

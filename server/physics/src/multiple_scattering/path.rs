@@ -47,10 +47,34 @@ pub(super) struct PathEnd {
     pub(super) through: Lanes,
 }
 
+/// How long a step is and where: near the source it is not taken at its middle alone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    /// Altitude of its middle, metres.
+    altitude_m: f64,
+    /// Its length, metres.
+    length_m: f64,
+}
+
+/// A step counts as near the source within so many of its own lengths.
+const NEAR_LENGTHS: f64 = 2.0;
+
+impl Stretch {
+    /// Whether a source `arc_m` of arc away from its middle is so near that the light along it is not that of its middle.
+    #[inline(always)]
+    pub(super) fn passes(&self, arc_m: f64, source_altitude_m: f64) -> bool {
+        let (up_m, near_m) = (self.altitude_m - source_altitude_m, NEAR_LENGTHS * self.length_m);
+        arc_m * arc_m + up_m * up_m < near_m * near_m
+    }
+}
+
 /// A ray's steps, and the ground or the base of a cloud at its end if it gets there.
 #[derive(Clone, Debug)]
 pub(super) struct SteppedPath {
     pub(super) steps: Vec<PathStep>,
+    /// Each of them, and its [`Stride::parts`] equal parts, one step after another; both empty where there is one.
+    pub(super) stretches: Vec<Stretch>,
+    pub(super) parts: Vec<PathStep>,
     pub(super) end: Option<PathEnd>,
 }
 
@@ -61,12 +85,14 @@ pub(super) struct Stride {
     pub(super) first_m: f64,
     /// Step over path so far.
     pub(super) growth: f64,
+    /// Parts into which a step is cut for a source next to it.
+    pub(super) parts: usize,
 }
 
 impl SteppedPath {
     /// A ray in the dark.
     pub(super) fn dark() -> Self {
-        Self { steps: Vec::new(), end: None }
+        Self { steps: Vec::new(), stretches: Vec::new(), parts: Vec::new(), end: None }
     }
 
     /// The ray from an altitude, which is not above the base of the cloud, if there is one.
@@ -89,7 +115,19 @@ impl SteppedPath {
             setting.atmosphere.molecule_extinction_per_m()[thickest],
             setting.atmosphere.aerosol_extinction_per_m()[thickest],
         ];
-        let mut steps = Vec::new();
+        let step_between = |from_m: f64, to_m: f64, let_through: [[f64; BAND_COUNT]; 2]| {
+            let middle = path.point(0.5 * (from_m + to_m));
+            let [before, after] = let_through;
+            PathStep {
+                arc_m: arc_m(0.5 * (from_m + to_m)),
+                layer: grid.layer_taps(middle.altitude_m),
+                cos_zenith: middle.cos_zenith,
+                weight: lanes_from_bands(std::array::from_fn(|b| (before[b] - after[b]).max(0.0))),
+            }
+        };
+        let through =
+            |columns_m| optical_depths(&setting.atmosphere, columns_m).map(|depth: f64| (-depth).exp());
+        let (mut steps, mut stretches, mut parts) = (Vec::new(), Vec::new(), Vec::new());
         let mut from_m = 0.0;
         let mut before = [1.0; BAND_COUNT];
         let mut here = path.point(0.0);
@@ -105,18 +143,24 @@ impl SteppedPath {
                 .min(climb_m / here.cos_zenith.abs().max(1e-6));
             // No crumbs at the end.
             let to_m = if from_m + 1.3 * step_m >= end_m { end_m } else { from_m + step_m };
-            let middle = path.point(0.5 * (from_m + to_m));
             let next = path.point(to_m);
-            let after = optical_depths(&setting.atmosphere, next.columns_m).map(|depth| (-depth).exp());
-            steps.push(PathStep {
-                arc_m: arc_m(0.5 * (from_m + to_m)),
-                layer: grid.layer_taps(middle.altitude_m),
-                cos_zenith: middle.cos_zenith,
-                weight: lanes_from_bands(std::array::from_fn(|b| (before[b] - after[b]).max(0.0))),
-            });
+            let after = through(next.columns_m);
+            steps.push(step_between(from_m, to_m, [before, after]));
+            if stride.parts > 1 {
+                let length_m = to_m - from_m;
+                stretches
+                    .push(Stretch { altitude_m: path.point(from_m + 0.5 * length_m).altitude_m, length_m });
+                let mut at_start = (from_m, before);
+                for part in 1..=stride.parts {
+                    let end_m = from_m + length_m * part as f64 / stride.parts as f64;
+                    let at_end = (end_m, through(path.point(end_m).columns_m));
+                    parts.push(step_between(at_start.0, end_m, [at_start.1, at_end.1]));
+                    at_start = at_end;
+                }
+            }
             (from_m, before, here) = (to_m, after, next);
             if before.iter().all(|&t| t < LEAST_TRANSMISSION) {
-                return Self { steps, end: None };
+                return Self { steps, stretches, parts, end: None };
             }
         }
         let surface = if ground_m.is_some() { Some(Surface::Ground) } else { base_m.map(|_| Surface::Base) };
@@ -125,7 +169,28 @@ impl SteppedPath {
             arc_m: arc_m(end_m),
             through: lanes_from_bands(before),
         });
-        Self { steps, end }
+        Self { steps, stretches, parts, end }
+    }
+
+    /// Calls `add` with the steps, or with the parts of those that pass a source next by, which lies `distance_m` from the start.
+    #[inline(always)]
+    pub(super) fn for_each_step(
+        &self,
+        source_altitude_m: f64,
+        (distance_m, cos_azimuth, sin_azimuth): (f64, f64, f64),
+        mut add: impl FnMut(&PathStep, (f64, f32)),
+    ) {
+        for (index, step) in self.steps.iter().enumerate() {
+            let at = track(distance_m, cos_azimuth, sin_azimuth, step.arc_m);
+            if self.stretches.get(index).is_some_and(|stretch| stretch.passes(at.0, source_altitude_m)) {
+                let count = self.parts.len() / self.steps.len();
+                for part in &self.parts[index * count..][..count] {
+                    add(part, track(distance_m, cos_azimuth, sin_azimuth, part.arc_m));
+                }
+            } else {
+                add(step, at);
+            }
+        }
     }
 }
 

@@ -112,7 +112,7 @@ struct Gathered {
 }
 
 fn stride(first_m: f64) -> Stride {
-    Stride { first_m, growth: 0.3 }
+    Stride { first_m, growth: 0.3, parts: 1 }
 }
 
 /// Radiance of one order from its source function and what the ground and the base of a cloud send back.
