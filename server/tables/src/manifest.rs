@@ -17,7 +17,7 @@ use skyglow_physics::{
 /// Version of the file format and of what its node numbers mean; a pack of another version is refused.
 pub const FORMAT_VERSION: u32 = 4;
 /// Version of the physical model; raised when the images change.
-pub const MODEL_VERSION: u32 = 3;
+pub const MODEL_VERSION: u32 = 4;
 
 /// What of a manifest decides whether the rest can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]

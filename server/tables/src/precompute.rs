@@ -70,7 +70,7 @@ pub struct PrecomputeOptions {
 }
 
 /// M of the packs that come with the program.
-pub const DEFAULT_BASIS_COUNT: usize = 80;
+pub const DEFAULT_BASIS_COUNT: usize = 96;
 
 impl PrecomputeOptions {
     /// A pack like those that come with the program.
