@@ -119,7 +119,7 @@ impl SourceField {
     }
 }
 
-fn first_radiance(first: &FirstOrder<'_>, grid: &FieldGrid, degree: usize) -> Radiance {
+pub(super) fn first_radiance(first: &FirstOrder<'_>, grid: &FieldGrid, degree: usize) -> Radiance {
     let places: Vec<_> =
         (0..grid.point_count()).into_par_iter().map(|point| first.at(grid, point, degree)).collect();
     Radiance {
