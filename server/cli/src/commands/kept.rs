@@ -49,11 +49,12 @@ impl Kept {
         }
         let painted = scenarios.iter().map(|entry| {
             let title = entry.title.as_deref().unwrap_or("no title");
-            vec![entry.id.clone(), entry.created.clone(), format!("{title}, {} edits", entry.edit_count)]
+            vec![entry.id.clone(), entry.created.clone(), format!("{title}, {}", counted(entry.edit_count, "edit"))]
         });
         let planned = plans.iter().map(|entry| {
             let share = 100.0 * entry.flux_removed_share;
-            let what = format!("{}, {} sites, {share:.2} % of the flux goes", entry.method, entry.site_count);
+            let sites = counted(entry.site_count, "site");
+            let what = format!("{}, {sites}, {share:.2} % of the flux goes", entry.method);
             vec![entry.id.clone(), entry.created.clone(), what]
         });
         let rows: Vec<Vec<String>> = painted.chain(planned).collect();
@@ -61,5 +62,20 @@ impl Kept {
             return super::print_line(&format!("nothing is kept of {}", self.scene));
         }
         super::print_line(aligned(&rows).trim_end())
+    }
+}
+
+/// `1 site`, `2 sites`.
+fn counted(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn one_is_no_plural() {
+        assert_eq!([0, 1, 2].map(|count| counted(count, "site")), ["0 sites", "1 site", "2 sites"]);
     }
 }
