@@ -49,7 +49,11 @@ impl Kept {
         }
         let painted = scenarios.iter().map(|entry| {
             let title = entry.title.as_deref().unwrap_or("no title");
-            vec![entry.id.clone(), entry.created.clone(), format!("{title}, {}", counted(entry.edit_count, "edit"))]
+            vec![
+                entry.id.clone(),
+                entry.created.clone(),
+                format!("{title}, {}", counted(entry.edit_count, "edit")),
+            ]
         });
         let planned = plans.iter().map(|entry| {
             let share = 100.0 * entry.flux_removed_share;
