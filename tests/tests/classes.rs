@@ -11,22 +11,26 @@ use skyglow_tests::{
     tree,
 };
 
-/// Three that packs are of, and those that lie between packs.
+/// Those that packs are of, and those that lie between packs.
 const TURBIDITIES: [f64; 6] = [1.75, 2.0, 2.5, 3.0, 4.0, 6.0];
+
+/// That of a pack and a truth in which nothing is missed.
+const WITHIN: f64 = 2.5;
 
 /// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with a mix of lobes. Wanted are 1, 5, 0.5 and
 /// 0.5 %; wider ones are of what `precomputed/README.md` says is missed, and why.
-fn limits(class: Class, mix: &str) -> SkyErrors {
+fn limits(class: Class, mix: &str, turbidity: f64) -> SkyErrors {
     let [mean, p99, zenith, horizontal] = match (class, mix) {
+        _ if turbidity == WITHIN => [1.0, 5.0, 0.5, 0.5],
         (Class::Spread, "garstang") => [1.0, 5.0, 0.5, 0.6],
         (Class::Spread, "horizon") => [1.0, 5.0, 0.5, 0.65],
-        (Class::AllDistances, "garstang" | "horizon") => [1.0, 5.5, 0.5, 0.5],
-        (Class::AllDistances, "lambert") => [1.0, 6.0, 0.5, 0.5],
+        (Class::AllDistances, "garstang" | "horizon") => [1.0, 5.8, 0.5, 0.5],
+        (Class::AllDistances, "lambert") => [1.0, 6.1, 0.5, 0.5],
         (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.55, 0.5],
-        (Class::CityFarOff, "oblique") => [1.0, 6.0, 0.5, 0.5],
-        (Class::Spread | Class::AllDistances, "oblique") => [1.0, 8.0, 0.5, 0.5],
-        (Class::AbovePlain, "oblique") => [1.0, 9.0, 0.5, 0.5],
-        (Class::Valley, "oblique") => [1.0, 11.5, 0.5, 0.5],
+        (Class::CityFarOff, "oblique") => [1.0, 5.8, 0.5, 0.5],
+        (Class::Spread | Class::AllDistances, "oblique") => [1.0, 7.0, 0.5, 0.5],
+        (Class::AbovePlain, "oblique") => [1.0, 8.5, 0.5, 0.5],
+        (Class::Valley, "oblique") => [1.0, 8.0, 0.5, 0.5],
         _ => [1.0, 5.0, 0.5, 0.5],
     };
     [0.01 * mean, 0.01 * p99, 0.01 * zenith, 0.01 * horizontal]
@@ -53,13 +57,16 @@ fn skies_of_every_class_are_those_of_the_stored_truth() {
             let found = errors(emission, None);
             let [mean, p99, zenith, horizontal] = found.map(|error| 100.0 * error);
             println!("{sky:38} {mix:9} {mean:6.2} {p99:7.2} {zenith:+6.2} {horizontal:+6.2}");
-            let limits = limits(class, mix);
+            let limits = limits(class, mix, truth.turbidity);
             if found.iter().zip(limits).any(|(error, limit)| error.abs() > limit) {
                 missed.push(format!("{sky}, {mix}: {found:?}, at most {limits:?}"));
             }
         }
         // The check can fail: an eighth of the functions is too few.
-        assert!(errors(EmissionMix::garstang(), Some(8))[0] > limits(class, "garstang")[0], "{sky}");
+        assert!(
+            errors(EmissionMix::garstang(), Some(8))[0] > limits(class, "garstang", truth.turbidity)[0],
+            "{sky}"
+        );
         seen.push((truth.name, truth.observer_altitude_m, truth.turbidity));
     }
     assert!(missed.is_empty(), "{missed:#?}");
