@@ -257,7 +257,7 @@ fn scenarios_and_plans_of_the_command_line_are_those_of_the_api() {
     let listed = skyglow(&["kept", "--scene", "demo", "--data", text(&data)]).expect_status(0).stdout;
     let line =
         |id: &str| listed.lines().find(|line| line.starts_with(id)).unwrap_or_else(|| panic!("{listed}"));
-    assert!(line(id).contains("amber, 1 edits") && line(&plan).contains("target, 1 sites"), "{listed}");
+    assert!(line(id).contains("amber, 1 edit") && line(&plan).contains("target, 1 site,"), "{listed}");
     let nothing = skyglow(&["kept", "--scene", "nowhere", "--data", text(&data)]).expect_status(1);
     assert!(nothing.stderr.contains("nowhere"), "{}", nothing.stderr);
 
