@@ -16,11 +16,9 @@ use skyglow_physics::{
 
 /// Version of the file format and of what its node numbers mean; a pack of another version is refused.
 pub const FORMAT_VERSION: u32 = 4;
-/// Version of the physical model; raised when the images change.
+/// Version of the physical model; raised when the images change. A pack of another one is refused: between packs of two models
+/// skies would be interpolated.
 pub const MODEL_VERSION: u32 = 4;
-/// Oldest model whose packs are read. Those of 3 have the same first order; later orders low over sources more than ten kilometres
-/// away differ by up to a factor of two in single directions, and by some per cent at the zenith beyond a hundred kilometres.
-pub(crate) const OLDEST_READ_MODEL: u32 = 3;
 
 /// What of a manifest decides whether the rest can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -32,8 +30,7 @@ pub(crate) struct Versions {
 impl Versions {
     /// Whether this program reads packs of them.
     pub(crate) fn are_read(self) -> bool {
-        self.format_version == FORMAT_VERSION
-            && (OLDEST_READ_MODEL..=MODEL_VERSION).contains(&self.model_version)
+        (self.format_version, self.model_version) == (FORMAT_VERSION, MODEL_VERSION)
     }
 }
 
@@ -277,10 +274,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packs_of_this_model_and_the_one_before_are_read_and_no_others() {
+    fn packs_of_this_format_and_model_are_read_and_no_others() {
         let read = |format_version, model_version| Versions { format_version, model_version }.are_read();
-        assert!(read(FORMAT_VERSION, MODEL_VERSION) && read(FORMAT_VERSION, OLDEST_READ_MODEL));
-        assert!(!read(FORMAT_VERSION, MODEL_VERSION + 1) && !read(FORMAT_VERSION, OLDEST_READ_MODEL - 1));
+        assert!(read(FORMAT_VERSION, MODEL_VERSION));
+        assert!(!read(FORMAT_VERSION, MODEL_VERSION + 1) && !read(FORMAT_VERSION, MODEL_VERSION - 1));
         assert!(!read(FORMAT_VERSION - 1, MODEL_VERSION) && !read(FORMAT_VERSION + 1, MODEL_VERSION));
     }
 }

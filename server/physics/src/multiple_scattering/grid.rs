@@ -162,8 +162,20 @@ impl FieldGrid {
     /// Where a distance lies among the rings; None beyond the outermost.
     #[inline(always)]
     pub(super) fn ring_at(&self, distance_m: f64) -> Option<Between> {
-        let position = quick_ring_coordinate(distance_m).max(0.0) / self.ring_step;
-        let lower = position as usize;
+        self.between_rings(self.ring_position(distance_m))
+    }
+
+    /// A distance in rings from the source's vertical.
+    #[inline(always)]
+    pub(super) fn ring_position(&self, distance_m: f64) -> f64 {
+        quick_ring_coordinate(distance_m).max(0.0) / self.ring_step
+    }
+
+    /// The rings around a position; None beyond the outermost.
+    #[inline(always)]
+    pub(super) fn between_rings(&self, position: f64) -> Option<Between> {
+        // Through i32: one instruction, where a conversion to usize is eight.
+        let lower = position as i32 as usize;
         (lower + 1 < self.ring_m.len()).then_some(Between { lower, upper_weight: position - lower as f64 })
     }
 

@@ -5,7 +5,7 @@
 //! radiance into those of the scattered one, χ_l·L_lm, whatever the direction: that is why radiance is kept in
 //! moments here.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::LazyLock};
 
 /// Number of (l, m) pairs, 0 ≤ m ≤ l ≤ `degree`.
 pub(super) const fn pair_count(degree: usize) -> usize {
@@ -15,6 +15,22 @@ pub(super) const fn pair_count(degree: usize) -> usize {
 /// Place of (l, m) in an array of [`pair_count`] entries.
 pub(super) const fn pair_index(l: usize, m: usize) -> usize {
     l * (l + 1) / 2 + m
+}
+
+/// Pairs of a degree no field has more of.
+const KEPT_DEGREE: usize = 40;
+/// [`factors`] of every pair up to [`KEPT_DEGREE`]: roots and quotients took a thirtieth of a field's time.
+static FACTORS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
+    (0..=KEPT_DEGREE)
+        .flat_map(|l| (0..=l).map(move |m| if m < l { factors(l, m) } else { (0.0, 0.0) }))
+        .collect()
+});
+
+/// What P_l of order m is made of: (a, b) of a·(μ·P_{l−1} − b·P_{l−2}), m < l.
+fn factors(l: usize, m: usize) -> (f64, f64) {
+    let (l2, m2) = ((l * l) as f64, (m * m) as f64);
+    let b2 = ((l - 1) * (l - 1)) as f64;
+    (((4.0 * l2 - 1.0) / (l2 - m2)).sqrt(), ((b2 - m2) / (4.0 * b2 - 1.0)).sqrt())
 }
 
 /// N_lm·P_lm(μ) for all pairs up to `degree`, sr^−½; times cos mφ they are orthonormal over the sphere.
@@ -33,10 +49,7 @@ pub(super) fn legendre(degree: usize, cos_zenith: f64) -> Vec<f64> {
         values[pair_index(m, m)] = sectoral;
         let (mut before, mut last) = (0.0, sectoral);
         for l in m + 1..=degree {
-            let (l2, m2) = ((l * l) as f64, (m * m) as f64);
-            let b2 = ((l - 1) * (l - 1)) as f64;
-            let a = ((4.0 * l2 - 1.0) / (l2 - m2)).sqrt();
-            let b = ((b2 - m2) / (4.0 * b2 - 1.0)).sqrt();
+            let (a, b) = FACTORS.get(pair_index(l, m)).copied().unwrap_or_else(|| factors(l, m));
             (before, last) = (last, a * (cos_zenith * last - b * before));
             values[pair_index(l, m)] = last;
         }

@@ -8,7 +8,8 @@
 use super::{
     grid::{Between, FieldGrid, LayerTaps},
     harmonics::{cosines, legendre, pair_count, pair_index},
-    lanes::{LANES, Lanes, arccos, exp_lanes},
+    lanes::{LANES, Lanes, add_two, exp_lanes},
+    path::{PathStep, StepPlace, StepSum},
     setting::SourceSetting,
     wide::dispatch_wide,
 };
@@ -168,14 +169,12 @@ impl SourceFunction {
             let first = layer * grid.ring_count() + ring.lower;
             let (near, far) = (&self.ln_mean[first], &self.ln_mean[first + 1]);
             let (near_weight, far_weight) = (weight * (1.0 - wr), weight * wr);
-            for lane in 0..LANES {
-                ln_mean[lane] += near_weight * near[lane] + far_weight * far[lane];
-            }
+            add_two(&mut ln_mean, (near_weight, near), (far_weight, far));
         }
         ln_mean
     }
 
-    /// S at a place between grid points for the direction of a table, m⁻² sr⁻¹ per watt.
+    /// S at a place between grid points for the direction of a table, m⁻² sr⁻¹ per watt. The azimuth is 0..=π.
     #[inline(always)]
     pub(super) fn sample(
         &self,
@@ -183,10 +182,10 @@ impl SourceFunction {
         grid: &FieldGrid,
         ring: Between,
         layer: &LayerTaps,
-        cos_azimuth: f32,
+        azimuth_rad: f32,
     ) -> Lanes {
-        let position = arccos(cos_azimuth) * (table.intervals as f32 / std::f32::consts::PI);
-        let azimuth = (position as usize).min(table.intervals - 1);
+        let position = azimuth_rad * (table.intervals as f32 / std::f32::consts::PI);
+        let azimuth = (position as i32 as usize).min(table.intervals - 1);
         let s = position - azimuth as f32;
         let (wr, wz) = (ring.upper_weight as f32, layer.between.upper_weight as f32);
         let ln_mean = self.ln_mean_at(grid, ring, layer);
@@ -202,9 +201,7 @@ impl SourceFunction {
             let at = point * (table.intervals + 1) + azimuth;
             let (near, far) = (&table.shape[at], &table.shape[at + 1]);
             let (near_weight, far_weight) = (weight * (1.0 - s), weight * s);
-            for lane in 0..LANES {
-                shape[lane] += near_weight * near[lane] + far_weight * far[lane];
-            }
+            add_two(&mut shape, (near_weight, near), (far_weight, far));
         }
         let mean = exp_lanes(&ln_mean);
         let mut value = [0.0; LANES];
@@ -212,6 +209,26 @@ impl SourceFunction {
             value[lane] = mean[lane] * shape[lane].max(0.0);
         }
         value
+    }
+}
+
+/// What the source function adds along a path in the direction of a table.
+pub(super) struct Along<'a> {
+    pub(super) source: &'a SourceFunction,
+    pub(super) table: &'a DirectionTable,
+    pub(super) grid: &'a FieldGrid,
+    /// m⁻² sr⁻¹ per watt.
+    pub(super) sum: Lanes,
+}
+
+impl StepSum for Along<'_> {
+    #[inline(always)]
+    fn add(&mut self, step: &PathStep, at: StepPlace) {
+        let Some(ring) = at.ring else { return };
+        let value = self.source.sample(self.table, self.grid, ring, &step.layer, at.azimuth_rad);
+        for lane in 0..LANES {
+            self.sum[lane] += step.weight[lane] * value[lane];
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
     lanes::{LANES, Lanes},
     path::{SteppedPath, Stride, track},
     setting::{Resolution, SourceSetting},
-    source_function::{DirectionTable, Moments, SourceFunction},
+    source_function::{Along, DirectionTable, Moments, SourceFunction},
     surfaces::Surfaces,
     wide::dispatch_wide,
 };
@@ -236,6 +236,14 @@ dispatch_wide!(
     (sky: &Sky<'_>, zenith: &Zenith<'_>, azimuths: &[Azimuth], degree: usize, place: &mut Gathered)
 );
 
+/// sum += factor·values, by index: an array that is iterated over by value makes no vectors.
+#[inline(always)]
+fn add(sum: &mut [f64; LANES], factor: f64, values: &[f64; LANES]) {
+    for lane in 0..LANES {
+        sum[lane] += factor * values[lane];
+    }
+}
+
 #[inline(always)]
 fn gather_body(
     sky: &Sky<'_>,
@@ -246,25 +254,17 @@ fn gather_body(
 ) {
     let mut modes = vec![[0.0f64; LANES]; degree + 1];
     for azimuth in azimuths {
-        let radiance = sky.along(azimuth.cosine, azimuth.sine);
+        let radiance = sky.along(azimuth.cosine, azimuth.sine).map(f64::from);
         for (mode, cosine) in modes.iter_mut().zip(&azimuth.cosines) {
-            for (sum, value) in mode.iter_mut().zip(radiance) {
-                *sum += cosine * azimuth.weight * f64::from(value);
-            }
+            add(mode, cosine * azimuth.weight, &radiance);
         }
     }
-    for (sum, value) in place.down_flux.iter_mut().zip(modes[0]) {
-        *sum += zenith.weight * zenith.cosine.max(0.0) * value;
-    }
-    for (sum, value) in place.up_flux.iter_mut().zip(modes[0]) {
-        *sum += zenith.weight * (-zenith.cosine).max(0.0) * value;
-    }
+    add(&mut place.down_flux, zenith.weight * zenith.cosine.max(0.0), &modes[0]);
+    add(&mut place.up_flux, zenith.weight * (-zenith.cosine).max(0.0), &modes[0]);
     for l in 0..=degree {
         for (m, mode) in modes.iter().enumerate().take(l + 1) {
             let factor = zenith.weight * zenith.legendre[pair_index(l, m)];
-            for (sum, value) in place.moments[pair_index(l, m)].iter_mut().zip(mode) {
-                *sum += factor * value;
-            }
+            add(&mut place.moments[pair_index(l, m)], factor, mode);
         }
     }
 }
@@ -273,15 +273,10 @@ impl Sky<'_> {
     /// Radiance at the start of a ray, m⁻² sr⁻¹ per watt.
     #[inline(always)]
     fn along(&self, cos_azimuth: f64, sin_azimuth: f64) -> Lanes {
-        let mut sum = [0.0; LANES];
+        let mut along = Along { source: self.source, table: self.table, grid: self.grid, sum: [0.0; LANES] };
         let start = (self.distance_m, cos_azimuth, sin_azimuth);
-        self.path.for_each_step(self.source_altitude_m, start, |step, (from_source_m, cosine)| {
-            let Some(ring) = self.grid.ring_at(from_source_m) else { return };
-            let value = self.source.sample(self.table, self.grid, ring, &step.layer, cosine);
-            for lane in 0..LANES {
-                sum[lane] += step.weight[lane] * value[lane];
-            }
-        });
+        self.path.for_each_step(self.grid, self.source_altitude_m, start, &mut along);
+        let mut sum = along.sum;
         if let Some(end) = &self.path.end {
             let (distance_m, _) = track(self.distance_m, cos_azimuth, sin_azimuth, end.arc_m);
             if let Some(ring) = self.grid.ring_at(distance_m) {

@@ -9,8 +9,8 @@ use super::{
     field::SourceField,
     harmonics::{cosines, legendre},
     lanes::{LANES, Lanes, exp_lanes, outputs_from_lanes},
-    path::{SteppedPath, Stride, track},
-    source_function::DirectionTable,
+    path::{PathStep, StepPlace, StepSum, SteppedPath, Stride, track},
+    source_function::{Along, DirectionTable},
     wide::dispatch_wide,
 };
 use crate::{
@@ -86,15 +86,11 @@ dispatch_wide!(
 
 #[inline(always)]
 fn sum_steps_body(row: &ViewRow<'_>, distance_m: f64, cos_azimuth: f64, sin_azimuth: f64, sum: &mut Lanes) {
-    let field = row.field;
+    let ViewRow { field, path, table } = row;
+    let mut along = Along { source: &field.source, table, grid: &field.grid, sum: *sum };
     let start = (distance_m, cos_azimuth, sin_azimuth);
-    row.path.for_each_step(field.setting.source_altitude_m, start, |step, (from_source_m, cosine)| {
-        let Some(ring) = field.grid.ring_at(from_source_m) else { return };
-        let value = field.source.sample(&row.table, &field.grid, ring, &step.layer, cosine);
-        for lane in 0..LANES {
-            sum[lane] += step.weight[lane] * value[lane];
-        }
-    });
+    path.for_each_step(&field.grid, field.setting.source_altitude_m, start, &mut along);
+    *sum = along.sum;
 }
 
 impl SourceField {
@@ -133,36 +129,49 @@ impl SourceField {
         )?;
         let path = view_path(self, geometry.observer_altitude_m, elevation_rad)?;
         let (sine, cosine) = relative_azimuth_rad.sin_cos();
-        let mut sum = [0.0f32; LANES];
+        let mut along = WithoutTable { field: self, sum: [0.0; LANES] };
         let start = (geometry.distance_m, -cosine, sine);
-        path.for_each_step(solved_m, start, |step, (from_source_m, cos_azimuth)| {
-            let Some(ring) = self.grid.ring_at(from_source_m) else { return };
-            let degree = self.source.degree;
-            let polar: Vec<f32> = legendre(degree, step.cos_zenith).iter().map(|&p| p as f32).collect();
-            let azimuthal: Vec<f32> =
-                cosines(degree, f64::from(cos_azimuth)).iter().map(|&c| c as f32).collect();
-            let between = step.layer.between;
-            let first = between.lower * self.grid.ring_count() + ring.lower;
-            let (wr, wz) = (ring.upper_weight as f32, between.upper_weight as f32);
-            let mut shape: Lanes = [0.0; LANES];
-            for (point, weight) in [
-                (first, (1.0 - wr) * (1.0 - wz)),
-                (first + 1, wr * (1.0 - wz)),
-                (first + self.grid.ring_count(), (1.0 - wr) * wz),
-                (first + self.grid.ring_count() + 1, wr * wz),
-            ] {
-                let corner = self.source.shape_at(point, &polar, &azimuthal);
-                for lane in 0..LANES {
-                    shape[lane] += weight * corner[lane];
-                }
-            }
-            let mean = exp_lanes(&self.source.ln_mean_at(&self.grid, ring, &step.layer));
-            for lane in 0..LANES {
-                sum[lane] += step.weight[lane] * mean[lane] * shape[lane].max(0.0);
-            }
-        });
+        path.for_each_step(&self.grid, solved_m, start, &mut along);
+        let mut sum = along.sum;
         self.add_base(&path, start, &mut sum);
         Ok(outputs_from_lanes(&sum.map(f64::from)))
+    }
+}
+
+/// Sums the moments of the field at every step.
+struct WithoutTable<'a> {
+    field: &'a SourceField,
+    sum: Lanes,
+}
+
+impl StepSum for WithoutTable<'_> {
+    #[inline(always)]
+    fn add(&mut self, step: &PathStep, at: StepPlace) {
+        let SourceField { grid, source, .. } = self.field;
+        let Some(ring) = at.ring else { return };
+        let degree = source.degree;
+        let polar: Vec<f32> = legendre(degree, step.cos_zenith).iter().map(|&p| p as f32).collect();
+        let azimuthal: Vec<f32> =
+            cosines(degree, f64::from(at.cos_azimuth)).iter().map(|&c| c as f32).collect();
+        let between = step.layer.between;
+        let first = between.lower * grid.ring_count() + ring.lower;
+        let (wr, wz) = (ring.upper_weight as f32, between.upper_weight as f32);
+        let mut shape: Lanes = [0.0; LANES];
+        for (point, weight) in [
+            (first, (1.0 - wr) * (1.0 - wz)),
+            (first + 1, wr * (1.0 - wz)),
+            (first + grid.ring_count(), (1.0 - wr) * wz),
+            (first + grid.ring_count() + 1, wr * wz),
+        ] {
+            let corner = source.shape_at(point, &polar, &azimuthal);
+            for lane in 0..LANES {
+                shape[lane] += weight * corner[lane];
+            }
+        }
+        let mean = exp_lanes(&source.ln_mean_at(grid, ring, &step.layer));
+        for lane in 0..LANES {
+            self.sum[lane] += step.weight[lane] * mean[lane] * shape[lane].max(0.0);
+        }
     }
 }
 

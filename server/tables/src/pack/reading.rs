@@ -6,7 +6,7 @@ use crate::{
     blocked::{BlockedAxes, BlockedTables},
     error::TablesError,
     images::IMAGE_COUNT,
-    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, OLDEST_READ_MODEL, Versions},
+    manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Versions},
     packing::{from_distance_differences, from_steps, unshuffle},
     resident::FREQUENCY_COUNT,
 };
@@ -128,8 +128,8 @@ fn read_manifest(json: &[u8]) -> Result<Manifest, String> {
     let versions: Versions = serde_json::from_slice(json).map_err(unreadable)?;
     if !versions.are_read() {
         return Err(format!(
-            "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION} or \
-             {OLDEST_READ_MODEL}; make it again with `skyglow precompute`",
+            "it has format {} of model {}, this program reads format {FORMAT_VERSION} of model {MODEL_VERSION}; \
+             make it again with `skyglow precompute`",
             versions.format_version, versions.model_version
         ));
     }
