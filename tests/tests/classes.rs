@@ -14,23 +14,21 @@ use skyglow_tests::{
 /// Those that packs are of, and those that lie between packs.
 const TURBIDITIES: [f64; 6] = [1.75, 2.0, 2.5, 3.0, 4.0, 6.0];
 
-/// That of a pack and a truth in which nothing is missed.
-const WITHIN: f64 = 2.5;
+/// Those in which nothing is missed: two of packs, and one between them.
+const WITHIN: [f64; 3] = [2.0, 2.5, 3.0];
 
 /// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with a mix of lobes. Wanted are 1, 5, 0.5 and
 /// 0.5 %; wider ones are of what `precomputed/README.md` says is missed, and why.
 fn limits(class: Class, mix: &str, turbidity: f64) -> SkyErrors {
     let [mean, p99, zenith, horizontal] = match (class, mix) {
-        _ if turbidity == WITHIN => [1.0, 5.0, 0.5, 0.5],
+        _ if WITHIN.contains(&turbidity) => [1.0, 5.0, 0.5, 0.5],
         (Class::Spread, "garstang") => [1.0, 5.0, 0.5, 0.6],
         (Class::Spread, "horizon") => [1.0, 5.0, 0.5, 0.65],
         (Class::AllDistances, "garstang" | "horizon") => [1.0, 5.8, 0.5, 0.5],
         (Class::AllDistances, "lambert") => [1.0, 6.1, 0.5, 0.5],
         (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.55, 0.5],
-        (Class::CityFarOff, "oblique") => [1.0, 5.8, 0.5, 0.5],
-        (Class::Spread | Class::AllDistances, "oblique") => [1.0, 7.0, 0.5, 0.5],
-        (Class::AbovePlain, "oblique") => [1.0, 8.5, 0.5, 0.5],
-        (Class::Valley, "oblique") => [1.0, 8.0, 0.5, 0.5],
+        (Class::AbovePlain, "oblique") => [1.0, 5.3, 0.5, 0.5],
+        (Class::Spread | Class::Valley, "oblique") => [1.0, 6.1, 0.5, 0.5],
         _ => [1.0, 5.0, 0.5, 0.5],
     };
     [0.01 * mean, 0.01 * p99, 0.01 * zenith, 0.01 * horizontal]
