@@ -248,8 +248,8 @@ impl Places {
             azimuth_rad: [0.0; BLOCK],
             ring: [0.0; BLOCK],
         };
-        for at in 0..BLOCK {
-            let (distance_m, cosine) = track(start_m, cos_azimuth, sin_azimuth, arc_m[at]);
+        for (at, &arc_m) in arc_m.iter().enumerate() {
+            let (distance_m, cosine) = track(start_m, cos_azimuth, sin_azimuth, arc_m);
             places.distance_m[at] = distance_m;
             places.cos_azimuth[at] = cosine;
             places.azimuth_rad[at] = arccos(cosine);

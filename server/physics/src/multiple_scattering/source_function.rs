@@ -226,8 +226,8 @@ impl StepSum for Along<'_> {
     fn add(&mut self, step: &PathStep, at: StepPlace) {
         let Some(ring) = at.ring else { return };
         let value = self.source.sample(self.table, self.grid, ring, &step.layer, at.azimuth_rad);
-        for lane in 0..LANES {
-            self.sum[lane] += step.weight[lane] * value[lane];
+        for (sum, (weight, value)) in self.sum.iter_mut().zip(step.weight.iter().zip(&value)) {
+            *sum += weight * value;
         }
     }
 }
