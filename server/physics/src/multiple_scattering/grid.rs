@@ -171,7 +171,7 @@ impl FieldGrid {
         quick_ring_coordinate(distance_m).max(0.0) / self.ring_step
     }
 
-    /// The rings around a position; None beyond the outermost.
+    /// The rings around a position, 0 or more; None beyond the outermost.
     #[inline(always)]
     pub(super) fn between_rings(&self, position: f64) -> Option<Between> {
         // Through i32: one instruction, where a conversion to usize is eight.

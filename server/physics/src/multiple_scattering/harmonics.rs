@@ -17,7 +17,7 @@ pub(super) const fn pair_index(l: usize, m: usize) -> usize {
     l * (l + 1) / 2 + m
 }
 
-/// Pairs of a degree no field has more of.
+/// More than the degree of any field, which is 36 at most.
 const KEPT_DEGREE: usize = 40;
 /// [`factors`] of every pair up to [`KEPT_DEGREE`]: roots and quotients took a thirtieth of a field's time.
 static FACTORS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {

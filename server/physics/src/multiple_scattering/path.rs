@@ -172,7 +172,8 @@ impl SteppedPath {
         Self { steps, stretches, parts, end }
     }
 
-    /// Gives `sum` the steps, or the parts of those that pass a source next by, which lies `distance_m` from the start.
+    /// Gives `sum` the steps, or the parts of those that pass the source next by. `start` is the ray's: its distance from the source's
+    /// vertical [m], and cosine and sine of its azimuth from the outward direction.
     #[inline(always)]
     pub(super) fn for_each_step(
         &self,
@@ -204,7 +205,7 @@ impl SteppedPath {
 }
 
 /// What steps are given to. A trait and not a closure: its method can be inlined by force, and code that is not inlined lacks the
-/// vectors of eight of what calls it (the fields of a pack took a third longer).
+/// vectors of eight of what calls it.
 pub(super) trait StepSum {
     /// A step and where it is.
     fn add(&mut self, step: &PathStep, at: StepPlace);
