@@ -51,13 +51,12 @@ struct Group {
 /// metres of altitude. The tables' offsets are farther apart than that: the sky slides where it should fall, and then
 /// falls where the truth is dark already. Below a lamp a
 /// kilometre above the eye and two away, the lowest row, where no first order is left, fades to black in the pack of 2.5 where
-/// packs before had 5e-5 cd m⁻²: its steps are shares of a tenth of a natural sky at least. With 80 functions
-/// a lamp 2 500 m above and 2 km away, steeper than any ridge, steps by 5 % of a row high above it. Nothing else may jump.
+/// packs before had 5e-5 cd m⁻²: its steps are shares of a tenth of a natural sky at least. Nothing else may jump.
 const GROUPS: [Group; 3] = [
     Group {
         words: "all around",
         looks: 3..LOOKS.len(),
-        limit: 0.06,
+        limit: 0.04,
         floor_cd_m2: LUMINANCE_FLOOR_CD_M2,
         planted: 1.15,
     },
