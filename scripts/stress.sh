@@ -6,4 +6,6 @@ cd "$(dirname "$0")/.."
 export NODEVICE_SELECT="${NODEVICE_SELECT:-1}"
 
 scripts/system_packages.sh test
-exec cargo run --release --package skyglow-tests --bin stress -- "$@"
+# Of the whole workspace, as the tests are: of one package alone dependencies would be built anew with other features.
+cargo build --release --workspace --bin stress
+exec "${CARGO_TARGET_DIR:-target}/release/stress" "$@"
