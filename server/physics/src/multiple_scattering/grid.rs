@@ -174,9 +174,22 @@ impl FieldGrid {
     /// The rings around a position, 0 or more; None beyond the outermost.
     #[inline(always)]
     pub(super) fn between_rings(&self, position: f64) -> Option<Between> {
-        // Through i32: one instruction, where a conversion to usize is eight.
+        // Through i32, which converts in fewer instructions than usize.
         let lower = position as i32 as usize;
         (lower + 1 < self.ring_m.len()).then_some(Between { lower, upper_weight: position - lower as f64 })
+    }
+
+    /// The four points around a place between rings and layers, and their weights.
+    #[inline(always)]
+    pub(super) fn corners(&self, ring: Between, layer: Between) -> [(usize, f32); 4] {
+        let (wr, wz) = (ring.upper_weight as f32, layer.upper_weight as f32);
+        let first = layer.lower * self.ring_count() + ring.lower;
+        [
+            (first, (1.0 - wr) * (1.0 - wz)),
+            (first + 1, wr * (1.0 - wz)),
+            (first + self.ring_count(), (1.0 - wr) * wz),
+            (first + self.ring_count() + 1, wr * wz),
+        ]
     }
 
     /// Where an altitude lies among the layers, clamped to the ground and the top.

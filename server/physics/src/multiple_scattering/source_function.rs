@@ -187,17 +187,9 @@ impl SourceFunction {
         let position = azimuth_rad * (table.intervals as f32 / std::f32::consts::PI);
         let azimuth = (position as i32 as usize).min(table.intervals - 1);
         let s = position - azimuth as f32;
-        let (wr, wz) = (ring.upper_weight as f32, layer.between.upper_weight as f32);
         let ln_mean = self.ln_mean_at(grid, ring, layer);
-        let first = layer.between.lower * grid.ring_count() + ring.lower;
-        let corners = [
-            (first, (1.0 - wr) * (1.0 - wz)),
-            (first + 1, wr * (1.0 - wz)),
-            (first + grid.ring_count(), (1.0 - wr) * wz),
-            (first + grid.ring_count() + 1, wr * wz),
-        ];
         let mut shape = [0.0; LANES];
-        for (point, weight) in corners {
+        for (point, weight) in grid.corners(ring, layer.between) {
             let at = point * (table.intervals + 1) + azimuth;
             let (near, far) = (&table.shape[at], &table.shape[at + 1]);
             let (near_weight, far_weight) = (weight * (1.0 - s), weight * s);

@@ -153,16 +153,8 @@ impl StepSum for WithoutTable<'_> {
         let polar: Vec<f32> = legendre(degree, step.cos_zenith).iter().map(|&p| p as f32).collect();
         let azimuthal: Vec<f32> =
             cosines(degree, f64::from(at.cos_azimuth)).iter().map(|&c| c as f32).collect();
-        let between = step.layer.between;
-        let first = between.lower * grid.ring_count() + ring.lower;
-        let (wr, wz) = (ring.upper_weight as f32, between.upper_weight as f32);
         let mut shape: Lanes = [0.0; LANES];
-        for (point, weight) in [
-            (first, (1.0 - wr) * (1.0 - wz)),
-            (first + 1, wr * (1.0 - wz)),
-            (first + grid.ring_count(), (1.0 - wr) * wz),
-            (first + grid.ring_count() + 1, wr * wz),
-        ] {
+        for (point, weight) in grid.corners(ring, step.layer.between) {
             let corner = source.shape_at(point, &polar, &azimuthal);
             for lane in 0..LANES {
                 shape[lane] += weight * corner[lane];
