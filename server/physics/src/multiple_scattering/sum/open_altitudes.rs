@@ -9,6 +9,27 @@ use crate::interpolation::lagrange_taps;
 
 /// Distances of the lowest nodes above the observer, in steps; then even ones.
 const CROWDED: [f64; 3] = [0.0, 1.0 / 6.0, 0.5];
+/// Where sources span less than the steps that [`TAPS`] nodes take, steps are halved, at most so many times: a line in the
+/// logarithm between fields at 0 and 300 m is 2 to 18 % off in the lowest row at turbidity 6, halfway, seen from 302 m, and
+/// 0.5 % at the zenith; four nodes 75 m apart are within 0.2 % of nodes twice as close.
+#[derive(Clone, Copy)]
+struct Narrow {
+    steps: f64,
+    most_halvings: u32,
+}
+
+impl Narrow {
+    /// The step of a side on which sources span some metres.
+    fn step_m(self, span_m: f64, step_m: f64) -> f64 {
+        let halved = (0..=self.most_halvings).map(|times| step_m / f64::from(1u32 << times));
+        halved.clone().find(|step_m| span_m >= self.steps * step_m).or(halved.last()).unwrap_or(step_m)
+    }
+}
+
+/// Below the observer nodes are even.
+const BELOW: Narrow = Narrow { steps: (TAPS - 1) as f64, most_halvings: 3 };
+/// Above, three lie within the first half of a step.
+const ABOVE: Narrow = Narrow { steps: CROWDED[2] + TOO_CLOSE, most_halvings: 1 };
 /// A node that another follows this closely gives way to it, in steps: neighbours so near would have weights of many times
 /// 1 between farther ones. So no gap is wider than a step and this.
 const TOO_CLOSE: f64 = 0.2;
@@ -26,8 +47,9 @@ pub(super) struct OpenAltitudes {
 }
 
 impl OpenAltitudes {
-    /// For sources at some altitudes, of which there is at least one; nodes are `step_m` apart, or up to a fifth more. Where
-    /// the sources have no more altitudes on a side than it would have nodes, theirs are the nodes.
+    /// For sources at some altitudes, of which there is at least one; nodes are `step_m` apart, or up to a fifth more, and
+    /// closer on a side that is narrow. Where the sources have no more altitudes on a side than it would have nodes, theirs
+    /// are the nodes.
     pub(super) fn new(altitudes_m: impl Iterator<Item = f64>, observer_altitude_m: f64, step_m: f64) -> Self {
         let mut own: Vec<f64> = altitudes_m.collect();
         own.sort_by(f64::total_cmp);
@@ -35,18 +57,25 @@ impl OpenAltitudes {
         let (low, high) = own.split_at(own.partition_point(|&altitude_m| altitude_m <= observer_altitude_m));
         let fewer =
             |nodes: Vec<f64>, own: &[f64]| if own.len() <= nodes.len() { own.to_vec() } else { nodes };
+        let mut step_below_m = step_m;
         let below_nodes = match low {
-            [lowest, .., highest] => fewer(nodes_below_m(*lowest, *highest, step_m), low),
+            [lowest, .., highest] => {
+                step_below_m = BELOW.step_m(highest - lowest, step_m);
+                fewer(nodes_below_m(*lowest, *highest, step_below_m), low)
+            }
             own => own.to_vec(),
         };
         let above_nodes = match high {
             [] => Vec::new(),
-            [.., highest] => fewer(nodes_above_m(observer_altitude_m, *highest, step_m), high),
+            [.., highest] => {
+                let step_m = ABOVE.step_m(highest - observer_altitude_m, step_m);
+                fewer(nodes_above_m(observer_altitude_m, *highest, step_m), high)
+            }
         };
         let mut altitude_m = below_nodes;
         if above_nodes.first() == Some(&observer_altitude_m) {
             // That node is of both sides.
-            altitude_m.retain(|&node_m| node_m < observer_altitude_m - TOO_CLOSE * step_m);
+            altitude_m.retain(|&node_m| node_m < observer_altitude_m - TOO_CLOSE * step_below_m);
         }
         altitude_m.extend(above_nodes);
         let below = altitude_m.partition_point(|&node_m| node_m <= observer_altitude_m);
@@ -103,10 +132,13 @@ mod tests {
     fn few_altitudes_are_their_own_nodes_and_many_lie_between_nodes_of_their_side_of_the_observer() {
         assert_eq!(nodes(&[40.0, 40.0], 900.0).altitude_m, [40.0]);
         assert_eq!(nodes(&[100.0, 400.0], 200.0).altitude_m, [100.0, 400.0]);
+        // Under a plain and a hill, and above an eye at the sea: a line between two nodes was 300 m long there.
+        assert_eq!(nodes(&[0.0, 100.0, 300.0], 302.0).altitude_m, [0.0, 100.0, 300.0]);
+        assert_eq!(nodes(&[100.0, 200.0, 300.0], 2.0).altitude_m, [100.0, 200.0, 300.0]);
         let many: Vec<f64> = (0..=100).map(|k| 13.0 * f64::from(k)).collect();
         assert_eq!(nodes(&many, 2_000.0).altitude_m, [0.0, 300.0, 600.0, 900.0, 1_200.0, 1_300.0]);
         let around = nodes(&many, 500.0);
-        let expected = [0.0, 300.0, 500.0, 550.0, 650.0, 950.0, 1_300.0];
+        let expected = [0.0, 150.0, 300.0, 450.0, 500.0, 550.0, 650.0, 950.0, 1_300.0];
         assert_eq!(around.altitude_m, expected);
         for &altitude_m in &many {
             let taps = around.taps(altitude_m);
@@ -138,6 +170,22 @@ mod tests {
             assert!(gaps_m.clone().all(|gap_m| gap_m > 9.0), "{:?}", around.altitude_m);
         }
         assert!(most > 1.1 && most < 3.0, "{most}");
+    }
+
+    #[test]
+    fn narrow_sides_have_as_many_nodes_as_interpolation_takes_unless_those_were_a_few_metres_apart() {
+        for span_m in [120.0, 200.0, 299.0, 300.0, 600.0, 899.0, 900.0] {
+            let many: Vec<f64> = (0..=200).map(|k| span_m * f64::from(k) / 200.0).collect();
+            for [low_m, eye_m] in [[0.0, 2_000.0], [40.0, 2_000.0], [100.0, 40.0], [100.0, 100.0]] {
+                let altitudes_m: Vec<f64> = many.iter().map(|above_m| low_m + above_m).collect();
+                let around = nodes(&altitudes_m, eye_m);
+                let sides = [around.below, around.altitude_m.len() - around.first_above];
+                assert!(sides.iter().all(|&side| side <= 1 || side >= TAPS), "{span_m} {around:?}");
+                // No more than twice as many as needed.
+                assert!(sides.iter().all(|&side| side <= 2 * TAPS + 1), "{span_m} {around:?}");
+            }
+        }
+        assert_eq!(nodes(&[0.0, 1.0, 2.0, 2.5], 900.0).altitude_m, [0.0, 2.5]);
     }
 
     #[test]
