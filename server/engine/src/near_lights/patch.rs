@@ -23,7 +23,7 @@ use skyglow_tables::images::{ACROSS_COLUMN, NEAR_COLUMN_COUNT as AVERAGED};
 /// Columns and rows of a patch.
 const SIDE: usize = LANES;
 /// A patch counts in full within so many columns or rows of its light, and falls to nothing at [`REACH`].
-const FULL_WITHIN: f32 = 2.0;
+const FULL_WITHIN: f32 = 3.0;
 const REACH: f32 = 4.0;
 /// Columns of a node's image that patches look at: 0 to 4 from its own, and as many on the other side.
 const HALF: usize = SIDE / 2 + 1;
