@@ -21,8 +21,9 @@ struct Narrow {
 impl Narrow {
     /// The step of a side on which sources span some metres.
     fn step_m(self, span_m: f64, step_m: f64) -> f64 {
-        let halved = (0..=self.most_halvings).map(|times| step_m / f64::from(1u32 << times));
-        halved.clone().find(|step_m| span_m >= self.steps * step_m).or(halved.last()).unwrap_or(step_m)
+        let halved = |times: u32| step_m / f64::from(1u32 << times);
+        let has_room = |step_m: &f64| span_m >= self.steps * step_m;
+        (0..self.most_halvings).map(halved).find(has_room).unwrap_or(halved(self.most_halvings))
     }
 }
 
@@ -74,8 +75,10 @@ impl OpenAltitudes {
         };
         let mut altitude_m = below_nodes;
         if above_nodes.first() == Some(&observer_altitude_m) {
-            // That node is of both sides.
-            altitude_m.retain(|&node_m| node_m < observer_altitude_m - TOO_CLOSE * step_below_m);
+            // That node is of both sides. Where every altitude below has its own, only an equal one gives way: all the lamps may
+            // stand at the observer's feet.
+            let too_close_m = if altitude_m == low { 0.0 } else { TOO_CLOSE * step_below_m };
+            altitude_m.retain(|&node_m| node_m < observer_altitude_m - too_close_m);
         }
         altitude_m.extend(above_nodes);
         let below = altitude_m.partition_point(|&node_m| node_m <= observer_altitude_m);
@@ -170,6 +173,20 @@ mod tests {
             assert!(gaps_m.clone().all(|gap_m| gap_m > 9.0), "{:?}", around.altitude_m);
         }
         assert!(most > 1.1 && most < 3.0, "{most}");
+    }
+
+    #[test]
+    fn lamps_at_the_observers_feet_keep_a_field_of_their_own() {
+        let mut altitudes_m: Vec<f64> = (0..=100).map(|k| 13.0 * f64::from(k)).collect();
+        for feet_m in [0.0, 1.5, 2.0] {
+            altitudes_m[0] = feet_m;
+            let around = nodes(&altitudes_m, 2.0);
+            let taps = around.taps(feet_m);
+            let at = |&(node, weight): &(usize, f64)| weight * around.altitude_m[node];
+            assert!((taps.iter().map(at).sum::<f64>() - feet_m).abs() < 1e-12, "{feet_m}: {taps:?}");
+            assert!(around.altitude_m.contains(&feet_m));
+            assert_eq!(around.altitude_m.iter().filter(|&&node_m| node_m == 2.0).count(), 1);
+        }
     }
 
     #[test]
