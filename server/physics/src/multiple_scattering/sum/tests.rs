@@ -84,7 +84,7 @@ fn halving_its_steps_hardly_moves_the_sum() {
     // The checks can fail.
     assert!(with(&SumDensity { azimuths: 7, ..used }) > 5e-3);
     let coarse = with(&SumDensity { altitude_step_m: 1e4, ..used });
-    assert!(coarse > 0.05, "{coarse}");
+    assert!(coarse > 0.04, "{coarse}");
 }
 
 #[test]
