@@ -61,7 +61,7 @@ fn halving_its_steps_hardly_moves_the_sum() {
             PointSource {
                 azimuth_rad: 6.0 * spread(0.82),
                 distance_m: 2_000.0 * 80f64.powf(spread(0.67)),
-                altitude_m: 1_100.0 * spread(0.55),
+                altitude_m: 1_500.0 * spread(0.55),
                 flux_dnb_w: 1e6,
             }
         })
@@ -80,11 +80,11 @@ fn halving_its_steps_hardly_moves_the_sum() {
     assert!(with(&SumDensity { azimuths: 81, ..used }) < 1e-3);
     assert!(with(&SumDensity { distances: 143, ..used }) < 3e-3);
     // Coarse fields of neighbouring altitudes differ by more than what lies between them does.
-    assert!(with(&SumDensity { altitude_step_m: 150.0, ..used }) < 0.025);
+    assert!(with(&SumDensity { altitude_step_m: 150.0, ..used }) < 0.01);
     // The checks can fail.
     assert!(with(&SumDensity { azimuths: 7, ..used }) > 5e-3);
     let coarse = with(&SumDensity { altitude_step_m: 1e4, ..used });
-    assert!(coarse > 0.04, "{coarse}");
+    assert!(coarse > 0.05, "{coarse}");
 }
 
 #[test]
