@@ -6,35 +6,25 @@
 //! direction is added as it is and taken away as the grid has it ([`patch`]), both by the closed form of
 //! [`skyglow_physics::near_light`]: only the difference counts, and with it the form's own error.
 //!
-//! A light shows where its peak reaches [`LEAST_SHARE`] of the sky there. What is added belongs to the sky as it is: to influences
+//! A light shows where its peak reaches a certain part of the sky there ([`choosing`]). What is added belongs to the sky as it is: to influences
 //! it is linear in the lights ([`NearLights::influences`]).
 
+mod choosing;
 mod patch;
 mod sight;
 
 use crate::{request::RenderRequest, table_set::TableSet};
-use patch::{Chosen, PatchMaker, Place};
+use choosing::Choosing;
+use patch::{Chosen, PatchMaker};
 use rayon::prelude::*;
-use sight::{Air, Most, Sight};
+use sight::Air;
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, EARTH_RADIUS_M, ELEVATION_COUNT, EmissionMix, LinearMeasure,
-    Panorama, Turbidity,
-    near_light::NearScattering,
-    panorama::{azimuth_rad, elevation_rad},
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, ELEVATION_COUNT, EmissionMix, LinearMeasure, Panorama,
+    Turbidity, near_light::NearScattering, panorama::elevation_rad,
 };
-use skyglow_scene::{NearLight, PolarGrid};
-use std::{
-    f32::consts::TAU,
-    sync::{Arc, LazyLock},
-};
+use skyglow_scene::PolarGrid;
+use std::sync::{Arc, LazyLock};
 
-/// A light's peak counts in full from twice this part of the sky's radiance on, and not at all below it.
-const LEAST_SHARE: f32 = 0.004;
-/// Sine and cosine of half a column's width, which is half a row's height.
-static HALF_A_COLUMN: LazyLock<[f32; 2]> = LazyLock::new(|| {
-    let (sin, cos) = (0.5 * azimuth_rad(1)).sin_cos();
-    [sin as f32, cos as f32]
-});
 /// Sine and cosine of the elevation of every row.
 static ROWS: LazyLock<[[f32; 2]; ELEVATION_COUNT]> = LazyLock::new(|| {
     std::array::from_fn(|row| {
@@ -44,9 +34,6 @@ static ROWS: LazyLock<[[f32; 2]; ELEVATION_COUNT]> = LazyLock::new(|| {
 });
 /// No direction is darkened to less than this part of what it was: the pack's own peak is not quite the closed form's.
 const LEAST_LEFT: f32 = 0.1;
-/// Lights this many rows up (45°) count for nothing, and in full so many rows below: no ridge stands there.
-const HIGHEST_ROW: f32 = 32.0;
-const ROWS_TO_NOTHING: f32 = 8.0;
 /// Tasks at most, each with a sky of its own: few, and the same on every machine, so that sums have the same order.
 const MOST_TASKS: usize = 4;
 /// Lights that a task has at least.
@@ -103,7 +90,7 @@ impl NearLights {
     /// What shows in `sky`, which is the sky as the cells make it, before [`Self::add_to`].
     pub(crate) fn shown(&self, set: &TableSet, sky: &[f32]) -> ShownLights {
         let air = self.air();
-        let chosen = self.chosen(&air, set, sky);
+        let chosen = Choosing::new(self, &air, set, sky).chosen();
         let added = self.sum(&air, set, &chosen);
         ShownLights { chosen, added }
     }
@@ -155,90 +142,6 @@ impl NearLights {
         Air::new(NearScattering::of(self.emission), &atmosphere, self.observer_altitude_m)
     }
 
-    /// The lights that show in a sky, those that share patches side by side.
-    fn chosen(&self, air: &Air, set: &TableSet, sky: &[f32]) -> Vec<Chosen> {
-        let near = &self.polar.near;
-        let step = azimuth_rad(1) as f32;
-        let eye_m = self.observer_altitude_m as f32;
-        let range_m = near.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], light| {
-            [low.min(light.altitude_m), high.max(light.altitude_m)]
-        });
-        let most = Most::new(air, range_m);
-        // Most lights of a city are too small a part of its sky, and that is told by a few multiplications.
-        let dimmest = dimmest(sky);
-        let (per_step, per_column) = (1.0 / step, AZIMUTH_COUNT as f32 / TAU);
-        let may_show = |light: &NearLight| {
-            let slope = (light.altitude_m - eye_m) / light.distance_m
-                - light.distance_m * (0.5 / EARTH_RADIUS_M as f32);
-            // Rows up to the one above the light's; the tangent is the larger.
-            let row = (slope * per_step + 0.5).clamp(0.0, (LOW_ROWS - 1) as f32) as i32 as usize;
-            let column = (light.azimuth_rad * per_column) as i32 as usize % AZIMUTH_COUNT;
-            let needed = light.distance_m * LEAST_SHARE;
-            let most = most.per_m(light.altitude_m, light.distance_m);
-            let per_band = most.iter().zip(self.flux_per_dnb_flux).zip(&dimmest);
-            per_band
-                .map(|((most, flux), dimmest)| {
-                    light.flux_dnb_w * flux * most >= needed * dimmest[row * AZIMUTH_COUNT + column]
-                })
-                .fold(false, |any, shows| any | shows)
-        };
-        let lights = near.par_iter().enumerate().with_min_len(512).filter(|(_, light)| may_show(light));
-        let mut chosen: Vec<Chosen> =
-            lights.filter_map(|(index, light)| self.choose(air, set, sky, index, light)).collect();
-        chosen.par_sort_unstable_by_key(|light| (light.place.key(), light.index));
-        chosen
-    }
-
-    /// A light, if its peak shows.
-    fn choose(
-        &self,
-        air: &Air,
-        set: &TableSet,
-        sky: &[f32],
-        index: usize,
-        light: &NearLight,
-    ) -> Option<Chosen> {
-        let offset_m = f64::from(light.altitude_m) - self.observer_altitude_m;
-        let sight = Sight::new(air, f64::from(light.distance_m), offset_m);
-        let step = azimuth_rad(1) as f32;
-        let row = sight.elevation_rad() / step - 0.5;
-        // Below the lowest row by more than a patch reaches, or so high that columns crowd.
-        if !(-4.0..HIGHEST_ROW).contains(&row) {
-            return None;
-        }
-        let column = light.azimuth_rad / step;
-        // Half a column beside it, and half a row above if there is a row.
-        let nearest = (row + 0.5).max(0.0) as usize;
-        let [sin_aside, cos_aside] = *HALF_A_COLUMN;
-        let [sin, cos] = if row + 0.5 > nearest as f32 {
-            let [sin, cos] = sight.elevation();
-            [sin * cos_aside + cos * sin_aside, cos * cos_aside - sin * sin_aside]
-        } else {
-            ROWS[nearest]
-        };
-        let through = sight.through::<false, 1>(air, [&[sin], &[cos]]).map(|of_band| of_band[0]);
-        let peak = sight.radiance::<false, 1>(air, through, [sin, cos], [&[cos_aside], &[sin_aside]]);
-        let first = column as usize % AZIMUTH_COUNT;
-        let share = (0..BAND_COUNT).map(|band| {
-            let at = |column: usize| sky[Panorama::index(band, nearest, column % AZIMUTH_COUNT)];
-            let flux = light.flux_dnb_w * self.flux_per_dnb_flux[band];
-            flux * peak[band][0] / at(first).min(at(first + 1)).max(f32::MIN_POSITIVE)
-        });
-        let share = share.fold(0.0, f32::max);
-        let weight =
-            (share / LEAST_SHARE - 1.0).clamp(0.0, 1.0) * ((HIGHEST_ROW - row) / ROWS_TO_NOTHING).min(1.0);
-        (weight > 0.0).then(|| Chosen {
-            index: index as u32,
-            place: Place::of(set, light.distance_m, offset_m as f32, row),
-            sight,
-            row,
-            column,
-            distance_m: light.distance_m,
-            offset_m: offset_m as f32,
-            flux_dnb_w: weight * light.flux_dnb_w,
-        })
-    }
-
     /// What is added in every direction.
     fn sum(&self, air: &Air, set: &TableSet, chosen: &[Chosen]) -> Vec<f32> {
         let of_task = |lights: &[Chosen]| {
@@ -259,27 +162,6 @@ impl NearLights {
         }
         added
     }
-}
-
-/// Rows in which lights may show.
-const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
-
-/// No more than the sky's radiance around a direction, `[band][row][column]`: of the row, one or some below it, and two columns.
-fn dimmest(sky: &[f32]) -> [Vec<f32>; BAND_COUNT] {
-    std::array::from_fn(|band| {
-        let of_row = |row: usize| &sky[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
-        let mut dimmest = Vec::with_capacity(LOW_ROWS * AZIMUTH_COUNT);
-        for row in 0..LOW_ROWS {
-            let of_both: Vec<f32> = of_row(row)
-                .iter()
-                .zip(of_row(row.saturating_sub(row / 8 + 1)))
-                .map(|(here, lower)| here.min(*lower))
-                .collect();
-            let next = of_both.iter().cycle().skip(1);
-            dimmest.extend(of_both.iter().zip(next).map(|(here, next)| here.min(*next)));
-        }
-        dimmest
-    })
 }
 
 /// Lights of a task: what a task remembers of nodes is made once for it.

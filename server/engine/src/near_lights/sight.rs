@@ -113,7 +113,7 @@ impl Most {
 }
 
 /// A light as the observer sees it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sight {
     /// Where it is: metres along its azimuth and up from the observer's horizontal plane.
     across_m: f32,
@@ -153,10 +153,81 @@ impl Sight {
         }
     }
 
-    /// What gets through from the light to the observer by way of the rays' nearest points to it, in the vertical plane of the two,
-    /// for rays of some elevations (sines, cosines), `[band][ray]`. Both ways' optical depths by Simpson's rule.
+    /// [`Sights::through`] of one light for rays of some elevations (sines, cosines).
     #[inline(always)]
     pub(super) fn through<const FUSED: bool, const N: usize>(
+        &self,
+        air: &Air,
+        rays: [&[f32; N]; 2],
+    ) -> [[f32; N]; BAND_COUNT] {
+        Sights::all(self).through::<FUSED>(air, rays)
+    }
+
+    /// Its elevation, radians.
+    pub(super) fn elevation_rad(&self) -> f32 {
+        (self.up_m / self.across_m).atan()
+    }
+
+    /// Sine and cosine of its elevation.
+    pub(super) fn elevation(&self) -> [f32; 2] {
+        let slant_m = (self.across_m * self.across_m + self.up_m * self.up_m).sqrt();
+        [self.up_m / slant_m, self.across_m / slant_m]
+    }
+
+    /// [`Sights::radiance`] of one light at one elevation (sine and cosine) and some azimuths relative to its own (cosines, sines);
+    /// `through` is that of [`Self::through`] at the elevation.
+    #[inline(always)]
+    pub(super) fn radiance<const FUSED: bool, const N: usize>(
+        &self,
+        air: &Air,
+        through: [f32; BAND_COUNT],
+        [sin_elevation, cos_elevation]: [f32; 2],
+        azimuths: [&[f32; N]; 2],
+    ) -> [[f32; N]; BAND_COUNT] {
+        let elevations = [&[sin_elevation; N], &[cos_elevation; N]];
+        Sights::all(self).radiance::<FUSED>(air, through.map(|through| [through; N]), elevations, azimuths)
+    }
+}
+
+/// Some lights side by side, or one of them for some rays.
+pub(super) struct Sights<const N: usize> {
+    across_m: [f32; N],
+    up_m: [f32; N],
+    nearest_miss_m2: [f32; N],
+    arc: [[f32; N]; 2],
+    density: [[f32; N]; 2],
+}
+
+impl<const N: usize> Sights<N> {
+    /// One light in every lane.
+    #[inline(always)]
+    fn all(sight: &Sight) -> Self {
+        Self {
+            across_m: [sight.across_m; N],
+            up_m: [sight.up_m; N],
+            nearest_miss_m2: [sight.nearest_miss_m2; N],
+            arc: sight.arc.map(|of_arc| [of_arc; N]),
+            density: sight.density.map(|density| [density; N]),
+        }
+    }
+
+    /// Another light in each.
+    #[inline(always)]
+    pub(super) fn of(sights: &[Sight; N]) -> Self {
+        let each = |of: fn(&Sight) -> f32| std::array::from_fn(|lane| of(&sights[lane]));
+        Self {
+            across_m: each(|sight| sight.across_m),
+            up_m: each(|sight| sight.up_m),
+            nearest_miss_m2: each(|sight| sight.nearest_miss_m2),
+            arc: [each(|sight| sight.arc[0]), each(|sight| sight.arc[1])],
+            density: [each(|sight| sight.density[0]), each(|sight| sight.density[1])],
+        }
+    }
+
+    /// What gets through from the light to the observer by way of the rays' nearest points to it, in the vertical plane of the two,
+    /// for rays of some elevations (sines, cosines), one a lane, `[band][ray]`. Both ways' optical depths by Simpson's rule.
+    #[inline(always)]
+    pub(super) fn through<const FUSED: bool>(
         &self,
         air: &Air,
         [sines, cosines]: [&[f32; N]; 2],
@@ -167,8 +238,9 @@ impl Sight {
         let mut columns_m = [[0f32; N]; 2];
         for lane in 0..N {
             let (x, z) = (cosines[lane], sines[lane]);
-            let along_m = (self.across_m * x + self.up_m * z).max(0.0);
-            let miss_m = (self.across_m * z - self.up_m * x).abs();
+            let (across_m, up_m) = (self.across_m[lane], self.up_m[lane]);
+            let along_m = (across_m * x + up_m * z).max(0.0);
+            let miss_m = (across_m * z - up_m * x).abs();
             let rise_m = |along_m: f32| along_m * (z + along_m * x * x * (0.5 / EARTH_RADIUS_M as f32));
             let (nearest_m, middle_m) = (eye_m + rise_m(along_m), eye_m + rise_m(0.5 * along_m));
             for species in 0..2 {
@@ -177,7 +249,8 @@ impl Sight {
                     let log = (altitude_m * per_m).clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY);
                     exponential::<FUSED>(log)
                 };
-                let (nearest, light, eye) = (at(nearest_m), self.density[species], air.density[species]);
+                let (nearest, light, eye) =
+                    (at(nearest_m), self.density[species][lane], air.density[species]);
                 // Midway between light and nearest point: the geometric mean is the density there.
                 let between = (nearest * light).sqrt();
                 columns_m[species][lane] = SIXTH
@@ -197,49 +270,39 @@ impl Sight {
         through
     }
 
-    /// Its elevation, radians.
-    pub(super) fn elevation_rad(&self) -> f32 {
-        (self.up_m / self.across_m).atan()
-    }
-
-    /// Sine and cosine of its elevation.
-    pub(super) fn elevation(&self) -> [f32; 2] {
-        let slant_m = (self.across_m * self.across_m + self.up_m * self.up_m).sqrt();
-        [self.up_m / slant_m, self.across_m / slant_m]
-    }
-
-    /// Radiance per watt in each band, m⁻² sr⁻¹, `[band][direction]`, at one elevation (sine and cosine) and azimuths relative to its own
-    /// (cosines, sines). `through` is that of [`Self::through`] at the elevation.
+    /// Radiance per watt in each band, m⁻² sr⁻¹, `[band][direction]`, at elevations (sines, cosines) and azimuths relative to their own
+    /// (cosines, sines), one a lane. `through` is that of [`Self::through`] at the elevations.
     #[inline(always)]
-    pub(super) fn radiance<const FUSED: bool, const N: usize>(
+    pub(super) fn radiance<const FUSED: bool>(
         &self,
         air: &Air,
-        through: [f32; BAND_COUNT],
-        [sin_elevation, cos_elevation]: [f32; 2],
+        through: [[f32; N]; BAND_COUNT],
+        [sin_elevation, cos_elevation]: [&[f32; N]; 2],
         [cos_azimuth, sin_azimuth]: [&[f32; N]; 2],
     ) -> [[f32; N]; BAND_COUNT] {
-        let [sin_arc, cos_arc] = self.arc;
         let mut across = [0f32; N];
         let mut along = [0f32; N];
         let mut per_miss = [0f32; N];
         let mut density = [[0f32; N]; 2];
         for lane in 0..N {
-            let (x, y) = (cos_elevation * cos_azimuth[lane], cos_elevation * sin_azimuth[lane]);
-            let z = sin_elevation;
+            let (across_m, up_m) = (self.across_m[lane], self.up_m[lane]);
+            let (sin_arc, cos_arc) = (self.arc[0][lane], self.arc[1][lane]);
+            let (x, y) = (cos_elevation[lane] * cos_azimuth[lane], cos_elevation[lane] * sin_azimuth[lane]);
+            let z = sin_elevation[lane];
             // |S × v|, without the difference of two long vectors.
-            let cross = [self.up_m * y, self.up_m * x - self.across_m * z, self.across_m * y];
-            let miss2 =
-                (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).max(self.nearest_miss_m2);
+            let cross = [up_m * y, up_m * x - across_m * z, across_m * y];
+            let miss2 = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2])
+                .max(self.nearest_miss_m2[lane]);
             per_miss[lane] = 1.0 / miss2.sqrt();
             // n·miss = (S·v)v − S = v × (v × S), with v × S = −cross in another order.
             let out =
                 [y * cross[2] - z * cross[1], -z * cross[0] - x * cross[2], x * cross[1] + y * cross[0]];
-            let up_m = -(out[0] * sin_arc + out[2] * cos_arc);
-            across[lane] = up_m * per_miss[lane];
+            let above_m = -(out[0] * sin_arc + out[2] * cos_arc);
+            across[lane] = above_m * per_miss[lane];
             along[lane] = x * sin_arc + z * cos_arc;
             let clamp = |x: f32| x.clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY);
             for species in 0..2 {
-                density[species][lane] = exponential::<FUSED>(clamp(-up_m * (1.0 / HEIGHTS_M[species])));
+                density[species][lane] = exponential::<FUSED>(clamp(-above_m * (1.0 / HEIGHTS_M[species])));
             }
         }
         let mut scattered = air.scattering.at(&across, &along);
@@ -250,10 +313,12 @@ impl Sight {
         }
         let mut radiance = [[0f32; N]; BAND_COUNT];
         for (band, radiance) in radiance.iter_mut().enumerate() {
-            let [molecules, aerosol] = [0, 1]
-                .map(|species| air.scattered_per_m[species][band] * self.density[species] * through[band]);
+            let [molecules, aerosol] = [0, 1].map(|species| air.scattered_per_m[species][band]);
             for lane in 0..N {
-                radiance[lane] = molecules * scattered[0][lane] + aerosol * scattered[1][lane];
+                let [of_molecules, of_aerosol] = [0, 1].map(|species: usize| self.density[species][lane]);
+                radiance[lane] = through[band][lane]
+                    * (molecules * of_molecules * scattered[0][lane]
+                        + aerosol * of_aerosol * scattered[1][lane]);
             }
         }
         radiance

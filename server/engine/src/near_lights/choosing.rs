@@ -1,0 +1,255 @@
+//! Which near lights show in a sky, and by how much they count.
+
+use super::{
+    NearLights, ROWS,
+    patch::{Chosen, Place},
+    sight::{Air, Most, Sight, Sights},
+};
+use crate::{
+    cpu::dispatch::{LANES, dispatch_wide},
+    table_set::TableSet,
+};
+use rayon::prelude::*;
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, panorama::azimuth_rad};
+use skyglow_scene::NearLight;
+use std::{f32::consts::TAU, sync::LazyLock};
+
+/// A light's peak counts in full from twice this part of the sky's radiance on, and not at all below it.
+const LEAST_SHARE: f32 = 0.002;
+/// Lights this many rows up (45°) count for nothing, and in full so many rows below: no ridge stands there.
+const HIGHEST_ROW: f32 = 32.0;
+const ROWS_TO_NOTHING: f32 = 8.0;
+/// Below the lowest row by more than a patch reaches.
+const LOWEST_ROW: f32 = -4.0;
+/// Sine and cosine of half a column's width, which is half a row's height.
+static HALF_A_COLUMN: LazyLock<[f32; 2]> = LazyLock::new(|| {
+    let (sin, cos) = (0.5 * azimuth_rad(1)).sin_cos();
+    [sin as f32, cos as f32]
+});
+/// Lights that a task looks through.
+const LOOKED_THROUGH: usize = 1_024;
+
+/// The sky in which lights are to show.
+pub(super) struct Choosing<'a> {
+    of: &'a NearLights,
+    air: &'a Air,
+    set: &'a TableSet,
+    sky: &'a [f32],
+    most: Most,
+    dimmest: [Vec<f32>; BAND_COUNT],
+}
+
+impl<'a> Choosing<'a> {
+    pub(super) fn new(of: &'a NearLights, air: &'a Air, set: &'a TableSet, sky: &'a [f32]) -> Self {
+        let range_m = of.polar.near.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], light| {
+            [low.min(light.altitude_m), high.max(light.altitude_m)]
+        });
+        Self { of, air, set, sky, most: Most::new(air, range_m), dimmest: dimmest(sky) }
+    }
+
+    /// The lights that show, those that share patches side by side.
+    pub(super) fn chosen(&self) -> Vec<Chosen> {
+        let near = &self.of.polar.near;
+        let of_task = |(task, lights): (usize, &[NearLight])| {
+            let first = task * LOOKED_THROUGH;
+            let (mut together, mut chosen) = (Vec::with_capacity(LANES), Vec::new());
+            for (index, light) in lights.iter().enumerate().filter(|(_, light)| self.may_show(light)) {
+                together.push((first + index, *light));
+                if together.len() == LANES {
+                    self.choose(&together, &mut chosen);
+                    together.clear();
+                }
+            }
+            self.choose(&together, &mut chosen);
+            chosen
+        };
+        let mut chosen: Vec<Chosen> =
+            near.par_chunks(LOOKED_THROUGH).enumerate().flat_map_iter(of_task).collect();
+        chosen.par_sort_unstable_by_key(|light| (light.place.key(), light.index));
+        chosen
+    }
+
+    /// Whether a light can show: most of a city's are too small a part of its sky, and that is told by a few multiplications.
+    #[inline(always)]
+    fn may_show(&self, light: &NearLight) -> bool {
+        let (per_step, per_column) = (1.0 / azimuth_rad(1) as f32, AZIMUTH_COUNT as f32 / TAU);
+        let offset_m = light.altitude_m - self.of.observer_altitude_m as f32;
+        let slope = offset_m / light.distance_m - light.distance_m * (0.5 / EARTH_RADIUS_M as f32);
+        // Rows up to the one above the light's; the tangent is the larger.
+        let row = (slope * per_step + 0.5).clamp(0.0, (LOW_ROWS - 1) as f32) as i32 as usize;
+        let column = (light.azimuth_rad * per_column) as i32 as usize % AZIMUTH_COUNT;
+        let needed = light.distance_m * LEAST_SHARE;
+        let most = self.most.per_m(light.altitude_m, light.distance_m);
+        let per_band = most.iter().zip(self.of.flux_per_dnb_flux).zip(&self.dimmest);
+        per_band
+            .map(|((most, flux), dimmest)| {
+                light.flux_dnb_w * flux * most >= needed * dimmest[row * AZIMUTH_COUNT + column]
+            })
+            .fold(false, |any, shows| any | shows)
+    }
+
+    /// Adds those of up to [`LANES`] lights, each with its place among the near ones, whose peaks show.
+    fn choose(&self, lights: &[(usize, NearLight)], chosen: &mut Vec<Chosen>) {
+        let Some((_, last)) = lights.last() else { return };
+        let mut peaks = Peaks::default();
+        let in_lanes = std::array::from_fn(|lane| lights.get(lane).map_or(*last, |(_, light)| *light));
+        peak(self.air, self.of.observer_altitude_m, &in_lanes, &mut peaks);
+        let step = azimuth_rad(1) as f32;
+        for (lane, &(index, light)) in lights.iter().enumerate() {
+            let row = peaks.row[lane];
+            if !(LOWEST_ROW..HIGHEST_ROW).contains(&row) {
+                continue;
+            }
+            let column = light.azimuth_rad / step;
+            let first = column as usize % AZIMUTH_COUNT;
+            let share = (0..BAND_COUNT).map(|band| {
+                let at =
+                    |column: usize| self.sky[Panorama::index(band, nearest_row(row), column % AZIMUTH_COUNT)];
+                let flux = light.flux_dnb_w * self.of.flux_per_dnb_flux[band];
+                flux * peaks.peak[band][lane] / at(first).min(at(first + 1)).max(f32::MIN_POSITIVE)
+            });
+            let share = share.fold(0.0, f32::max);
+            let weight = (share / LEAST_SHARE - 1.0).clamp(0.0, 1.0)
+                * ((HIGHEST_ROW - row) / ROWS_TO_NOTHING).min(1.0);
+            if weight > 0.0 {
+                let offset_m = (f64::from(light.altitude_m) - self.of.observer_altitude_m) as f32;
+                chosen.push(Chosen {
+                    index: index as u32,
+                    place: Place::of(self.set, light.distance_m, offset_m, row),
+                    sight: peaks.sight[lane],
+                    row,
+                    column,
+                    distance_m: light.distance_m,
+                    offset_m,
+                    flux_dnb_w: weight * light.flux_dnb_w,
+                });
+            }
+        }
+    }
+}
+
+/// The row nearest above a light.
+fn nearest_row(row: f32) -> usize {
+    (row + 0.5).max(0.0) as usize
+}
+
+/// Some lights as they are seen.
+#[derive(Default)]
+pub(super) struct Peaks {
+    sight: [Sight; LANES],
+    /// Their elevations in rows.
+    row: [f32; LANES],
+    /// Radiance per watt half a column beside each, and half a row above it if there is a row, m⁻² sr⁻¹.
+    peak: [[f32; LANES]; BAND_COUNT],
+}
+
+dispatch_wide!(
+    /// Some lights as an observer sees them.
+    peak, peak_wide, peak_body,
+    (air: &Air, observer_altitude_m: f64, lights: &[NearLight; LANES], peaks: &mut Peaks)
+);
+
+#[inline(always)]
+fn peak_body<const FUSED: bool>(
+    air: &Air,
+    observer_altitude_m: f64,
+    lights: &[NearLight; LANES],
+    peaks: &mut Peaks,
+) {
+    let step = azimuth_rad(1) as f32;
+    let [sin_aside, cos_aside] = *HALF_A_COLUMN;
+    let (mut sines, mut cosines) = ([0f32; LANES], [1f32; LANES]);
+    for (lane, light) in lights.iter().enumerate() {
+        let offset_m = f64::from(light.altitude_m) - observer_altitude_m;
+        let sight = Sight::new(air, f64::from(light.distance_m), offset_m);
+        let row = sight.elevation_rad() / step - 0.5;
+        let nearest = nearest_row(row).min(LOW_ROWS - 1);
+        [sines[lane], cosines[lane]] = if row + 0.5 > nearest as f32 {
+            let [sin, cos] = sight.elevation();
+            [sin * cos_aside + cos * sin_aside, cos * cos_aside - sin * sin_aside]
+        } else {
+            ROWS[nearest]
+        };
+        (peaks.sight[lane], peaks.row[lane]) = (sight, row);
+    }
+    let sights = Sights::of(&peaks.sight);
+    let through = sights.through::<FUSED>(air, [&sines, &cosines]);
+    let aside = [&[cos_aside; LANES], &[sin_aside; LANES]];
+    peaks.peak = sights.radiance::<FUSED>(air, through, [&sines, &cosines], aside);
+}
+
+/// Rows in which lights may show.
+const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
+
+/// No more than the sky's radiance around a direction, `[band][row][column]`: of the row, one or some below it, and two columns.
+fn dimmest(sky: &[f32]) -> [Vec<f32>; BAND_COUNT] {
+    std::array::from_fn(|band| {
+        let of_row = |row: usize| &sky[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
+        let mut dimmest = Vec::with_capacity(LOW_ROWS * AZIMUTH_COUNT);
+        for row in 0..LOW_ROWS {
+            let of_both: Vec<f32> = of_row(row)
+                .iter()
+                .zip(of_row(row.saturating_sub(row / 8 + 1)))
+                .map(|(here, lower)| here.min(*lower))
+                .collect();
+            let next = of_both.iter().cycle().skip(1);
+            dimmest.extend(of_both.iter().zip(next).map(|(here, next)| here.min(*next)));
+        }
+        dimmest
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cpu::dispatch::tests::BASELINE;
+    use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering};
+
+    fn light(number: u32, distance_m: f32, altitude_m: f32) -> NearLight {
+        NearLight { number, pixel_count: 1, azimuth_rad: 1.0, distance_m, altitude_m, flux_dnb_w: 1.0 }
+    }
+
+    #[test]
+    fn lights_side_by_side_are_seen_as_each_alone() {
+        let air = Air::new(
+            NearScattering::of(EmissionMix::garstang()),
+            &Atmosphere::new(Turbidity::new(2.5).unwrap()),
+            640.0,
+        );
+        let lights: [NearLight; LANES] = std::array::from_fn(|lane| {
+            light(lane as u32, 400.0 * 2f32.powi(lane as i32), 600.0 + 90.0 * lane as f32)
+        });
+        for is_baseline in [false, true] {
+            BASELINE.set(is_baseline);
+            let mut together = Peaks::default();
+            peak(&air, 640.0, &lights, &mut together);
+            for lane in 0..LANES {
+                let mut alone = Peaks::default();
+                peak(&air, 640.0, &[lights[lane]; LANES], &mut alone);
+                assert_eq!(together.row[lane], alone.row[0]);
+                assert_eq!(together.peak.map(|of_band| of_band[lane]), alone.peak.map(|of_band| of_band[0]));
+                // By the forms for one light, half a column beside it in the row above it or half a row higher.
+                let sight = Sight::new(
+                    &air,
+                    f64::from(lights[lane].distance_m),
+                    f64::from(lights[lane].altitude_m) - 640.0,
+                );
+                let elevation = (sight.elevation_rad() + 0.5 * azimuth_rad(1) as f32)
+                    .max(0.5 * azimuth_rad(1) as f32 * (1.0 + 2.0 * nearest_row(together.row[lane]) as f32));
+                let [sin, cos] = [elevation.sin(), elevation.cos()];
+                let through = sight.through::<false, 1>(&air, [&[sin], &[cos]]).map(|of_band| of_band[0]);
+                let [sin_aside, cos_aside] = *HALF_A_COLUMN;
+                let one = sight.radiance::<false, 1>(&air, through, [sin, cos], [&[cos_aside], &[sin_aside]]);
+                for (together, one) in together.peak.iter().zip(one) {
+                    assert!(
+                        (together[lane] / one[0] - 1.0).abs() < 1e-3,
+                        "{lane}: {} {}",
+                        together[lane],
+                        one[0]
+                    );
+                }
+            }
+        }
+        BASELINE.set(false);
+    }
+}
