@@ -4,7 +4,8 @@
 //! `offset_interpolation TURBIDITY CACHE [OBSERVER_M:DISTANCE_M,...]`: CACHE is one of `multiple_accuracy`, or `-` for the
 //! first order alone. Errors in green in %, for lobes `lambert` and `horizon`: of ln of the scale, of the radiance at the
 //! zenith, and of the lowest row within 12° of the source's azimuth, for sources not above the observer's plane; shapes are
-//! lines between nodes. The mean of the absolute, and the worst with its offset.
+//! lines between nodes. The mean of the absolute, and the worst with its offset. Last, of a source level with the observer, where
+//! later orders have a kink, the mean over the lowest row, all columns.
 
 use rayon::prelude::*;
 use skyglow_physics::{Atmosphere, Turbidity, single_source::SourceGeometry};
@@ -51,6 +52,7 @@ struct Looked {
     log_scale: f64,
     zenith: f64,
     near: [f64; NEAR_COLUMNS],
+    lowest: [f64; HALF_COLUMN_COUNT],
 }
 
 impl Looked {
@@ -61,6 +63,7 @@ impl Looked {
             log_scale,
             zenith: log_scale.exp() * line(self.zenith, above.zenith),
             near: std::array::from_fn(|at| log_scale.exp() * line(self.near[at], above.near[at])),
+            lowest: std::array::from_fn(|at| log_scale.exp() * line(self.lowest[at], above.lowest[at])),
         }
     }
 }
@@ -75,6 +78,7 @@ fn looked_at(geometry: SourceGeometry, air: Atmosphere, multiple: &[MultipleTabl
             log_scale: images.log_scale[image],
             zenith: f64::from(shape[PIXEL_COUNT - HALF_COLUMN_COUNT / 2]),
             near: std::array::from_fn(|at| f64::from(shape[at])),
+            lowest: std::array::from_fn(|at| f64::from(shape[at])),
         }
     })
 }
@@ -119,6 +123,19 @@ fn judge(observer_m: f64, distance_m: f64, axes: &TableAxes, air: Atmosphere, mu
         })
         .collect();
     println!("{observer_m:6.0} m, {:5.1} km", distance_m / 1e3);
+    let (truth, position) = (of(0.0), axis.position(0.0));
+    let low = (position as usize).min(axis.count - 2);
+    let level = [0, 1].map(|lobe| {
+        let log_scale = log_scale_at(&axis, position, |node| nodes[node][lobe].log_scale);
+        let [below, above] = [low, low + 1].map(|node| nodes[node][lobe]);
+        let (found, truth) = (
+            below.between(above, position - low as f64, log_scale),
+            truth[lobe].between(truth[lobe], 0.0, truth[lobe].log_scale),
+        );
+        let off: f64 = found.lowest.iter().zip(truth.lowest).map(|(found, truth)| found / truth - 1.0).sum();
+        100.0 * off / HALF_COLUMN_COUNT as f64
+    });
+    println!("    level       {:+.2}, {:+.2}", level[0], level[1]);
     for (what, name) in ["scale", "zenith", "lowest row"].into_iter().enumerate() {
         print!("    {name:10}");
         for lobe in 0..2 {
