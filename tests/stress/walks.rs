@@ -48,10 +48,10 @@ struct Group {
 }
 
 /// A ray towards a lamp is a hundred times brighter where it passes above the lamp than where it passes below, within some
-/// metres of altitude. The tables' offsets are farther apart than that: the sky slides where it should fall, and then
-/// falls where the truth is dark already. Below a lamp a
-/// kilometre above the eye and two away, the lowest row, where no first order is left, fades to black in the pack of 2.5 where
-/// packs before had 5e-5 cd m⁻²: its steps are shares of a tenth of a natural sky at least. Nothing else may jump.
+/// metres of altitude, and between the tables' offsets the sky slides where it should fall; within a patch of a near light it
+/// falls as it should. Below a lamp a kilometre above the eye and two away, the lowest row, where no first order is left, fades
+/// to black in the pack of 2.5 where packs before had 5e-5 cd m⁻²: its steps are shares of a tenth of a natural sky at least.
+/// Nothing else may jump.
 const GROUPS: [Group; 3] = [
     Group {
         words: "all around",
@@ -63,14 +63,14 @@ const GROUPS: [Group; 3] = [
     Group {
         words: "towards the lamp",
         looks: 1..3,
-        limit: 0.8,
+        limit: 0.15,
         floor_cd_m2: LUMINANCE_FLOOR_CD_M2,
         planted: 1e-4,
     },
     Group {
         words: "towards the lamp, lowest row",
         looks: 0..1,
-        limit: 0.6,
+        limit: 0.3,
         floor_cd_m2: 10.0 * LUMINANCE_FLOOR_CD_M2,
         planted: 1e-4,
     },

@@ -2,11 +2,12 @@
 
 use crate::{
     error::BenchError,
-    options::Setting,
-    report::{ExecutorRecord, PassRow},
+    options::{Extent, Setting},
+    report::{ExecutorRecord, Machine, PassRow},
 };
 use skyglow_engine::{
-    DeviceChoice, Engine, EngineConfig, EngineError, PassTime, RenderRequest, Rendered, WorkCount,
+    DeviceChoice, Engine, EngineConfig, EngineError, ExecutorKind, PassTime, RatesExtent, RenderRequest,
+    Rendered, WorkCount, device_rates,
 };
 use skyglow_physics::Turbidity;
 use skyglow_scene::PolarGrid;
@@ -40,14 +41,39 @@ pub(crate) fn start(choice: DeviceChoice, setting: &Setting) -> Result<Option<En
     Ok(Some(engine))
 }
 
-/// What an engine runs on.
-pub(crate) fn record(engine: &Engine) -> ExecutorRecord {
+/// What an engine runs on. A GPU is measured beside it; the others are the machine, which was.
+///
+/// # Errors
+/// A GPU that fails.
+pub(crate) fn record(
+    engine: &Engine,
+    machine: &Machine,
+    extent: &Extent,
+) -> Result<ExecutorRecord, BenchError> {
     let info = engine.info();
-    ExecutorRecord {
+    let rates = match info.executor {
+        ExecutorKind::Gpu => Some(device_rates(info.executor, rates_extent(extent))?),
+        ExecutorKind::Cpu | ExecutorKind::Lavapipe => None,
+    };
+    Ok(ExecutorRecord {
         executor: info.executor.name().to_owned(),
         adapter: info.adapter.clone(),
         driver: info.driver.clone(),
         resident_bytes: info.resident_bytes,
+        bandwidth_gb_s: rates.map_or(machine.bandwidth_gb_s, |rates| rates.bandwidth_bytes_s / 1e9),
+        multiply_adds_g_s: rates.map_or(machine.multiply_adds_g_s, |rates| rates.multiply_adds_s / 1e9),
+        read_back_ms: rates.map(|rates| 1e3 * rates.read_back_s),
+    })
+}
+
+/// Multiply-adds of a dispatch over those of a thread: a GPU does a thousand threads' at once.
+const GPU_OVER_THREAD: usize = 8;
+
+fn rates_extent(extent: &Extent) -> RatesExtent {
+    RatesExtent {
+        stream_bytes: extent.stream_bytes,
+        multiply_adds: GPU_OVER_THREAD * extent.multiply_adds,
+        time_for_tries: extent.time_for_tries,
     }
 }
 

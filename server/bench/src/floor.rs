@@ -1,11 +1,11 @@
 //! The floor under the run times: bytes that each pass must touch and operations that it must do.
 //!
 //! Bytes are those of a pass's input and output, each counted once: what no cache can save. Operations are those of the
-//! formula with the functions in use, without the padding of any executor. At the machine's measured rates both become
+//! formula with the functions in use, without the padding of any executor. At the measured rates of the device both become
 //! times; the longer one is the least that the pass can take. Tables that stay in a cache from one panorama to the next
 //! are read faster than memory is, so that a pass of few operations may come in below the time of its bytes.
 
-use crate::report::Machine;
+use crate::report::ExecutorRecord;
 use skyglow_engine::{TableSet, plan::Pass, prepare::Prepared};
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
 use skyglow_tables::resident::FREQUENCY_COUNT;
@@ -33,14 +33,19 @@ pub struct PassFloor {
 }
 
 impl PassFloor {
-    /// The bytes at the machine's bandwidth, milliseconds.
-    pub fn bytes_ms(&self, machine: &Machine) -> f64 {
-        1e3 * self.bytes / (machine.bandwidth_gb_s * 1e9)
+    /// The bytes at the bandwidth of the executor's device, milliseconds.
+    pub fn bytes_ms(&self, executor: &ExecutorRecord) -> f64 {
+        1e3 * self.bytes / (executor.bandwidth_gb_s * 1e9)
     }
 
-    /// The operations at the machine's rate, milliseconds.
-    pub fn operations_ms(&self, machine: &Machine) -> f64 {
-        1e3 * self.operations / (2.0 * machine.multiply_adds_g_s * 1e9)
+    /// The operations at its rate, milliseconds.
+    pub fn operations_ms(&self, executor: &ExecutorRecord) -> f64 {
+        1e3 * self.operations / (2.0 * executor.multiply_adds_g_s * 1e9)
+    }
+
+    /// The longer of both, milliseconds.
+    pub fn ms(&self, executor: &ExecutorRecord) -> f64 {
+        self.bytes_ms(executor).max(self.operations_ms(executor))
     }
 }
 
@@ -64,6 +69,15 @@ pub fn floors(request: &Prepared, set: &TableSet) -> Vec<PassFloor> {
         }
     }
     floors
+}
+
+/// All passes together.
+pub fn whole(floors: &[PassFloor]) -> Option<PassFloor> {
+    floors.iter().copied().reduce(|sum, floor| PassFloor {
+        bytes: sum.bytes + floor.bytes,
+        operations: sum.operations + floor.operations,
+        ..sum
+    })
 }
 
 /// Bytes and operations of the passes of one pack; none of the blend.
@@ -135,16 +149,17 @@ mod tests {
         assert_eq!(one[Pass::Blend.index()].bytes, 0.0);
         assert!(between[Pass::Blend.index()].bytes > 4.0 * Panorama::LEN as f64);
         assert_eq!(between[Pass::BasisSum.index()].bytes, 2.0 * one[Pass::BasisSum.index()].bytes);
-        let machine = Machine {
-            processor: String::new(),
-            logical_cores: 1,
-            threads: 1,
-            load_average: None,
-            stream_bytes: 1,
+        let executor = ExecutorRecord {
+            executor: "cpu".to_owned(),
+            adapter: String::new(),
+            driver: String::new(),
+            resident_bytes: 1,
             bandwidth_gb_s: 10.0,
             multiply_adds_g_s: 50.0,
+            read_back_ms: None,
         };
         let floor = PassFloor { pass: Pass::Blend, bytes: 1e7, operations: 1e9 };
-        assert_eq!((floor.bytes_ms(&machine), floor.operations_ms(&machine)), (1.0, 10.0));
+        assert_eq!((floor.bytes_ms(&executor), floor.operations_ms(&executor)), (1.0, 10.0));
+        assert_eq!(floor.ms(&executor), 10.0);
     }
 }

@@ -8,6 +8,7 @@
 pub mod accumulation;
 pub mod accuracy;
 pub mod aims;
+mod batches;
 pub mod error;
 pub mod executors;
 pub mod floor;

@@ -21,7 +21,9 @@ pub struct Report {
     pub scenes: Vec<SceneRow>,
     /// Run times.
     pub run_times: Vec<RunTimeRow>,
-    /// The least time that the machine would need, pass by pass.
+    /// Panoramas that come together.
+    pub batches: Vec<BatchRow>,
+    /// The least time that the device would need, pass by pass.
     pub floors: Vec<FloorRow>,
     /// Errors.
     pub errors: Vec<ErrorRow>,
@@ -74,6 +76,13 @@ pub struct ExecutorRecord {
     pub driver: String,
     /// Bytes of packs and workspace.
     pub resident_bytes: u64,
+    /// 10⁹ bytes a second that its device streams: the machine's, or a GPU's own, whose copy counts what is read and what is
+    /// written.
+    pub bandwidth_gb_s: f64,
+    /// 10⁹ multiply-adds of f32 a second, the machine's or a GPU's own.
+    pub multiply_adds_g_s: f64,
+    /// Milliseconds until the host has a panorama's bytes from a GPU that has nothing else to do; None where there is none.
+    pub read_back_ms: Option<f64>,
 }
 
 /// A scene, and its panorama by the rivals.
@@ -163,6 +172,29 @@ pub struct PassRow {
     pub ms: f64,
 }
 
+/// How many panoramas a second, where several callers ask for the same at once.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BatchRow {
+    /// `cpu`, `lavapipe` or `gpu`.
+    pub executor: String,
+    /// As [`SceneRow::scene`].
+    pub scene: String,
+    /// As [`SceneRow::lit_sources`].
+    pub lit_sources: usize,
+    /// Functions of the basis.
+    pub basis_count: usize,
+    /// Callers, each of whom asks for the next panorama once it has the last.
+    pub callers: usize,
+    /// Panoramas that were rendered together, in the mean.
+    pub batch_size: f64,
+    /// Panoramas a second in the fastest round.
+    pub panoramas_per_s: f64,
+    /// The same in the median round.
+    pub median_panoramas_per_s: f64,
+    /// Least time of a panorama by its bytes and operations, milliseconds.
+    pub floor_ms: f64,
+}
+
 /// What a pass needs at least.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FloorRow {
@@ -180,9 +212,9 @@ pub struct FloorRow {
     pub bytes: f64,
     /// Floating-point operations.
     pub operations: f64,
-    /// The bytes at the measured bandwidth, milliseconds.
+    /// The bytes at the bandwidth of the executor's device, milliseconds.
     pub bytes_ms: f64,
-    /// The operations at the measured rate, two to a multiply-add, milliseconds.
+    /// The operations at its rate, two to a multiply-add, milliseconds.
     pub operations_ms: f64,
     /// What it took in the round of the median, milliseconds.
     pub measured_ms: f64,

@@ -4,7 +4,7 @@ use crate::{
     executors::Timed,
     floor::{self, PassFloor},
     options::Setting,
-    report::{FloorRow, Machine, RivalTime, RunTimeRow, SceneRow},
+    report::{ExecutorRecord, FloorRow, RivalTime, RunTimeRow, SceneRow},
 };
 use skyglow_engine::{RenderRequest, prepare::Prepared};
 use skyglow_physics::Turbidity;
@@ -52,32 +52,27 @@ pub(crate) fn run_time(executor: &str, subject: &Subject<'_>, timed: Timed, roun
 
 /// The rows of the floor under it, pass by pass and all together.
 pub(crate) fn floors(
-    executor: &str,
+    executor: &ExecutorRecord,
     subject: &Subject<'_>,
     prepared: &Prepared,
     timed: &Timed,
     setting: &Setting,
-    machine: &Machine,
 ) -> Vec<FloorRow> {
     let measured = |name: &str| timed.passes.iter().find(|pass| pass.pass == name).map(|pass| pass.ms);
     let row = |floor: PassFloor, pass: &str, measured_ms: f64| FloorRow {
-        executor: executor.to_owned(),
+        executor: executor.executor.clone(),
         scene: subject.scene.scene.clone(),
         lit_sources: subject.scene.lit_sources,
         basis_count: prepared.basis_count,
         pass: pass.to_owned(),
         bytes: floor.bytes,
         operations: floor.operations,
-        bytes_ms: floor.bytes_ms(machine),
-        operations_ms: floor.operations_ms(machine),
+        bytes_ms: floor.bytes_ms(executor),
+        operations_ms: floor.operations_ms(executor),
         measured_ms,
     };
     let floors = floor::floors(prepared, &setting.set);
-    let whole = floors.iter().copied().reduce(|sum, floor| PassFloor {
-        bytes: sum.bytes + floor.bytes,
-        operations: sum.operations + floor.operations,
-        ..sum
-    });
+    let whole = floor::whole(&floors);
     let passes = floors.iter().filter_map(|floor| {
         let name = floor.pass.name();
         Some(row(*floor, name, measured(name)?))

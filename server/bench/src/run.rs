@@ -1,12 +1,12 @@
 //! The whole run, step by step.
 
 use crate::{
-    accuracy, aims,
+    accuracy, aims, batches,
     error::BenchError,
     executors::{self, CHOICES},
     machine,
     options::{BenchOptions, Extent, Setting},
-    report::{PackRecord, Report, SceneRow},
+    report::{ExecutorRecord, PackRecord, Report, SceneRow},
     rivals,
     rows::{self, Subject},
     scenes::LitScene,
@@ -17,6 +17,9 @@ use skyglow_engine::{DeviceChoice, Engine, PackKind, RenderRequest, prepare::Pre
 use skyglow_scene::PolarGrid;
 use skyglow_tables::Manifest;
 use std::sync::Arc;
+
+/// Basis functions with which a panorama was wanted.
+const FEW_FUNCTIONS: usize = 32;
 
 /// Runs everything. What it is about is logged as it goes.
 ///
@@ -47,6 +50,7 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
         executors: Vec::new(),
         scenes: Vec::new(),
         run_times: Vec::new(),
+        batches: Vec::new(),
         floors: Vec::new(),
         errors: Vec::new(),
         aims: Vec::new(),
@@ -56,7 +60,7 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
     for (choice, name) in CHOICES {
         tracing::info!("panoramas on {name}");
         // One that fails leaves the rows of the others.
-        match on_executor(choice, &setting, &subjects, &skies, extent.rounds, &mut report) {
+        match on_executor(choice, &setting, &subjects, &skies, extent, &mut report) {
             Ok(true) => {}
             Ok(false) => missing.push(format!("{name}: there is no such device here")),
             Err(error) => missing.push(format!("{name}: {error}")),
@@ -153,42 +157,50 @@ fn on_executor(
     setting: &Setting,
     subjects: &[Subject<'_>],
     skies: &[TruthSky],
-    rounds: usize,
+    extent: &Extent,
     report: &mut Report,
 ) -> Result<bool, BenchError> {
     let Some(engine) = executors::start(choice, setting)? else { return Ok(false) };
-    time_engine(&engine, setting, subjects, rounds, report)?;
-    report.errors.extend(accuracy::of_engine(&engine, setting, skies, rounds)?);
+    let record = executors::record(&engine, &report.machine, extent)?;
+    report.executors.push(record.clone());
+    time_engine(&engine, &record, setting, subjects, extent.rounds, report)?;
+    let asked = asked_together(setting, subjects);
+    report.batches.extend(batches::of_engine(&engine, &record, setting, &asked, extent.rounds)?);
+    report.errors.extend(accuracy::of_engine(&engine, setting, skies, extent.rounds)?);
     Ok(true)
+}
+
+/// Of each kind of scene the largest, at a pack's turbidity with the largest basis, and the cells with 32 functions too.
+fn asked_together<'a, 'b>(setting: &Setting, subjects: &'b [Subject<'a>]) -> Vec<&'b Subject<'a>> {
+    let largest = |scene: &str, basis: usize| {
+        let of_scene = subjects.iter().filter(|subject| subject.skipping && subject.scene.scene == scene);
+        let at_pack = of_scene.filter(|subject| subject.turbidity == setting.turbidity);
+        at_pack
+            .filter(|subject| subject.request.basis == Some(basis))
+            .max_by_key(|subject| subject.scene.lit_sources)
+    };
+    let all = setting.basis_count();
+    let few = setting.bases.iter().copied().find(|&basis| basis == FEW_FUNCTIONS && basis < all);
+    let few = few.and_then(|basis| largest("cells", basis));
+    [few, largest("cells", all), largest("raster", all)].into_iter().flatten().collect()
 }
 
 fn time_engine(
     engine: &Engine,
+    record: &ExecutorRecord,
     setting: &Setting,
     subjects: &[Subject<'_>],
     rounds: usize,
     report: &mut Report,
 ) -> Result<(), BenchError> {
-    let executor = engine.info().executor.name();
-    report.executors.push(executors::record(engine));
     let requests: Vec<RenderRequest> = subjects.iter().map(|subject| subject.request.clone()).collect();
     for (subject, timed) in subjects.iter().zip(executors::time(engine, &requests, rounds)?) {
-        // The machine that was measured is this one, not a GPU's.
-        if executor != "gpu" && subject.request.basis == Some(setting.basis_count()) && timed.work.packs == 1
-        {
+        let is_whole = subject.request.basis == Some(setting.basis_count()) && timed.work.packs == 1;
+        if is_whole && subject.skipping {
             let prepared = Prepared::new(&subject.request, &setting.set)?;
-            if subject.skipping {
-                report.floors.extend(rows::floors(
-                    executor,
-                    subject,
-                    &prepared,
-                    &timed,
-                    setting,
-                    &report.machine,
-                ));
-            }
+            report.floors.extend(rows::floors(record, subject, &prepared, &timed, setting));
         }
-        report.run_times.push(rows::run_time(executor, subject, timed, rounds));
+        report.run_times.push(rows::run_time(&record.executor, subject, timed, rounds));
     }
     Ok(())
 }

@@ -96,7 +96,13 @@ fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_b
             assert!((rows[0].times_direct_sum / ratio - 1.0).abs() < 1e-9);
         }
         let floors = report.floors.iter().filter(|floor| floor.executor == executor.executor).count();
-        assert_eq!(floors, if executor.executor == "gpu" { 0 } else { 3 * 8 });
+        assert_eq!(floors, 3 * 8);
+        assert!(executor.bandwidth_gb_s > 0.0 && executor.multiply_adds_g_s > 0.0, "{executor:?}");
+        assert_eq!(executor.read_back_ms.is_some(), executor.executor == "gpu");
+        // The largest scene of each kind, for each number of callers.
+        let batches = report.batches.iter().filter(|batch| batch.executor == executor.executor);
+        let asked: Vec<_> = batches.map(|batch| (batch.scene.as_str(), batch.lit_sources)).collect();
+        assert_eq!(asked, [[("cells", 32); 3], [("raster", 500); 3]].concat());
     }
     assert_eq!(report.aims.len(), 6 * report.executors.len());
     assert_eq!(report.packs.len(), 2);

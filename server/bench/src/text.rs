@@ -1,6 +1,6 @@
 //! The report as tables of text.
 
-use crate::report::{ErrorRow, FloorRow, Report, RivalTime, RunTimeRow, SceneRow};
+use crate::report::{BatchRow, ErrorRow, FloorRow, Report, RivalTime, RunTimeRow, SceneRow};
 
 /// A titled table; the first row is its head.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,15 @@ pub fn sections(report: &Report) -> Vec<Section> {
     );
     let executors = report.executors.iter().map(|executor| {
         let megabytes = format!("{:.0}", executor.resident_bytes as f64 / 1e6);
-        vec![executor.executor.clone(), executor.adapter.clone(), executor.driver.clone(), megabytes]
+        vec![
+            executor.executor.clone(),
+            executor.adapter.clone(),
+            executor.driver.clone(),
+            megabytes,
+            figures(executor.bandwidth_gb_s),
+            figures(executor.multiply_adds_g_s),
+            executor.read_back_ms.map_or_else(|| "-".to_owned(), figures),
+        ]
     });
     let run_times = "run times, milliseconds (the factors are those over the rivals of the scene)";
     let aims = report.aims.iter().map(|aim| {
@@ -40,9 +48,10 @@ pub fn sections(report: &Report) -> Vec<Section> {
         ]
     });
     let all = [
-        table(&title, &["executor", "adapter", "driver", "MB resident"], executors),
+        table(&title, &EXECUTORS, executors),
         table("rivals", &RIVALS, report.scenes.iter().map(rival)),
         table(run_times, &RUN_TIMES, report.run_times.iter().map(run_time)),
+        table("callers at once, panoramas a second", &BATCHES, report.batches.iter().map(batch)),
         table("floors: milliseconds that bytes and operations need at least", &FLOORS, {
             let shown = report.floors.iter().filter(|floor| is_shown(report, floor));
             shown.map(floor)
@@ -54,6 +63,10 @@ pub fn sections(report: &Report) -> Vec<Section> {
     all.into_iter().filter(|section| section.rows.len() > 1).collect()
 }
 
+const EXECUTORS: [&str; 7] =
+    ["executor", "adapter", "driver", "MB resident", "GB/s", "10⁹ multiply-adds/s", "read-back ms"];
+const BATCHES: [&str; 9] =
+    ["executor", "scene", "lit", "basis", "callers", "together", "fastest /s", "median /s", "floor ms each"];
 const RIVALS: [&str; 10] = [
     "scene",
     "lit",
@@ -139,6 +152,20 @@ fn run_time(row: &RunTimeRow) -> Vec<String> {
         figures(row.times_direct_sum),
         figures(row.times_accumulation),
         figures(row.times_ready_accumulation),
+    ]
+}
+
+fn batch(row: &BatchRow) -> Vec<String> {
+    vec![
+        row.executor.clone(),
+        row.scene.clone(),
+        row.lit_sources.to_string(),
+        row.basis_count.to_string(),
+        row.callers.to_string(),
+        figures(row.batch_size),
+        figures(row.panoramas_per_s),
+        figures(row.median_panoramas_per_s),
+        figures(row.floor_ms),
     ]
 }
 

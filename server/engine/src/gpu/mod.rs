@@ -6,6 +6,7 @@ mod layout;
 #[cfg(test)]
 mod pass_tests;
 pub(crate) mod pipelines;
+pub(crate) mod rates;
 mod resident;
 #[cfg(test)]
 mod shader_tests;

@@ -47,6 +47,8 @@ fn every_wgsl_file_is_listed_and_no_library_file_binds_anything() {
         files.map(|file| file.unwrap().file_name().to_string_lossy().replace(".wgsl", "")).collect()
     };
     assert_eq!(names("lib"), LIBRARY.iter().map(|file| file.name.to_owned()).collect());
+    // What a bench holds them against, which is no pass.
+    assert_eq!(names("bench"), ["multiply", "stream"].map(str::to_owned).into());
     assert_eq!(names("passes"), Pass::ALL.iter().map(|pass| pass.name().to_owned()).collect());
     for file in LIBRARY {
         assert!(!file.text.contains("@group"), "{}", file.name);

@@ -121,7 +121,8 @@ impl<'a> Choosing<'a> {
                     column,
                     distance_m: light.distance_m,
                     offset_m,
-                    flux_dnb_w: weight * light.flux_dnb_w,
+                    flux_dnb_w: light.flux_dnb_w,
+                    weight,
                 });
             }
         }

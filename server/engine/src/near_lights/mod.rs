@@ -15,7 +15,7 @@ mod sight;
 
 use crate::{request::RenderRequest, table_set::TableSet};
 use choosing::Choosing;
-use patch::{Chosen, PatchMaker};
+use patch::{Chosen, MostOfGrid, PatchMaker};
 use rayon::prelude::*;
 use sight::Air;
 use skyglow_physics::{
@@ -91,7 +91,7 @@ impl NearLights {
     pub(crate) fn shown(&self, set: &TableSet, sky: &[f32]) -> ShownLights {
         let air = self.air();
         let chosen = Choosing::new(self, &air, set, sky).chosen();
-        let added = self.sum(&air, set, &chosen);
+        let added = self.sum(&air, set, sky, &chosen);
         ShownLights { chosen, added }
     }
 
@@ -105,6 +105,7 @@ impl NearLights {
         measure: &LinearMeasure,
     ) -> Vec<(usize, f64)> {
         let air = self.air();
+        let most = MostOfGrid::new(sky, 1.0 - LEAST_LEFT);
         let mut weights = vec![0f32; Panorama::LEN];
         for band in Band::ALL {
             for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, w)| **w > 0.0) {
@@ -126,7 +127,7 @@ impl NearLights {
                 .iter()
                 .map(|light| {
                     let mut sum = 0.0;
-                    maker.for_each(light, self.flux_per_dnb_flux, |at, values| {
+                    maker.for_each(light, self.flux_per_dnb_flux, &most, |at, values| {
                         let weighted = weights[at..].iter().zip(values).map(|(weight, value)| weight * value);
                         sum += f64::from(weighted.sum::<f32>());
                     });
@@ -143,12 +144,13 @@ impl NearLights {
     }
 
     /// What is added in every direction.
-    fn sum(&self, air: &Air, set: &TableSet, chosen: &[Chosen]) -> Vec<f32> {
+    fn sum(&self, air: &Air, set: &TableSet, sky: &[f32], chosen: &[Chosen]) -> Vec<f32> {
+        let most = MostOfGrid::new(sky, 1.0 - LEAST_LEFT);
         let of_task = |lights: &[Chosen]| {
             let mut added = vec![0f32; Panorama::LEN];
             let mut maker = PatchMaker::new(air, set);
             for light in lights {
-                maker.for_each(light, self.flux_per_dnb_flux, |at, values| {
+                maker.for_each(light, self.flux_per_dnb_flux, &most, |at, values| {
                     added[at..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
                 });
             }

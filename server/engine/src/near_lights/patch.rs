@@ -43,8 +43,10 @@ pub(super) struct Chosen {
     pub(super) column: f32,
     pub(super) distance_m: f32,
     pub(super) offset_m: f32,
-    /// What counts of its flux, DNB watts.
+    /// Its flux, DNB watts.
     pub(super) flux_dnb_w: f32,
+    /// How much of its patch counts, 0..=1.
+    pub(super) weight: f32,
 }
 
 /// The nodes around a light and the first row of its patch: lights of one place share what the nodes show.
@@ -174,21 +176,20 @@ impl<'a> PatchMaker<'a> {
         &mut self,
         light: &Chosen,
         flux_per_dnb_flux: [f32; BAND_COUNT],
+        most: &MostOfGrid,
         mut add: impl FnMut(usize, &[f32]),
     ) {
         let mut patch = [[[0f32; SIDE]; BAND_COUNT]; SIDE];
-        fill(self, light, &mut patch);
-        let first_column = (light.column.floor() as usize + AZIMUTH_COUNT - (SIDE / 2 - 1)) % AZIMUTH_COUNT;
+        fill(self, light, flux_per_dnb_flux, most, &mut patch);
+        let first_column = first_column(light);
         // Columns before north.
         let before = SIDE.min(AZIMUTH_COUNT - first_column);
         for row in light.place.rows() {
             let of_row = &patch[(row as i32 - light.place.first_row) as usize];
-            for (band, of_band) in
+            for (band, changes) in
                 of_row.iter().enumerate().filter(|(band, _)| flux_per_dnb_flux[*band] > 0.0)
             {
-                let flux = light.flux_dnb_w * flux_per_dnb_flux[band];
                 let first = Panorama::index(band, row, 0);
-                let changes = of_band.map(|value| flux * value);
                 add(first + first_column, &changes[..before]);
                 if before < SIDE {
                     add(first, &changes[before..]);
@@ -196,6 +197,30 @@ impl<'a> PatchMaker<'a> {
             }
         }
     }
+}
+
+/// What the grid can have of a light in every direction at most, W m⁻² sr⁻¹: packs have no sharp peak where a node stands far
+/// above the observer, and what they lack cannot be taken away.
+pub(super) struct MostOfGrid(Vec<[f32; AZIMUTH_COUNT + SIDE]>);
+
+impl MostOfGrid {
+    /// A part of the sky as the grid has it, `[band][row][column]`.
+    pub(super) fn new(sky: &[f32], part: f32) -> Self {
+        let around = |row: &[f32]| std::array::from_fn(|column| part * row[column % AZIMUTH_COUNT]);
+        Self(sky.chunks_exact(AZIMUTH_COUNT).map(around).collect())
+    }
+
+    /// In a patch's columns from the first on, which goes on past north.
+    #[inline(always)]
+    fn from(&self, band: usize, row: usize, first_column: usize) -> &[f32] {
+        &self.0[band * ELEVATION_COUNT + row][first_column..][..SIDE]
+    }
+}
+
+/// The first column of a light's patch.
+#[inline(always)]
+fn first_column(light: &Chosen) -> usize {
+    (light.column.floor() as usize + AZIMUTH_COUNT - (SIDE / 2 - 1)) % AZIMUTH_COUNT
 }
 
 /// What gets through to the observer along each row of a patch, `[band][row]`.
@@ -256,13 +281,20 @@ fn taper(distance: f32) -> f32 {
 }
 
 dispatch_wide!(
-    /// The patch of a light per watt.
+    /// The patch of a light, W m⁻² sr⁻¹.
     fill, fill_wide, fill_body,
-    (maker: &mut PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>)
+    (maker: &mut PatchMaker<'_>, light: &Chosen, flux_per_dnb_flux: [f32; BAND_COUNT], most: &MostOfGrid,
+        patch: &mut OfBands<SIDE>)
 );
 
 #[inline(always)]
-fn fill_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, light: &Chosen, patch: &mut OfBands<SIDE>) {
+fn fill_body<const FUSED: bool>(
+    maker: &mut PatchMaker<'_>,
+    light: &Chosen,
+    flux_per_dnb_flux: [f32; BAND_COUNT],
+    most: &MostOfGrid,
+    patch: &mut OfBands<SIDE>,
+) {
     let step = azimuth_rad(1) as f32;
     let along = light.column - light.column.floor();
     let (mut cosines, mut sines, mut tapers) = ([0f32; LANES], [0f32; LANES], [0f32; LANES]);
@@ -272,7 +304,7 @@ fn fill_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, light: &Chosen, patc
         let (x, square) = (from * step, from * step * from * step);
         sines[lane] = x * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)));
         cosines[lane] = 1.0 - square * (0.5 - square * (1.0 / 24.0));
-        tapers[lane] = taper(from);
+        tapers[lane] = light.weight * taper(from);
     }
     let out = ring_position(light.distance_m) - light.place.ring as f32;
     let weights: [[f32; 2]; 2] = std::array::from_fn(|ring| {
@@ -290,6 +322,7 @@ fn fill_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, light: &Chosen, patc
         *node = (image_node::<FUSED>(maker, key, light.place.rows()), weight);
     }
     let through = throughs::<FUSED>(maker, &light.sight, first_row);
+    let first_column = first_column(light);
     for row in light.place.rows() {
         let at = (row as i32 - light.place.first_row) as usize;
         let elevation = maker.elevations[row];
@@ -306,10 +339,59 @@ fn fill_body<const FUSED: bool>(maker: &mut PatchMaker<'_>, light: &Chosen, patc
                     next[lane] = multiply_add::<FUSED>(weight, of_node[lane], next[lane]);
                 }
             }
+            let flux = light.flux_dnb_w * flux_per_dnb_flux[band];
+            let most = most.from(band, row, first_column);
             for lane in 0..LANES {
-                let of_grid = own[lane] + along * (next[lane] - own[lane]);
-                patch[at][band][lane] = of_row * tapers[lane] * (exact[band][lane] - of_grid);
+                let of_grid = (flux * (own[lane] + along * (next[lane] - own[lane]))).min(most[lane]);
+                patch[at][band][lane] = of_row * tapers[lane] * (flux * exact[band][lane] - of_grid);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic;
+    use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering};
+
+    #[test]
+    fn no_more_is_taken_from_the_sky_than_the_grid_has() {
+        let set = TableSet::new(synthetic::table_set(&[2.0], 8)).unwrap();
+        let scattering = NearScattering::of(EmissionMix::garstang());
+        let air = Air::new(scattering, &Atmosphere::new(Turbidity::new(2.0).unwrap()), 640.0);
+        // A kilometre above the eye and two away, seen across north.
+        let (distance_m, offset_m) = (2_000.0, 1_000.0);
+        let sight = Sight::new(&air, f64::from(distance_m), f64::from(offset_m));
+        let row = sight.elevation_rad() / azimuth_rad(1) as f32 - 0.5;
+        let light = Chosen {
+            index: 0,
+            place: Place::of(&set, distance_m, offset_m, row),
+            sight,
+            row,
+            column: 0.4,
+            distance_m,
+            offset_m,
+            flux_dnb_w: 1.0,
+            weight: 1.0,
+        };
+        let changed = |sky: f32| {
+            let most = MostOfGrid::new(&vec![sky; Panorama::LEN], 0.9);
+            let mut changes = vec![0f32; Panorama::LEN];
+            PatchMaker::new(&air, &set).for_each(&light, [1.0; BAND_COUNT], &most, |at, values| {
+                changes[at..].iter_mut().zip(values).for_each(|(change, value)| *change += value);
+            });
+            changes
+        };
+        let [bright, dim] = [1.0, 1e-9].map(changed);
+        let least = |changes: &[f32]| changes.iter().copied().fold(f32::INFINITY, f32::min);
+        assert!(least(&bright) < -1e-8 && least(&dim) >= -0.9e-9, "{} {}", least(&bright), least(&dim));
+        // What is put there instead is the same, so that nothing else differs; on both sides of north there is some.
+        let differs = |at: usize| bright[at] != dim[at];
+        for (at, (bright, dim)) in bright.iter().zip(&dim).enumerate() {
+            assert!(dim >= bright, "{at}: {bright} {dim}");
+        }
+        let first = Panorama::index(1, row as usize, 0);
+        assert!(differs(first) && differs(first + AZIMUTH_COUNT - 1) && !differs(first + AZIMUTH_COUNT / 2));
     }
 }

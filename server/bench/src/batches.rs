@@ -1,0 +1,111 @@
+//! Panoramas a second where several callers ask at once: the engine renders what waits together.
+
+use crate::{
+    error::BenchError,
+    floor,
+    options::Setting,
+    report::{BatchRow, ExecutorRecord},
+    rows::Subject,
+};
+use skyglow_engine::{Engine, EngineError, MAX_BATCH, RenderRequest, prepare::Prepared};
+use std::time::Instant;
+
+/// Callers: one, a batch of them, and twice as many, so that the next batch waits when one is done.
+const CALLERS: [usize; 3] = [1, MAX_BATCH, 2 * MAX_BATCH];
+/// Panoramas that each caller asks for in a round.
+const PANORAMAS_EACH: usize = 8;
+/// Rounds at most.
+const MOST_ROUNDS: usize = 5;
+
+/// A row for each number of callers and each of these.
+///
+/// # Errors
+/// A request that the engine refuses.
+pub(crate) fn of_engine(
+    engine: &Engine,
+    executor: &ExecutorRecord,
+    setting: &Setting,
+    subjects: &[&Subject<'_>],
+    rounds: usize,
+) -> Result<Vec<BatchRow>, BenchError> {
+    let mut rows = Vec::new();
+    for subject in subjects {
+        let prepared = Prepared::new(&subject.request, &setting.set)?;
+        let floor = floor::whole(&floor::floors(&prepared, &setting.set));
+        for callers in CALLERS {
+            let mut timed = Vec::new();
+            // The first round warms up.
+            for round in 0..=rounds.clamp(1, MOST_ROUNDS) {
+                let of_round = round_of(engine, &subject.request, callers)?;
+                if round > 0 {
+                    timed.push(of_round);
+                }
+            }
+            timed.sort_by(|a, b| b.panoramas_per_s.total_cmp(&a.panoramas_per_s));
+            rows.push(BatchRow {
+                executor: executor.executor.clone(),
+                scene: subject.scene.scene.clone(),
+                lit_sources: subject.scene.lit_sources,
+                basis_count: prepared.basis_count,
+                callers,
+                batch_size: timed[0].batch_size,
+                panoramas_per_s: timed[0].panoramas_per_s,
+                median_panoramas_per_s: timed[timed.len() / 2].panoramas_per_s,
+                floor_ms: floor.map_or(0.0, |floor| floor.ms(executor)),
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// What came out of a round.
+struct Round {
+    batch_size: f64,
+    panoramas_per_s: f64,
+}
+
+fn round_of(engine: &Engine, request: &RenderRequest, callers: usize) -> Result<Round, EngineError> {
+    let call = || -> Result<usize, EngineError> {
+        let mut together = 0;
+        for _ in 0..PANORAMAS_EACH {
+            together += engine.render_blocking(request.clone())?.batch_size;
+        }
+        Ok(together)
+    };
+    let start = Instant::now();
+    let sizes: Vec<Result<usize, EngineError>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..callers).map(|_| scope.spawn(call)).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap_or(Err(EngineError::Stopped))).collect()
+    });
+    let seconds = start.elapsed().as_secs_f64();
+    let together: usize = sizes.into_iter().sum::<Result<usize, EngineError>>()?;
+    let panoramas = (callers * PANORAMAS_EACH) as f64;
+    Ok(Round { batch_size: together as f64 / panoramas, panoramas_per_s: panoramas / seconds })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{executors, rivals, run, scenes::LitScene};
+
+    #[test]
+    fn callers_that_ask_together_are_rendered_together() {
+        let setting = run::tests::setting(8);
+        let lit = LitScene::of_cells(40);
+        let scene = rivals::of_scene(&setting, &lit, &run::tests::tiny()).unwrap();
+        let turbidity = setting.turbidity;
+        let request = executors::request(&setting, &lit.polar, lit.observer_altitude_m, turbidity, 8);
+        let subject = Subject { scene: &scene, skipping: true, turbidity, request };
+        let engine = executors::start(skyglow_engine::DeviceChoice::Cpu, &setting).unwrap().unwrap();
+        let machine = crate::machine::measure(&run::tests::tiny());
+        let record = executors::record(&engine, &machine, &run::tests::tiny()).unwrap();
+        let rows = of_engine(&engine, &record, &setting, &[&subject], 2).unwrap();
+        assert_eq!(rows.iter().map(|row| row.callers).collect::<Vec<_>>(), CALLERS);
+        assert_eq!(rows[0].batch_size, 1.0);
+        assert!(rows[2].batch_size > 1.0 && rows[2].batch_size <= MAX_BATCH as f64, "{rows:?}");
+        for row in &rows {
+            assert!(row.panoramas_per_s >= row.median_panoramas_per_s && row.median_panoramas_per_s > 1.0);
+            assert!(row.floor_ms > 0.0 && row.floor_ms < 1e3 / row.panoramas_per_s * 100.0, "{row:?}");
+        }
+    }
+}

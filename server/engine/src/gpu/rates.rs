@@ -1,0 +1,256 @@
+//! How fast a device copies and multiplies: what a bench holds the passes against.
+
+use super::{context::Context, pipelines::shader_module};
+use crate::{
+    error::{DeviceFault, EngineError},
+    request::ExecutorKind,
+};
+use std::time::{Duration, Instant};
+use wgpu::{BufferUsages, util::DeviceExt};
+
+const STREAM: &str = include_str!("../../../../shaders/bench/stream.wgsl");
+const MULTIPLY: &str = include_str!("../../../../shaders/bench/multiply.wgsl");
+/// Invocations of a workgroup.
+const WORKGROUP: u64 = 256;
+/// Bytes that an invocation copies.
+const COPIED: u64 = 16;
+/// Multiply-adds of an invocation each round: four chains of vectors of four.
+const CHAINED: u64 = 16;
+/// x ← 0.999 x + 0.001, which goes to 1.
+const FACTOR: f32 = 0.999;
+const ADDEND: f32 = 1e-3;
+const ROUNDS: u32 = 1_024;
+/// A submission that takes no longer than this is mostly its own cost.
+const LEAST_SUBMISSION: Duration = Duration::from_millis(20);
+const MOST_DISPATCHES: u32 = 1 << 12;
+const LEAST_TRIES: usize = 3;
+/// A device that has not answered after this long is taken for lost.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(60);
+
+/// What a device does at its fastest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeviceRates {
+    /// Bytes read and written a second by a copy of a buffer that is larger than caches are.
+    pub bandwidth_bytes_s: f64,
+    /// Fused multiply-adds of f32 a second, in registers.
+    pub multiply_adds_s: f64,
+    /// Seconds from the submission of nothing but a copy of one panorama's bytes to the host having them.
+    pub read_back_s: f64,
+}
+
+/// How much is done to find out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RatesExtent {
+    /// Bytes of the buffer that is copied; no more than a buffer may have.
+    pub stream_bytes: usize,
+    /// Multiply-adds of a dispatch, about.
+    pub multiply_adds: usize,
+    /// How long each is tried again; the fastest try counts.
+    pub time_for_tries: Duration,
+}
+
+/// Measures the device that an executor renders on.
+///
+/// # Errors
+/// No such adapter, or a device that fails or computes something else.
+pub fn device_rates(executor: ExecutorKind, extent: RatesExtent) -> Result<DeviceRates, EngineError> {
+    let context = Context::open(executor)?;
+    let bandwidth_bytes_s = bandwidth_bytes_s(&context, extent)?;
+    let multiply_adds_s = multiply_adds_s(&context, extent)?;
+    let read_back_s = read_back_s(&context, extent.time_for_tries)?;
+    Ok(DeviceRates { bandwidth_bytes_s, multiply_adds_s, read_back_s })
+}
+
+fn bandwidth_bytes_s(context: &Context, extent: RatesExtent) -> Result<f64, EngineError> {
+    let limits = context.device.limits();
+    let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let bytes = (extent.stream_bytes as u64).clamp(COPIED * WORKGROUP, most) / (COPIED * WORKGROUP)
+        * (COPIED * WORKGROUP);
+    let groups = bytes / (COPIED * WORKGROUP);
+    let columns = groups.min(u64::from(limits.max_compute_workgroups_per_dimension)) as u32;
+    let rows = groups.div_ceil(u64::from(columns)) as u32;
+    let first: Vec<f32> = (0..WORKGROUP).map(|i| i as f32).collect();
+    let from = buffer(context, bytes, BufferUsages::STORAGE | BufferUsages::COPY_DST);
+    context.queue.write_buffer(&from, 0, bytemuck::cast_slice(&first));
+    let to = buffer(context, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+    let work = Work::new(context, "stream", STREAM, [&from, &to], [columns, rows]);
+    let fastest_s = work.fastest_s(extent.time_for_tries)?;
+    let copied = read(context, &to, first.len())?;
+    if copied != first {
+        return Err(DeviceFault::Other("a copy of a buffer is none".into()).into());
+    }
+    Ok((2 * bytes) as f64 / fastest_s)
+}
+
+fn multiply_adds_s(context: &Context, extent: RatesExtent) -> Result<f64, EngineError> {
+    let of_group = WORKGROUP * CHAINED * u64::from(ROUNDS);
+    let most = u64::from(context.device.limits().max_compute_workgroups_per_dimension);
+    let groups = (extent.multiply_adds as u64 / of_group).clamp(1, most);
+    let chain: [u32; 4] = [FACTOR.to_bits(), ADDEND.to_bits(), 5f32.to_bits(), ROUNDS];
+    let chain = context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("chain"),
+        contents: bytemuck::cast_slice(&chain),
+        usage: BufferUsages::STORAGE,
+    });
+    let results =
+        buffer(context, groups * WORKGROUP * COPIED, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+    let work = Work::new(context, "multiply", MULTIPLY, [&chain, &results], [groups as u32, 1]);
+    let fastest_s = work.fastest_s(extent.time_for_tries)?;
+    let first = read(context, &results, 1)?[0];
+    // Four chains from 5, 6, 7 and 8.
+    let mean = 1.0 + 5.5 * f64::from(FACTOR).powi(ROUNDS as i32);
+    if (f64::from(first) / mean - 1.0).abs() > 1e-3 {
+        return Err(DeviceFault::Other(format!("multiply-adds came to {first}, not {mean}")).into());
+    }
+    Ok((groups * of_group) as f64 / fastest_s)
+}
+
+fn read_back_s(context: &Context, time_for_tries: Duration) -> Result<f64, EngineError> {
+    let bytes = (skyglow_physics::Panorama::LEN * size_of::<f32>()) as u64;
+    let panorama = buffer(context, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+    let host = buffer(context, bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
+    fastest_s(time_for_tries, || read_through(context, &panorama, &host).map(drop))
+}
+
+fn buffer(context: &Context, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+    context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+/// The first values of a buffer.
+fn read(context: &Context, from: &wgpu::Buffer, count: usize) -> Result<Vec<f32>, EngineError> {
+    let bytes = (count * size_of::<f32>()) as u64;
+    let host = buffer(context, bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
+    read_through(context, from, &host)
+}
+
+/// The first values of a buffer, by way of one that the host can map.
+fn read_through(
+    context: &Context,
+    from: &wgpu::Buffer,
+    host: &wgpu::Buffer,
+) -> Result<Vec<f32>, EngineError> {
+    let mut encoder = context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(from, 0, host, 0, host.size());
+    context.queue.submit([encoder.finish()]);
+    host.map_async(wgpu::MapMode::Read, .., |_| ());
+    wait(context)?;
+    let view = host.get_mapped_range(..).map_err(|error| DeviceFault::Other(error.to_string()))?;
+    let values = bytemuck::pod_collect_to_vec(&view);
+    drop(view);
+    host.unmap();
+    Ok(values)
+}
+
+fn wait(context: &Context) -> Result<(), DeviceFault> {
+    let waited =
+        context.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) });
+    context.check()?;
+    waited.map(drop).map_err(|error| DeviceFault::Lost(error.to_string()))
+}
+
+/// Seconds of the fastest try.
+fn fastest_s(
+    time_for_tries: Duration,
+    mut work: impl FnMut() -> Result<(), EngineError>,
+) -> Result<f64, EngineError> {
+    let (mut fastest_s, mut tries) = (f64::INFINITY, 0);
+    let begin = Instant::now();
+    while tries < LEAST_TRIES || begin.elapsed() < time_for_tries {
+        let start = Instant::now();
+        work()?;
+        fastest_s = fastest_s.min(start.elapsed().as_secs_f64());
+        tries += 1;
+    }
+    Ok(fastest_s)
+}
+
+/// A shader over two buffers, dispatched over and over.
+struct Work<'a> {
+    context: &'a Context,
+    pipeline: wgpu::ComputePipeline,
+    group: wgpu::BindGroup,
+    workgroups: [u32; 2],
+}
+
+impl<'a> Work<'a> {
+    fn new(
+        context: &'a Context,
+        label: &str,
+        text: &str,
+        buffers: [&wgpu::Buffer; 2],
+        workgroups: [u32; 2],
+    ) -> Self {
+        let device = &context.device;
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(label),
+            layout: None,
+            module: &shader_module(device, label, text.to_owned()),
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        let entries = [0, 1]
+            .map(|at| wgpu::BindGroupEntry { binding: at as u32, resource: buffers[at].as_entire_binding() });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        Self { context, pipeline, group, workgroups }
+    }
+
+    /// Dispatches so many times in one submission and waits.
+    fn run(&self, dispatches: u32) -> Result<(), EngineError> {
+        let device = &self.context.device;
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        for _ in 0..dispatches {
+            pass.dispatch_workgroups(self.workgroups[0], self.workgroups[1], 1);
+        }
+        drop(pass);
+        self.context.queue.submit([encoder.finish()]);
+        Ok(wait(self.context)?)
+    }
+
+    /// Seconds of a dispatch among so many that submitting and waiting weigh little.
+    fn fastest_s(&self, time_for_tries: Duration) -> Result<f64, EngineError> {
+        self.run(1)?;
+        let mut dispatches = 1;
+        loop {
+            let start = Instant::now();
+            self.run(dispatches)?;
+            if start.elapsed() >= LEAST_SUBMISSION || dispatches >= MOST_DISPATCHES {
+                break;
+            }
+            dispatches *= 2;
+        }
+        Ok(fastest_s(time_for_tries, || self.run(dispatches))? / f64::from(dispatches))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lavapipe_copies_and_multiplies_and_what_is_not_there_is_refused() {
+        let extent = RatesExtent {
+            stream_bytes: 1 << 22,
+            multiply_adds: 1 << 24,
+            time_for_tries: Duration::from_millis(1),
+        };
+        let rates = device_rates(ExecutorKind::Lavapipe, extent).unwrap();
+        assert!(rates.bandwidth_bytes_s > 1e7 && rates.bandwidth_bytes_s < 1e13, "{rates:?}");
+        assert!(rates.multiply_adds_s > 1e6 && rates.multiply_adds_s < 1e15, "{rates:?}");
+        assert!(rates.read_back_s > 0.0 && rates.read_back_s < 10.0, "{rates:?}");
+        // No adapter is plain Rust.
+        assert!(matches!(device_rates(ExecutorKind::Cpu, extent), Err(EngineError::NoAdapter { .. })));
+    }
+}
