@@ -3,7 +3,7 @@
 //! `speed DATA_DIR PACKS_DIR SCENE LATITUDE LONGITUDE TURBIDITY`: the executors in turn, then the sum over every pixel
 //! in 16 directions, scaled to the panorama's 16 384.
 
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
+use skyglow_engine::{DeviceChoice, Engine, EngineConfig, EngineError, RenderRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
@@ -39,8 +39,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let polar = Arc::new(scene.polar_grid(place, false));
     println!("polar grid: {:.1} ms, {} lit cells", 1e3 * start.elapsed().as_secs_f64(), polar.cells.len());
     let mut fastest_s = f64::INFINITY;
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
-        let engine = Engine::start(EngineConfig { device, tables: tables.clone(), ..Default::default() })?;
+    for device in [DeviceChoice::Gpu, DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+        let started = Engine::start(EngineConfig { device, tables: tables.clone(), ..Default::default() });
+        if let Err(EngineError::NoAdapter { .. }) = started {
+            println!("{device:?}: there is none here");
+            continue;
+        }
+        let engine = started?;
         let mut rounds = Vec::with_capacity(ROUNDS);
         for _ in 0..ROUNDS {
             let start = Instant::now();

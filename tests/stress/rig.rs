@@ -75,7 +75,7 @@ pub(crate) fn shipped_tables() -> Result<Vec<Arc<ResidentTables>>, Box<dyn Error
     Ok(resident_tables(&packs_in(&tree::root().join("precomputed"))?)?.0)
 }
 
-/// Plain Rust and Mesa's software Vulkan on the same packs.
+/// Plain Rust and Vulkan on the same packs: Mesa's in software, or a GPU's where `SKYGLOW_TEST_DEVICE` is `gpu`.
 pub(crate) struct Rig {
     /// The packs as one set.
     pub(crate) set: TableSet,
@@ -85,7 +85,11 @@ pub(crate) struct Rig {
 impl Rig {
     /// Both executors.
     pub(crate) fn of(tables: Vec<Arc<ResidentTables>>) -> Result<Self, EngineError> {
-        Self::with(tables, &[DeviceChoice::Cpu, DeviceChoice::Lavapipe])
+        let vulkan = match std::env::var("SKYGLOW_TEST_DEVICE").as_deref() {
+            Ok("gpu") => DeviceChoice::Gpu,
+            _ => DeviceChoice::Lavapipe,
+        };
+        Self::with(tables, &[DeviceChoice::Cpu, vulkan])
     }
 
     /// The executors asked for, the first of them the one that [`Self::sky`] takes.

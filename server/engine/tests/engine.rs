@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{engine, largest_error, request};
+use common::{engine, largest_error, request, vulkan};
 use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, EngineError, ExecutorKind, RenderRequest, TableSet, WorkCount,
     prepare::Prepared, reference::render_f64, synthetic,
@@ -45,9 +45,11 @@ fn render_all(
 }
 
 #[test]
-fn lavapipe_and_cpu_agree_with_f64_at_and_between_turbidities() {
+fn vulkan_and_cpu_agree_with_f64_at_and_between_turbidities() {
+    let vulkan_engine = engine(vulkan(), &[1.5, 2.0, 3.0, 4.0], 16);
+    let vulkan_kind = if vulkan() == DeviceChoice::Gpu { ExecutorKind::Gpu } else { ExecutorKind::Lavapipe };
     let engines = [
-        (engine(DeviceChoice::Lavapipe, &[1.5, 2.0, 3.0, 4.0], 16), ExecutorKind::Lavapipe),
+        (vulkan_engine, vulkan_kind),
         (engine(DeviceChoice::Cpu, &[1.5, 2.0, 3.0, 4.0], 16), ExecutorKind::Cpu),
     ];
     let set = TableSet::new(engines[0].0.tables().to_vec()).unwrap();
@@ -90,7 +92,7 @@ fn a_changed_input_exceeds_the_tolerance_of_that_comparison() {
 
 #[test]
 fn requests_that_wait_together_are_rendered_together_and_come_out_as_alone() {
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+    for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = Arc::new(engine(device, &[2.0, 3.0], 8));
         wait_until_ready(&engine);
         let requests: Vec<_> =
@@ -113,7 +115,7 @@ fn requests_that_wait_together_are_rendered_together_and_come_out_as_alone() {
 
 #[test]
 fn requests_of_different_turbidity_are_not_mixed_up() {
-    let engine = Arc::new(engine(DeviceChoice::Lavapipe, &[2.0, 3.0], 8));
+    let engine = Arc::new(engine(vulkan(), &[2.0, 3.0], 8));
     let grid = synthetic::polar_grid(3, 500);
     let requests: Vec<_> = (0..10).map(|i| request(grid.clone(), [2.0, 2.5, 3.0][i % 3])).collect();
     let answers: Vec<_> = render_all(&engine, requests).into_iter().map(Result::unwrap).collect();
@@ -127,7 +129,7 @@ fn requests_of_different_turbidity_are_not_mixed_up() {
 
 #[test]
 fn a_lost_device_comes_back_by_itself() {
-    let engine = Arc::new(engine(DeviceChoice::Lavapipe, &[2.0, 3.0], 8));
+    let engine = Arc::new(engine(vulkan(), &[2.0, 3.0], 8));
     wait_until_ready(&engine);
     let request = request(synthetic::polar_grid(5, 500), 2.5);
     let before = engine.render_blocking(request.clone()).unwrap();
@@ -146,7 +148,7 @@ fn a_lost_device_comes_back_by_itself() {
 
 #[test]
 fn a_device_that_is_lost_again_and_again_under_load_loses_no_answer() {
-    let engine = engine(DeviceChoice::Lavapipe, &[2.0, 3.0], 8);
+    let engine = engine(vulkan(), &[2.0, 3.0], 8);
     wait_until_ready(&engine);
     let request = request(synthetic::polar_grid(5, 500), 2.5);
     let wanted = engine.render_blocking(request.clone()).unwrap().panorama;
@@ -179,8 +181,7 @@ fn a_device_that_is_lost_again_and_again_under_load_loses_no_answer() {
 #[test]
 fn a_full_queue_is_said_to_be_busy() {
     let tables = synthetic::table_set(&[2.0, 3.0], 64);
-    let config =
-        EngineConfig { device: DeviceChoice::Lavapipe, tables, queue_capacity: 2, ..Default::default() };
+    let config = EngineConfig { device: vulkan(), tables, queue_capacity: 2, ..Default::default() };
     let engine = Arc::new(Engine::start(config).unwrap());
     let answers = render_all(&engine, vec![request(synthetic::polar_grid(5, 20_000), 2.5); 60]);
     let busy =
@@ -193,7 +194,7 @@ fn a_full_queue_is_said_to_be_busy() {
 
 #[test]
 fn dark_parts_cost_nothing() {
-    let engine = engine(DeviceChoice::Lavapipe, &[2.0], 8);
+    let engine = engine(vulkan(), &[2.0], 8);
     wait_until_ready(&engine);
     let before = engine.stats();
     let dark = engine.render_blocking(request(synthetic::dark_grid(), 2.0)).unwrap();
@@ -212,7 +213,7 @@ fn dark_parts_cost_nothing() {
 
 #[test]
 fn bands_without_light_are_left_out_and_the_others_stay_as_they_are_bit_for_bit() {
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+    for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, &[2.0], 40);
         let all = request(synthetic::polar_grid(5, 2000), 2.0);
         let red_dark = RenderRequest { flux_per_dnb_flux: [0.0, 0.642, 0.186], ..all.clone() };
@@ -263,7 +264,7 @@ fn parts_of_the_sky_that_need_no_work_are_not_in_its_count() {
 
 #[test]
 fn passes_are_timed_and_the_times_add_up_to_less_than_the_whole() {
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+    for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, &[2.0, 3.0], 16);
         wait_until_ready(&engine);
         let request = request(synthetic::polar_grid(5, 20_000), 2.5);
@@ -279,7 +280,7 @@ fn passes_are_timed_and_the_times_add_up_to_less_than_the_whole() {
 
 #[test]
 fn a_dropped_engine_ends_its_thread_and_answers_what_it_took() {
-    let engine = Arc::new(engine(DeviceChoice::Lavapipe, &[2.0], 8));
+    let engine = Arc::new(engine(vulkan(), &[2.0], 8));
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).build().unwrap();
     let tasks: Vec<_> = (0..6)
         .map(|seed| {

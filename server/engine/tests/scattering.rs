@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{largest_error, request};
+use common::{largest_error, request, vulkan};
 use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, EngineError, RenderRequest, TableSet, prepare::Prepared,
     reference::render_f64, synthetic,
@@ -102,7 +102,7 @@ fn scattering_that_is_not_resident_is_refused_with_what_is() {
 
 #[test]
 fn requests_of_both_kinds_at_once_come_out_as_from_an_engine_with_that_kind_alone() {
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+    for device in [vulkan(), DeviceChoice::Cpu] {
         let requests: Vec<_> = (0..12)
             .map(|i| {
                 // Turbidities that are a pack of both kinds, of one, and of none.
@@ -157,7 +157,7 @@ fn render_all(engine: &Arc<Engine>, requests: &[RenderRequest]) -> Vec<skyglow_e
 #[test]
 fn lavapipe_and_cpu_agree_with_f64_where_both_kinds_are_resident() {
     let set = TableSet::new(both()).unwrap();
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+    for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, both());
         for scattering in Scattering::ALL {
             for turbidity in [2.0, 2.4] {

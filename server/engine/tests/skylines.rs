@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{largest_error, request};
+use common::{largest_error, request, vulkan};
 use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, TableSet, prepare::Prepared, reference::render_f64, synthetic,
 };
@@ -25,7 +25,7 @@ fn all_behind(mut grid: PolarGrid, blocking: u32) -> PolarGrid {
 
 #[test]
 fn lavapipe_and_cpu_agree_with_f64_on_light_behind_skylines() {
-    let engines = [DeviceChoice::Lavapipe, DeviceChoice::Cpu].map(|device| engine(device, &[2.0, 3.0, 4.0]));
+    let engines = [vulkan(), DeviceChoice::Cpu].map(|device| engine(device, &[2.0, 3.0, 4.0]));
     let set = TableSet::new(engines[0].tables().to_vec()).unwrap();
     for (turbidity, basis) in [(2.0, None), (2.4, None), (3.0, Some(5))] {
         let mut request = request(synthetic::polar_grid_with_skylines(7, 3000), turbidity);
@@ -90,7 +90,7 @@ fn skies_of_kinds_with_altitudes_of_their_own_agree_with_f64_side_by_side() {
     let mut tables = synthetic::table_set_with_skylines(&[2.0, 3.0], 8);
     tables.extend(synthetic::table_set_with_skylines(&[2.0, 3.0], 8).into_iter().map(closed));
     let set = TableSet::new(tables.clone()).unwrap();
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+    for device in [vulkan(), DeviceChoice::Cpu] {
         let engine =
             Engine::start(EngineConfig { device, tables: tables.clone(), ..EngineConfig::default() })
                 .unwrap();
@@ -125,7 +125,7 @@ fn more_nodes_than_one_column_of_the_texture_holds_come_out_right() {
         }
         grid.azimuth_start[azimuth + 1] = grid.cells.len() as u32;
     }
-    let engines = [DeviceChoice::Lavapipe, DeviceChoice::Cpu].map(|device| engine(device, &[2.0]));
+    let engines = [vulkan(), DeviceChoice::Cpu].map(|device| engine(device, &[2.0]));
     let set = TableSet::new(engines[0].tables().to_vec()).unwrap();
     let request = request(grid, 2.0);
     let prepared = Prepared::new(&request, &set).unwrap();
@@ -140,7 +140,7 @@ fn more_nodes_than_one_column_of_the_texture_holds_come_out_right() {
 
 #[test]
 fn an_open_sky_is_rendered_as_by_packs_that_know_no_skylines_and_costs_no_more() {
-    for device in [DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
+    for device in [vulkan(), DeviceChoice::Cpu] {
         let knowing = engine(device, &[2.0, 3.0]);
         let plain = common::engine(device, &[2.0, 3.0], 16);
         let open = request(synthetic::polar_grid(3, 800), 2.3);

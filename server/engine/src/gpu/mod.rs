@@ -249,6 +249,15 @@ impl GpuExecutor {
     }
 }
 
+/// The kind of device that tests run on: lavapipe, unless `SKYGLOW_TEST_DEVICE` is `gpu`.
+#[cfg(test)]
+pub(crate) fn tested_kind() -> ExecutorKind {
+    match std::env::var("SKYGLOW_TEST_DEVICE").as_deref() {
+        Ok("gpu") => ExecutorKind::Gpu,
+        _ => ExecutorKind::Lavapipe,
+    }
+}
+
 /// The blend reads no pack: it is filed under the first one.
 fn group_key(plan: &RenderPlan, planned: &PlannedPass) -> (Pass, usize, usize) {
     match planned.pack_slot {

@@ -240,13 +240,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lavapipe_copies_and_multiplies_and_what_is_not_there_is_refused() {
+    fn devices_copy_and_multiply_and_what_is_not_there_is_refused() {
         let extent = RatesExtent {
             stream_bytes: 1 << 22,
             multiply_adds: 1 << 24,
             time_for_tries: Duration::from_millis(1),
         };
-        let rates = device_rates(ExecutorKind::Lavapipe, extent).unwrap();
+        let rates = device_rates(crate::gpu::tested_kind(), extent).unwrap();
         assert!(rates.bandwidth_bytes_s > 1e7 && rates.bandwidth_bytes_s < 1e13, "{rates:?}");
         assert!(rates.multiply_adds_s > 1e6 && rates.multiply_adds_s < 1e15, "{rates:?}");
         assert!(rates.read_back_s > 0.0 && rates.read_back_s < 10.0, "{rates:?}");

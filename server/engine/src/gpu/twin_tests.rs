@@ -5,7 +5,6 @@ mod cases;
 
 use super::{context::Context, pipelines::shader_module};
 use crate::{
-    request::ExecutorKind,
     shaders::{self, LIBRARY},
     synthetic::Noise,
     twin,
@@ -150,7 +149,7 @@ fn every_function_of_the_library_has_a_twin_that_is_compared() {
 
 #[test]
 fn wgsl_functions_agree_with_their_twins_on_lavapipe() {
-    let context = Context::open(ExecutorKind::Lavapipe).unwrap();
+    let context = Context::open(super::tested_kind()).unwrap();
     for (seed, case) in (1..).zip(cases()) {
         let mut noise = Noise::new(seed);
         let mut inputs = Vec::new();
@@ -189,7 +188,7 @@ fn wgsl_functions_agree_with_their_twins_on_lavapipe() {
 
 #[test]
 fn the_transform_in_workgroup_memory_agrees_with_its_twin() {
-    let context = Context::open(ExecutorKind::Lavapipe).unwrap();
+    let context = Context::open(super::tested_kind()).unwrap();
     let text = [shaders::FFT.text, shaders::WORKGROUP_FFT.text].concat()
         + "@group(0) @binding(0) var<storage, read> inputs: array<vec2<f32>>;
         @group(0) @binding(1) var<storage, read_write> outputs: array<vec2<f32>>;
