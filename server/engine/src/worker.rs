@@ -14,6 +14,7 @@ use crate::{
 use skyglow_physics::Panorama;
 use std::{
     collections::VecDeque,
+    panic::{AssertUnwindSafe, catch_unwind},
     sync::{
         Arc,
         atomic::Ordering,
@@ -232,21 +233,27 @@ impl Worker {
         let batch_size = batch.len();
         let executor = self.executor.as_ref().map_or(ExecutorKind::Cpu, |executor| executor.kind());
         self.stats.count_batch(batch_size, &output.passes);
-        for (ticket, mut radiance_w_m2_sr) in batch.into_iter().zip(output.radiance_w_m2_sr) {
-            let mut passes = output.passes.clone();
-            if let Some(near) = &ticket.prepared.near {
-                let start = Instant::now();
-                near.add_to(&self.set, &mut radiance_w_m2_sr);
-                let microseconds = start.elapsed().as_secs_f64() * 1e6;
-                passes.push(PassTime { name: NEAR_LIGHTS, microseconds });
+        for (ticket, radiance_w_m2_sr) in batch.into_iter().zip(output.radiance_w_m2_sr) {
+            let rendered = RenderedTicket {
+                ticket,
+                radiance_w_m2_sr,
+                passes: output.passes.clone(),
+                batch_size,
+                executor,
+            };
+            self.stats.count_work(rendered.ticket.prepared.work());
+            if rendered.ticket.prepared.near.is_none() {
+                rendered.answer(&self.set);
+                continue;
             }
-            let work = ticket.prepared.work();
-            self.stats.count_work(work);
-            let basis_count = ticket.prepared.basis_count;
-            let answer = Panorama::from_samples(radiance_w_m2_sr)
-                .ok_or_else(|| DeviceFault::Other("a panorama of the wrong size came back".into()).into())
-                .map(|panorama| Rendered { panorama, passes, batch_size, executor, work, basis_count });
-            let _ = ticket.answer.send(answer);
+            // Not on this thread: the device works on the next batch meanwhile.
+            let set = Arc::clone(&self.set);
+            rayon::spawn(move || {
+                // A panic leaves this one request without its answer, where it would end the process.
+                if catch_unwind(AssertUnwindSafe(|| rendered.answer(&set))).is_err() {
+                    tracing::error!("near lights of a request panicked");
+                }
+            });
         }
     }
 
@@ -276,6 +283,33 @@ impl Worker {
             Ok((executor, _)) => self.executor = Some(executor),
             Err(error) => tracing::error!(%error, "no device could be opened"),
         }
+    }
+}
+
+/// A request that the device is done with.
+struct RenderedTicket {
+    ticket: Ticket,
+    radiance_w_m2_sr: Vec<f32>,
+    passes: Vec<PassTime>,
+    batch_size: usize,
+    executor: ExecutorKind,
+}
+
+impl RenderedTicket {
+    /// Puts near lights right and answers.
+    fn answer(self, set: &TableSet) {
+        let Self { ticket, mut radiance_w_m2_sr, mut passes, batch_size, executor } = self;
+        if let Some(near) = &ticket.prepared.near {
+            let start = Instant::now();
+            near.add_to(set, &mut radiance_w_m2_sr);
+            let microseconds = start.elapsed().as_secs_f64() * 1e6;
+            passes.push(PassTime { name: NEAR_LIGHTS, microseconds });
+        }
+        let (work, basis_count) = (ticket.prepared.work(), ticket.prepared.basis_count);
+        let answer = Panorama::from_samples(radiance_w_m2_sr)
+            .ok_or_else(|| DeviceFault::Other("a panorama of the wrong size came back".into()).into())
+            .map(|panorama| Rendered { panorama, passes, batch_size, executor, work, basis_count });
+        let _ = ticket.answer.send(answer);
     }
 }
 

@@ -148,8 +148,9 @@ fn every_function_of_the_library_has_a_twin_that_is_compared() {
 }
 
 #[test]
-fn wgsl_functions_agree_with_their_twins_on_lavapipe() {
+fn wgsl_functions_agree_with_their_twins_on_the_device() {
     let context = Context::open(super::tested_kind()).unwrap();
+    let mut wrong = Vec::new();
     for (seed, case) in (1..).zip(cases()) {
         let mut noise = Noise::new(seed);
         let mut inputs = Vec::new();
@@ -181,9 +182,12 @@ fn wgsl_functions_agree_with_their_twins_on_lavapipe() {
             }
         }
         println!("{:<20} {largest:.1e} (allowed {:.1e})", case.function, case.tolerance);
-        assert!(largest <= case.tolerance, "{}: {largest}", case.function);
+        if largest > case.tolerance {
+            wrong.push(format!("{}: {largest}", case.function));
+        }
         assert!(varied.len() > 8, "{} answered {} values only", case.function, varied.len());
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
 }
 
 #[test]

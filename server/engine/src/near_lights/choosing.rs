@@ -3,19 +3,20 @@
 use super::{
     NearLights, ROWS,
     patch::{Chosen, Place},
-    sight::{Air, Most, Sight, Sights},
+    screen::Screen,
+    sight::{Air, Sight, Sights},
 };
 use crate::{
     cpu::dispatch::{LANES, dispatch_wide},
     table_set::TableSet,
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, panorama::azimuth_rad};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama, panorama::azimuth_rad};
 use skyglow_scene::NearLight;
-use std::{f32::consts::TAU, sync::LazyLock};
+use std::sync::LazyLock;
 
 /// A light's peak counts in full from twice this part of the sky's radiance on, and not at all below it.
-const LEAST_SHARE: f32 = 0.002;
+pub(super) const LEAST_SHARE: f32 = 0.002;
 /// Lights this many rows up (45°) count for nothing, and in full so many rows below: no ridge stands there.
 const HIGHEST_ROW: f32 = 32.0;
 const ROWS_TO_NOTHING: f32 = 8.0;
@@ -35,16 +36,12 @@ pub(super) struct Choosing<'a> {
     air: &'a Air,
     set: &'a TableSet,
     sky: &'a [f32],
-    most: Most,
-    dimmest: [Vec<f32>; BAND_COUNT],
+    screen: Screen,
 }
 
 impl<'a> Choosing<'a> {
     pub(super) fn new(of: &'a NearLights, air: &'a Air, set: &'a TableSet, sky: &'a [f32]) -> Self {
-        let range_m = of.polar.near.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], light| {
-            [low.min(light.altitude_m), high.max(light.altitude_m)]
-        });
-        Self { of, air, set, sky, most: Most::new(air, range_m), dimmest: dimmest(sky) }
+        Self { of, air, set, sky, screen: Screen::new(air, of, sky) }
     }
 
     /// The lights that show, those that share patches side by side.
@@ -52,15 +49,10 @@ impl<'a> Choosing<'a> {
         let near = &self.of.polar.near;
         let of_task = |(task, lights): (usize, &[NearLight])| {
             let first = task * LOOKED_THROUGH;
-            let (mut together, mut chosen) = (Vec::with_capacity(LANES), Vec::new());
-            for (index, light) in lights.iter().enumerate().filter(|(_, light)| self.may_show(light)) {
-                together.push((first + index, *light));
-                if together.len() == LANES {
-                    self.choose(&together, &mut chosen);
-                    together.clear();
-                }
+            let mut chosen = Vec::new();
+            for together in self.screen.that_may_show(lights).chunks(LANES) {
+                self.choose(first, lights, together, &mut chosen);
             }
-            self.choose(&together, &mut chosen);
             chosen
         };
         let mut chosen: Vec<Chosen> =
@@ -69,44 +61,26 @@ impl<'a> Choosing<'a> {
         chosen
     }
 
-    /// Whether a light can show: most of a city's are too small a part of its sky, and that is told by a few multiplications.
-    #[inline(always)]
-    fn may_show(&self, light: &NearLight) -> bool {
-        let (per_step, per_column) = (1.0 / azimuth_rad(1) as f32, AZIMUTH_COUNT as f32 / TAU);
-        let offset_m = light.altitude_m - self.of.observer_altitude_m as f32;
-        let slope = offset_m / light.distance_m - light.distance_m * (0.5 / EARTH_RADIUS_M as f32);
-        // Rows up to the one above the light's; the tangent is the larger.
-        let row = (slope * per_step + 0.5).clamp(0.0, (LOW_ROWS - 1) as f32) as i32 as usize;
-        let column = (light.azimuth_rad * per_column) as i32 as usize % AZIMUTH_COUNT;
-        let needed = light.distance_m * LEAST_SHARE;
-        let most = self.most.per_m(light.altitude_m, light.distance_m);
-        let per_band = most.iter().zip(self.of.flux_per_dnb_flux).zip(&self.dimmest);
-        per_band
-            .map(|((most, flux), dimmest)| {
-                light.flux_dnb_w * flux * most >= needed * dimmest[row * AZIMUTH_COUNT + column]
-            })
-            .fold(false, |any, shows| any | shows)
-    }
-
-    /// Adds those of up to [`LANES`] lights, each with its place among the near ones, whose peaks show.
-    fn choose(&self, lights: &[(usize, NearLight)], chosen: &mut Vec<Chosen>) {
-        let Some((_, last)) = lights.last() else { return };
+    /// Adds those of up to [`LANES`] lights whose peaks show: `together` are their places among `lights`, of which the first is
+    /// the `first` of the near ones.
+    fn choose(&self, first: usize, lights: &[NearLight], together: &[u32], chosen: &mut Vec<Chosen>) {
         let mut peaks = Peaks::default();
-        let in_lanes = std::array::from_fn(|lane| lights.get(lane).map_or(*last, |(_, light)| *light));
-        peak(self.air, self.of.observer_altitude_m, &in_lanes, &mut peaks);
+        let light = |lane: usize| lights[together[lane.min(together.len() - 1)] as usize];
+        peak(self.air, self.of.observer_altitude_m, &std::array::from_fn(light), &mut peaks);
         let step = azimuth_rad(1) as f32;
-        for (lane, &(index, light)) in lights.iter().enumerate() {
+        for (lane, index) in together.iter().enumerate() {
+            let light = lights[*index as usize];
             let row = peaks.row[lane];
             if !(LOWEST_ROW..HIGHEST_ROW).contains(&row) {
                 continue;
             }
             let column = light.azimuth_rad / step;
-            let first = column as usize % AZIMUTH_COUNT;
+            let left = column as usize % AZIMUTH_COUNT;
             let share = (0..BAND_COUNT).map(|band| {
                 let at =
                     |column: usize| self.sky[Panorama::index(band, nearest_row(row), column % AZIMUTH_COUNT)];
                 let flux = light.flux_dnb_w * self.of.flux_per_dnb_flux[band];
-                flux * peaks.peak[band][lane] / at(first).min(at(first + 1)).max(f32::MIN_POSITIVE)
+                flux * peaks.peak[band][lane] / at(left).min(at(left + 1)).max(f32::MIN_POSITIVE)
             });
             let share = share.fold(0.0, f32::max);
             let weight = (share / LEAST_SHARE - 1.0).clamp(0.0, 1.0)
@@ -114,7 +88,7 @@ impl<'a> Choosing<'a> {
             if weight > 0.0 {
                 let offset_m = (f64::from(light.altitude_m) - self.of.observer_altitude_m) as f32;
                 chosen.push(Chosen {
-                    index: index as u32,
+                    index: first as u32 + index,
                     place: Place::of(self.set, light.distance_m, offset_m, row),
                     sight: peaks.sight[lane],
                     row,
@@ -180,25 +154,7 @@ fn peak_body<const FUSED: bool>(
 }
 
 /// Rows in which lights may show.
-const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
-
-/// No more than the sky's radiance around a direction, `[band][row][column]`: of the row, one or some below it, and two columns.
-fn dimmest(sky: &[f32]) -> [Vec<f32>; BAND_COUNT] {
-    std::array::from_fn(|band| {
-        let of_row = |row: usize| &sky[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
-        let mut dimmest = Vec::with_capacity(LOW_ROWS * AZIMUTH_COUNT);
-        for row in 0..LOW_ROWS {
-            let of_both: Vec<f32> = of_row(row)
-                .iter()
-                .zip(of_row(row.saturating_sub(row / 8 + 1)))
-                .map(|(here, lower)| here.min(*lower))
-                .collect();
-            let next = of_both.iter().cycle().skip(1);
-            dimmest.extend(of_both.iter().zip(next).map(|(here, next)| here.min(*next)));
-        }
-        dimmest
-    })
-}
+pub(super) const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
 
 #[cfg(test)]
 mod tests {

@@ -11,6 +11,7 @@
 
 mod choosing;
 mod patch;
+mod screen;
 mod sight;
 
 use crate::{request::RenderRequest, table_set::TableSet};
@@ -35,7 +36,7 @@ static ROWS: LazyLock<[[f32; 2]; ELEVATION_COUNT]> = LazyLock::new(|| {
 /// No direction is darkened to less than this part of what it was: the pack's own peak is not quite the closed form's.
 const LEAST_LEFT: f32 = 0.1;
 /// Tasks at most, each with a sky of its own: few, and the same on every machine, so that sums have the same order.
-const MOST_TASKS: usize = 4;
+const MOST_TASKS: usize = 8;
 /// Lights that a task has at least.
 const LIGHTS_PER_TASK: usize = 64;
 

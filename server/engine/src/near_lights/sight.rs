@@ -6,7 +6,6 @@ use skyglow_physics::{
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, MOLECULE_SCALE_HEIGHT_M},
     near_light::NearScattering,
     panorama::azimuth_rad,
-    source_pixel::FARTHEST_SOURCE_M,
 };
 
 /// A ray is not taken to pass a light nearer than this part of the light's distance: a point is infinitely bright.
@@ -19,7 +18,7 @@ const HEIGHTS_M: [f32; 2] = [MOLECULE_SCALE_HEIGHT_M as f32, AEROSOL_SCALE_HEIGH
 
 /// The air and the lamps of a request.
 pub(super) struct Air {
-    scattering: NearScattering,
+    pub(super) scattering: NearScattering,
     observer_altitude_m: f64,
     /// β at z = 0, `[molecules, aerosol][band]`, m⁻¹.
     extinction_per_m: [[f64; BAND_COUNT]; 2],
@@ -49,7 +48,7 @@ impl Air {
     /// more above it, m⁻¹ sr⁻¹, for lights of some altitudes and distances, where `scattered` is the
     /// largest F: air no thinner than at the lowest point to which a ray may
     /// come next to them, and for the way densities at the mean of its altitudes, than which their mean is no less.
-    fn most_per_m(
+    pub(super) fn most_per_m(
         &self,
         scattered: [f32; 2],
         altitude_m: [f64; 2],
@@ -72,43 +71,6 @@ impl Air {
             let root = density(-0.25 * 0.98 * from_m as f32 * lost_per_m);
             peak / aside as f32 * (root * root) * (root * root)
         })
-    }
-}
-
-/// [`Air::most_per_m`] by altitude and distance of the light.
-pub(super) struct Most {
-    lowest_m: f32,
-    /// `[altitude][distance]`.
-    per_m: Vec<[[f32; BAND_COUNT]; DISTANCE_STEPS]>,
-}
-
-/// Steps of the altitude and of the distance of lights, metres.
-const ALTITUDE_STEP_M: f32 = 500.0;
-const DISTANCE_STEP_M: f32 = 5_000.0;
-const DISTANCE_STEPS: usize = (FARTHEST_SOURCE_M / DISTANCE_STEP_M as f64) as usize + 1;
-
-impl Most {
-    pub(super) fn new(air: &Air, [lowest_m, highest_m]: [f32; 2]) -> Self {
-        let steps = ((highest_m - lowest_m) / ALTITUDE_STEP_M) as usize + 1;
-        let range = |from: f32, index: usize, step: f32| {
-            [index, index + 1].map(|index| f64::from(from + index as f32 * step))
-        };
-        let scattered = air.scattering.largest_above();
-        let per_m = (0..steps).map(|altitude| {
-            let altitude_m = range(lowest_m, altitude, ALTITUDE_STEP_M);
-            std::array::from_fn(|distance| {
-                air.most_per_m(scattered, altitude_m, range(0.0, distance, DISTANCE_STEP_M))
-            })
-        });
-        Self { lowest_m, per_m: per_m.collect() }
-    }
-
-    /// For a light, m⁻¹ sr⁻¹.
-    #[inline(always)]
-    pub(super) fn per_m(&self, altitude_m: f32, distance_m: f32) -> [f32; BAND_COUNT] {
-        let altitude = ((altitude_m - self.lowest_m) * (1.0 / ALTITUDE_STEP_M)) as i32 as usize;
-        let distance = (distance_m * (1.0 / DISTANCE_STEP_M)) as i32 as usize;
-        self.per_m[altitude.min(self.per_m.len() - 1)][distance.min(DISTANCE_STEPS - 1)]
     }
 }
 
@@ -430,40 +392,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn no_light_shows_more_than_the_bound_on_it() {
-        let mut closest = 0f32;
-        for (turbidity, eye_m) in [(1.5, 2.0), (2.5, 640.0), (6.0, 2_900.0)] {
-            let atmosphere = Atmosphere::new(Turbidity::new(turbidity).unwrap());
-            for emission in [EmissionMix::garstang(), EmissionMix::only(Lobe::Oblique)] {
-                let air = Air::new(NearScattering::of(emission), &atmosphere, eye_m);
-                let bounds = Most::new(&air, [-20.0, 4_100.0]);
-                for (distance_m, altitude_m) in [250.0f32, 1_900.0, 14_000.0, 61_000.0, 140_000.0, 299_000.0]
-                    .into_iter()
-                    .flat_map(|d| [-20.0f32, 300.0, 1_100.0, 2_750.0, 4_100.0].map(|a| (d, a)))
-                {
-                    let sight = Sight::new(&air, f64::from(distance_m), f64::from(altitude_m) - eye_m);
-                    let step = azimuth_rad(1) as f32;
-                    if sight.elevation_rad() > 0.78 {
-                        continue;
-                    }
-                    let bound = bounds.per_m(altitude_m, distance_m);
-                    // From half a row above it to one and a half, and not below the lowest.
-                    for above in [0.5f32, 0.8, 1.2, 1.5] {
-                        let elevation = (sight.elevation_rad() + above * step).max(0.5 * step);
-                        let shown = one(&sight, &air, f64::from(0.5 * step), f64::from(elevation));
-                        for (shown, bound) in shown.iter().zip(bound) {
-                            let share = *shown as f32 * distance_m / bound;
-                            assert!(share <= 1.001, "{distance_m} m, {altitude_m} m from {eye_m}: {share}");
-                            closest = closest.max(share);
-                        }
-                    }
-                }
-            }
-        }
-        assert!(closest > 0.3, "{closest}");
     }
 
     #[test]
