@@ -20,7 +20,6 @@ use std::{
         mpsc::{SyncSender, TrySendError},
     },
     thread::JoinHandle,
-    time::Duration,
 };
 use tokio::sync::oneshot;
 
@@ -33,8 +32,6 @@ pub struct EngineConfig {
     pub tables: Vec<Arc<ResidentTables>>,
     /// Requests that may wait; one more is refused as busy.
     pub queue_capacity: usize,
-    /// How long a batch waits for company, once requests have been seen to come together.
-    pub batch_window: Duration,
     /// Most requests in one batch, 1..=[`crate::MAX_BATCH`].
     pub batch_limit: usize,
     /// Most bytes that packs and workspace may take on the device.
@@ -47,7 +44,6 @@ impl Default for EngineConfig {
             device: DeviceChoice::Auto,
             tables: Vec::new(),
             queue_capacity: 64,
-            batch_window: Duration::from_millis(2),
             batch_limit: crate::MAX_BATCH,
             budget_bytes: 2 << 30,
         }

@@ -18,7 +18,7 @@ use std::{
     sync::{
         Arc,
         atomic::Ordering,
-        mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
+        mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel},
     },
     thread::JoinHandle,
     time::{Duration, Instant},
@@ -106,8 +106,6 @@ struct Worker {
     commands: Receiver<Command>,
     /// Requests taken from the queue that did not fit the batch in hand.
     waiting: VecDeque<Ticket>,
-    /// Requests came together the last time: waiting for company pays.
-    crowded: bool,
 }
 
 impl Worker {
@@ -119,7 +117,7 @@ impl Worker {
         commands: Receiver<Command>,
     ) -> Self {
         let waiting = VecDeque::new();
-        Self { config, set, stats, executor: Some(executor), commands, waiting, crowded: false }
+        Self { config, set, stats, executor: Some(executor), commands, waiting }
     }
 
     fn run(mut self) {
@@ -181,21 +179,18 @@ impl Worker {
         }
         self.waiting = held;
         self.collect(&mut batch, limit);
-        self.crowded = batch.len() > 1;
         Some(batch)
     }
 
-    /// Adds compatible requests from the queue: those there, and while crowded those of the next moments.
+    /// Adds compatible requests that are in the queue. Nothing is waited for: a device that is left idle for company renders fewer
+    /// panoramas, whoever comes while it works.
     fn collect(&mut self, batch: &mut Vec<Ticket>, limit: usize) {
-        let window = if self.crowded { self.config.batch_window } else { Duration::ZERO };
-        let deadline = Instant::now() + window;
         while batch.len() < limit && self.waiting.len() < limit {
-            let left = deadline.saturating_duration_since(Instant::now());
-            match self.commands.recv_timeout(left) {
+            match self.commands.try_recv() {
                 Ok(Command::Render(ticket)) if fits(batch, &ticket) => batch.push(*ticket),
                 Ok(Command::Render(ticket)) => self.waiting.push_back(*ticket),
                 Ok(Command::LoseDevice) => self.lose(),
-                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return,
+                Err(TryRecvError::Empty | TryRecvError::Disconnected) => return,
             }
         }
     }
