@@ -10,6 +10,7 @@ mod device;
 pub mod engine;
 pub mod error;
 mod executor;
+mod finishers;
 mod gpu;
 pub mod influence;
 mod near_lights;

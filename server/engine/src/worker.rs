@@ -5,23 +5,23 @@ use crate::{
     engine::EngineConfig,
     error::{DeviceFault, EngineError},
     executor::{BatchOutput, Executor},
+    finishers::{Finishers, RenderedTicket},
     plan::Pass,
     prepare::Prepared,
-    request::{ExecutorKind, PassTime, Rendered, WorkCount},
+    request::{ExecutorKind, Rendered, WorkCount},
     stats::StatsCell,
     table_set::TableSet,
 };
 use skyglow_physics::Panorama;
 use std::{
     collections::VecDeque,
-    panic::{AssertUnwindSafe, catch_unwind},
     sync::{
         Arc,
         atomic::Ordering,
         mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel},
     },
     thread::JoinHandle,
-    time::{Duration, Instant},
+    time::Duration,
 };
 use tokio::sync::oneshot;
 
@@ -92,8 +92,6 @@ fn fits(batch: &[Ticket], ticket: &Ticket) -> bool {
         && ticket.prepared.is_compatible(&batch[0].prepared)
 }
 
-/// What the time of near lights is called among those of passes: it is spent on the processor, whatever renders.
-const NEAR_LIGHTS: &str = "near_lights";
 /// How long a device that could not be made anew is left before the next try.
 const REPAIR_INTERVAL: Duration = Duration::from_secs(5);
 
@@ -106,6 +104,7 @@ struct Worker {
     commands: Receiver<Command>,
     /// Requests taken from the queue that did not fit the batch in hand.
     waiting: VecDeque<Ticket>,
+    finishers: Finishers,
 }
 
 impl Worker {
@@ -117,7 +116,8 @@ impl Worker {
         commands: Receiver<Command>,
     ) -> Self {
         let waiting = VecDeque::new();
-        Self { config, set, stats, executor: Some(executor), commands, waiting }
+        let finishers = Finishers::new(&set);
+        Self { config, set, stats, executor: Some(executor), commands, waiting, finishers }
     }
 
     fn run(mut self) {
@@ -239,16 +239,9 @@ impl Worker {
             self.stats.count_work(rendered.ticket.prepared.work());
             if rendered.ticket.prepared.near.is_none() {
                 rendered.answer(&self.set);
-                continue;
+            } else {
+                self.finishers.finish(rendered);
             }
-            // Not on this thread: the device works on the next batch meanwhile.
-            let set = Arc::clone(&self.set);
-            rayon::spawn(move || {
-                // A panic leaves this one request without its answer, where it would end the process.
-                if catch_unwind(AssertUnwindSafe(|| rendered.answer(&set))).is_err() {
-                    tracing::error!("near lights of a request panicked");
-                }
-            });
         }
     }
 
@@ -278,33 +271,6 @@ impl Worker {
             Ok((executor, _)) => self.executor = Some(executor),
             Err(error) => tracing::error!(%error, "no device could be opened"),
         }
-    }
-}
-
-/// A request that the device is done with.
-struct RenderedTicket {
-    ticket: Ticket,
-    radiance_w_m2_sr: Vec<f32>,
-    passes: Vec<PassTime>,
-    batch_size: usize,
-    executor: ExecutorKind,
-}
-
-impl RenderedTicket {
-    /// Puts near lights right and answers.
-    fn answer(self, set: &TableSet) {
-        let Self { ticket, mut radiance_w_m2_sr, mut passes, batch_size, executor } = self;
-        if let Some(near) = &ticket.prepared.near {
-            let start = Instant::now();
-            near.add_to(set, &mut radiance_w_m2_sr);
-            let microseconds = start.elapsed().as_secs_f64() * 1e6;
-            passes.push(PassTime { name: NEAR_LIGHTS, microseconds });
-        }
-        let (work, basis_count) = (ticket.prepared.work(), ticket.prepared.basis_count);
-        let answer = Panorama::from_samples(radiance_w_m2_sr)
-            .ok_or_else(|| DeviceFault::Other("a panorama of the wrong size came back".into()).into())
-            .map(|panorama| Rendered { panorama, passes, batch_size, executor, work, basis_count });
-        let _ = ticket.answer.send(answer);
     }
 }
 
