@@ -66,7 +66,7 @@ pub(crate) fn record(
     })
 }
 
-/// Multiply-adds of a dispatch over those of a thread: a GPU does a thousand threads' at once.
+/// Multiply-adds of a dispatch over those of a thread: some two thousand workgroups, which fill any GPU.
 const GPU_OVER_THREAD: usize = 8;
 
 fn rates_extent(extent: &Extent) -> RatesExtent {

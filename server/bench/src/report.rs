@@ -185,14 +185,15 @@ pub struct BatchRow {
     pub basis_count: usize,
     /// Callers, each of whom asks for the next panorama once it has the last.
     pub callers: usize,
-    /// Panoramas that were rendered together, in the mean.
+    /// Panoramas of a batch, in the mean over the batches of the fastest round.
     pub batch_size: f64,
     /// Panoramas a second in the fastest round.
     pub panoramas_per_s: f64,
     /// The same in the median round.
     pub median_panoramas_per_s: f64,
-    /// Least time of a panorama by its bytes and operations, milliseconds.
-    pub floor_ms: f64,
+    /// Least time of a panorama's passes alone by their bytes and operations, pass by pass, milliseconds; near lights are none of
+    /// them, and tables that a batch shares count for each.
+    pub passes_floor_ms: f64,
 }
 
 /// What a pass needs at least.

@@ -4,15 +4,16 @@
 //! and each holds a sky. A render thread that is faster waits.
 
 use crate::{
-    error::DeviceFault,
+    error::{DeviceFault, EngineError},
     request::{ExecutorKind, PassTime, Rendered},
+    stats::StatsCell,
     table_set::TableSet,
     worker::Ticket,
 };
 use skyglow_physics::Panorama;
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, atomic::Ordering},
     time::Instant,
 };
 
@@ -29,20 +30,33 @@ pub(crate) struct RenderedTicket {
 }
 
 impl RenderedTicket {
-    /// Puts near lights right and answers.
-    pub(crate) fn answer(self, set: &TableSet) {
-        let Self { ticket, mut radiance_w_m2_sr, mut passes, batch_size, executor } = self;
-        if let Some(near) = &ticket.prepared.near {
-            let start = Instant::now();
-            near.add_to(set, &mut radiance_w_m2_sr);
-            let microseconds = start.elapsed().as_secs_f64() * 1e6;
-            passes.push(PassTime { name: NEAR_LIGHTS, microseconds });
+    /// Puts near lights right and answers; false where that failed.
+    pub(crate) fn answer(self, set: &TableSet) -> bool {
+        let Self { ticket: Ticket { prepared, answer }, radiance_w_m2_sr, passes, batch_size, executor } =
+            self;
+        // Nobody waits for an answer whose receiver is gone.
+        if answer.is_closed() {
+            return true;
         }
-        let (work, basis_count) = (ticket.prepared.work(), ticket.prepared.basis_count);
-        let answer = Panorama::from_samples(radiance_w_m2_sr)
-            .ok_or_else(|| DeviceFault::Other("a panorama of the wrong size came back".into()).into())
-            .map(|panorama| Rendered { panorama, passes, batch_size, executor, work, basis_count });
-        let _ = ticket.answer.send(answer);
+        let finish = || -> Result<Rendered, EngineError> {
+            let (mut sky, mut passes) = (radiance_w_m2_sr, passes);
+            if let Some(near) = &prepared.near {
+                let start = Instant::now();
+                near.add_to(set, &mut sky);
+                let microseconds = start.elapsed().as_secs_f64() * 1e6;
+                passes.push(PassTime { name: NEAR_LIGHTS, microseconds });
+            }
+            let (work, basis_count) = (prepared.work(), prepared.basis_count);
+            let panorama = Panorama::from_samples(sky)
+                .ok_or_else(|| DeviceFault::Other("a panorama of the wrong size came back".into()))?;
+            Ok(Rendered { panorama, passes, batch_size, executor, work, basis_count })
+        };
+        // A panic fails this one request, where it would end the process.
+        let finished = catch_unwind(AssertUnwindSafe(finish))
+            .unwrap_or_else(|_| Err(DeviceFault::Other("near lights panicked".into()).into()));
+        let is_whole = finished.is_ok();
+        let _ = answer.send(finished);
+        is_whole
     }
 }
 
@@ -51,24 +65,26 @@ pub(crate) struct Finishers {
     in_hand: Arc<InHand>,
     most: usize,
     set: Arc<TableSet>,
+    stats: Arc<StatsCell>,
 }
 
 impl Finishers {
     /// For requests of a set of packs.
-    pub(crate) fn new(set: &Arc<TableSet>) -> Self {
+    pub(crate) fn new(set: &Arc<TableSet>, stats: &Arc<StatsCell>) -> Self {
         let most = rayon::current_num_threads().max(crate::MAX_BATCH);
-        Self { in_hand: Arc::default(), most, set: Arc::clone(set) }
+        Self { in_hand: Arc::default(), most, set: Arc::clone(set), stats: Arc::clone(stats) }
     }
 
     /// Has a request finished and answered; waits while too many are.
     pub(crate) fn finish(&self, rendered: RenderedTicket) {
         let place = InHand::take(&self.in_hand, self.most);
-        let set = Arc::clone(&self.set);
+        let (set, stats) = (Arc::clone(&self.set), Arc::clone(&self.stats));
         rayon::spawn(move || {
-            // A panic leaves this one request without its answer, where it would end the process.
-            if catch_unwind(AssertUnwindSafe(|| rendered.answer(&set))).is_err() {
-                tracing::error!("near lights of a request panicked");
+            if !rendered.answer(&set) {
+                stats.failed.fetch_add(1, Ordering::Relaxed);
             }
+            // The place last: an engine that ends waits for it, and is then the last to hold its packs.
+            drop(set);
             drop(place);
         });
     }

@@ -80,7 +80,8 @@ impl Rendered {
     }
 }
 
-/// Time of one pass over a whole batch, all packs together.
+/// Time of one pass over a whole batch, all packs together; near lights are of each request. Where requests come together it holds
+/// what its threads did for others meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PassTime {
     /// Name of the pass, as in `shaders/passes`.

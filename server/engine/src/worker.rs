@@ -116,7 +116,7 @@ impl Worker {
         commands: Receiver<Command>,
     ) -> Self {
         let waiting = VecDeque::new();
-        let finishers = Finishers::new(&set);
+        let finishers = Finishers::new(&set, &stats);
         Self { config, set, stats, executor: Some(executor), commands, waiting, finishers }
     }
 
@@ -238,7 +238,9 @@ impl Worker {
             };
             self.stats.count_work(rendered.ticket.prepared.work());
             if rendered.ticket.prepared.near.is_none() {
-                rendered.answer(&self.set);
+                if !rendered.answer(&self.set) {
+                    self.stats.failed.fetch_add(1, Ordering::Relaxed);
+                }
             } else {
                 self.finishers.finish(rendered);
             }

@@ -155,7 +155,7 @@ fn render_all(engine: &Arc<Engine>, requests: &[RenderRequest]) -> Vec<skyglow_e
 }
 
 #[test]
-fn lavapipe_and_cpu_agree_with_f64_where_both_kinds_are_resident() {
+fn vulkan_and_cpu_agree_with_f64_where_both_kinds_are_resident() {
     let set = TableSet::new(both()).unwrap();
     for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, both());

@@ -24,7 +24,7 @@ fn all_behind(mut grid: PolarGrid, blocking: u32) -> PolarGrid {
 }
 
 #[test]
-fn lavapipe_and_cpu_agree_with_f64_on_light_behind_skylines() {
+fn vulkan_and_cpu_agree_with_f64_on_light_behind_skylines() {
     let engines = [vulkan(), DeviceChoice::Cpu].map(|device| engine(device, &[2.0, 3.0, 4.0]));
     let set = TableSet::new(engines[0].tables().to_vec()).unwrap();
     for (turbidity, basis) in [(2.0, None), (2.4, None), (3.0, Some(5))] {

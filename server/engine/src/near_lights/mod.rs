@@ -146,6 +146,9 @@ impl NearLights {
 
     /// What is added in every direction.
     fn sum(&self, air: &Air, set: &TableSet, sky: &[f32], chosen: &[Chosen]) -> Vec<f32> {
+        if chosen.is_empty() {
+            return vec![0.0; Panorama::LEN];
+        }
         let most = MostOfGrid::new(sky, 1.0 - LEAST_LEFT);
         let of_task = |lights: &[Chosen]| {
             let mut added = vec![0f32; Panorama::LEN];

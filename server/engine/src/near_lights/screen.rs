@@ -20,7 +20,7 @@ type Bands = [f32; BAND_COUNT + 1];
 /// Bounds on what lights show and on the sky around them.
 pub(super) struct Screen {
     most: Most,
-    /// `[row][column]`: the least of the sky's radiance around a direction, W m⁻² sr⁻¹; infinite beyond the bands.
+    /// `[row][column]`: the least of the sky's radiance around a direction, W m⁻² sr⁻¹; infinite beyond the bands and in dark ones.
     dimmest: Vec<Bands>,
     observer_altitude_m: f32,
 }
@@ -29,7 +29,7 @@ impl Screen {
     pub(super) fn new(air: &Air, lights: &NearLights, sky: &[f32]) -> Self {
         Self {
             most: Most::new(air, altitude_range_m(&lights.polar.near), lights.flux_per_dnb_flux),
-            dimmest: dimmest(sky),
+            dimmest: dimmest(sky, lights.flux_per_dnb_flux),
             observer_altitude_m: lights.observer_altitude_m as f32,
         }
     }
@@ -102,11 +102,12 @@ fn altitude_range_m(lights: &[NearLight]) -> [f32; 2] {
 /// Lights whose altitudes a task looks at.
 const LIGHTS_PER_TASK: usize = 16_384;
 
-/// No more than the sky's radiance around a direction: of the row, one or some below it, and two columns.
-fn dimmest(sky: &[f32]) -> Vec<Bands> {
+/// No more than the sky's radiance around a direction: of the row, one or some below it, and two columns. Nothing shows in a band
+/// in which no lamp shines.
+fn dimmest(sky: &[f32], flux_per_dnb_flux: [f32; BAND_COUNT]) -> Vec<Bands> {
     let mut dimmest = vec![[f32::INFINITY; BAND_COUNT + 1]; LOW_ROWS * AZIMUTH_COUNT];
     for (row, of_row) in dimmest.chunks_exact_mut(AZIMUTH_COUNT).enumerate() {
-        for band in 0..BAND_COUNT {
+        for band in (0..BAND_COUNT).filter(|band| flux_per_dnb_flux[*band] > 0.0) {
             let at = |row: usize| &sky[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
             let (here, lower) = (at(row), at(row.saturating_sub(row / 8 + 1)));
             let mut of_both = [0f32; AZIMUTH_COUNT + 1];
