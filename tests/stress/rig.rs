@@ -2,7 +2,7 @@
 
 use skyglow_engine::{
     DeviceChoice, Engine, EngineConfig, EngineError, RenderRequest, TableSet, prepare::Prepared,
-    reference::render_f64, resident_tables,
+    reference::render_f64, resident_tables, synthetic::tested_device,
 };
 use skyglow_physics::{AZIMUTH_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity};
 use skyglow_scene::{PolarCell, PolarGrid};
@@ -85,11 +85,7 @@ pub(crate) struct Rig {
 impl Rig {
     /// Both executors.
     pub(crate) fn of(tables: Vec<Arc<ResidentTables>>) -> Result<Self, EngineError> {
-        let vulkan = match std::env::var("SKYGLOW_TEST_DEVICE").as_deref() {
-            Ok("gpu") => DeviceChoice::Gpu,
-            _ => DeviceChoice::Lavapipe,
-        };
-        Self::with(tables, &[DeviceChoice::Cpu, vulkan])
+        Self::with(tables, &[DeviceChoice::Cpu, tested_device().choice()])
     }
 
     /// The executors asked for, the first of them the one that [`Self::sky`] takes.

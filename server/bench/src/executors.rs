@@ -2,12 +2,13 @@
 
 use crate::{
     error::BenchError,
+    machine::fastest_s,
     options::{Extent, Setting},
     report::{ExecutorRecord, Machine, PassRow},
 };
 use skyglow_engine::{
-    DeviceChoice, Engine, EngineConfig, EngineError, ExecutorKind, PassTime, RatesExtent, RenderRequest,
-    Rendered, WorkCount, device_rates,
+    DeviceChoice, DeviceRates, Engine, EngineConfig, EngineError, ExecutorKind, PassTime, RatesExtent,
+    RenderRequest, Rendered, WorkCount, device_rates,
 };
 use skyglow_physics::Turbidity;
 use skyglow_scene::PolarGrid;
@@ -52,7 +53,7 @@ pub(crate) fn record(
 ) -> Result<ExecutorRecord, BenchError> {
     let info = engine.info();
     let rates = match info.executor {
-        ExecutorKind::Gpu => Some(device_rates(info.executor, rates_extent(extent))?),
+        ExecutorKind::Gpu => Some(gpu_rates(info.executor, extent)?),
         ExecutorKind::Cpu | ExecutorKind::Lavapipe => None,
     };
     Ok(ExecutorRecord {
@@ -69,12 +70,12 @@ pub(crate) fn record(
 /// Multiply-adds of a dispatch over those of a thread: some two thousand workgroups, which fill any GPU.
 const GPU_OVER_THREAD: usize = 8;
 
-fn rates_extent(extent: &Extent) -> RatesExtent {
-    RatesExtent {
+fn gpu_rates(executor: ExecutorKind, extent: &Extent) -> Result<DeviceRates, EngineError> {
+    let measured = RatesExtent {
         stream_bytes: extent.stream_bytes,
         multiply_adds: GPU_OVER_THREAD * extent.multiply_adds,
-        time_for_tries: extent.time_for_tries,
-    }
+    };
+    device_rates(executor, measured, &|work| fastest_s(extent.time_for_tries, work))
 }
 
 /// A sky of the setting.

@@ -31,7 +31,7 @@ pub(crate) struct RenderedTicket {
 
 impl RenderedTicket {
     /// Puts near lights right and answers; false where that failed.
-    pub(crate) fn answer(self, set: &TableSet) -> bool {
+    fn answer(self, set: &TableSet) -> bool {
         let Self { ticket: Ticket { prepared, answer }, radiance_w_m2_sr, passes, batch_size, executor } =
             self;
         // Nobody waits for an answer whose receiver is gone.
@@ -75,18 +75,25 @@ impl Finishers {
         Self { in_hand: Arc::default(), most, set: Arc::clone(set), stats: Arc::clone(stats) }
     }
 
-    /// Has a request finished and answered; waits while too many are.
+    /// Has a request answered, at once where nothing is left to do; waits while too many are being finished.
     pub(crate) fn finish(&self, rendered: RenderedTicket) {
-        let place = InHand::take(&self.in_hand, self.most);
         let (set, stats) = (Arc::clone(&self.set), Arc::clone(&self.stats));
-        rayon::spawn(move || {
+        let needs_work = rendered.ticket.prepared.near.is_some();
+        let answer = move || {
             if !rendered.answer(&set) {
                 stats.failed.fetch_add(1, Ordering::Relaxed);
             }
-            // The place last: an engine that ends waits for it, and is then the last to hold its packs.
-            drop(set);
-            drop(place);
-        });
+        };
+        if needs_work {
+            let place = InHand::take(&self.in_hand, self.most);
+            rayon::spawn(move || {
+                // The place last: an engine that ends waits for it, and is then the last to hold its packs.
+                answer();
+                drop(place);
+            });
+        } else {
+            answer();
+        }
     }
 }
 

@@ -36,7 +36,7 @@ mod worker;
 
 pub use engine::{Engine, EngineConfig, EngineInfo};
 pub use error::{DeviceFault, EngineError};
-pub use gpu::rates::{DeviceRates, RatesExtent, device_rates};
+pub use gpu::rates::{DeviceRates, FastestS, RatesExtent, device_rates};
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
 pub use near_lights::NearLights;
 pub use observatory::{

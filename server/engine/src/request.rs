@@ -128,7 +128,7 @@ impl ExecutorKind {
     }
 
     /// The choice that opens this kind and no other.
-    pub(crate) const fn choice(self) -> DeviceChoice {
+    pub const fn choice(self) -> DeviceChoice {
         match self {
             ExecutorKind::Gpu => DeviceChoice::Gpu,
             ExecutorKind::Lavapipe => DeviceChoice::Lavapipe,

@@ -1,7 +1,7 @@
 //! Made-up tables and grids: smooth, positive, fast to make. For tests and benches, never for a sky that anyone
 //! is shown.
 
-use crate::request::RenderRequest;
+use crate::request::{ExecutorKind, RenderRequest};
 use half::f16;
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, EmissionMix, GeoPoint, LOBE_COUNT, Turbidity,
@@ -13,6 +13,14 @@ use skyglow_tables::{
     resident::{FREQUENCY_COUNT, ResidentBlocked, ResidentTables},
 };
 use std::sync::Arc;
+
+/// The device with Vulkan that tests run on: lavapipe, unless `SKYGLOW_TEST_DEVICE` is `gpu`.
+pub fn tested_device() -> ExecutorKind {
+    match std::env::var("SKYGLOW_TEST_DEVICE").as_deref() {
+        Ok("gpu") => ExecutorKind::Gpu,
+        _ => ExecutorKind::Lavapipe,
+    }
+}
 
 /// Nodes of the made-up packs' offset axis.
 const OFFSET_COUNT: usize = 15;

@@ -4,7 +4,13 @@ use crate::{
     error::{DeviceFault, EngineError},
     request::ExecutorKind,
 };
-use std::sync::{Arc, Mutex, PoisonError};
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+
+/// A device that has not answered after this long is taken for lost.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// An open device. Everything on it is made, used and dropped by one thread.
 pub(crate) struct Context {
@@ -104,6 +110,17 @@ impl Context {
     /// That complaint.
     pub(crate) fn check(&self) -> Result<(), DeviceFault> {
         self.faults.take().map_or(Ok(()), Err)
+    }
+
+    /// Waits until all that was submitted is done.
+    ///
+    /// # Errors
+    /// The first complaint, or that no answer came.
+    pub(crate) fn wait(&self) -> Result<(), DeviceFault> {
+        let waited =
+            self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) });
+        self.check()?;
+        waited.map(drop).map_err(|error| DeviceFault::Lost(error.to_string()))
     }
 
     /// Refuses a size beyond one of the adapter's limits.

@@ -29,12 +29,9 @@ use context::Context;
 use pipelines::Pipeline;
 use resident::ResidentPack;
 use skyglow_physics::Panorama;
-use std::{collections::HashMap, sync::mpsc::channel, time::Duration};
+use std::{collections::HashMap, sync::mpsc::channel};
 use upload::BatchArrays;
 use workspace::{READ_BACK_PANORAMA_BYTES, TIMESTAMP_COUNT, Workspace, WorkspaceSize};
-
-/// A device that has not answered after this long is taken for lost.
-const ANSWER_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Renders on a Vulkan device.
 pub(crate) struct GpuExecutor {
@@ -146,7 +143,7 @@ impl GpuExecutor {
         let stepwise = self.workspace.timestamps.is_none();
         if stepwise {
             self.context.queue.submit([]);
-            self.wait()?;
+            self.context.wait()?;
         } else {
             drop(encoder.begin_compute_pass(&self.pass_descriptor("start", 0)));
         }
@@ -156,7 +153,7 @@ impl GpuExecutor {
                 let step = std::mem::replace(&mut encoder, self.encoder());
                 clock.time(planned.pass, || {
                     self.context.queue.submit([step.finish()]);
-                    self.wait()
+                    self.context.wait()
                 })?;
             }
         }
@@ -192,16 +189,6 @@ impl GpuExecutor {
         }
     }
 
-    /// Waits until all that was submitted is done.
-    fn wait(&self) -> Result<(), DeviceFault> {
-        let waited = self
-            .context
-            .device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) });
-        self.context.check()?;
-        waited.map(drop).map_err(|error| DeviceFault::Lost(error.to_string()))
-    }
-
     fn pass_descriptor<'a>(&'a self, label: &'a str, timestamp: u32) -> wgpu::ComputePassDescriptor<'a> {
         let timestamp_writes =
             self.workspace.timestamps.as_ref().map(|(query_set, _)| wgpu::ComputePassTimestampWrites {
@@ -219,7 +206,7 @@ impl GpuExecutor {
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
             let _ = sender.send(result);
         });
-        self.wait()?;
+        self.context.wait()?;
         receiver
             .try_recv()
             .map_err(|error| DeviceFault::Lost(format!("no answer came: {error}")))?
@@ -246,15 +233,6 @@ impl GpuExecutor {
             }
         }
         clock.into_passes()
-    }
-}
-
-/// The kind of device that tests run on: lavapipe, unless `SKYGLOW_TEST_DEVICE` is `gpu`.
-#[cfg(test)]
-pub(crate) fn tested_kind() -> ExecutorKind {
-    match std::env::var("SKYGLOW_TEST_DEVICE").as_deref() {
-        Ok("gpu") => ExecutorKind::Gpu,
-        _ => ExecutorKind::Lavapipe,
     }
 }
 

@@ -1,4 +1,4 @@
-//! Each pass on lavapipe against the same pass of the CPU executor, fed with what the device itself had before it.
+//! Each pass on the device against the same pass of the CPU executor, fed with what the device itself had before it.
 
 use super::{GpuExecutor, context::Context};
 use crate::{
@@ -49,10 +49,10 @@ struct Rig {
 }
 
 impl Rig {
-    /// A batch of two on lavapipe, rendered.
+    /// A batch of two on the device, rendered.
     fn rendered(turbidity: f64) -> Self {
         let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0, 3.0, 4.0], BASIS_COUNT)).unwrap();
-        let context = Context::open(super::tested_kind()).unwrap();
+        let context = Context::open(crate::synthetic::tested_device()).unwrap();
         let mut executor = GpuExecutor::new(context, set.clone(), 1 << 30).unwrap();
         let batch = vec![prepared(1, 1661.0, turbidity, &set), prepared(2, 0.0, turbidity, &set)];
         let requests: Vec<&Prepared> = batch.iter().collect();
@@ -311,7 +311,7 @@ fn the_blend_agrees_with_the_cpu_on_the_same_input() {
 #[test]
 fn the_budget_is_kept_before_anything_is_allocated() {
     let set = TableSet::new(synthetic::table_set(&[2.0], 8)).unwrap();
-    let context = Context::open(super::tested_kind()).unwrap();
+    let context = Context::open(crate::synthetic::tested_device()).unwrap();
     let refused = GpuExecutor::new(context, set, 1_000_000).err().unwrap().to_string();
     assert!(refused.ends_with("the budget is 1000000"), "{refused}");
 }

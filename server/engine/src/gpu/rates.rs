@@ -23,9 +23,6 @@ const ROUNDS: u32 = 1_024;
 /// A submission that takes no longer than this is mostly its own cost.
 const LEAST_SUBMISSION: Duration = Duration::from_millis(20);
 const MOST_DISPATCHES: u32 = 1 << 12;
-const LEAST_TRIES: usize = 3;
-/// A device that has not answered after this long is taken for lost.
-const ANSWER_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// What a device does at its fastest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,23 +42,32 @@ pub struct RatesExtent {
     pub stream_bytes: usize,
     /// Multiply-adds of a dispatch, about.
     pub multiply_adds: usize,
-    /// How long each is tried again; the fastest try counts.
-    pub time_for_tries: Duration,
 }
+
+/// Tries some work over and over and answers the seconds of the fastest try.
+pub type FastestS<'a> = &'a dyn Fn(&mut dyn FnMut()) -> f64;
 
 /// Measures the device that an executor renders on.
 ///
 /// # Errors
 /// No such adapter, or a device that fails or computes something else.
-pub fn device_rates(executor: ExecutorKind, extent: RatesExtent) -> Result<DeviceRates, EngineError> {
+pub fn device_rates(
+    executor: ExecutorKind,
+    extent: RatesExtent,
+    fastest_s: FastestS<'_>,
+) -> Result<DeviceRates, EngineError> {
     let context = Context::open(executor)?;
-    let bandwidth_bytes_s = bandwidth_bytes_s(&context, extent)?;
-    let multiply_adds_s = multiply_adds_s(&context, extent)?;
-    let read_back_s = read_back_s(&context, extent.time_for_tries)?;
+    let bandwidth_bytes_s = bandwidth_bytes_s(&context, extent, fastest_s)?;
+    let multiply_adds_s = multiply_adds_s(&context, extent, fastest_s)?;
+    let read_back_s = read_back_s(&context, fastest_s)?;
     Ok(DeviceRates { bandwidth_bytes_s, multiply_adds_s, read_back_s })
 }
 
-fn bandwidth_bytes_s(context: &Context, extent: RatesExtent) -> Result<f64, EngineError> {
+fn bandwidth_bytes_s(
+    context: &Context,
+    extent: RatesExtent,
+    fastest_s: FastestS<'_>,
+) -> Result<f64, EngineError> {
     let limits = context.device.limits();
     let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let bytes = (extent.stream_bytes as u64).clamp(COPIED * WORKGROUP, most) / (COPIED * WORKGROUP)
@@ -74,15 +80,19 @@ fn bandwidth_bytes_s(context: &Context, extent: RatesExtent) -> Result<f64, Engi
     context.queue.write_buffer(&from, 0, bytemuck::cast_slice(&first));
     let to = buffer(context, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let work = Work::new(context, "stream", STREAM, [&from, &to], [columns, rows]);
-    let fastest_s = work.fastest_s(extent.time_for_tries)?;
+    let seconds = work.timed(fastest_s)?;
     let copied = read(context, &to, first.len())?;
     if copied != first {
         return Err(DeviceFault::Other("a copy of a buffer is none".into()).into());
     }
-    Ok((2 * bytes) as f64 / fastest_s)
+    Ok((2 * bytes) as f64 / seconds)
 }
 
-fn multiply_adds_s(context: &Context, extent: RatesExtent) -> Result<f64, EngineError> {
+fn multiply_adds_s(
+    context: &Context,
+    extent: RatesExtent,
+    fastest_s: FastestS<'_>,
+) -> Result<f64, EngineError> {
     let of_group = WORKGROUP * CHAINED * u64::from(ROUNDS);
     let most = u64::from(context.device.limits().max_compute_workgroups_per_dimension);
     let groups = (extent.multiply_adds as u64 / of_group).clamp(1, most);
@@ -95,21 +105,21 @@ fn multiply_adds_s(context: &Context, extent: RatesExtent) -> Result<f64, Engine
     let results =
         buffer(context, groups * WORKGROUP * COPIED, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let work = Work::new(context, "multiply", MULTIPLY, [&chain, &results], [groups as u32, 1]);
-    let fastest_s = work.fastest_s(extent.time_for_tries)?;
+    let seconds = work.timed(fastest_s)?;
     let first = read(context, &results, 1)?[0];
     // Four chains from 5, 6, 7 and 8.
     let mean = 1.0 + 5.5 * f64::from(FACTOR).powi(ROUNDS as i32);
     if (f64::from(first) / mean - 1.0).abs() > 1e-3 {
         return Err(DeviceFault::Other(format!("multiply-adds came to {first}, not {mean}")).into());
     }
-    Ok((groups * of_group) as f64 / fastest_s)
+    Ok((groups * of_group) as f64 / seconds)
 }
 
-fn read_back_s(context: &Context, time_for_tries: Duration) -> Result<f64, EngineError> {
+fn read_back_s(context: &Context, fastest_s: FastestS<'_>) -> Result<f64, EngineError> {
     let bytes = (skyglow_physics::Panorama::LEN * size_of::<f32>()) as u64;
     let panorama = buffer(context, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let host = buffer(context, bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-    fastest_s(time_for_tries, || read_through(context, &panorama, &host).map(drop))
+    timed(fastest_s, || read_through(context, &panorama, &host).map(drop))
 }
 
 fn buffer(context: &Context, size: u64, usage: BufferUsages) -> wgpu::Buffer {
@@ -138,7 +148,7 @@ fn read_through(
     encoder.copy_buffer_to_buffer(from, 0, host, 0, host.size());
     context.queue.submit([encoder.finish()]);
     host.map_async(wgpu::MapMode::Read, .., |_| ());
-    wait(context)?;
+    context.wait()?;
     let view = host.get_mapped_range(..).map_err(|error| DeviceFault::Other(error.to_string()))?;
     let values = bytemuck::pod_collect_to_vec(&view);
     drop(view);
@@ -146,27 +156,18 @@ fn read_through(
     Ok(values)
 }
 
-fn wait(context: &Context) -> Result<(), DeviceFault> {
-    let waited =
-        context.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) });
-    context.check()?;
-    waited.map(drop).map_err(|error| DeviceFault::Lost(error.to_string()))
-}
-
 /// Seconds of the fastest try.
-fn fastest_s(
-    time_for_tries: Duration,
+fn timed(
+    fastest_s: FastestS<'_>,
     mut work: impl FnMut() -> Result<(), EngineError>,
 ) -> Result<f64, EngineError> {
-    let (mut fastest_s, mut tries) = (f64::INFINITY, 0);
-    let begin = Instant::now();
-    while tries < LEAST_TRIES || begin.elapsed() < time_for_tries {
-        let start = Instant::now();
-        work()?;
-        fastest_s = fastest_s.min(start.elapsed().as_secs_f64());
-        tries += 1;
-    }
-    Ok(fastest_s)
+    let mut done = Ok(());
+    let seconds = fastest_s(&mut || {
+        if done.is_ok() {
+            done = work();
+        }
+    });
+    done.map(|()| seconds)
 }
 
 /// A shader over two buffers, dispatched over and over.
@@ -216,11 +217,11 @@ impl<'a> Work<'a> {
         }
         drop(pass);
         self.context.queue.submit([encoder.finish()]);
-        Ok(wait(self.context)?)
+        Ok(self.context.wait()?)
     }
 
     /// Seconds of a dispatch among so many that submitting and waiting weigh little.
-    fn fastest_s(&self, time_for_tries: Duration) -> Result<f64, EngineError> {
+    fn timed(&self, fastest_s: FastestS<'_>) -> Result<f64, EngineError> {
         self.run(1)?;
         let mut dispatches = 1;
         loop {
@@ -231,7 +232,7 @@ impl<'a> Work<'a> {
             }
             dispatches *= 2;
         }
-        Ok(fastest_s(time_for_tries, || self.run(dispatches))? / f64::from(dispatches))
+        Ok(timed(fastest_s, || self.run(dispatches))? / f64::from(dispatches))
     }
 }
 
@@ -241,16 +242,17 @@ mod tests {
 
     #[test]
     fn devices_copy_and_multiply_and_what_is_not_there_is_refused() {
-        let extent = RatesExtent {
-            stream_bytes: 1 << 22,
-            multiply_adds: 1 << 24,
-            time_for_tries: Duration::from_millis(1),
+        let extent = RatesExtent { stream_bytes: 1 << 22, multiply_adds: 1 << 24 };
+        let once = |work: &mut dyn FnMut()| {
+            let start = Instant::now();
+            work();
+            start.elapsed().as_secs_f64()
         };
-        let rates = device_rates(crate::gpu::tested_kind(), extent).unwrap();
+        let rates = device_rates(crate::synthetic::tested_device(), extent, &once).unwrap();
         assert!(rates.bandwidth_bytes_s > 1e7 && rates.bandwidth_bytes_s < 1e13, "{rates:?}");
         assert!(rates.multiply_adds_s > 1e6 && rates.multiply_adds_s < 1e15, "{rates:?}");
         assert!(rates.read_back_s > 0.0 && rates.read_back_s < 10.0, "{rates:?}");
         // No adapter is plain Rust.
-        assert!(matches!(device_rates(ExecutorKind::Cpu, extent), Err(EngineError::NoAdapter { .. })));
+        assert!(matches!(device_rates(ExecutorKind::Cpu, extent, &once), Err(EngineError::NoAdapter { .. })));
     }
 }

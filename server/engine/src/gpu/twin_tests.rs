@@ -149,7 +149,7 @@ fn every_function_of_the_library_has_a_twin_that_is_compared() {
 
 #[test]
 fn wgsl_functions_agree_with_their_twins_on_the_device() {
-    let context = Context::open(super::tested_kind()).unwrap();
+    let context = Context::open(crate::synthetic::tested_device()).unwrap();
     let mut wrong = Vec::new();
     for (seed, case) in (1..).zip(cases()) {
         let mut noise = Noise::new(seed);
@@ -192,7 +192,7 @@ fn wgsl_functions_agree_with_their_twins_on_the_device() {
 
 #[test]
 fn the_transform_in_workgroup_memory_agrees_with_its_twin() {
-    let context = Context::open(super::tested_kind()).unwrap();
+    let context = Context::open(crate::synthetic::tested_device()).unwrap();
     let text = [shaders::FFT.text, shaders::WORKGROUP_FFT.text].concat()
         + "@group(0) @binding(0) var<storage, read> inputs: array<vec2<f32>>;
         @group(0) @binding(1) var<storage, read_write> outputs: array<vec2<f32>>;

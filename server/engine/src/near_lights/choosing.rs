@@ -159,7 +159,7 @@ pub(super) const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cpu::dispatch::tests::BASELINE;
+    use crate::{cpu::dispatch::tests::BASELINE, near_lights::sight::tests::one};
     use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering};
 
     fn light(number: u32, distance_m: f32, altitude_m: f32) -> NearLight {
@@ -193,17 +193,10 @@ mod tests {
                 );
                 let elevation = (sight.elevation_rad() + 0.5 * azimuth_rad(1) as f32)
                     .max(0.5 * azimuth_rad(1) as f32 * (1.0 + 2.0 * nearest_row(together.row[lane]) as f32));
-                let [sin, cos] = [elevation.sin(), elevation.cos()];
-                let through = sight.through::<false, 1>(&air, [&[sin], &[cos]]).map(|of_band| of_band[0]);
-                let [sin_aside, cos_aside] = *HALF_A_COLUMN;
-                let one = sight.radiance::<false, 1>(&air, through, [sin, cos], [&[cos_aside], &[sin_aside]]);
-                for (together, one) in together.peak.iter().zip(one) {
-                    assert!(
-                        (together[lane] / one[0] - 1.0).abs() < 1e-3,
-                        "{lane}: {} {}",
-                        together[lane],
-                        one[0]
-                    );
+                let alone = one(&sight, &air, 0.5 * azimuth_rad(1), f64::from(elevation));
+                for (together, alone) in together.peak.iter().zip(alone) {
+                    let together = f64::from(together[lane]);
+                    assert!((together / alone - 1.0).abs() < 1e-3, "{lane}: {together} {alone}");
                 }
             }
         }

@@ -168,17 +168,8 @@ impl Most {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::near_lights::sight::Sight;
+    use crate::near_lights::sight::{Sight, tests::one};
     use skyglow_physics::{Atmosphere, EmissionMix, Lobe, Turbidity, near_light::NearScattering};
-
-    fn one(sight: &Sight, air: &Air, azimuth_rad: f64, elevation_rad: f64) -> [f64; BAND_COUNT] {
-        let (cosines, sines) = ([azimuth_rad.cos() as f32], [azimuth_rad.sin() as f32]);
-        let [sin, cos] = [elevation_rad.sin() as f32, elevation_rad.cos() as f32];
-        let through = sight.through::<false, 1>(air, [&[sin], &[cos]]).map(|of_band| of_band[0]);
-        sight
-            .radiance::<false, 1>(air, through, [sin, cos], [&cosines, &sines])
-            .map(|of_band| f64::from(of_band[0]))
-    }
 
     #[test]
     fn no_light_shows_more_than_the_bound_on_it() {

@@ -288,7 +288,7 @@ impl<const N: usize> Sights<N> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use skyglow_physics::{
         EmissionMix, Lobe, Turbidity,
@@ -296,7 +296,13 @@ mod tests {
         single_source::{SourceGeometry, mixed_radiance_per_watt},
     };
 
-    fn one(sight: &Sight, air: &Air, azimuth_rad: f64, elevation_rad: f64) -> [f64; BAND_COUNT] {
+    /// Radiance per watt in each band of one light in one direction, the azimuth relative to its own.
+    pub(in crate::near_lights) fn one(
+        sight: &Sight,
+        air: &Air,
+        azimuth_rad: f64,
+        elevation_rad: f64,
+    ) -> [f64; BAND_COUNT] {
         let (cosines, sines) = ([azimuth_rad.cos() as f32], [azimuth_rad.sin() as f32]);
         let [sin, cos] = [elevation_rad.sin() as f32, elevation_rad.cos() as f32];
         let through = sight.through::<false, 1>(air, [&[sin], &[cos]]).map(|of_band| of_band[0]);

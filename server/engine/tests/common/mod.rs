@@ -16,12 +16,9 @@ pub(crate) fn engine(device: DeviceChoice, turbidities: &[f64], basis_count: usi
     Engine::start(EngineConfig { device, tables, ..EngineConfig::default() }).unwrap()
 }
 
-/// The device with Vulkan that tests run on: lavapipe, unless `SKYGLOW_TEST_DEVICE` is `gpu`.
+/// The device with Vulkan that tests run on.
 pub(crate) fn vulkan() -> DeviceChoice {
-    match std::env::var("SKYGLOW_TEST_DEVICE").as_deref() {
-        Ok("gpu") => DeviceChoice::Gpu,
-        _ => DeviceChoice::Lavapipe,
-    }
+    synthetic::tested_device().choice()
 }
 
 /// A sky over a place of the town's scene, two metres above the ground.

@@ -2,7 +2,9 @@
 
 use super::arguments::{Answer, Argument};
 use crate::{
+    request::ExecutorKind,
     shaders::{self, LibraryFile},
+    synthetic::tested_device,
     twin,
 };
 
@@ -89,9 +91,9 @@ pub(super) fn cases() -> Vec<Case> {
             &[Vector(3, 0.0, 0.4), Vector(3, -42.0, -40.0), Vector(3, -42.0, -40.0), Vector(3, -42.0, -40.0)],
             Answer::Real,
             |w| bits([twin::mixed_bow(reals(w), [reals(&w[3..]), reals(&w[6..]), reals(&w[9..])])]),
-            // A sum of terms of a few units, which a GPU may contract: a bow itself counts by a sixth.
-            2e-6,
-            1.0,
+            ulps,
+            // A sum of terms of a few units, which a GPU may contract.
+            if tested_device() == ExecutorKind::Gpu { 1.0 } else { 1e-6 },
         ),
         case(
             "log_scale_between",
