@@ -4,9 +4,13 @@
 //! up together changes only densities, which the logarithm of the scale follows well, while Δ against distance
 //! decides the shape: a source 100 m up and 300 m away is another sky than one 100 m up and 30 km away. The
 //! nodes are even in asinh((Δ − Δ₀)/L), about proportional to r near the observer, some hundred metres apart
-//! far away. One node is Δ₀ = −r²/2R, where the sky bends: a source higher than that has the observer, and the
-//! lowest part of every ray, below its horizontal plane, in the Earth's shadow. Low rays lose their light within
-//! some hundred metres above Δ₀, so nodes are closest there.
+//! far away. One node is Δ₀, where the sky bends, and nodes are closest there.
+//!
+//! The first order bends at −r²/2R: a source higher than that has the observer, and the lowest part of every ray, below its
+//! horizontal plane, in the Earth's shadow. The later orders bend at 0, for the ground that sends light back is that of the
+//! lower of source and observer. Under the open sky Δ₀ is the first up to some 80 km, where both are some hundred metres apart
+//! at most, and the second from 100 km on, where the lowest row looks so far above the ground that the shadow's edge is no kink
+//! any more. Behind a skyline it is where the skyline's cone meets the observer.
 
 use crate::clouds::{Clouds, altitudes_below, held_geometry};
 use serde::{Deserialize, Serialize};
@@ -22,21 +26,39 @@ pub const HIGHEST_ALTITUDE_M: f64 = 6_000.0;
 /// Lowest source of a node, metres: the model has none below 0, but a cubic over offsets reaches two nodes further down.
 const LOWEST_SOURCE_M: f64 = -2_000.0;
 
-/// The bend Δ₀ is followed down to about this offset, metres; below, hardly any source is.
-const LOWEST_BEND_M: f64 = -3_000.0;
+/// The edge of the Earth's shadow is followed down to about this offset, metres; below, hardly any source is.
+const LOWEST_EDGE_M: f64 = -3_000.0;
 /// The same behind a skyline: a source that far below the observer whose light still passes beneath is rare.
-const LOWEST_CUT_BEND_M: f64 = -1_500.0;
+const LOWEST_CUT_EDGE_M: f64 = -1_500.0;
+/// At this distance an open axis bends halfway between the edge of the shadow and level with the observer, metres; the exponent
+/// says how soon it goes from one to the other. 70 km away the lowest rows of the first order still need the edge.
+const LEVEL_FROM_M: f64 = 90_000.0;
+const LEVEL_EXPONENT: i32 = 12;
 /// Part of an open axis's steps that lie below the bend. A ray 0.7° up passes a source below the observer at |Δ| + 0.012 r,
 /// and what it gathers there goes as one over that: where nodes are some 0.02 r apart at the bend, the line between two is
 /// 1 % off in the lowest row; far below, where a step is to be short beside the haze's 1 200 m, it takes the same number.
-const OPEN_SHARE_BELOW: f64 = 0.58;
-/// r/L below the bend of an open axis, near the observer.
-const OPEN_DISTANCE_PER_SCALE: f64 = 20.0;
+const OPEN: Density = Density { share_below: 0.58, distance_per_scale: 20.0 };
 /// The same behind a skyline, which hides the light close to the ground.
-const CUT_SHARE_BELOW: f64 = 0.4;
-const CUT_DISTANCE_PER_SCALE: f64 = 4.0;
+const CUT: Density = Density { share_below: 0.4, distance_per_scale: 4.0 };
 /// Largest L below the bend, metres.
 const LARGEST_SCALE_BELOW_M: f64 = 1_500.0;
+
+/// How close the nodes of an offset axis lie below its bend.
+#[derive(Clone, Copy)]
+struct Density {
+    /// Part of the axis's steps that lie below the bend.
+    share_below: f64,
+    /// r/L below the bend, near the observer.
+    distance_per_scale: f64,
+}
+
+/// The offset of the edge of the shadow behind a skyline of `blocking_deg`, metres: −(r²/2R + r tan e), held above `lowest_m`.
+fn shadow_edge_m(distance_m: f64, blocking_deg: f64, lowest_m: f64) -> f64 {
+    let drop_m =
+        distance_m * distance_m / (2.0 * EARTH_RADIUS_M) + distance_m * blocking_deg.to_radians().tan();
+    // The fourth-power means keep the axis smooth along the distance, which is interpolated at constant node.
+    -(drop_m.powi(-4) + lowest_m.powi(-4)).powf(-0.25)
+}
 
 /// The sample points of a pack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,7 +75,7 @@ pub struct TableAxes {
 /// asinh((Δ − Δ₀)/L), with another L and another step on each side of the bend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetAxis {
-    /// Δ₀ or Δ_e, metres, held above −3 000 m, behind a skyline above −1 500 m.
+    /// Δ₀, metres: from the edge of the shadow nearby to 0 far away; behind a skyline Δ_e, held above −1 500 m.
     pub bend_m: f64,
     /// L below the bend, metres.
     pub scale_below_m: f64,
@@ -70,26 +92,32 @@ pub struct OffsetAxis {
 }
 
 impl OffsetAxis {
-    /// The axis at a distance with `count` ≥ 3 nodes, more of them below the bend than above.
+    /// The axis of sources under the open sky at a distance, with `count` ≥ 3 nodes, more of them below the bend than above.
     pub fn at_distance(distance_m: f64, count: usize) -> Self {
-        Self::behind_skyline(distance_m, 0.0, count)
+        let edge_m = shadow_edge_m(distance_m, 0.0, LOWEST_EDGE_M);
+        let bend_m = edge_m / (1.0 + (distance_m / LEVEL_FROM_M).powi(LEVEL_EXPONENT));
+        Self::about(bend_m, edge_m, distance_m, OPEN, count)
     }
 
-    /// The axis of a source behind a skyline of `blocking_deg` ≥ 0: the sky bends where the cone of that elevation
+    /// The same about the edge of the Earth's shadow, −r²/2R, held above −3 000 m, where the first order bends: training
+    /// geometries are spread on it, which serves the functions best (`precomputed/README.md`).
+    pub(crate) fn about_shadow_edge(distance_m: f64, count: usize) -> Self {
+        let edge_m = shadow_edge_m(distance_m, 0.0, LOWEST_EDGE_M);
+        Self::about(edge_m, edge_m, distance_m, OPEN, count)
+    }
+
+    /// The axis of a source behind a skyline of `blocking_deg` > 0: the sky bends where the cone of that elevation
     /// meets the observer, Δ_e = −(r²/2R + r tan e).
     pub fn behind_skyline(distance_m: f64, blocking_deg: f64, count: usize) -> Self {
-        let (lowest_m, share_below, distance_per_scale): (f64, f64, f64) = match blocking_deg > 0.0 {
-            true => (LOWEST_CUT_BEND_M, CUT_SHARE_BELOW, CUT_DISTANCE_PER_SCALE),
-            false => (LOWEST_BEND_M, OPEN_SHARE_BELOW, OPEN_DISTANCE_PER_SCALE),
-        };
-        // The fourth-power means keep the axis smooth along the distance, which is interpolated at constant node.
-        let drop_m =
-            distance_m * distance_m / (2.0 * EARTH_RADIUS_M) + distance_m * blocking_deg.to_radians().tan();
-        let bend_m = -(drop_m.powi(-4) + lowest_m.powi(-4)).powf(-0.25);
-        let scale_below_m = 1.0 / (distance_per_scale / distance_m + 1.0 / LARGEST_SCALE_BELOW_M);
-        let scale_above_m = (1.0 - bend_m / 500.0) / (16.0 / distance_m + 4.0 / LARGEST_SCALE_BELOW_M);
+        let edge_m = shadow_edge_m(distance_m, blocking_deg, LOWEST_CUT_EDGE_M);
+        Self::about(edge_m, edge_m, distance_m, CUT, count)
+    }
+
+    fn about(bend_m: f64, edge_m: f64, distance_m: f64, density: Density, count: usize) -> Self {
+        let scale_below_m = 1.0 / (density.distance_per_scale / distance_m + 1.0 / LARGEST_SCALE_BELOW_M);
+        let scale_above_m = (1.0 - edge_m / 500.0) / (16.0 / distance_m + 4.0 / LARGEST_SCALE_BELOW_M);
         let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / HIGHEST_ALTITUDE_M);
-        let bend_node = (((count - 1) as f64 * share_below).round() as usize).max(1);
+        let bend_node = (((count - 1) as f64 * density.share_below).round() as usize).max(1);
         Self {
             bend_m,
             scale_below_m,
@@ -206,21 +234,31 @@ mod tests {
                 assert!((axis.position(axis.offset_m(position)) - position).abs() < 1e-9);
             }
         }
+    }
+
+    #[test]
+    fn the_bend_goes_from_the_edge_of_the_earths_shadow_to_level_with_the_observer() {
         // At 50 km the plane through the source falls 196 m below the sphere's tangent.
-        assert!((OffsetAxis::at_distance(50_000.0, COUNT).bend_m + 196.2).abs() < 0.1);
+        assert!((OffsetAxis::at_distance(50_000.0, COUNT).bend_m + 196.2).abs() < 0.5);
+        assert!((OffsetAxis::about_shadow_edge(50_000.0, COUNT).bend_m + 196.2).abs() < 0.1);
+        let between = [60e3, 70e3, 80e3, 90e3].map(|m| OffsetAxis::at_distance(m, COUNT).bend_m);
+        assert!(between.iter().all(|&bend_m| bend_m < -250.0), "{between:?}");
+        for distance_m in [150e3, 200e3, 300e3] {
+            assert!(OffsetAxis::at_distance(distance_m, COUNT).bend_m > -5.0);
+            let edge_m = OffsetAxis::about_shadow_edge(distance_m, COUNT).bend_m;
+            assert!((LOWEST_EDGE_M..-1_500.0).contains(&edge_m), "{edge_m}");
+        }
     }
 
     #[test]
     fn behind_a_skyline_the_bend_lies_where_the_cone_meets_the_observer() {
-        let open = OffsetAxis::at_distance(20_000.0, COUNT);
-        assert_eq!(OffsetAxis::behind_skyline(20_000.0, 0.0, COUNT), open);
         // 10 km · tan 4° and 7.8 m of curvature.
         let axis = OffsetAxis::behind_skyline(10_000.0, 4.0, 9);
         assert!((axis.bend_m + 707.1).abs() < 10.0, "{}", axis.bend_m);
         for distance_m in [250.0, 3_000.0, 300_000.0] {
             for blocking_deg in [0.5, 8.0, 32.0] {
                 let axis = OffsetAxis::behind_skyline(distance_m, blocking_deg, 9);
-                assert!(axis.bend_m >= LOWEST_CUT_BEND_M && axis.bend_m < -distance_m * 1e-4);
+                assert!(axis.bend_m >= LOWEST_CUT_EDGE_M && axis.bend_m < -distance_m * 1e-4);
                 let nodes: Vec<f64> = (0..9).map(|node| axis.offset_m(f64::from(node))).collect();
                 assert!(nodes.windows(2).all(|pair| pair[1] > pair[0]));
                 assert!((nodes[0] + 6_000.0).abs() < 1e-6);

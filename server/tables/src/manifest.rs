@@ -15,10 +15,10 @@ use skyglow_physics::{
 };
 
 /// Version of the file format and of what its node numbers mean; a pack of another version is refused.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;
 /// Version of the physical model; raised when the images change. A pack of another one is refused: between packs of two models
 /// skies would be interpolated.
-pub const MODEL_VERSION: u32 = 4;
+pub const MODEL_VERSION: u32 = 5;
 
 /// What of a manifest decides whether the rest can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]

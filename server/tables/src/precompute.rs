@@ -18,7 +18,7 @@ use crate::{
     multiple::{MultipleAxes, MultipleTable},
     pack::Pack,
     spectrum::even_spectrum,
-    training::{offset_and_distance_m, training_images, training_nodes, training_set},
+    training::{offset_and_distance_m, training_geometries, training_images, training_set},
 };
 use half::f16;
 use rayon::prelude::*;
@@ -284,10 +284,10 @@ fn finish(
 /// # Errors
 /// [`TablesError::Fit`] when a least-squares step breaks down.
 pub fn basis_alone(options: &PrecomputeOptions, multiple: &[MultipleTable]) -> Result<Basis, TablesError> {
-    let nodes = training_nodes(options);
+    let geometries = training_geometries(options);
     let atmospheres = [options.atmosphere(options.turbidity)];
-    let images = training_images(options, &atmospheres, multiple, &nodes, &|| ());
-    let set = training_set(options, &nodes, &images, 0);
+    let images = training_images(&atmospheres, multiple, &geometries, &|| ());
+    let set = training_set(options, &geometries, &images, 0);
     fit_basis(&set, options.basis_count, options.fit_iterations, &|| ())
 }
 
@@ -336,15 +336,15 @@ fn make_bases(
     if let Some(bases) = checkpoints.iter().map(load).collect() {
         return Ok(bases);
     }
-    let nodes = training_nodes(options);
-    progress.begin("training images", nodes.len() as u64);
-    let images = training_images(options, atmospheres, multiple, &nodes, &|| progress.advance(1));
+    let geometries = training_geometries(options);
+    progress.begin("training images", geometries.len() as u64);
+    let images = training_images(atmospheres, multiple, &geometries, &|| progress.advance(1));
     progress.begin("basis fit", (options.fit_iterations as u64 + 1) * atmospheres.len() as u64);
     checkpoints
         .iter()
         .enumerate()
         .map(|(index, checkpoint)| {
-            let set = training_set(options, &nodes, &images, index);
+            let set = training_set(options, &geometries, &images, index);
             let basis = fit_basis(&set, count, options.fit_iterations, &|| progress.advance(1))?;
             checkpoint.store("basis", &basis.functions)?;
             Ok(basis)

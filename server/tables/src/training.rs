@@ -1,10 +1,10 @@
 //! The training set of a basis: which sample points it is fitted on, their images, and what each weighs.
 
 use crate::{
-    axes::{OffsetAxis, TableAxes},
+    axes::{OffsetAxis, TableAxes, held_source_altitude_m},
     clouds::held_geometry,
     fit::{TrainingImage, dim_factor},
-    images::{PIXEL_COUNT, SourceImages, images_at_node},
+    images::{PIXEL_COUNT, SourceImages, images_of},
     multiple::MultipleTable,
     precompute::PrecomputeOptions,
 };
@@ -19,21 +19,21 @@ pub(crate) const ANYWHERE_SHARE_BELOW: f64 = 9.0 / 23.0;
 /// Of its raised part: highest observer, nearest and farthest source [m], steepest source [degrees].
 pub(crate) const RAISED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
 
-/// Node geometries of the training set, in turn from anywhere on the axes, from everyday places, and raised. Sources
+/// Geometries of the training set, in turn from anywhere on the axes, from everyday places, and raised. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
 /// are sources at clouds and above.
-pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, usize)> {
+pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeometry> {
     let (axes, cloud) = (&options.axes, options.cloud_base());
-    let mut nodes = Vec::with_capacity(options.training_geometries);
+    let mut geometries = Vec::with_capacity(options.training_geometries);
     for i in 1..100 * options.training_geometries {
         // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
-        let node = match nodes.len() % 3 {
+        let node = match geometries.len() % 3 {
             0 => node_anywhere(axes, spread),
             1 => everyday_node(axes, spread),
             _ => raised_node(axes, spread),
         };
-        let geometry = axes.geometry(node.0, node.1, node.2, None);
+        let geometry = geometry_of(axes, node);
         let (offset_m, distance_m) = offset_and_distance_m(&geometry);
         let steepest_m = (0.7 * distance_m + 50.0).min(3_500.0);
         let is_below_clouds = held_geometry(geometry, cloud) == geometry;
@@ -41,20 +41,28 @@ pub(crate) fn training_nodes(options: &PrecomputeOptions) -> Vec<(usize, usize, 
             && offset_m <= steepest_m
             && is_below_clouds
         {
-            nodes.push(node);
+            geometries.push(held_geometry(geometry, cloud));
         }
-        if nodes.len() == options.training_geometries {
+        if geometries.len() == options.training_geometries {
             break;
         }
     }
-    nodes
+    geometries
+}
+
+/// The geometry of an (observer, distance, offset), the offset on the axis about the shadow's edge.
+fn geometry_of(axes: &TableAxes, (observer, distance, offset): (usize, usize, usize)) -> SourceGeometry {
+    let (distance_m, observer_altitude_m) = (axes.distance_m[distance], axes.observer_altitude_m[observer]);
+    let offset_m = OffsetAxis::about_shadow_edge(distance_m, axes.offset_count).offset_m(offset as f64);
+    let source_altitude_m = held_source_altitude_m(observer_altitude_m + offset_m);
+    SourceGeometry { distance_m, source_altitude_m, observer_altitude_m }
 }
 
 /// A node from numbers 0..1, all observers and distances alike, and offsets alike on each side of the bend.
 fn node_anywhere(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
     let counts = [axes.observer_altitude_m.len(), axes.distance_m.len()];
     let [observer, distance] = std::array::from_fn(|k| (spread[k] * counts[k] as f64) as usize);
-    let bend = OffsetAxis::at_distance(axes.distance_m[distance], axes.offset_count).bend_node as f64;
+    let bend = OffsetAxis::about_shadow_edge(axes.distance_m[distance], axes.offset_count).bend_node as f64;
     let share = spread[2] / ANYWHERE_SHARE_BELOW;
     let offset = if share < 1.0 {
         share * bend
@@ -72,7 +80,7 @@ fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
     let observer = (spread[0].powf(1.5) * observers as f64) as usize;
     let distance = (spread[1].sqrt() * axes.distance_m.len() as f64) as usize;
     let source_m = EVERYDAY_ALTITUDE_M * spread[2] * spread[2];
-    let axis = OffsetAxis::at_distance(axes.distance_m[distance], axes.offset_count);
+    let axis = OffsetAxis::about_shadow_edge(axes.distance_m[distance], axes.offset_count);
     let offset = axis.position(source_m - axes.observer_altitude_m[observer]).round() as usize;
     (observer, distance, offset)
 }
@@ -89,23 +97,22 @@ fn raised_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
         .min_by(|&a, &b| apart(axes.distance_m[a]).total_cmp(&apart(axes.distance_m[b])))
         .unwrap_or_default();
     let distance_m = axes.distance_m[distance];
-    let axis = OffsetAxis::at_distance(distance_m, axes.offset_count);
+    let axis = OffsetAxis::about_shadow_edge(distance_m, axes.offset_count);
     let offset_m = distance_m * (steepest_deg * spread[2]).to_radians().tan();
     (observer, distance, axis.position(offset_m).round() as usize)
 }
 
-/// Images at the training nodes, `[node][atmosphere]`; `advance` is called once a node.
+/// Images at the training geometries, `[geometry][atmosphere]`; `advance` is called once each.
 pub(crate) fn training_images(
-    options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
     multiple: &[MultipleTable],
-    nodes: &[(usize, usize, usize)],
+    geometries: &[SourceGeometry],
     advance: &(dyn Fn() + Sync),
 ) -> Vec<Vec<SourceImages>> {
-    nodes
+    geometries
         .par_iter()
-        .map(|&(observer, distance, offset)| {
-            let images = images_at_node(atmospheres, multiple, &options.axes, observer, distance, offset);
+        .map(|geometry| {
+            let images = images_of(atmospheres, multiple, geometry);
             advance();
             images
         })
@@ -118,14 +125,13 @@ pub(crate) const OBLIQUE_IMPORTANCE: f64 = 1.1;
 /// The training set of one turbidity: red and blue images, which have green between them.
 pub(crate) fn training_set(
     options: &PrecomputeOptions,
-    nodes: &[(usize, usize, usize)],
+    geometries: &[SourceGeometry],
     images: &[Vec<SourceImages>],
     turbidity: usize,
 ) -> Vec<TrainingImage> {
-    let mut set = Vec::with_capacity(nodes.len() * LOBE_COUNT * 2);
-    for (&(observer, distance, offset), images) in nodes.iter().zip(images) {
-        let geometry = options.axes.geometry(observer, distance, offset, options.cloud_base());
-        let (offset_m, distance_m) = offset_and_distance_m(&geometry);
+    let mut set = Vec::with_capacity(geometries.len() * LOBE_COUNT * 2);
+    for (geometry, images) in geometries.iter().zip(images) {
+        let (offset_m, distance_m) = offset_and_distance_m(geometry);
         let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
         for (lobe, shapes) in
             Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))

@@ -38,8 +38,15 @@ impl SourceField {
     /// `resolution.tolerance` of the source function anywhere within 300 km; the rest is summed as a geometric
     /// series, place by place.
     ///
-    /// Runs on the current rayon pool; the result does not depend on the number of threads.
+    /// The source function far away is a smooth curve over the distance. Runs on the current rayon pool; the result does not
+    /// depend on the number of threads.
     pub fn solve(setting: SourceSetting, resolution: &Resolution) -> Self {
+        let followed = Self::as_followed(setting, resolution);
+        Self { source: followed.source.smooth_over_rings(&followed.grid), ..followed }
+    }
+
+    /// As [`Self::solve`], with what the directions happened to make of every ring.
+    pub(super) fn as_followed(setting: SourceSetting, resolution: &Resolution) -> Self {
         let grid = FieldGrid::new(
             setting.source_altitude_m,
             setting.ground_altitude_m,

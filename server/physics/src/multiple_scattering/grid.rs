@@ -18,6 +18,11 @@ const LAYER_OFFSETS_M: [f64; 26] = [
     48_000.0, 56_000.0,
 ];
 
+/// Above a source there are layers of its own up to this share of their height over the ground. Higher up the ground's are as
+/// close, and light far away must not depend on which of both happen to be there: with all of them it changed by 1.8 % at
+/// turbidity 6 when a source 220 m up rose by 28 m, now by less than 0.1 % beside what its height is worth.
+const OWN_SHARE: f64 = 0.5;
+
 /// Places (ρ, z): rings about the source's vertical by layers of altitude. Index `layer · rings + ring`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FieldGrid {
@@ -95,9 +100,11 @@ impl FieldGrid {
         let ring_m = (0..=last).map(|k| ring_distance_m(ring_step * k as f64)).collect();
         let mut layers: Vec<f64> = vec![ground_altitude_m, top_m];
         for offset_m in LAYER_OFFSETS_M {
-            layers.push(source_altitude_m + offset_m);
-            layers.push(source_altitude_m - offset_m);
             layers.push(ground_altitude_m + offset_m);
+            if offset_m <= OWN_SHARE * (source_altitude_m + offset_m - ground_altitude_m) {
+                layers.push(source_altitude_m + offset_m);
+            }
+            layers.push(source_altitude_m - offset_m);
             // Light changes below a base as it does above a ground.
             if cloud.is_some() && offset_m >= 80.0 {
                 layers.push(top_m - offset_m);
@@ -135,6 +142,11 @@ impl FieldGrid {
             }
         }
         Self { ring_step, ring_m, layer_m }
+    }
+
+    /// Step between rings in their coordinate.
+    pub(super) fn ring_step(&self) -> f64 {
+        self.ring_step
     }
 
     pub(super) fn ring_count(&self) -> usize {
@@ -277,6 +289,17 @@ mod tests {
             assert!(grid.layer_m.windows(2).all(|pair| pair[1] > pair[0]));
             assert!(grid.layer_count() < 50, "{}", grid.layer_count());
         }
+    }
+
+    #[test]
+    fn layers_far_above_a_low_source_are_those_of_the_ground() {
+        let high = |source_m: f64| -> Vec<f64> {
+            FieldGrid::new(source_m, 0.0, None, 0.2, 1).layer_m.into_iter().filter(|&z| z > 800.0).collect()
+        };
+        for source_m in [20.0, 150.0, 222.0, 262.0, 300.0] {
+            assert_eq!(high(source_m), high(0.0), "{source_m}");
+        }
+        assert_ne!(high(1_200.0), high(0.0), "a high source has its own");
     }
 
     #[test]

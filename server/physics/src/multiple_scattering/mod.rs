@@ -22,6 +22,7 @@ mod optics;
 mod path;
 mod reflected;
 mod setting;
+mod smoothing;
 mod source_function;
 mod sum;
 mod surfaces;

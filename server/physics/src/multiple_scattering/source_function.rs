@@ -95,9 +95,9 @@ fn taper(l: usize, degree: usize) -> f64 {
 pub(super) struct SourceFunction {
     pub(super) degree: usize,
     /// ln of the mean over directions, `[point]`.
-    ln_mean: Vec<Lanes>,
+    pub(super) ln_mean: Vec<Lanes>,
     /// Moments over the mean, `[point][pair]`.
-    shape: Vec<Lanes>,
+    pub(super) shape: Vec<Lanes>,
 }
 
 /// The source function's shape for rays of one zenith angle in each layer, `[point][azimuth][lane]`.
