@@ -4,8 +4,8 @@
 //! `offset_interpolation TURBIDITY CACHE [OBSERVER_M:DISTANCE_M,...]`: CACHE is one of `multiple_accuracy`, or `-` for the
 //! first order alone. Errors in green in %, for lobes `lambert` and `horizon`: of ln of the scale, of the radiance at the
 //! zenith, and of the lowest row within 12° of the source's azimuth, for sources not above the observer's plane; shapes are
-//! lines between nodes. The mean of the absolute, and the worst with its offset. Last, of a source level with the observer, where
-//! later orders have a kink, the mean over the lowest row, all columns.
+//! lines between nodes. The mean of the absolute, and the worst with its offset. First, of sources about level with the observer,
+//! where the first order or the later ones have a kink, the mean over the lowest row, all columns.
 
 use rayon::prelude::*;
 use skyglow_physics::{Atmosphere, Turbidity, single_source::SourceGeometry};
@@ -21,6 +21,8 @@ use kept_fields::kept_table;
 
 /// Observers and distances where none are given, metres.
 const PLACES: &str = "100:600,100:2400,300:2400,300:8000,0:40000,300:40000,300:160000,950:80000,2900:5000,2900:20000,2900:60000";
+/// Sources about level with the observer, metres.
+const AROUND_LEVEL_M: [f64; 9] = [-300.0, -150.0, -60.0, -30.0, -10.0, 0.0, 30.0, 100.0, 300.0];
 /// Sources tried between two nodes.
 const BETWEEN: usize = 4;
 const GREEN: usize = 1;
@@ -123,19 +125,23 @@ fn judge(observer_m: f64, distance_m: f64, axes: &TableAxes, air: Atmosphere, mu
         })
         .collect();
     println!("{observer_m:6.0} m, {:5.1} km", distance_m / 1e3);
-    let (truth, position) = (of(0.0), axis.position(0.0));
-    let low = (position as usize).min(axis.count - 2);
-    let level = [0, 1].map(|lobe| {
-        let log_scale = log_scale_at(&axis, position, |node| nodes[node][lobe].log_scale);
-        let [below, above] = [low, low + 1].map(|node| nodes[node][lobe]);
-        let (found, truth) = (
-            below.between(above, position - low as f64, log_scale),
-            truth[lobe].between(truth[lobe], 0.0, truth[lobe].log_scale),
-        );
-        let off: f64 = found.lowest.iter().zip(truth.lowest).map(|(found, truth)| found / truth - 1.0).sum();
-        100.0 * off / HALF_COLUMN_COUNT as f64
-    });
-    println!("    level       {:+.2}, {:+.2}", level[0], level[1]);
+    print!("    around level");
+    for offset_m in AROUND_LEVEL_M {
+        let (truth, position) = (of(offset_m), axis.position(offset_m));
+        let low = (position as usize).min(axis.count - 2);
+        let off = [0, 1].map(|lobe| {
+            let log_scale = log_scale_at(&axis, position, |node| nodes[node][lobe].log_scale);
+            let [below, above] = [low, low + 1].map(|node| nodes[node][lobe]);
+            let (found, truth) = (
+                below.between(above, position - low as f64, log_scale),
+                truth[lobe].between(truth[lobe], 0.0, truth[lobe].log_scale),
+            );
+            let pairs = found.lowest.iter().zip(truth.lowest);
+            100.0 * pairs.map(|(found, truth)| found / truth - 1.0).sum::<f64>() / HALF_COLUMN_COUNT as f64
+        });
+        print!("  {offset_m:+.0} m {:+.1}, {:+.1}", off[0], off[1]);
+    }
+    println!();
     for (what, name) in ["scale", "zenith", "lowest row"].into_iter().enumerate() {
         print!("    {name:10}");
         for lobe in 0..2 {

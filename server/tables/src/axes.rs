@@ -152,9 +152,12 @@ impl OffsetAxis {
     }
 }
 
-/// Source altitude of a node, metres, held between −2 000 and 7 500 m.
-pub(crate) fn held_source_altitude_m(altitude_m: f64) -> f64 {
-    altitude_m.clamp(LOWEST_SOURCE_M, HIGHEST_ALTITUDE_M + 1_500.0)
+/// A source seen from an altitude, as nodes have it: held between −2 000 and 7 500 m (nodes outside repeat the last one inside;
+/// no source of the model lies there, but interpolation reaches a little beyond 0 and 6 000 m).
+pub(crate) fn held_node(distance_m: f64, observer_altitude_m: f64, offset_m: f64) -> SourceGeometry {
+    let source_altitude_m =
+        (observer_altitude_m + offset_m).clamp(LOWEST_SOURCE_M, HIGHEST_ALTITUDE_M + 1_500.0);
+    SourceGeometry { distance_m, source_altitude_m, observer_altitude_m }
 }
 
 /// Distances from 250 m to 300 km, even in the logarithm.
@@ -186,13 +189,6 @@ impl TableAxes {
         Self { distance_m: logarithmic(10), observer_altitude_m: vec![0.0, 6_000.0], offset_count: 4 }
     }
 
-    /// Source altitude of a node, metres; clamped to −2 000 … 7 500 m (nodes outside repeat the last one
-    /// inside; no source of the model lies there, but interpolation reaches a little beyond 0 and 6 000 m).
-    pub fn source_altitude_m(&self, observer_altitude: usize, distance: usize, offset: usize) -> f64 {
-        let axis = OffsetAxis::at_distance(self.distance_m[distance], self.offset_count);
-        held_source_altitude_m(self.observer_altitude_m[observer_altitude] + axis.offset_m(offset as f64))
-    }
-
     /// The geometry of a node, below a layer of cloud if there is one.
     pub fn geometry(
         &self,
@@ -201,12 +197,9 @@ impl TableAxes {
         offset: usize,
         cloud: Option<CloudBase>,
     ) -> SourceGeometry {
-        let node = SourceGeometry {
-            distance_m: self.distance_m[distance],
-            source_altitude_m: self.source_altitude_m(observer_altitude, distance, offset),
-            observer_altitude_m: self.observer_altitude_m[observer_altitude],
-        };
-        held_geometry(node, cloud)
+        let distance_m = self.distance_m[distance];
+        let offset_m = OffsetAxis::at_distance(distance_m, self.offset_count).offset_m(offset as f64);
+        held_geometry(held_node(distance_m, self.observer_altitude_m[observer_altitude], offset_m), cloud)
     }
 
     /// Number of (distance, offset) nodes: images of one observer altitude, each of all bands and lobes.

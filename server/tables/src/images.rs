@@ -1,6 +1,6 @@
 //! Sky images of single sources: the samples that a basis is fitted to.
 
-use crate::{axes::TableAxes, multiple::MultipleTable};
+use crate::multiple::MultipleTable;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, CloudBase, ELEVATION_COUNT, LOBE_COUNT,
     panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
@@ -57,19 +57,6 @@ fn scale_weights() -> Vec<f64> {
 
 /// Most turbidities computed together.
 pub const MAX_TOGETHER: usize = 6;
-
-/// The images at one node of the axes, one set for each atmosphere.
-pub fn images_at_node(
-    atmospheres: &[Atmosphere],
-    multiple: &[MultipleTable],
-    axes: &TableAxes,
-    observer_altitude: usize,
-    distance: usize,
-    offset: usize,
-) -> Vec<SourceImages> {
-    let geometry = axes.geometry(observer_altitude, distance, offset, cloud_over(atmospheres));
-    images_of(atmospheres, multiple, &geometry)
-}
 
 /// The layer of cloud over atmospheres that are computed together, which is the same over all.
 pub(crate) fn cloud_over(atmospheres: &[Atmosphere]) -> Option<CloudBase> {

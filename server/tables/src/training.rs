@@ -1,7 +1,7 @@
 //! The training set of a basis: which sample points it is fitted on, their images, and what each weighs.
 
 use crate::{
-    axes::{OffsetAxis, TableAxes, held_source_altitude_m},
+    axes::{OffsetAxis, TableAxes, held_node},
     clouds::held_geometry,
     fit::{TrainingImage, dim_factor},
     images::{PIXEL_COUNT, SourceImages, images_of},
@@ -41,7 +41,7 @@ pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeom
             && offset_m <= steepest_m
             && is_below_clouds
         {
-            geometries.push(held_geometry(geometry, cloud));
+            geometries.push(geometry);
         }
         if geometries.len() == options.training_geometries {
             break;
@@ -52,10 +52,9 @@ pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeom
 
 /// The geometry of an (observer, distance, offset), the offset on the axis about the shadow's edge.
 fn geometry_of(axes: &TableAxes, (observer, distance, offset): (usize, usize, usize)) -> SourceGeometry {
-    let (distance_m, observer_altitude_m) = (axes.distance_m[distance], axes.observer_altitude_m[observer]);
+    let distance_m = axes.distance_m[distance];
     let offset_m = OffsetAxis::about_shadow_edge(distance_m, axes.offset_count).offset_m(offset as f64);
-    let source_altitude_m = held_source_altitude_m(observer_altitude_m + offset_m);
-    SourceGeometry { distance_m, source_altitude_m, observer_altitude_m }
+    held_node(distance_m, axes.observer_altitude_m[observer], offset_m)
 }
 
 /// A node from numbers 0..1, all observers and distances alike, and offsets alike on each side of the bend.

@@ -5,7 +5,7 @@
 use skyglow_physics::{Atmosphere, Turbidity};
 use skyglow_tables::{
     Clouds, MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError,
-    images::{image_index, images_at_node, images_of},
+    images::{image_index, images_of},
     packs_in, precompute,
 };
 use std::{
@@ -245,8 +245,9 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_ends_below_them()
     assert_eq!(axes.observer_altitude_m, [0.0, clouds.ceiling_m()]);
     let (observer, distance, offset) = (0, 3, 1);
     let air = Atmosphere::new(turbidity);
-    let scale =
-        |cloud| images_at_node(&[air.under(cloud)], &[], axes, observer, distance, offset)[0].log_scale;
+    let scale = |cloud| {
+        images_of(&[air.under(cloud)], &[], &axes.geometry(observer, distance, offset, cloud))[0].log_scale
+    };
     let (closed, open) = (scale(Some(clouds.base())), scale(None));
     let image = image_index(0, 1);
     assert!(closed[image] > open[image] + 0.3, "{} {}", closed[image], open[image]);
@@ -258,7 +259,7 @@ fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_ends_below_them()
     assert!((kept(&clear, observer) - open[image]).abs() < 1e-5);
     // A source above the clouds counts as the highest below them.
     let highest = axes.offset_count - 1;
-    assert!(axes.source_altitude_m(1, distance, highest) > f64::from(clouds.base_m()));
+    assert!(axes.geometry(1, distance, highest, None).source_altitude_m > f64::from(clouds.base_m()));
     let geometry = axes.geometry(1, distance, highest, Some(clouds.base()));
     assert_eq!(
         (geometry.observer_altitude_m, geometry.source_altitude_m),

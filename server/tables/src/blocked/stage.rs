@@ -2,7 +2,7 @@
 
 use super::{ANGLE_COUNT, BlockedAxes, BlockedTables, blocking_deg, later::LaterParts, tables::open_sample};
 use crate::{
-    axes::{OffsetAxis, held_source_altitude_m},
+    axes::{OffsetAxis, held_node},
     checkpoint::Checkpoint,
     clouds::held_geometry,
     error::TablesError,
@@ -137,12 +137,8 @@ fn make_part(
         let mut last: Option<(SourceGeometry, Vec<SourceImages>)> = None;
         for node in 0..job.axes.offset_count {
             let offset_m = axis.offset_m(node as f64);
-            let node = SourceGeometry {
-                distance_m,
-                source_altitude_m: held_source_altitude_m(observer_m + offset_m),
-                observer_altitude_m: observer_m,
-            };
-            let geometry = held_geometry(node, cloud_over(job.atmospheres));
+            let geometry =
+                held_geometry(held_node(distance_m, observer_m, offset_m), cloud_over(job.atmospheres));
             let add_later = |atmosphere: usize, images: &mut [f64]| {
                 if let (Some(later), Some(table)) = (later.get(atmosphere), job.multiple.get(atmosphere)) {
                     later.add_to(table, &geometry, angle, distance, images);
@@ -235,15 +231,8 @@ mod tests {
         assert_eq!(blocked.shape.len(), blocked.log_scale.len() * blocked.basis_count);
         let distance = 1;
         for (angle, offset) in [(0, 1), (4, 2), (6, 1)] {
-            let geometry = SourceGeometry {
-                distance_m: axes.distance_m[distance],
-                source_altitude_m: blocked.offset_axis[angle][distance].offset_m(offset as f64),
-                observer_altitude_m: 0.0,
-            };
-            let geometry = SourceGeometry {
-                source_altitude_m: held_source_altitude_m(geometry.source_altitude_m),
-                ..geometry
-            };
+            let offset_m = blocked.offset_axis[angle][distance].offset_m(offset as f64);
+            let geometry = held_node(axes.distance_m[distance], 0.0, offset_m);
             let scales = |blocking_deg: f64| {
                 let air = [Atmosphere::new(turbidity)];
                 images_with(&air, &geometry, blocking_deg.to_radians(), &|_, _| ())[0].log_scale

@@ -1,0 +1,63 @@
+//! What the solver's resolution makes of the zenith: over the distance, against a finer one, and over the altitude of the source.
+//!
+//! `field_noise TURBIDITY`: later orders in green, observer 2 m above a ground at 0. First `lambert` of a source on the ground by
+//! [`Resolution::table`] over three times as many zenith angles, higher degrees and rings half as far apart, in %; then, of
+//! `horizon`, the largest second difference of the logarithm over the source's altitude in steps of 28 m, in %. Two minutes.
+
+use skyglow_physics::{
+    Atmosphere, Turbidity,
+    multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow},
+};
+use std::{error::Error, f64::consts::FRAC_PI_2};
+
+const EYE_M: f64 = 2.0;
+const GREEN: usize = 1;
+const LAMBERT: usize = 0;
+const HORIZON: usize = 1;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, turbidity] = arguments.as_slice() else {
+        return Err("usage: field_noise TURBIDITY".into());
+    };
+    let air = Atmosphere::new(Turbidity::new(turbidity.parse()?)?);
+    let field = |source_m: f64, resolution: &Resolution| {
+        let setting = SourceSetting::new(air, source_m, 0.0, DEFAULT_GROUND_ALBEDO)?;
+        Ok::<_, Box<dyn Error>>(SourceField::solve(setting, resolution))
+    };
+    let table = Resolution::table();
+    let fine = Resolution {
+        ring_step: 0.1,
+        first_degree: 36,
+        later_degree: 20,
+        first_polar: 36,
+        first_around: 26,
+        polar_per_hemisphere: 48,
+        azimuths: 28,
+        ..table
+    };
+    let fields = [field(0.0, &table)?, field(0.0, &fine)?];
+    let zeniths = [zenith(&fields[0])?, zenith(&fields[1])?];
+    println!("     km  over the finer, %");
+    for k in 0..36 {
+        let distance_m = 8_000.0 * (300.0f64 / 8.0).powf(f64::from(k) / 35.0);
+        let [of_table, of_fine] =
+            [0, 1].map(|which: usize| zeniths[which].radiance_per_watt(distance_m, 0.0)[GREEN][LAMBERT]);
+        println!("{:7.1}  {:+.2}", distance_m / 1e3, 100.0 * (of_table / of_fine - 1.0));
+    }
+    let raised =
+        (0..12).map(|k| field(140.0 + 28.0 * f64::from(k), &table)).collect::<Result<Vec<_>, _>>()?;
+    let raised = raised.iter().map(zenith).collect::<Result<Vec<_>, _>>()?;
+    println!("     km  largest second difference over the source's altitude, %");
+    for distance_m in [40e3, 70e3, 110e3, 160e3, 220e3] {
+        let log: Vec<f64> =
+            raised.iter().map(|row| row.radiance_per_watt(distance_m, 0.0)[GREEN][HORIZON].ln()).collect();
+        let bend = log.windows(3).map(|l| (l[2] - 2.0 * l[1] + l[0]).abs()).fold(0.0, f64::max);
+        println!("{:7.1}  {:.2}", distance_m / 1e3, 100.0 * bend);
+    }
+    Ok(())
+}
+
+fn zenith(field: &SourceField) -> Result<ViewRow<'_>, Box<dyn Error>> {
+    Ok(ViewRow::new(field, EYE_M, FRAC_PI_2)?)
+}
