@@ -18,7 +18,7 @@ use skyglow_physics::{
 pub const FORMAT_VERSION: u32 = 5;
 /// Version of the physical model; raised when the images change. A pack of another one is refused: between packs of two models
 /// skies would be interpolated.
-pub const MODEL_VERSION: u32 = 5;
+pub const MODEL_VERSION: u32 = 6;
 
 /// What of a manifest decides whether the rest can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]

@@ -119,7 +119,7 @@ pub(crate) fn training_images(
 }
 
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
-pub(crate) const OBLIQUE_IMPORTANCE: f64 = 1.1;
+pub(crate) const OBLIQUE_IMPORTANCE: f64 = 1.6;
 
 /// The training set of one turbidity: red and blue images, which have green between them.
 pub(crate) fn training_set(

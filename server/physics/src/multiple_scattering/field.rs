@@ -41,12 +41,21 @@ impl SourceField {
     /// The source function far away is a smooth curve over the distance. Runs on the current rayon pool; the result does not
     /// depend on the number of threads.
     pub fn solve(setting: SourceSetting, resolution: &Resolution) -> Self {
-        let followed = Self::as_followed(setting, resolution);
-        Self { source: followed.source.smooth_over_rings(&followed.grid), ..followed }
+        Self::solve_with(setting, resolution, SourceFunction::smooth_over_rings)
     }
 
     /// As [`Self::solve`], with what the directions happened to make of every ring.
+    #[cfg(test)]
     pub(super) fn as_followed(setting: SourceSetting, resolution: &Resolution) -> Self {
+        Self::solve_with(setting, resolution, |source, _| source.clone())
+    }
+
+    /// `smooth` is done to the source function of every order and to that of all.
+    fn solve_with(
+        setting: SourceSetting,
+        resolution: &Resolution,
+        smooth: impl Fn(&SourceFunction, &FieldGrid) -> SourceFunction,
+    ) -> Self {
         let grid = FieldGrid::new(
             setting.source_altitude_m,
             setting.ground_altitude_m,
@@ -57,6 +66,7 @@ impl SourceField {
         let rule =
             FirstOrderRule::new(resolution.first_polar, resolution.first_around, resolution.first_along);
         let first = FirstOrder::new(&setting, &rule, TOP_ALTITUDE_M);
+        let is_clear = setting.atmosphere.cloud().is_none();
         let direct = direct_budget(&setting);
         let mut radiance = first_radiance(&first, &grid, resolution.first_degree);
         let mut powers = vec![OrderPower::of_direct(&direct)];
@@ -95,11 +105,14 @@ impl SourceField {
                 }
                 break;
             }
-            let function = SourceFunction::new(&scattered);
+            let followed = SourceFunction::new(&scattered);
+            let function =
+                if is_clear { smooth(&followed, &grid) } else { followed }.with_lines_at_mean(&grid);
             before = Some(scattered);
             radiance = transport(&setting, resolution, &grid, &function, &surfaces);
         }
-        let source = SourceFunction::new(&total.unwrap_or_else(|| Moments::dark(&grid, 0)));
+        let followed = SourceFunction::new(&total.unwrap_or_else(|| Moments::dark(&grid, 0)));
+        let source = smooth(&followed, &grid).with_lines_at_mean(&grid);
         let base = base_flux.map(|(cloud, flux)| flux.radiance(cloud.albedo(), STEEPEST_TAIL));
         Self { setting, grid, source, base, powers, changes }
     }

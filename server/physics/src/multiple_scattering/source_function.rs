@@ -6,7 +6,7 @@
 //! in three by lines from layer to layer, 1.3 to 2.5 % by the cubic.)
 
 use super::{
-    grid::{Between, FieldGrid, LayerTaps},
+    grid::{Between, FieldGrid, LayerTaps, set_lines_to_mean},
     harmonics::{cosines, legendre, pair_count, pair_index},
     lanes::{LANES, Lanes, add_two, exp_lanes},
     path::{PathStep, StepPlace, StepSum},
@@ -90,7 +90,7 @@ fn taper(l: usize, degree: usize) -> f64 {
     if l <= half { 1.0 } else { (0.5 * PI * (l - half) / (end - half)).cos().powi(2) }
 }
 
-/// The source function ready to be sampled.
+/// The source function as it is sampled.
 #[derive(Clone, Debug)]
 pub(super) struct SourceFunction {
     pub(super) degree: usize,
@@ -123,6 +123,12 @@ impl SourceFunction {
             }
         }
         Self { degree: moments.degree, ln_mean, shape }
+    }
+
+    /// The same, ready to be sampled between rings.
+    pub(super) fn with_lines_at_mean(mut self, grid: &FieldGrid) -> Self {
+        self.ln_mean.chunks_mut(grid.ring_count()).for_each(set_lines_to_mean);
+        self
     }
 
     /// Shape at one point for one direction.

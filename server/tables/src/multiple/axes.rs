@@ -12,7 +12,7 @@ use skyglow_physics::{CloudBase, ELEVATION_COUNT, multiple_scattering::Resolutio
 const OFFSET_SCALE_M: f64 = 150.0;
 /// Version of the solver of later orders and of how its fields are laid out and interpolated: raised with either, so that no
 /// work in progress is gone on from that was made otherwise.
-const FIELD_VERSION: u32 = 4;
+const FIELD_VERSION: u32 = 5;
 
 /// What offsets are interpolated in.
 pub(crate) fn bent_offset(offset_m: f64) -> f64 {
