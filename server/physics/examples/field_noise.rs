@@ -1,8 +1,9 @@
-//! What the solver's resolution makes of the zenith: over the distance, against a finer one, and over the altitude of the source.
+//! What the solver's resolution makes of a sky: over the distance, against a finer one, and over the altitude of the source.
 //!
 //! `field_noise TURBIDITY`: later orders in green, observer 2 m above a ground at 0. First `lambert` of a source on the ground by
-//! [`Resolution::table`] over three times as many zenith angles, higher degrees and rings half as far apart, in %; then, of
-//! `horizon`, the largest second difference of the logarithm over the source's altitude in steps of 28 m, in %. Two minutes.
+//! [`Resolution::table`] over three times as many zenith angles, higher degrees and rings half as far apart, in %, at the zenith
+//! and at three elevations 17° beside the source; then, of `horizon` at the zenith, the largest second difference of the logarithm
+//! over the source's altitude in steps of 28 m, in %. Two minutes.
 
 use skyglow_physics::{
     Atmosphere, Turbidity,
@@ -14,6 +15,9 @@ const EYE_M: f64 = 2.0;
 const GREEN: usize = 1;
 const LAMBERT: usize = 0;
 const HORIZON: usize = 1;
+const LOOKS_DEG: [f64; 4] = [90.0, 30.0, 8.0, 0.7];
+const BESIDE_RAD: f64 = 0.3;
+const DISTANCES: u32 = 36;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -37,14 +41,25 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..table
     };
     let fields = [field(0.0, &table)?, field(0.0, &fine)?];
-    let zeniths = [zenith(&fields[0])?, zenith(&fields[1])?];
-    println!("     km  over the finer, %");
-    for k in 0..36 {
-        let distance_m = 8_000.0 * (300.0f64 / 8.0).powf(f64::from(k) / 35.0);
-        let [of_table, of_fine] =
-            [0, 1].map(|which: usize| zeniths[which].radiance_per_watt(distance_m, 0.0)[GREEN][LAMBERT]);
-        println!("{:7.1}  {:+.2}", distance_m / 1e3, 100.0 * (of_table / of_fine - 1.0));
+    println!("     km  over the finer, %: 90, 30, 8 and 0.7 degrees up; in the mean at the end");
+    let looks = LOOKS_DEG.map(f64::to_radians);
+    let rows = looks
+        .into_iter()
+        .map(|elevation| Ok([row(&fields[0], elevation)?, row(&fields[1], elevation)?]))
+        .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    let mut sums = vec![0.0; rows.len()];
+    for k in 0..DISTANCES {
+        let distance_m = 8_000.0 * (300.0f64 / 8.0).powf(f64::from(k) / f64::from(DISTANCES - 1));
+        let over = rows.iter().map(|rows| {
+            let seen = |row: &ViewRow<'_>| row.radiance_per_watt(distance_m, BESIDE_RAD)[GREEN][LAMBERT];
+            100.0 * (seen(&rows[0]) / seen(&rows[1]) - 1.0)
+        });
+        let over: Vec<f64> = over.collect();
+        sums.iter_mut().zip(&over).for_each(|(sum, over)| *sum += over);
+        println!("{:7.1}  {}", distance_m / 1e3, in_columns(&over));
     }
+    let means: Vec<f64> = sums.iter().map(|sum| sum / f64::from(DISTANCES)).collect();
+    println!("         {}", in_columns(&means));
     let raised =
         (0..12).map(|k| field(140.0 + 28.0 * f64::from(k), &table)).collect::<Result<Vec<_>, _>>()?;
     let raised = raised.iter().map(zenith).collect::<Result<Vec<_>, _>>()?;
@@ -58,6 +73,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+fn in_columns(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:+6.2}")).collect::<Vec<_>>().join("  ")
+}
+
 fn zenith(field: &SourceField) -> Result<ViewRow<'_>, Box<dyn Error>> {
-    Ok(ViewRow::new(field, EYE_M, FRAC_PI_2)?)
+    row(field, FRAC_PI_2)
+}
+
+fn row(field: &SourceField, elevation_rad: f64) -> Result<ViewRow<'_>, Box<dyn Error>> {
+    Ok(ViewRow::new(field, EYE_M, elevation_rad)?)
 }

@@ -97,7 +97,7 @@ pub struct Resolution {
     pub first_along: usize,
     /// Zenith angles of later orders in each hemisphere: from 16 on a multiple of 4, for they are in four pieces then.
     pub polar_per_hemisphere: usize,
-    /// Azimuths of later orders in a half turn, at least a third more than `later_degree`: with fewer the
+    /// Azimuths of later orders in a half turn, at least a quarter more than `later_degree`: with fewer the
     /// moments alias (23 % at 50 km in thick haze with 10 for degree 12).
     pub azimuths: usize,
     /// Orders are computed until one adds less than this share of the source function anywhere within 300 km;
