@@ -71,7 +71,7 @@ const GROUPS: [Group; 3] = [
     Group {
         words: "towards the lamp, lowest row",
         looks: 0..1,
-        limit: 0.65,
+        limit: 0.4,
         floor_cd_m2: 10.0 * LUMINANCE_FLOOR_CD_M2,
         planted: 1e-4,
     },

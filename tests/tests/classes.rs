@@ -22,9 +22,9 @@ const WITHIN: [f64; 2] = [2.5, 3.0];
 fn limits(class: Class, mix: &str, turbidity: f64) -> SkyErrors {
     let [mean, p99, zenith, horizontal] = match (class, mix) {
         _ if WITHIN.contains(&turbidity) => [1.0, 5.0, 0.5, 0.5],
-        (Class::AbovePlain, "oblique") => [1.0, 5.8, 0.5, 0.5],
-        (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.54, 0.5],
-        (Class::Valley, "oblique") => [1.0, 5.5, 0.5, 0.5],
+        (Class::AbovePlain, "oblique") => [1.0, 6.2, 0.5, 0.5],
+        (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.51, 0.5],
+        (Class::Valley, "oblique") => [1.0, 5.2, 0.5, 0.5],
         _ => [1.0, 5.0, 0.5, 0.5],
     };
     [0.01 * mean, 0.01 * p99, 0.01 * zenith, 0.01 * horizontal]
