@@ -41,10 +41,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..table
     };
     let fields = [field(0.0, &table)?, field(0.0, &fine)?];
-    println!("     km  over the finer, %: 90, 30, 8 and 0.7 degrees up; in the mean at the end");
-    let looks = LOOKS_DEG.map(f64::to_radians);
-    let rows = looks
+    println!("     km  over the finer, %, {LOOKS_DEG:?} degrees up; in the mean at the end");
+    let rows = LOOKS_DEG
         .into_iter()
+        .map(f64::to_radians)
         .map(|elevation| Ok([row(&fields[0], elevation)?, row(&fields[1], elevation)?]))
         .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
     let mut sums = vec![0.0; rows.len()];
