@@ -9,6 +9,7 @@ use crate::{
     table_set::TableSet,
     taps::{Taps, lagrange_taps},
 };
+use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
 use skyglow_scene::{PolarCell, PolarGrid};
 use skyglow_tables::clouds::ceiling_m;
@@ -171,13 +172,70 @@ impl Prepared {
         highest_source_m: f64,
         axes: &NodeAxes<'_>,
     ) {
-        // Until all nodes in use are known, cells carry the slots of theirs.
-        let mut is_used = vec![false; axes.slot_count(polar)];
+        let slots = axes.slot_count(polar);
+        let columns: Vec<usize> = (0..polar.azimuth_start.len() - 1).collect();
+        let columns_per_task =
+            if polar.cells.len() < CELLS_WORTH_TASKS { columns.len() } else { COLUMNS_PER_TASK };
+        let mut listed: Vec<Listed> = columns
+            .par_chunks(columns_per_task)
+            .map(|columns| Listed::of(polar, columns, [observer_altitude_m, highest_source_m], slots, axes))
+            .collect();
+        let mut node_of = vec![u32::MAX; slots];
+        for slot in 0..slots {
+            if listed.iter().any(|listed| listed.is_used[slot]) {
+                node_of[slot] = self.nodes.len() as u32;
+                self.nodes.push(axes.node(slot));
+            }
+        }
+        listed.par_iter_mut().for_each(|listed| {
+            for cell in &mut listed.cells {
+                cell.lower_node = node_of[cell.lower_node as usize];
+            }
+        });
+        self.cells.reserve_exact(listed.iter().map(|listed| listed.cells.len()).sum());
+        for listed in listed {
+            let before = self.cells.len() as u32;
+            self.columns.extend(listed.columns.iter().map(|column| LitColumn {
+                first_cell: before + column.first_cell,
+                end_cell: before + column.end_cell,
+                ..*column
+            }));
+            self.cells.extend(listed.cells);
+        }
+    }
+}
+
+/// From so many cells on some tasks list them.
+const CELLS_WORTH_TASKS: usize = 8_192;
+/// Columns that such a task lists.
+const COLUMNS_PER_TASK: usize = 64;
+
+/// The lit cells of some columns, which carry the slots of their nodes until all nodes in use are known.
+struct Listed {
+    cells: Vec<PreparedCell>,
+    /// Counted from the first of these cells.
+    columns: Vec<LitColumn>,
+    /// By slot.
+    is_used: Vec<bool>,
+}
+
+impl Listed {
+    fn of(
+        polar: &PolarGrid,
+        columns: &[usize],
+        [observer_altitude_m, highest_source_m]: [f64; 2],
+        slots: usize,
+        axes: &NodeAxes<'_>,
+    ) -> Self {
+        let mut listed = Self { cells: Vec::new(), columns: Vec::new(), is_used: vec![false; slots] };
         let (mut offsets, mut positions) = (Offsets::default(), [0.0; OFFSETS_AT_ONCE]);
-        self.cells.reserve_exact(polar.cells.len());
-        for (azimuth, column) in (0u32..).zip(polar.azimuth_start.windows(2)) {
-            let first_cell = self.cells.len() as u32;
-            for cells in polar.cells[column[0] as usize..column[1] as usize].chunks(OFFSETS_AT_ONCE) {
+        let start = |column: usize| polar.azimuth_start[column] as usize;
+        if let (Some(first), Some(last)) = (columns.first(), columns.last()) {
+            listed.cells.reserve_exact(start(last + 1) - start(*first));
+        }
+        for &column in columns {
+            let first_cell = listed.cells.len() as u32;
+            for cells in polar.cells[start(column)..start(column + 1)].chunks(OFFSETS_AT_ONCE) {
                 for (lane, cell) in cells.iter().enumerate() {
                     let offset_m = (f64::from(cell.altitude_m) - observer_altitude_m) as f32;
                     offsets.set(lane, axes.axis(cell), offset_m);
@@ -190,27 +248,20 @@ impl Prepared {
                     let (node, upper_weight) = node_below(position);
                     let lower = axes.first_slot_on_ring(cell) + node;
                     let upper = lower + usize::from(upper_weight > 0.0);
-                    (is_used[lower], is_used[upper]) = (true, true);
-                    self.cells.push(PreparedCell {
+                    (listed.is_used[lower], listed.is_used[upper]) = (true, true);
+                    listed.cells.push(PreparedCell {
                         flux_dnb_w: cell.flux_dnb_w,
                         lower_node: lower as u32,
                         upper_weight,
                     });
                 }
             }
-            let end_cell = self.cells.len() as u32;
+            let end_cell = listed.cells.len() as u32;
             if end_cell > first_cell {
-                self.columns.push(LitColumn { azimuth, first_cell, end_cell });
+                listed.columns.push(LitColumn { azimuth: column as u32, first_cell, end_cell });
             }
         }
-        let mut node_of = vec![u32::MAX; is_used.len()];
-        for slot in (0..is_used.len()).filter(|&slot| is_used[slot]) {
-            node_of[slot] = self.nodes.len() as u32;
-            self.nodes.push(axes.node(slot));
-        }
-        for cell in &mut self.cells {
-            cell.lower_node = node_of[cell.lower_node as usize];
-        }
+        listed
     }
 }
 

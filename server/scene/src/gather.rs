@@ -57,6 +57,21 @@ impl LightSink for PolarAccumulator {
     }
 }
 
+/// A block of the pyramid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BlockPlace {
+    pub(crate) level: usize,
+    pub(crate) index: usize,
+}
+
+/// A block from which light is gathered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    pub(crate) from: BlockPlace,
+    /// Its pixels.
+    pub(crate) pixels: usize,
+}
+
 /// The lights of a layer, as the functions of this module need them.
 #[derive(Clone, Copy)]
 pub(crate) struct Light<'a> {
@@ -100,6 +115,11 @@ fn chord_m(arc_m: f64) -> f64 {
     2.0 * EARTH_RADIUS_M * (0.5 * arc_m / EARTH_RADIUS_M).sin()
 }
 
+/// The chord within which a walk looks, metres, with half a metre of slack: chords of centres are compared, arcs decide in the end.
+fn reach_m(radius_m: f64) -> f64 {
+    chord_m(radius_m.min(std::f64::consts::PI * EARTH_RADIUS_M)) + 0.5
+}
+
 /// Bearing of a point known to lie within 300 km: `asin` by its series, exact to 1e-14 there.
 fn near_bearing(frame: &LocalFrame, target: DVec3) -> Bearing {
     let (east, north) = (target.dot(frame.east), target.dot(frame.north));
@@ -124,23 +144,20 @@ impl<'a> Light<'a> {
         known_around(skylines, index)
     }
 
-    /// Calls `visit` with the index of each pixel whose centre may be within `radius_m` of `place` (a few
+    /// Calls `visit` with the index of each pixel of a block whose centre may be within `radius_m` of `place` (a few
     /// more may come), by walking down the blocks that reach into the disc; `take_block` may take a block
     /// whole by returning true.
     fn walk(
         &self,
+        from: BlockPlace,
         place: DVec3,
         radius_m: f64,
         mut take_block: impl FnMut(usize, usize, f64) -> bool,
         mut visit: impl FnMut(usize),
     ) {
-        if self.pyramid.top() == 0 {
-            return;
-        }
-        // Half a metre of slack: chords of centres are compared, arcs decide in the end.
-        let reach_m = chord_m(radius_m.min(std::f64::consts::PI * EARTH_RADIUS_M)) + 0.5;
-        let mut stack = vec![(self.pyramid.top(), 0usize)];
-        while let Some((level, index)) = stack.pop() {
+        let reach_m = reach_m(radius_m);
+        let mut stack = vec![from];
+        while let Some(BlockPlace { level, index }) = stack.pop() {
             let blocks = self.pyramid.level(level);
             let block = &blocks.blocks[index];
             let distance_m = EARTH_RADIUS_M * block.direction.distance(place);
@@ -153,7 +170,7 @@ impl<'a> Light<'a> {
             }
             for child in blocks.children(index) {
                 if level > 1 {
-                    stack.push((level - 1, child));
+                    stack.push(BlockPlace { level: level - 1, index: child });
                 } else if touched.is_none_or(|gone| !gone.is_gone(child)) {
                     visit(child);
                 }
@@ -161,9 +178,53 @@ impl<'a> Light<'a> {
         }
     }
 
+    /// The block of all lights; None where there are none.
+    pub(crate) fn whole(&self) -> Option<BlockPlace> {
+        let level = self.pyramid.top();
+        (level > 0).then_some(BlockPlace { level, index: 0 })
+    }
+
+    /// The blocks of at most `most_pixels` pixels within 300 km of the observer that hold all light there, in the order in which it is
+    /// gathered; larger ones where all their light counts as one.
+    pub(crate) fn starts(&self, frame: &LocalFrame, most_pixels: usize) -> Vec<Start> {
+        let mut starts = Vec::new();
+        let reach_m = reach_m(FARTHEST_SOURCE_M);
+        let mut stack = Vec::from_iter(self.whole());
+        while let Some(from) = stack.pop() {
+            let BlockPlace { level, index } = from;
+            let blocks = self.pyramid.level(level);
+            let block = &blocks.blocks[index];
+            let distance_m = EARTH_RADIUS_M * block.direction.distance(frame.up);
+            if distance_m - block.radius_m > reach_m {
+                continue;
+            }
+            let pixels = self.pyramid.pixels(level, index).len();
+            if pixels <= most_pixels || level == 1 || block.radius_m <= FAR_BLOCK_RATIO * distance_m {
+                starts.push(Start { from, pixels });
+            } else {
+                let children = blocks.children(index);
+                stack.extend(children.map(|index| BlockPlace { level: level - 1, index }));
+            }
+        }
+        starts
+    }
+
     /// Adds all light within 300 km of the observer to `sink`. `far_block_ratio` 0 opens every block of more than one place,
     /// [`NO_BLOCKS`] every one.
     pub(crate) fn gather(&self, frame: &LocalFrame, far_block_ratio: f64, sink: &mut impl LightSink) {
+        if let Some(whole) = self.whole() {
+            self.gather_block(whole, frame, far_block_ratio, sink);
+        }
+    }
+
+    /// [`Self::gather`] of the light of one block.
+    pub(crate) fn gather_block(
+        &self,
+        from: BlockPlace,
+        frame: &LocalFrame,
+        far_block_ratio: f64,
+        sink: &mut impl LightSink,
+    ) {
         let (nearest_m, farthest_m) = (chord_m(NO_BLOCKS_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
         let shared = std::cell::RefCell::new(sink);
         let take_block = |number: usize, index: usize, distance_m: f64| {
@@ -226,26 +287,26 @@ impl<'a> Light<'a> {
                 sink.take(numbers, light);
             }
         };
-        self.walk(frame.up, FARTHEST_SOURCE_M, take_block, visit);
+        self.walk(from, frame.up, FARTHEST_SOURCE_M, take_block, visit);
     }
 
     /// Calls `visit` with index and centre of every light whose centre may be within `radius_m` of a place; a few more may come.
     pub(crate) fn walk_all(&self, place: DVec3, radius_m: f64, mut visit: impl FnMut(usize, DVec3)) {
-        self.walk(
-            place,
-            radius_m,
-            |_, _, _| false,
-            |index| {
-                let (column, row) = morton::decode(self.pixels.codes[index]);
-                visit(index, self.grid.center(column, row));
-            },
-        );
+        let visit = |index: usize| {
+            let (column, row) = morton::decode(self.pixels.codes[index]);
+            visit(index, self.grid.center(column, row));
+        };
+        if let Some(whole) = self.whole() {
+            self.walk(whole, place, radius_m, |_, _, _| false, visit);
+        }
     }
 
     /// Every lit pixel whose centre is within `radius_m` of the observer, in the raster's Morton order.
     pub(crate) fn pixels_within(&self, frame: &LocalFrame, radius_m: f64) -> Vec<SourcePixel> {
         let mut found = Vec::new();
-        self.walk(frame.up, radius_m, |_, _, _| false, |index| found.push(index));
+        if let Some(whole) = self.whole() {
+            self.walk(whole, frame.up, radius_m, |_, _, _| false, |index| found.push(index));
+        }
         found.sort_unstable();
         let pixels = found.into_iter().map(|i| self.pixels.source_pixel(self.grid, self.calibration, i));
         pixels.filter(|pixel| frame.bearing_to(pixel.center()).distance_m <= radius_m).collect()

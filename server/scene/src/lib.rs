@@ -22,6 +22,7 @@ mod coverage;
 mod demo;
 mod error;
 mod gather;
+mod gather_tasks;
 mod grid;
 mod grid_sections;
 mod ground;

@@ -57,6 +57,22 @@ pub struct NearLight {
     pub flux_dnb_w: f32,
 }
 
+impl NearLight {
+    /// None where it is not under an open sky at all, and where there is no light.
+    #[inline(always)]
+    pub(crate) fn of(numbers: Range<u32>, light: PlacedLight) -> Option<Self> {
+        let open = 1.0 - light.blocking;
+        (open > 0.0 && light.flux_dnb_w > 0.0).then(|| Self {
+            number: numbers.start,
+            pixel_count: numbers.end - numbers.start,
+            azimuth_rad: light.azimuth_rad as f32,
+            distance_m: (NEAREST_SOURCE_M * light.log_distance.max(0.0).exp()) as f32,
+            altitude_m: light.altitude_m as f32,
+            flux_dnb_w: (light.flux_dnb_w * open) as f32,
+        })
+    }
+}
+
 /// One lit cell: the light of a column and a ring whose skyline towards the observer is at one blocking angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -101,6 +117,23 @@ impl PolarGrid {
         accumulator.finish(observer, 1.0)
     }
 
+    /// A grid of the lit cells of all columns.
+    pub(crate) fn of_parts(
+        observer: GeoPoint,
+        parts: &[LitCells],
+        near: Vec<NearLight>,
+        flux_dnb_w: f64,
+        coverage: f64,
+    ) -> Self {
+        let mut azimuth_start = vec![0];
+        azimuth_start.extend(parts.iter().flat_map(|part| &part.counts).scan(0, |end, count| {
+            *end += count;
+            Some(*end)
+        }));
+        let cells = parts.iter().map(|part| part.cells.as_slice()).collect::<Vec<_>>().concat();
+        Self { observer, azimuth_start, cells, near, flux_dnb_w, coverage }
+    }
+
     /// Bytes of its lists of lights.
     pub fn byte_count(&self) -> usize {
         size_of_val(self.cells.as_slice()) + size_of_val(self.near.as_slice())
@@ -115,9 +148,11 @@ impl PolarGrid {
     }
 }
 
-/// A polar grid being filled.
+/// Some columns of a polar grid being filled.
 pub(crate) struct PolarAccumulator {
-    /// Light under an open sky, at [column × RING_COUNT + ring].
+    /// column × RING_COUNT of the first of its columns: what lies elsewhere is not added.
+    first: usize,
+    /// Light under an open sky, at [column × RING_COUNT + ring] from the first on.
     open: Vec<Light>,
     /// Where a cell's light behind skylines is in `blocked`, plus 1; 0 where it has none. Empty until there is some,
     /// so that a scene without skylines costs nothing.
@@ -161,6 +196,13 @@ impl PolarAxes {
         }
     }
 
+    /// The two columns around an azimuth.
+    #[inline(always)]
+    pub(crate) fn columns(&self, azimuth_rad: f64) -> [usize; 2] {
+        let first = (azimuth_rad * self.columns_per_rad) as usize;
+        [first % AZIMUTH_COLUMN_COUNT, (first + 1) % AZIMUTH_COLUMN_COUNT]
+    }
+
     /// The four places `column × RING_COUNT + ring` around a position with their weights, which sum to 1: linear in azimuth
     /// and in ln(distance). Arguments as in [`PlacedLight`].
     #[inline(always)]
@@ -190,9 +232,15 @@ pub(crate) fn blocking_shares(blocking: f64) -> [(usize, f64); 2] {
 }
 
 impl PolarAccumulator {
+    /// All columns.
     pub(crate) fn new() -> Self {
+        Self::of_columns(0..AZIMUTH_COLUMN_COUNT)
+    }
+
+    pub(crate) fn of_columns(columns: Range<usize>) -> Self {
         Self {
-            open: vec![[0.0; 2]; AZIMUTH_COLUMN_COUNT * RING_COUNT],
+            first: columns.start * RING_COUNT,
+            open: vec![[0.0; 2]; columns.len() * RING_COUNT],
             blocked_at: Vec::new(),
             blocked: Vec::new(),
             near: Vec::new(),
@@ -207,10 +255,11 @@ impl PolarAccumulator {
     pub(crate) fn add(&mut self, light: PlacedLight) {
         for (at, weight) in self.axes.shares(light.azimuth_rad, light.log_distance) {
             let flux_dnb_w = light.flux_dnb_w * weight;
+            let Some(open) = self.open.get_mut(at.wrapping_sub(self.first)) else { continue };
             if light.blocking > 0.0 {
-                self.add_blocked(at, light.altitude_m, light.blocking, flux_dnb_w);
+                self.add_blocked(at - self.first, light.altitude_m, light.blocking, flux_dnb_w);
             } else {
-                add_light(&mut self.open[at], flux_dnb_w, light.altitude_m);
+                add_light(open, flux_dnb_w, light.altitude_m);
             }
         }
         self.flux_dnb_w += light.flux_dnb_w;
@@ -219,17 +268,7 @@ impl PolarAccumulator {
     /// Keeps a point of light of pixels as it is where it is under an open sky.
     #[inline(always)]
     pub(crate) fn keep_near(&mut self, numbers: Range<u32>, light: PlacedLight) {
-        let open = 1.0 - light.blocking;
-        if open > 0.0 && light.flux_dnb_w > 0.0 {
-            self.near.push(NearLight {
-                number: numbers.start,
-                pixel_count: numbers.end - numbers.start,
-                azimuth_rad: light.azimuth_rad as f32,
-                distance_m: (NEAREST_SOURCE_M * light.log_distance.max(0.0).exp()) as f32,
-                altitude_m: light.altitude_m as f32,
-                flux_dnb_w: (light.flux_dnb_w * open) as f32,
-            });
-        }
+        self.near.extend(NearLight::of(numbers, light));
     }
 
     /// Adds light to one cell at the two blocking angles around `blocking`, above 0.
@@ -255,35 +294,45 @@ impl PolarAccumulator {
 
     /// Keeps what is lit.
     pub(crate) fn finish(self, observer: GeoPoint, coverage: f64) -> PolarGrid {
-        let mut azimuth_start = Vec::with_capacity(AZIMUTH_COLUMN_COUNT + 1);
-        let mut cells = Vec::new();
-        let mut keep = |ring: usize, blocking: usize, &[flux_dnb_w, flux_altitude]: &Light| {
-            if flux_dnb_w > 0.0 {
-                cells.push(PolarCell {
-                    ring: ring as u32,
-                    flux_dnb_w: flux_dnb_w as f32,
-                    altitude_m: (flux_altitude / flux_dnb_w) as f32,
-                    blocking: blocking as u32,
-                });
-            }
-            cells.len() as u32
-        };
-        let mut count = 0;
+        let lit = self.lit();
+        PolarGrid::of_parts(observer, &[lit], self.near, self.flux_dnb_w, coverage)
+    }
+
+    /// The lit cells of its columns.
+    pub(crate) fn lit(&self) -> LitCells {
+        let mut lit = LitCells { counts: Vec::with_capacity(AZIMUTH_COLUMN_COUNT), cells: Vec::new() };
         for (column, lights) in self.open.chunks_exact(RING_COUNT).enumerate() {
-            azimuth_start.push(count);
+            let before = lit.cells.len();
+            let mut keep = |ring: usize, blocking: usize, &[flux_dnb_w, flux_altitude]: &Light| {
+                if flux_dnb_w > 0.0 {
+                    lit.cells.push(PolarCell {
+                        ring: ring as u32,
+                        flux_dnb_w: flux_dnb_w as f32,
+                        altitude_m: (flux_altitude / flux_dnb_w) as f32,
+                        blocking: blocking as u32,
+                    });
+                }
+            };
             for (ring, light) in lights.iter().enumerate() {
-                count = keep(ring, 0, light);
+                keep(ring, 0, light);
                 let blocked = self.blocked_at.get(column * RING_COUNT + ring).filter(|&&at| at > 0);
                 if let Some(&at) = blocked {
                     for (blocking, light) in self.blocked[at as usize - 1].0.iter().enumerate() {
-                        count = keep(ring, blocking, &light.map(f64::from));
+                        keep(ring, blocking, &light.map(f64::from));
                     }
                 }
             }
+            lit.counts.push((lit.cells.len() - before) as u32);
         }
-        azimuth_start.push(count);
-        PolarGrid { observer, azimuth_start, cells, near: self.near, flux_dnb_w: self.flux_dnb_w, coverage }
+        lit
     }
+}
+
+/// The lit cells of some columns.
+pub(crate) struct LitCells {
+    /// Cells of each column.
+    counts: Vec<u32>,
+    cells: Vec<PolarCell>,
 }
 
 fn add_light(light: &mut Light, flux_dnb_w: f64, altitude_m: f64) {

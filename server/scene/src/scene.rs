@@ -2,7 +2,8 @@
 
 use crate::coverage;
 use crate::error::SceneError;
-use crate::gather::{FAR_BLOCK_RATIO, NO_BLOCKS};
+use crate::gather::{FAR_BLOCK_RATIO, Light, NO_BLOCKS};
+use crate::gather_tasks;
 use crate::grid::Grid;
 use crate::ground::Ground;
 use crate::light_layer::LightLayer;
@@ -12,7 +13,7 @@ use crate::mask::ValidMask;
 use crate::metadata::{Place, SceneMetadata};
 use crate::morton;
 use crate::place_sum::PlaceValues;
-use crate::polar_grid::{PolarAccumulator, PolarGrid};
+use crate::polar_grid::PolarGrid;
 use crate::terrain::{Terrain, nearest_wall_m};
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
@@ -155,13 +156,11 @@ impl Scene {
         terrain_hides: bool,
         far_block_ratio: f64,
     ) -> PolarGrid {
-        let mut accumulator = PolarAccumulator::new();
-        let frame = LocalFrame::at(place);
-        for layer in layers {
-            let light = layer.light(&self.grid, self.metadata.calibration, terrain_hides);
-            light.gather(&frame, far_block_ratio, &mut accumulator);
-        }
-        accumulator.finish(place, self.coverage(place))
+        let lights: Vec<Light> = layers
+            .iter()
+            .map(|layer| layer.light(&self.grid, self.metadata.calibration, terrain_hides))
+            .collect();
+        gather_tasks::polar_grid(&lights, place, far_block_ratio, self.coverage(place))
     }
 
     /// The same with every pixel by itself, and where the light of each went.
