@@ -83,6 +83,17 @@ fn integrals(size: f64, turn_rad: f64, nodes: &[(f64, f64)]) -> [[f64; 2]; LOBE_
     sums
 }
 
+/// The whole part of a number from 0 to 2²², nothing for what is no number. It is made of additions: a cast that saturates is done lane
+/// by lane.
+#[inline(always)]
+pub fn whole_part(x: f32) -> u32 {
+    /// From here on to twice as much the last bit of an f32 is 1.
+    const SHIFT: f32 = 8_388_608.0;
+    // To the nearest, a half to the even one: of a whole number that may be the one before.
+    let nearest = ((x - 0.5).max(0.0) + SHIFT).to_bits().wrapping_sub(SHIFT.to_bits());
+    nearest + u32::from(x - nearest as i32 as f32 >= 1.0)
+}
+
 impl NearScattering {
     /// The table of a mix of lobes.
     pub fn of(emission: EmissionMix) -> Self {
@@ -126,7 +137,8 @@ impl NearScattering {
             let turn = across / (across.abs() + along).max(1e-9);
             let x = (0.5 * (TURN_COUNT - 1) as f32) * (turn + 1.0);
             let y = (SIZE_COUNT - 1) as f32 * size;
-            let (i, j) = ((x as i32).min(TURN_COUNT as i32 - 2), (y as i32).min(SIZE_COUNT as i32 - 2));
+            let i = (whole_part(x) as i32).min(TURN_COUNT as i32 - 2);
+            let j = (whole_part(y) as i32).min(SIZE_COUNT as i32 - 2);
             (u[ray], v[ray]) = (x - i as f32, y - j as f32);
             node[ray] = i * SIZE_COUNT as i32 + j;
         }
@@ -154,6 +166,16 @@ impl NearScattering {
 mod tests {
     use super::*;
     use crate::emission::Lobe;
+
+    #[test]
+    fn the_whole_part_is_that_of_a_cast() {
+        let near = |x: f32| [x.next_down(), x, x.next_up()];
+        for x in (0..5_000u16).flat_map(|n| near(f32::from(n))).chain((0..200).map(|n| 0.37 * n as f32)) {
+            assert_eq!(whole_part(x), x as u32, "{x}");
+        }
+        assert_eq!(near(4_194_303.0).map(whole_part), near(4_194_303.0).map(|x| x as u32));
+        assert_eq!([f32::NAN, -3.0, f32::NEG_INFINITY].map(whole_part), [0; 3]);
+    }
 
     #[test]
     fn the_table_is_its_integral_between_nodes_too() {

@@ -87,14 +87,14 @@ impl<'a> Choosing<'a> {
                 * ((HIGHEST_ROW - row) / ROWS_TO_NOTHING).min(1.0);
             if weight > 0.0 {
                 let offset_m = (f64::from(light.altitude_m) - self.of.observer_altitude_m) as f32;
+                let (place, between) = Place::of(self.set, light.distance_m, offset_m, row);
                 chosen.push(Chosen {
                     index: first as u32 + index,
-                    place: Place::of(self.set, light.distance_m, offset_m, row),
+                    place,
+                    between,
                     sight: peaks.sight[lane],
                     row,
                     column,
-                    distance_m: light.distance_m,
-                    offset_m,
                     flux_dnb_w: light.flux_dnb_w,
                     weight,
                 });

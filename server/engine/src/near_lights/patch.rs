@@ -37,12 +37,11 @@ pub(super) struct Chosen {
     /// Its place among the near lights.
     pub(super) index: u32,
     pub(super) place: Place,
+    pub(super) between: Between,
     pub(super) sight: Sight,
     /// Its elevation in rows and its azimuth in columns.
     pub(super) row: f32,
     pub(super) column: f32,
-    pub(super) distance_m: f32,
-    pub(super) offset_m: f32,
     /// Its flux, DNB watts.
     pub(super) flux_dnb_w: f32,
     /// How much of its patch counts, 0..=1.
@@ -64,16 +63,26 @@ fn ring_position(distance_m: f32) -> f32 {
     ((RING_COUNT - 1) as f64 * log).clamp(0.0, (RING_COUNT - 1) as f64) as f32
 }
 
+/// Where a light is between the nodes of its place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Between {
+    /// From its ring to the next, 0..=1.
+    out: f32,
+    /// From the node below it to the one above on the axes of both rings, 0..=1.
+    up: [f32; 2],
+}
+
 impl Place {
-    pub(super) fn of(set: &TableSet, distance_m: f32, offset_m: f32, row: f32) -> Self {
-        let ring = (ring_position(distance_m) as usize).min(RING_COUNT - 2);
-        let below =
-            |ring: usize| (set.axis(ring).position(offset_m) as usize).min(set.offset_count() - 2) as u32;
-        Self {
-            ring: ring as u32,
-            offsets: [below(ring), below(ring + 1)],
-            first_row: row.floor() as i32 - (SIDE / 2 - 1) as i32,
-        }
+    /// The place of a light, and where it is there.
+    pub(super) fn of(set: &TableSet, distance_m: f32, offset_m: f32, row: f32) -> (Self, Between) {
+        let position = ring_position(distance_m);
+        let ring = (position as usize).min(RING_COUNT - 2);
+        let positions = [ring, ring + 1].map(|ring| set.axis(ring).position(offset_m));
+        let offsets = positions.map(|position| (position as usize).min(set.offset_count() - 2) as u32);
+        let place =
+            Self { ring: ring as u32, offsets, first_row: row.floor() as i32 - (SIDE / 2 - 1) as i32 };
+        let up = std::array::from_fn(|ring| (positions[ring] - offsets[ring] as f32).clamp(0.0, 1.0));
+        (place, Between { out: position - ring as f32, up })
     }
 
     /// Places in one order, as one number.
@@ -306,13 +315,9 @@ fn fill_body<const FUSED: bool>(
         cosines[lane] = 1.0 - square * (0.5 - square * (1.0 / 24.0));
         tapers[lane] = light.weight * taper(from);
     }
-    let out = ring_position(light.distance_m) - light.place.ring as f32;
-    let weights: [[f32; 2]; 2] = std::array::from_fn(|ring| {
-        let of_ring = if ring == 0 { 1.0 - out } else { out };
-        let position = maker.set.axis(light.place.ring as usize + ring).position(light.offset_m);
-        let up = (position - light.place.offsets[ring] as f32).clamp(0.0, 1.0);
-        [of_ring * (1.0 - up), of_ring * up]
-    });
+    let Between { out, up } = light.between;
+    let weights = [(1.0 - out, up[0]), (out, up[1])]
+        .map(|(of_ring, up): (f32, f32)| [of_ring * (1.0 - up), of_ring * up]);
     let Place { ring, offsets, first_row } = light.place;
     let mut nodes = [(0, 0f32); 4];
     for (node, at) in nodes.iter_mut().zip(0u32..) {
@@ -364,17 +369,9 @@ mod tests {
         let (distance_m, offset_m) = (2_000.0, 1_000.0);
         let sight = Sight::new(&air, f64::from(distance_m), f64::from(offset_m));
         let row = sight.elevation_rad() / azimuth_rad(1) as f32 - 0.5;
-        let light = Chosen {
-            index: 0,
-            place: Place::of(&set, distance_m, offset_m, row),
-            sight,
-            row,
-            column: 0.4,
-            distance_m,
-            offset_m,
-            flux_dnb_w: 1.0,
-            weight: 1.0,
-        };
+        let (place, between) = Place::of(&set, distance_m, offset_m, row);
+        let light =
+            Chosen { index: 0, place, between, sight, row, column: 0.4, flux_dnb_w: 1.0, weight: 1.0 };
         let changed = |sky: f32| {
             let most = MostOfGrid::new(&vec![sky; Panorama::LEN], 0.9);
             let mut changes = vec![0f32; Panorama::LEN];

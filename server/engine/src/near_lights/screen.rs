@@ -8,7 +8,7 @@ use super::{
 use crate::cpu::dispatch::{LANES, dispatch_wide};
 use rayon::prelude::*;
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, panorama::azimuth_rad,
+    AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, near_light::whole_part, panorama::azimuth_rad,
     source_pixel::FARTHEST_SOURCE_M,
 };
 use skyglow_scene::NearLight;
@@ -61,8 +61,8 @@ fn screened_body<const FUSED: bool>(screen: &Screen, lights: &[NearLight], found
             let offset_m = light.altitude_m - screen.observer_altitude_m;
             let slope = offset_m / light.distance_m - light.distance_m * (0.5 / EARTH_RADIUS_M as f32);
             // Rows up to the one above the light's; the tangent is the larger.
-            let row = (slope * per_step + 0.5).max(0.0).min((LOW_ROWS - 1) as f32) as i32 as u32;
-            let column = (light.azimuth_rad * per_column) as i32 as u32 % AZIMUTH_COUNT as u32;
+            let row = whole_part((slope * per_step + 0.5).min((LOW_ROWS - 1) as f32));
+            let column = whole_part(light.azimuth_rad * per_column) % AZIMUTH_COUNT as u32;
             sky_at[lane] = row * AZIMUTH_COUNT as u32 + column;
             bounds_at[lane] = screen.most.place(light.altitude_m, light.distance_m);
             needed[lane] = light.distance_m * LEAST_SHARE;
@@ -159,7 +159,7 @@ impl Most {
     /// Where a light's bound is.
     #[inline(always)]
     fn place(&self, altitude_m: f32, distance_m: f32) -> u32 {
-        let step = |from: f32, per_step: f32| (from * per_step).max(0.0) as i32 as u32;
+        let step = |from: f32, per_step: f32| whole_part(from * per_step);
         let altitude = step(altitude_m - self.lowest_m, 1.0 / ALTITUDE_STEP_M).min(self.altitude_steps - 1);
         altitude * DISTANCE_STEPS + step(distance_m, 1.0 / DISTANCE_STEP_M).min(DISTANCE_STEPS - 1)
     }
