@@ -181,9 +181,9 @@ impl Prepared {
             .map(|columns| Listed::of(polar, columns, [observer_altitude_m, highest_source_m], slots, axes))
             .collect();
         let mut node_of = vec![u32::MAX; slots];
-        for slot in 0..slots {
+        for (slot, node) in node_of.iter_mut().enumerate() {
             if listed.iter().any(|listed| listed.is_used[slot]) {
-                node_of[slot] = self.nodes.len() as u32;
+                *node = self.nodes.len() as u32;
                 self.nodes.push(axes.node(slot));
             }
         }
