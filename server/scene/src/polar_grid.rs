@@ -161,6 +161,7 @@ pub(crate) struct PolarAccumulator {
     /// the processor's cache: good to 1e-6.
     blocked: Vec<BlockedCell>,
     near: Vec<NearLight>,
+    /// Of all lights given to it, wherever they are.
     flux_dnb_w: f64,
     axes: PolarAxes,
 }
@@ -209,11 +210,9 @@ impl PolarAxes {
     pub(crate) fn shares(&self, azimuth_rad: f64, log_distance: f64) -> [(usize, f64); 4] {
         let column = azimuth_rad * self.columns_per_rad;
         let ring = (log_distance * self.rings_per_log).clamp(0.0, (RING_COUNT - 1) as f64);
-        let (first, inner) = (column.floor(), (ring as usize).min(RING_COUNT - 2));
-        let (along, out) = (column - first, ring - inner as f64);
-        let first = first as usize % AZIMUTH_COLUMN_COUNT;
-        let second = (first + 1) % AZIMUTH_COLUMN_COUNT;
-        let (first, second) = (first * RING_COUNT + inner, second * RING_COUNT + inner);
+        let inner = (ring as usize).min(RING_COUNT - 2);
+        let (along, out) = (column - column.floor(), ring - inner as f64);
+        let [first, second] = self.columns(azimuth_rad).map(|column| column * RING_COUNT + inner);
         [
             (first, (1.0 - along) * (1.0 - out)),
             (first + 1, (1.0 - along) * out),
