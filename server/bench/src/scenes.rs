@@ -108,7 +108,10 @@ pub fn grid_under_open_sky(sources: &[PointSource]) -> PolarGrid {
     PolarGrid::of_sources(observer(), sources.iter().map(|&source| (source, 0.0)))
 }
 
-/// Lights beyond [`NO_BLOCKS_WITHIN_M`] by blocks of pixels, as wide as those of a scene.
+/// Pixels or blocks of them of a square's side: a scene lists its lights by the squares of a quadtree, here it is one size of them.
+const SQUARE: i64 = 8;
+
+/// Lights beyond [`NO_BLOCKS_WITHIN_M`] by blocks of pixels, as wide as those of a scene; the lights of a square side by side.
 fn far_ones_in_blocks(lights: &[NearLight]) -> Vec<NearLight> {
     let mut blocks = BTreeMap::new();
     let mut kept = Vec::new();
@@ -123,12 +126,20 @@ fn far_ones_in_blocks(lights: &[NearLight]) -> Vec<NearLight> {
         let side_m = 2f64.powi(pixels.max(1.0).log2() as i32) * PIXEL_SIDE_M;
         let at = |along_m: f64| (along_m / side_m).floor() as i64;
         let (east_m, north_m) = (distance_m * sin, distance_m * cos);
-        let sums: &mut [f64; 4] = blocks.entry((side_m as u32, at(east_m), at(north_m))).or_insert([0.0; 4]);
+        let block = [at(east_m), at(north_m)];
+        let square = block.map(|at| at.div_euclid(SQUARE));
+        let sums: &mut [f64; 4] = blocks.entry((side_m as u32, square, block)).or_insert([0.0; 4]);
         let flux_dnb_w = f64::from(light.flux_dnb_w);
         for (sum, part) in sums.iter_mut().zip([1.0, east_m, north_m, f64::from(light.altitude_m)]) {
             *sum += flux_dnb_w * part;
         }
     }
+    kept.sort_by_key(|light| {
+        let (sin, cos) = f64::from(light.azimuth_rad).sin_cos();
+        [sin, cos]
+            .map(|part| (f64::from(light.distance_m) * part / PIXEL_SIDE_M) as i64)
+            .map(|at| at.div_euclid(SQUARE))
+    });
     kept.extend((0..).zip(blocks.into_values()).map(|(number, [flux_dnb_w, east, north, altitude])| {
         let (east_m, north_m) = (east / flux_dnb_w, north / flux_dnb_w);
         NearLight {

@@ -2,6 +2,7 @@
 
 use super::{
     NearLights, ROWS,
+    extents::BLOCK,
     patch::{Chosen, Place},
     screen::Screen,
     sight::{Air, Sight, Sights},
@@ -11,7 +12,7 @@ use crate::{
     table_set::TableSet,
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama, panorama::azimuth_rad};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama, near_light::whole_part, panorama::azimuth_rad};
 use skyglow_scene::NearLight;
 use std::sync::LazyLock;
 
@@ -27,8 +28,8 @@ static HALF_A_COLUMN: LazyLock<[f32; 2]> = LazyLock::new(|| {
     let (sin, cos) = (0.5 * azimuth_rad(1)).sin_cos();
     [sin as f32, cos as f32]
 });
-/// Lights that a task looks through.
-const LOOKED_THROUGH: usize = 1_024;
+/// Lights that a task looks through: whole blocks.
+const LOOKED_THROUGH: usize = 16 * BLOCK;
 
 /// The sky in which lights are to show.
 pub(super) struct Choosing<'a> {
@@ -50,7 +51,7 @@ impl<'a> Choosing<'a> {
         let of_task = |(task, lights): (usize, &[NearLight])| {
             let first = task * LOOKED_THROUGH;
             let mut chosen = Vec::new();
-            for together in self.screen.that_may_show(lights).chunks(LANES) {
+            for together in self.screen.that_may_show(first, lights).chunks(LANES) {
                 self.choose(first, lights, together, &mut chosen);
             }
             chosen
@@ -133,21 +134,28 @@ fn peak_body<const FUSED: bool>(
 ) {
     let step = azimuth_rad(1) as f32;
     let [sin_aside, cos_aside] = *HALF_A_COLUMN;
-    let (mut sines, mut cosines) = ([0f32; LANES], [1f32; LANES]);
+    let (mut distance_m, mut offset_m) = ([0f64; LANES], [0f64; LANES]);
     for (lane, light) in lights.iter().enumerate() {
-        let offset_m = f64::from(light.altitude_m) - observer_altitude_m;
-        let sight = Sight::new(air, f64::from(light.distance_m), offset_m);
-        let row = sight.elevation_rad() / step - 0.5;
-        let nearest = nearest_row(row).min(LOW_ROWS - 1);
-        [sines[lane], cosines[lane]] = if row + 0.5 > nearest as f32 {
-            let [sin, cos] = sight.elevation();
-            [sin * cos_aside + cos * sin_aside, cos * cos_aside - sin * sin_aside]
-        } else {
-            ROWS[nearest]
-        };
-        (peaks.sight[lane], peaks.row[lane]) = (sight, row);
+        distance_m[lane] = f64::from(light.distance_m);
+        offset_m[lane] = f64::from(light.altitude_m) - observer_altitude_m;
     }
-    let sights = Sights::of(&peaks.sight);
+    let sights = Sights::new(air, &distance_m, &offset_m);
+    let [mut sines, mut cosines] = sights.elevations();
+    let mut is_row = [false; LANES];
+    let mut nearest = [0u32; LANES];
+    for (lane, elevation_rad) in sights.elevations_rad().into_iter().enumerate() {
+        let row = elevation_rad / step - 0.5;
+        peaks.row[lane] = row;
+        nearest[lane] = whole_part((row + 0.5).min((LOW_ROWS - 1) as f32));
+        // Half a row above it, or in the row above it where that is higher.
+        is_row[lane] = row + 0.5 <= nearest[lane] as i32 as f32;
+        let (sin, cos) = (sines[lane], cosines[lane]);
+        (sines[lane], cosines[lane]) = (sin * cos_aside + cos * sin_aside, cos * cos_aside - sin * sin_aside);
+    }
+    for lane in (0..LANES).filter(|lane| is_row[*lane]) {
+        [sines[lane], cosines[lane]] = ROWS[nearest[lane] as usize];
+    }
+    peaks.sight = std::array::from_fn(|lane| sights.alone(lane));
     let through = sights.through::<FUSED>(air, [&sines, &cosines]);
     let aside = [&[cos_aside; LANES], &[sin_aside; LANES]];
     peaks.peak = sights.radiance::<FUSED>(air, through, [&sines, &cosines], aside);
@@ -159,7 +167,10 @@ pub(super) const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{cpu::dispatch::tests::BASELINE, near_lights::sight::tests::one};
+    use crate::{
+        cpu::dispatch::tests::BASELINE,
+        near_lights::sight::tests::{elevation_of, one},
+    };
     use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering};
 
     fn light(number: u32, distance_m: f32, altitude_m: f32) -> NearLight {
@@ -191,7 +202,7 @@ mod tests {
                     f64::from(lights[lane].distance_m),
                     f64::from(lights[lane].altitude_m) - 640.0,
                 );
-                let elevation = (sight.elevation_rad() + 0.5 * azimuth_rad(1) as f32)
+                let elevation = (elevation_of(&sight) + 0.5 * azimuth_rad(1) as f32)
                     .max(0.5 * azimuth_rad(1) as f32 * (1.0 + 2.0 * nearest_row(together.row[lane]) as f32));
                 let alone = one(&sight, &air, 0.5 * azimuth_rad(1), f64::from(elevation));
                 for (together, alone) in together.peak.iter().zip(alone) {

@@ -10,6 +10,7 @@
 //! it is linear in the lights ([`NearLights::influences`]).
 
 mod choosing;
+mod extents;
 mod patch;
 mod screen;
 mod sight;

@@ -135,14 +135,10 @@ fn samples() -> impl Iterator<Item = (usize, f64, f64)> {
     })
 }
 
-/// The image of a node in the rows of a patch.
-#[derive(Clone, Copy)]
-struct NodeImage {
-    /// Ring, offset and first row; None before its first use.
-    of: Option<(u32, u32, i32)>,
-    /// Columns −4 to 4 from its own.
-    rows: OfBands<BOTH_SIDES>,
-}
+/// Ring, offset and first row of a node's image.
+type NodeKey = (u32, u32, i32);
+/// The image of a node in the rows of a patch, columns −4 to 4 from its own.
+type NodeImage = OfBands<BOTH_SIDES>;
 
 /// Rings, offsets and first rows whose images are remembered: of two rings side by side every offset, in four rows.
 const REMEMBERED: [usize; 3] = [2, 64, 4];
@@ -156,12 +152,15 @@ pub(super) struct PatchMaker<'a> {
     elevations: [[f32; 2]; ELEVATION_COUNT],
     /// Column and weight of every sample.
     shares: [(usize, f32); SAMPLES],
-    nodes: Vec<NodeImage>,
+    /// Whose image is remembered at each place, and where among the images; none before the first.
+    remembered: Vec<Option<(NodeKey, usize)>>,
+    /// As many as were wanted: most tasks have few nodes, and to clear room for all takes longer than their images.
+    images: Vec<NodeImage>,
 }
 
 /// Where the image of a node is remembered.
 #[inline(always)]
-fn slot((ring, offset, first_row): (u32, u32, i32)) -> usize {
+fn slot((ring, offset, first_row): NodeKey) -> usize {
     let [rings, offsets, rows] = REMEMBERED;
     ((ring as usize % rings) * offsets + offset as usize % offsets) * rows
         + first_row.rem_euclid(rows as i32) as usize
@@ -173,10 +172,16 @@ impl<'a> PatchMaker<'a> {
         for (share, (column, _, weight)) in shares.iter_mut().zip(samples()) {
             *share = (column, weight as f32);
         }
-        let empty = NodeImage { of: None, rows: [[[0.0; BOTH_SIDES]; BAND_COUNT]; SIDE] };
-        let nodes = vec![empty; REMEMBERED.iter().product()];
-        let elevations = *ROWS;
-        Self { air, set, azimuths: Azimuths::new(), elevations, shares, nodes }
+        let remembered = vec![None; REMEMBERED.iter().product()];
+        Self {
+            air,
+            set,
+            azimuths: Azimuths::new(),
+            elevations: *ROWS,
+            shares,
+            remembered,
+            images: Vec::new(),
+        }
     }
 
     /// Calls `add` with a position in a panorama and what a light changes there and in the columns after it, W m⁻² sr⁻¹.
@@ -252,13 +257,19 @@ fn throughs<const FUSED: bool>(
 #[inline(always)]
 fn image_node<const FUSED: bool>(
     maker: &mut PatchMaker<'_>,
-    key: (u32, u32, i32),
+    key: NodeKey,
     rows: std::ops::Range<usize>,
 ) -> usize {
-    let at = slot(key);
-    if maker.nodes[at].of == Some(key) {
-        return at;
-    }
+    let known = &mut maker.remembered[slot(key)];
+    let at = match *known {
+        Some((of, at)) if of == key => return at,
+        Some((_, at)) => at,
+        None => {
+            maker.images.push([[[0.0; BOTH_SIDES]; BAND_COUNT]; SIDE]);
+            maker.images.len() - 1
+        }
+    };
+    *known = Some((key, at));
     let (ring, offset, first_row) = key;
     let offset_m = maker.set.offset_axis()[ring as usize].offset_m(f64::from(offset));
     let sight = Sight::new(maker.air, ring_distance_m(ring as usize), offset_m);
@@ -276,10 +287,9 @@ fn image_node<const FUSED: bool>(
                 }
             }
         }
-        maker.nodes[at].rows[(row as i32 - first_row) as usize] =
+        maker.images[at][(row as i32 - first_row) as usize] =
             columns.map(|half| std::array::from_fn(|column| half[column.abs_diff(HALF - 1)]));
     }
-    maker.nodes[at].of = Some(key);
     at
 }
 
@@ -338,7 +348,7 @@ fn fill_body<const FUSED: bool>(
             // The light's own column is the fourth; a part of it stands on the fifth.
             let (mut own, mut next) = ([0f32; LANES], [0f32; LANES]);
             for (node, weight) in nodes {
-                let of_node = &maker.nodes[node].rows[at][band];
+                let of_node = &maker.images[node][at][band];
                 for lane in 0..LANES {
                     own[lane] = multiply_add::<FUSED>(weight, of_node[lane + 1], own[lane]);
                     next[lane] = multiply_add::<FUSED>(weight, of_node[lane], next[lane]);
@@ -357,7 +367,7 @@ fn fill_body<const FUSED: bool>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synthetic;
+    use crate::{near_lights::sight::tests::elevation_of, synthetic};
     use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering};
 
     #[test]
@@ -368,7 +378,7 @@ mod tests {
         // A kilometre above the eye and two away, seen across north.
         let (distance_m, offset_m) = (2_000.0, 1_000.0);
         let sight = Sight::new(&air, f64::from(distance_m), f64::from(offset_m));
-        let row = sight.elevation_rad() / azimuth_rad(1) as f32 - 0.5;
+        let row = elevation_of(&sight) / azimuth_rad(1) as f32 - 0.5;
         let (place, between) = Place::of(&set, distance_m, offset_m, row);
         let light =
             Chosen { index: 0, place, between, sight, row, column: 0.4, flux_dnb_w: 1.0, weight: 1.0 };

@@ -7,9 +7,10 @@ use skyglow_physics::{
     near_light::NearScattering,
     panorama::azimuth_rad,
 };
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// A ray is not taken to pass a light nearer than this part of the light's distance: a point is infinitely bright.
-const NEAREST_MISS: f32 = 1e-4;
+const NEAREST_MISS: f64 = 1e-4;
 /// Largest power of e by which air is thicker or thinner than at the light.
 const LARGEST_LOG_DENSITY: f32 = 8.0;
 
@@ -94,25 +95,33 @@ pub(super) fn density(log: f32) -> f32 {
     exponential::<false>(log.clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY))
 }
 
+/// Of tan⁻¹(y)/y in powers of y² up to 22.5°, by least squares at Chebyshev's nodes: within 3e-8.
+const ARC_TANGENT: [f32; 5] = [1.0, -0.333_332_88, 0.199_913_94, -0.140_265_5, 0.085_297_92];
+
+/// The arc tangent, to 2e-7: around 0, 1 and infinity, without branches, so that loops stay vectors.
+#[inline(always)]
+fn arc_tangent(x: f32) -> f32 {
+    /// Tangents of 22.5° and 67.5°.
+    const BOUNDS: [f32; 2] = [0.414_213_57, 2.414_213_7];
+    let size = x.abs();
+    let (around, over, under) = if size > BOUNDS[1] {
+        (FRAC_PI_2, -1.0, size)
+    } else if size > BOUNDS[0] {
+        (FRAC_PI_4, size - 1.0, size + 1.0)
+    } else {
+        (0.0, size, 1.0)
+    };
+    let y = over / under;
+    let square = y * y;
+    let series = ARC_TANGENT.iter().rev().fold(0.0, |sum, factor| factor + square * sum);
+    (around + y * series).copysign(x)
+}
+
 impl Sight {
     /// A light at a distance along the ground, `offset_m` above the observer.
+    #[inline(always)]
     pub(super) fn new(air: &Air, distance_m: f64, offset_m: f64) -> Self {
-        let arc = distance_m / EARTH_RADIUS_M;
-        let altitude_m = air.observer_altitude_m + offset_m;
-        let radius_m = EARTH_RADIUS_M + altitude_m;
-        // Over a twentieth of a radian the series are right to 1e-10.
-        let square = arc * arc;
-        let sin = arc * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)));
-        let less = 0.5 * square * (1.0 - square * (1.0 / 12.0 - square * (1.0 / 360.0)));
-        let (across_m, up_m) = (radius_m * sin, offset_m - radius_m * less);
-        let slant_m = (across_m * across_m + up_m * up_m).sqrt();
-        Self {
-            across_m: across_m as f32,
-            up_m: up_m as f32,
-            nearest_miss_m2: (f64::from(NEAREST_MISS) * slant_m).powi(2) as f32,
-            arc: [sin as f32, (1.0 - less) as f32],
-            density: HEIGHTS_M.map(|height_m| density(-altitude_m as f32 / height_m)),
-        }
+        Sights::<1>::new(air, &[distance_m], &[offset_m]).alone(0)
     }
 
     /// [`Sights::through`] of one light for rays of some elevations (sines, cosines).
@@ -123,17 +132,6 @@ impl Sight {
         rays: [&[f32; N]; 2],
     ) -> [[f32; N]; BAND_COUNT] {
         Sights::all(self).through::<FUSED>(air, rays)
-    }
-
-    /// Its elevation, radians.
-    pub(super) fn elevation_rad(&self) -> f32 {
-        (self.up_m / self.across_m).atan()
-    }
-
-    /// Sine and cosine of its elevation.
-    pub(super) fn elevation(&self) -> [f32; 2] {
-        let slant_m = (self.across_m * self.across_m + self.up_m * self.up_m).sqrt();
-        [self.up_m / slant_m, self.across_m / slant_m]
     }
 
     /// [`Sights::radiance`] of one light at one elevation (sine and cosine) and some azimuths relative to its own (cosines, sines);
@@ -173,17 +171,65 @@ impl<const N: usize> Sights<N> {
         }
     }
 
-    /// Another light in each.
+    /// Lights at distances along the ground, `offset_m` above the observer.
     #[inline(always)]
-    pub(super) fn of(sights: &[Sight; N]) -> Self {
-        let each = |of: fn(&Sight) -> f32| std::array::from_fn(|lane| of(&sights[lane]));
-        Self {
-            across_m: each(|sight| sight.across_m),
-            up_m: each(|sight| sight.up_m),
-            nearest_miss_m2: each(|sight| sight.nearest_miss_m2),
-            arc: [each(|sight| sight.arc[0]), each(|sight| sight.arc[1])],
-            density: [each(|sight| sight.density[0]), each(|sight| sight.density[1])],
+    pub(super) fn new(air: &Air, distance_m: &[f64; N], offset_m: &[f64; N]) -> Self {
+        let mut sights = Self {
+            across_m: [0.0; N],
+            up_m: [0.0; N],
+            nearest_miss_m2: [0.0; N],
+            arc: [[0.0; N]; 2],
+            density: [[0.0; N]; 2],
+        };
+        for lane in 0..N {
+            let arc = distance_m[lane] / EARTH_RADIUS_M;
+            let altitude_m = air.observer_altitude_m + offset_m[lane];
+            let radius_m = EARTH_RADIUS_M + altitude_m;
+            // Over a twentieth of a radian the series are right to 1e-10.
+            let square = arc * arc;
+            let sin = arc * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)));
+            let less = 0.5 * square * (1.0 - square * (1.0 / 12.0 - square * (1.0 / 360.0)));
+            let (across_m, up_m) = (radius_m * sin, offset_m[lane] - radius_m * less);
+            let slant2_m2 = across_m * across_m + up_m * up_m;
+            sights.across_m[lane] = across_m as f32;
+            sights.up_m[lane] = up_m as f32;
+            sights.nearest_miss_m2[lane] = (NEAREST_MISS * NEAREST_MISS * slant2_m2) as f32;
+            (sights.arc[0][lane], sights.arc[1][lane]) = (sin as f32, (1.0 - less) as f32);
+            for (of_species, height_m) in sights.density.iter_mut().zip(HEIGHTS_M) {
+                of_species[lane] = density(-altitude_m as f32 / height_m);
+            }
         }
+        sights
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub(super) fn alone(&self, lane: usize) -> Sight {
+        Sight {
+            across_m: self.across_m[lane],
+            up_m: self.up_m[lane],
+            nearest_miss_m2: self.nearest_miss_m2[lane],
+            arc: self.arc.map(|of_lanes| of_lanes[lane]),
+            density: self.density.map(|of_lanes| of_lanes[lane]),
+        }
+    }
+
+    /// Their elevations, radians, to 3e-7.
+    #[inline(always)]
+    pub(super) fn elevations_rad(&self) -> [f32; N] {
+        std::array::from_fn(|lane| arc_tangent(self.up_m[lane] / self.across_m[lane]))
+    }
+
+    /// Sines and cosines of their elevations.
+    #[inline(always)]
+    pub(super) fn elevations(&self) -> [[f32; N]; 2] {
+        let [mut sines, mut cosines] = [[0f32; N]; 2];
+        for lane in 0..N {
+            let (across_m, up_m) = (self.across_m[lane], self.up_m[lane]);
+            let per_slant = 1.0 / (across_m * across_m + up_m * up_m).sqrt();
+            (sines[lane], cosines[lane]) = (up_m * per_slant, across_m * per_slant);
+        }
+        [sines, cosines]
     }
 
     /// What gets through from the light to the observer by way of the rays' nearest points to it, in the vertical plane of the two,
@@ -296,6 +342,20 @@ pub(super) mod tests {
         single_source::{SourceGeometry, mixed_radiance_per_watt},
     };
 
+    /// A light's elevation, radians.
+    pub(in crate::near_lights) fn elevation_of(sight: &Sight) -> f32 {
+        (sight.up_m / sight.across_m).atan()
+    }
+
+    #[test]
+    fn the_arc_tangent_is_that_of_the_library() {
+        let sizes = (0..4_000).map(|step| 1e-5 * 1.006f32.powi(step)).chain([0.0, 1.0, f32::INFINITY]);
+        for x in sizes.flat_map(|x| [x, -x]) {
+            let error = (f64::from(arc_tangent(x)) - f64::from(x).atan()).abs();
+            assert!(error < 2e-7, "{x}: {error}");
+        }
+    }
+
     /// Radiance per watt in each band of one light in one direction, the azimuth relative to its own.
     pub(in crate::near_lights) fn one(
         sight: &Sight,
@@ -335,7 +395,7 @@ pub(super) mod tests {
                         // Above and beside it, half a degree to two away.
                         for (aside_deg, above_deg) in [(0.5f64, 0.7f64), (0.1, 0.7), (1.4, 1.0), (0.0, 1.6)] {
                             let elevation =
-                                (f64::from(sight.elevation_rad()) + above_deg.to_radians()).max(0.012);
+                                (f64::from(elevation_of(&sight)) + above_deg.to_radians()).max(0.012);
                             let azimuth = aside_deg.to_radians();
                             let exact: [f64; BAND_COUNT] = mixed_radiance_per_watt(
                                 &[atmosphere],
