@@ -14,17 +14,16 @@ use skyglow_tests::{
 /// Those that packs are of, and those that lie between packs.
 const TURBIDITIES: [f64; 6] = [1.75, 2.0, 2.5, 3.0, 4.0, 6.0];
 
-/// Those in which nothing is missed: one that has a pack, and one between packs.
-const WITHIN: [f64; 2] = [2.5, 3.0];
+/// Those in which nothing is missed, between packs and at one.
+const WITHIN: [f64; 4] = [1.75, 2.0, 2.5, 3.0];
 
 /// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with a mix of lobes. Wanted are 1, 5, 0.5 and
 /// 0.5 %; wider ones are of what `precomputed/README.md` says is missed, and why.
 fn limits(class: Class, mix: &str, turbidity: f64) -> SkyErrors {
     let [mean, p99, zenith, horizontal] = match (class, mix) {
         _ if WITHIN.contains(&turbidity) => [1.0, 5.0, 0.5, 0.5],
-        (Class::AbovePlain, "oblique") => [1.0, 6.2, 0.5, 0.5],
         (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.51, 0.5],
-        (Class::Valley, "oblique") => [1.0, 5.2, 0.5, 0.5],
+        (Class::Valley, "oblique") => [1.0, 5.1, 0.5, 0.5],
         _ => [1.0, 5.0, 0.5, 0.5],
     };
     [0.01 * mean, 0.01 * p99, 0.01 * zenith, 0.01 * horizontal]

@@ -22,7 +22,7 @@ use skyglow_physics::{
     single_source::SourceGeometry,
 };
 use skyglow_tables::{
-    MultipleTable, PrecomputeOptions, Scattering,
+    BasisCount, MultipleTable, PrecomputeOptions, Scattering,
     fit::{dim_factor, sample_weights},
     images::{HALF_COLUMN_COUNT, PIXEL_COUNT, SourceImages, image_index, images_of},
 };
@@ -88,7 +88,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for size in sizes.split(',') {
         let (used, fitted) = size.split_once("of").unwrap_or((size, size));
         let (used, fitted): (usize, usize) = (used.parse()?, fitted.parse()?);
-        options.basis_count = fitted;
+        options.basis_count = BasisCount::same(fitted);
         let bases = match &mut bases {
             Some(bases) if bases.function_count() == fitted => bases,
             bases => bases.insert(Bases::fit(&trial, &options, &multiple)?),

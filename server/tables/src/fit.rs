@@ -205,13 +205,18 @@ impl Projector {
         }
     }
 
+    /// Number of functions.
+    pub fn count(&self) -> usize {
+        self.basis.ncols()
+    }
+
     /// Coefficients of several images that share the same weights (bands of one geometry and lobe do,
     /// nearly), images × functions.
     ///
     /// # Errors
     /// [`TablesError::Fit`] when the normal equations are not positive definite.
     pub fn project(&self, weights: &[f32], shapes: &[&[f32]]) -> Result<Vec<Vec<f64>>, TablesError> {
-        let count = self.basis.ncols();
+        let count = self.count();
         let weights: Vec<f64> = weights.iter().map(|&weight| f64::from(weight)).collect();
         let targets = Mat::from_fn(PIXEL_COUNT, shapes.len(), |p, n| weights[p] * f64::from(shapes[n][p]));
         let solution = solve_weighted(&weights, &self.basis, targets, "projection")?;

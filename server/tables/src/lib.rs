@@ -28,5 +28,5 @@ pub use error::TablesError;
 pub use manifest::{Manifest, Scattering};
 pub use multiple::{MultipleAxes, MultipleTable};
 pub use pack::{Pack, packs_in};
-pub use precompute::{PrecomputeOptions, Progress, Silent, precompute, precompute_together};
+pub use precompute::{BasisCount, PrecomputeOptions, Progress, Silent, precompute, precompute_together};
 pub use resident::{ResidentBlocked, ResidentTables};

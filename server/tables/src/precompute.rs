@@ -59,8 +59,8 @@ pub struct PrecomputeOptions {
     pub axes: TableAxes,
     /// Sample points of sources behind skylines; None for the open sky alone.
     pub blocked: Option<BlockedAxes>,
-    /// M, a multiple of 4.
-    pub basis_count: usize,
+    /// M.
+    pub basis_count: BasisCount,
     /// Geometries in the training set of the basis; each gives six images.
     pub training_geometries: usize,
     /// Alternating-least-squares iterations.
@@ -69,8 +69,32 @@ pub struct PrecomputeOptions {
     pub error_sources: usize,
 }
 
-/// M of the packs that come with the program.
-pub const DEFAULT_BASIS_COUNT: usize = 96;
+/// M, a multiple of 4, by the air: where it is clean, the edge of the `oblique` lobe is sharp in the sky, and takes more functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BasisCount {
+    /// At turbidities of 2 and less.
+    pub clean: usize,
+    /// Above.
+    pub hazy: usize,
+}
+
+impl BasisCount {
+    /// Those of the packs that come with the program: of 8, 16, 32, 64, 80, 96 and 112 the smallest with which skies of every class
+    /// hold their limits, but for two by a hundredth part (`precomputed/README.md`).
+    pub const SHIPPED: Self = Self { clean: 112, hazy: 96 };
+    /// Highest turbidity of clean air.
+    const CLEAN: f64 = 2.0;
+
+    /// The same in any air.
+    pub const fn same(count: usize) -> Self {
+        Self { clean: count, hazy: count }
+    }
+
+    /// M of a turbidity's pack.
+    pub fn at(self, turbidity: Turbidity) -> usize {
+        if turbidity.value() <= Self::CLEAN { self.clean } else { self.hazy }
+    }
+}
 
 impl PrecomputeOptions {
     /// A pack like those that come with the program.
@@ -82,7 +106,7 @@ impl PrecomputeOptions {
             clouds: None,
             axes: TableAxes::full(),
             blocked: Some(BlockedAxes::full()),
-            basis_count: DEFAULT_BASIS_COUNT,
+            basis_count: BasisCount::SHIPPED,
             training_geometries: 330,
             fit_iterations: 7,
             error_sources: 160,
@@ -98,7 +122,7 @@ impl PrecomputeOptions {
             clouds: None,
             axes: TableAxes::coarse(),
             blocked: Some(BlockedAxes::coarse()),
-            basis_count: 16,
+            basis_count: BasisCount::same(16),
             training_geometries: 12,
             fit_iterations: 1,
             error_sources: 4,
@@ -131,11 +155,11 @@ impl PrecomputeOptions {
         (self.scattering == Scattering::Multiple).then_some(&self.multiple)
     }
 
-    /// Sample points of sources behind skylines as this pack can have them: with no more functions than its basis, and
+    /// Sample points of sources behind skylines as packs can have them: with no more functions than any basis, and
     /// with later orders where there are any.
     fn blocked_axes(&self) -> Option<BlockedAxes> {
         self.blocked.as_ref().map(|axes| BlockedAxes {
-            basis_count: axes.basis_count.min(self.basis_count),
+            basis_count: axes.basis_count.min(self.basis_count.clean).min(self.basis_count.hazy),
             later: axes.later.clone().filter(|_| self.scattering == Scattering::Multiple),
             ..axes.clone()
         })
@@ -149,7 +173,7 @@ impl PrecomputeOptions {
             clouds: self.clouds,
             axes: self.axes.clone(),
             blocked: self.blocked_axes(),
-            basis_count: self.basis_count,
+            basis_count: self.basis_count.at(turbidity),
             training_geometries: self.training_geometries,
             fit_iterations: self.fit_iterations,
             fit: FitConstants::current(),
@@ -196,7 +220,7 @@ pub fn precompute_together(
     let checkpoints: Vec<Checkpoint> =
         parameters.iter().map(|p| Checkpoint::open(out, p)).collect::<Result<_, _>>()?;
     let multiple = make_multiple(options, &atmospheres, &checkpoints, progress)?;
-    let bases = make_bases(options, &atmospheres, &multiple, &checkpoints, progress)?;
+    let bases = make_bases(options, &parameters, &atmospheres, &multiple, &checkpoints, progress)?;
     let projectors: Vec<Projector> = bases.iter().map(Projector::new).collect();
     let observers = options.axes.observer_altitude_m.len();
     let distances = options.axes.distance_m.len();
@@ -209,7 +233,10 @@ pub fn precompute_together(
             let name = format!("part-{observer:02}-{distance:03}");
             let stored: Option<Vec<Vec<f32>>> = checkpoints
                 .iter()
-                .map(|checkpoint| checkpoint.load(&name).filter(|v| v.len() == part_len(options)))
+                .zip(&bases)
+                .map(|(checkpoint, basis)| {
+                    checkpoint.load(&name).filter(|part| part.len() == part_len(options, basis.count))
+                })
                 .collect();
             let values = match stored {
                 Some(values) => values,
@@ -231,7 +258,7 @@ pub fn precompute_together(
     for (index, ((parameters, basis), atmosphere)) in
         parameters.iter().zip(&bases).zip(&atmospheres).enumerate()
     {
-        let (log_scale, shape) = arrange(options, &parts, index);
+        let (log_scale, shape) = arrange(options, &parts, index, basis.count);
         let mut pack = Pack::from_computed(
             parameters.manifest(MeasuredError::default(), String::new()),
             log_scale,
@@ -288,7 +315,7 @@ pub fn basis_alone(options: &PrecomputeOptions, multiple: &[MultipleTable]) -> R
     let atmospheres = [options.atmosphere(options.turbidity)];
     let images = training_images(&atmospheres, multiple, &geometries, &|| ());
     let set = training_set(options, &geometries, &images, 0);
-    fit_basis(&set, options.basis_count, options.fit_iterations, &|| ())
+    fit_basis(&set, options.basis_count.at(options.turbidity), options.fit_iterations, &|| ())
 }
 
 /// Multiply scattered light of every turbidity; empty for the first order alone.
@@ -323,17 +350,18 @@ fn make_multiple(
 
 fn make_bases(
     options: &PrecomputeOptions,
+    parameters: &[PackParameters],
     atmospheres: &[Atmosphere],
     multiple: &[MultipleTable],
     checkpoints: &[Checkpoint],
     progress: &dyn Progress,
 ) -> Result<Vec<Basis>, TablesError> {
-    let count = options.basis_count;
-    let load = |checkpoint: &Checkpoint| {
+    let load = |(checkpoint, parameters): (&Checkpoint, &PackParameters)| {
+        let count = parameters.basis_count;
         let functions = checkpoint.load("basis").filter(|f| f.len() == count * PIXEL_COUNT)?;
         Some(Basis { count, functions })
     };
-    if let Some(bases) = checkpoints.iter().map(load).collect() {
+    if let Some(bases) = checkpoints.iter().zip(parameters).map(load).collect() {
         return Ok(bases);
     }
     let geometries = training_geometries(options);
@@ -342,10 +370,12 @@ fn make_bases(
     progress.begin("basis fit", (options.fit_iterations as u64 + 1) * atmospheres.len() as u64);
     checkpoints
         .iter()
+        .zip(parameters)
         .enumerate()
-        .map(|(index, checkpoint)| {
+        .map(|(index, (checkpoint, parameters))| {
             let set = training_set(options, &geometries, &images, index);
-            let basis = fit_basis(&set, count, options.fit_iterations, &|| progress.advance(1))?;
+            let advance = || progress.advance(1);
+            let basis = fit_basis(&set, parameters.basis_count, options.fit_iterations, &advance)?;
             checkpoint.store("basis", &basis.functions)?;
             Ok(basis)
         })
@@ -353,11 +383,11 @@ fn make_bases(
 }
 
 /// Numbers of one part: for each offset and image a log scale and M coefficients.
-fn part_len(options: &PrecomputeOptions) -> usize {
-    options.axes.offset_count * IMAGE_COUNT * (1 + options.basis_count)
+fn part_len(options: &PrecomputeOptions, basis_count: usize) -> usize {
+    options.axes.offset_count * IMAGE_COUNT * (1 + basis_count)
 }
 
-/// One part of every turbidity, each `[offset][lobe][band][1 + basis]`.
+/// One part of every turbidity, each `[offset][lobe][band][1 + basis]`, as many functions as its projector has.
 fn make_part(
     options: &PrecomputeOptions,
     atmospheres: &[Atmosphere],
@@ -366,15 +396,16 @@ fn make_part(
     observer: usize,
     distance: usize,
 ) -> Result<Vec<Vec<f32>>, TablesError> {
-    let mut parts = vec![Vec::with_capacity(part_len(options)); atmospheres.len()];
-    let record = IMAGE_COUNT * (1 + options.basis_count);
+    let with_room = |projector: &Projector| Vec::with_capacity(part_len(options, projector.count()));
+    let mut parts: Vec<Vec<f32>> = projectors.iter().map(with_room).collect();
     let cloud = options.cloud_base();
     let mut previous_altitude_m = f64::NAN;
     for offset in 0..options.axes.offset_count {
         // Nodes outside the range of source altitudes repeat the last one inside.
         let geometry = options.axes.geometry(observer, distance, offset, cloud);
         if geometry.source_altitude_m == previous_altitude_m {
-            for part in &mut parts {
+            for (part, projector) in parts.iter_mut().zip(projectors) {
+                let record = IMAGE_COUNT * (1 + projector.count());
                 part.extend_from_within(part.len() - record..);
             }
             continue;
@@ -390,6 +421,11 @@ fn make_part(
                 // mean error rises by a tenth of itself.
                 let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
                 let rows = projector.project(&sample_weights(shapes[1], dim_factor), &shapes)?;
+                if rows.iter().flatten().any(|c| !c.is_finite() || c.abs() > f64::from(f16::MAX)) {
+                    // A training set too small for its functions.
+                    let reason = "a coefficient is beyond half precision".to_owned();
+                    return Err(TablesError::Fit { stage: "projection", reason });
+                }
                 for (band, row) in rows.into_iter().enumerate() {
                     part.push(images.log_scale[image_index(lobe, band)] as f32);
                     part.extend(row.into_iter().map(|c| c as f32));
@@ -402,9 +438,14 @@ fn make_part(
 
 /// Parts `[observer][distance]` of `[turbidity][offset][image][1 + basis]` → sections of one turbidity's pack,
 /// `[observer][image][distance][offset]` and the same with `[basis]`.
-fn arrange(options: &PrecomputeOptions, parts: &[Vec<Vec<f32>>], turbidity: usize) -> (Vec<f32>, Vec<f16>) {
+fn arrange(
+    options: &PrecomputeOptions,
+    parts: &[Vec<Vec<f32>>],
+    turbidity: usize,
+    basis_count: usize,
+) -> (Vec<f32>, Vec<f16>) {
     let (distances, offsets) = (options.axes.distance_m.len(), options.axes.offset_count);
-    let record = 1 + options.basis_count;
+    let record = 1 + basis_count;
     let mut log_scale = Vec::new();
     let mut shape = Vec::new();
     for observer in 0..options.axes.observer_altitude_m.len() {

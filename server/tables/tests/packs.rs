@@ -4,9 +4,9 @@
 
 use skyglow_physics::{Atmosphere, Turbidity};
 use skyglow_tables::{
-    Clouds, MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError,
+    BasisCount, Clouds, MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError,
     images::{image_index, images_of},
-    packs_in, precompute,
+    packs_in, precompute, precompute_together,
 };
 use std::{
     path::{Path, PathBuf},
@@ -99,6 +99,33 @@ fn a_killed_run_goes_on_and_ends_with_the_same_bytes_on_any_number_of_threads() 
     let path = single.install(|| precompute(&options(), folder.path(), &Silent)).unwrap();
     assert!(std::fs::read(&path).unwrap() == pack_bytes().0, "the packs differ");
     assert!(!partial.exists());
+}
+
+#[test]
+fn packs_made_together_are_those_made_alone_and_clean_air_may_have_more_functions() {
+    let options =
+        PrecomputeOptions { basis_count: BasisCount { clean: 16, hazy: 12 }, error_sources: 1, ..options() };
+    let [clean, hazy] = [2.0, 2.5].map(|turbidity| Turbidity::new(turbidity).unwrap());
+    let [together, alone] = std::array::from_fn(|_| tempfile::tempdir().unwrap());
+    let paths = precompute_together(&[hazy, clean], &options, together.path(), &Silent).unwrap();
+    let counts: Vec<usize> =
+        paths.iter().map(|path| Pack::open(path).unwrap().manifest().basis_count).collect();
+    assert_eq!(counts, [16, 12]);
+    for (path, turbidity) in paths.iter().zip([clean, hazy]) {
+        let other =
+            precompute(&PrecomputeOptions { turbidity, ..options.clone() }, alone.path(), &Silent).unwrap();
+        assert!(std::fs::read(path).unwrap() == std::fs::read(other).unwrap(), "{turbidity:?} differs");
+    }
+}
+
+#[test]
+fn a_training_set_too_small_for_its_functions_is_refused_instead_of_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let options =
+        PrecomputeOptions { basis_count: BasisCount::same(64), training_geometries: 11, ..options() };
+    let refused = precompute(&options, folder.path(), &Silent).unwrap_err();
+    assert!(matches!(refused, TablesError::Fit { .. }), "{refused}");
+    assert_eq!(packs_in(folder.path()).unwrap(), Vec::<PathBuf>::new());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
 use skyglow_http::parameters::MOST_BASIS_FUNCTIONS;
 use skyglow_physics::{CloudBase, Turbidity};
-use skyglow_tables::{Clouds, MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
+use skyglow_tables::{BasisCount, Clouds, MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
 use std::path::PathBuf;
 
 /// Make the table pack of one turbidity, or of several at once (minutes; goes on where a killed run stopped)
@@ -100,7 +100,7 @@ impl Precompute {
         let options = PrecomputeOptions {
             scattering,
             multiple: self.ground_albedo.map_or(full.multiple, MultipleAxes::full),
-            basis_count: self.basis.unwrap_or(full.basis_count),
+            basis_count: self.basis.map_or(full.basis_count, BasisCount::same),
             ..full
         };
         let Some(base_m) = self.cloud_base else { return Ok(options) };

@@ -111,7 +111,11 @@ impl Bases {
             }
         }
         let seconds = started.elapsed().as_secs_f64();
-        println!("# {} functions, {} bases fitted in {seconds:.0} s", options.basis_count, parts.len());
+        println!(
+            "# {} functions, {} bases fitted in {seconds:.0} s",
+            options.basis_count.at(options.turbidity),
+            parts.len()
+        );
         Ok(Self { parts })
     }
 
