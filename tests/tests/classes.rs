@@ -14,7 +14,7 @@ use skyglow_tests::{
 /// Those that packs are of, and those that lie between packs.
 const TURBIDITIES: [f64; 6] = [1.75, 2.0, 2.5, 3.0, 4.0, 6.0];
 
-/// Those in which nothing is missed, between packs and at one.
+/// Those in which nothing is missed, between packs and at two.
 const WITHIN: [f64; 4] = [1.75, 2.0, 2.5, 3.0];
 
 /// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with a mix of lobes. Wanted are 1, 5, 0.5 and

@@ -109,7 +109,8 @@ fn plots(report: &Report) -> [Plot; 4] {
 }
 
 fn against_lights(report: &Report) -> Vec<Curve> {
-    let largest = report.run_times.iter().map(|row| row.basis_count).max().unwrap_or(0);
+    let of_one_pack = report.run_times.iter().filter(|row| row.packs == 1);
+    let largest = of_one_pack.map(|row| row.basis_count).max().unwrap_or(0);
     let mut curves = Vec::new();
     for executor in report.executors.iter().map(|executor| &executor.executor) {
         let rows = |skipping: bool| {

@@ -137,7 +137,7 @@ fn far_ones_in_blocks(lights: &[NearLight]) -> Vec<NearLight> {
     kept.sort_by_key(|light| {
         let (sin, cos) = f64::from(light.azimuth_rad).sin_cos();
         [sin, cos]
-            .map(|part| (f64::from(light.distance_m) * part / PIXEL_SIDE_M) as i64)
+            .map(|part| (f64::from(light.distance_m) * part / PIXEL_SIDE_M).floor() as i64)
             .map(|at| at.div_euclid(SQUARE))
     });
     kept.extend((0..).zip(blocks.into_values()).map(|(number, [flux_dnb_w, east, north, altitude])| {

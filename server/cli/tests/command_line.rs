@@ -102,7 +102,7 @@ fn a_refused_turbidity_or_basis_names_what_the_packs_serve() {
     for (flag, value, allowed) in [
         ("--turbidity", "10", "1.5 to 6"),
         ("--turbidity", "1", "1.5 to 6"),
-        ("--basis", "500", "from 1 to 96"),
+        ("--basis", "500", "from 1 to 112"),
     ] {
         let asked = ["sky", "--scene", "demo", "--lat", "46", "--lon", "8", flag, value];
         let refused = skyglow(&asked).expect_status(2);

@@ -108,11 +108,7 @@ impl Prepared {
                 lagrange_taps(blocked_m, observer_altitude_m, SAME_ALTITUDE_M)
             });
         let turbidity_taps = turbidity_taps(request.turbidity.value(), packs)?;
-        let resident = packs.basis_count;
-        let basis_count = request.basis.unwrap_or(resident);
-        if basis_count == 0 || basis_count > resident {
-            return Err(EngineError::BasisOutOfRange { basis: basis_count, maximum: resident });
-        }
+        let basis_count = basis_count_in_use(request, set)?;
         check_grid(&request.polar, set.ring_count())?;
         check_lamp(request.flux_per_dnb_flux)?;
         let flux_per_dnb_flux = request.flux_per_dnb_flux.map(|flux| flux as f32);
@@ -356,6 +352,21 @@ fn check_below_clouds(altitude_m: f64, kind: PackKind) -> Result<(), EngineError
         return Err(EngineError::AboveClouds { altitude_m, base_m, maximum_m });
     }
     Ok(())
+}
+
+/// Basis functions that a request takes: as many as it asks for, but no more than the packs of its turbidity have.
+///
+/// # Errors
+/// Scattering, clouds or a turbidity that are not resident, and more functions than any pack of the kind has.
+pub(crate) fn basis_count_in_use(request: &RenderRequest, set: &TableSet) -> Result<usize, EngineError> {
+    let packs = set.kind(request.kind())?;
+    let (wanted, maximum) = (request.basis.unwrap_or(packs.basis_count), packs.basis_count);
+    if wanted == 0 || wanted > maximum {
+        return Err(EngineError::BasisOutOfRange { basis: wanted, maximum });
+    }
+    let taps = turbidity_taps(request.turbidity.value(), packs)?;
+    let in_use = taps.indices().iter().map(|&pack| set.tables()[pack].basis_count).max();
+    Ok(wanted.min(in_use.unwrap_or(maximum)))
 }
 
 fn turbidity_taps(turbidity: f64, packs: &ResidentKind) -> Result<Taps, EngineError> {

@@ -22,6 +22,28 @@ fn request(polar: PolarGrid) -> RenderRequest {
 }
 
 #[test]
+fn no_more_functions_are_in_use_than_the_packs_of_a_turbidity_have() {
+    let tables = [(2.0, 16), (3.0, 12), (4.0, 12), (5.0, 12), (6.0, 12)]
+        .map(|(turbidity, count)| synthetic::table_set(&[turbidity], count).remove(0));
+    let set = TableSet::new(tables.to_vec()).unwrap();
+    let in_use = |turbidity: f64, basis: Option<usize>| {
+        let turbidity = Turbidity::new(turbidity).unwrap();
+        let request = RenderRequest { turbidity, basis, ..request(synthetic::dark_grid()) };
+        Prepared::new(&request, &set).map(|prepared| prepared.basis_count)
+    };
+    for (turbidity, all) in [(2.0, 16), (2.5, 16), (3.0, 12), (5.0, 12), (5.5, 12)] {
+        assert_eq!(in_use(turbidity, None).unwrap(), all, "{turbidity}");
+        // As many as are resident may be asked for at every turbidity.
+        assert_eq!(in_use(turbidity, Some(16)).unwrap(), all, "{turbidity}");
+        assert_eq!(in_use(turbidity, Some(8)).unwrap(), 8, "{turbidity}");
+        assert!(matches!(
+            in_use(turbidity, Some(17)),
+            Err(EngineError::BasisOutOfRange { basis: 17, maximum: 16 })
+        ));
+    }
+}
+
+#[test]
 fn only_nodes_that_cells_need_are_listed() {
     let set = set();
     let axes = set.offset_axis();

@@ -24,6 +24,7 @@ use faer::{
         solvers::Solve,
     },
 };
+use half::f16;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{ELEVATION_COUNT, geometry::EARTH_RADIUS_M};
@@ -222,6 +223,19 @@ impl Projector {
         let solution = solve_weighted(&weights, &self.basis, targets, "projection")?;
         Ok((0..shapes.len()).map(|n| (0..count).map(|k| solution[(k, n)]).collect()).collect())
     }
+}
+
+/// Packs hold coefficients in half precision; where a training set is too small for its functions they can be anything.
+///
+/// # Errors
+/// [`TablesError::Fit`] where one of them is beyond it.
+pub(crate) fn check_half_precision(coefficients: &[f64]) -> Result<(), TablesError> {
+    if coefficients.iter().all(|c| c.abs() <= f64::from(f16::MAX)) {
+        return Ok(());
+    }
+    let reason =
+        "a coefficient is beyond half precision: too few geometries for so many functions".to_owned();
+    Err(TablesError::Fit { stage: "projection", reason })
 }
 
 /// [`solve_normal_equations`] with A = diag(weights) · matrix, made column after column: a fit of 64 functions takes 32 s with it

@@ -11,7 +11,7 @@ use crate::{
     checkpoint::Checkpoint,
     clouds::Clouds,
     error::TablesError,
-    fit::{Basis, FitConstants, Projector, dim_factor, fit_basis, sample_weights},
+    fit::{Basis, FitConstants, Projector, check_half_precision, dim_factor, fit_basis, sample_weights},
     images::{IMAGE_COUNT, PIXEL_COUNT, image_index, images_of},
     manifest::{MeasuredError, PackParameters, Scattering},
     measure::measure_error,
@@ -421,12 +421,8 @@ fn make_part(
                 // mean error rises by a tenth of itself.
                 let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
                 let rows = projector.project(&sample_weights(shapes[1], dim_factor), &shapes)?;
-                if rows.iter().flatten().any(|c| !c.is_finite() || c.abs() > f64::from(f16::MAX)) {
-                    // A training set too small for its functions.
-                    let reason = "a coefficient is beyond half precision".to_owned();
-                    return Err(TablesError::Fit { stage: "projection", reason });
-                }
                 for (band, row) in rows.into_iter().enumerate() {
+                    check_half_precision(&row)?;
                     part.push(images.log_scale[image_index(lobe, band)] as f32);
                     part.extend(row.into_iter().map(|c| c as f32));
                 }

@@ -124,7 +124,7 @@ fn a_training_set_too_small_for_its_functions_is_refused_instead_of_written() {
     let options =
         PrecomputeOptions { basis_count: BasisCount::same(64), training_geometries: 11, ..options() };
     let refused = precompute(&options, folder.path(), &Silent).unwrap_err();
-    assert!(matches!(refused, TablesError::Fit { .. }), "{refused}");
+    assert!(refused.to_string().contains("beyond half precision"), "{refused}");
     assert_eq!(packs_in(folder.path()).unwrap(), Vec::<PathBuf>::new());
 }
 

@@ -38,7 +38,7 @@ pub(crate) struct Precompute {
     /// Folder of the pack and its manifest [default: where `serve` looks for packs]
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Number of basis functions, a multiple of 4 [default: that of the packs that come with the program]
+    /// Number of basis functions, a multiple of 4 [default: as the packs that come with the program: 112 up to turbidity 2, else 96]
     #[arg(long, env = "SKYGLOW_BASIS", value_name = "M", value_parser = multiple_of_4)]
     basis: Option<usize>,
 }

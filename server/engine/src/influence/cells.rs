@@ -11,7 +11,7 @@ use super::{
 use crate::{
     cpu::{CpuExecutor, blend::blend},
     error::EngineError,
-    prepare::{Prepared, PreparedCell, shines},
+    prepare::{Prepared, PreparedCell, basis_count_in_use, shines},
     request::RenderRequest,
     table_set::TableSet,
     taps::Taps,
@@ -74,6 +74,14 @@ impl InfluenceSolver {
     pub fn new(set: Arc<TableSet>) -> Self {
         let grams = set.tables().iter().map(|_| OnceLock::new()).collect();
         Self { executor: CpuExecutor::new(set.as_ref().clone()), set, grams, ready: ReadyRequests::new() }
+    }
+
+    /// Basis functions that a request takes.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`] for what is not resident or out of range.
+    pub(crate) fn basis_count(&self, request: &RenderRequest) -> Result<usize, EngineError> {
+        basis_count_in_use(request, &self.set)
     }
 
     /// The measure of each cell of the request's grid, by its place in [`PolarGrid::cells`](skyglow_scene::PolarGrid::cells).

@@ -4,7 +4,7 @@ use super::{
     NearLights, ROWS,
     extents::BLOCK,
     patch::{Chosen, Place},
-    screen::Screen,
+    screen::{PER_COLUMN, Screen},
     sight::{Air, Sight, Sights},
 };
 use crate::{
@@ -68,14 +68,13 @@ impl<'a> Choosing<'a> {
         let mut peaks = Peaks::default();
         let light = |lane: usize| lights[together[lane.min(together.len() - 1)] as usize];
         peak(self.air, self.of.observer_altitude_m, &std::array::from_fn(light), &mut peaks);
-        let step = azimuth_rad(1) as f32;
         for (lane, index) in together.iter().enumerate() {
             let light = lights[*index as usize];
             let row = peaks.row[lane];
             if !(LOWEST_ROW..HIGHEST_ROW).contains(&row) {
                 continue;
             }
-            let column = light.azimuth_rad / step;
+            let column = light.azimuth_rad * PER_COLUMN;
             let left = column as usize % AZIMUTH_COUNT;
             let share = (0..BAND_COUNT).map(|band| {
                 let at =

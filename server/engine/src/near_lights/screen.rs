@@ -104,10 +104,13 @@ fn row_above(offset_m: f32, distance_m: f32, curved_m: f32) -> u32 {
     whole_part((slope * (1.0 / azimuth_rad(1) as f32) + 0.5).min((LOW_ROWS - 1) as f32))
 }
 
+/// Columns a radian: which column a light is in must be one number everywhere.
+pub(super) const PER_COLUMN: f32 = AZIMUTH_COUNT as f32 / TAU;
+
 /// Column of an azimuth, up to 256 where it is the whole circle.
 #[inline(always)]
 fn column_of(azimuth_rad: f32) -> u32 {
-    whole_part(azimuth_rad * (AZIMUTH_COUNT as f32 / TAU))
+    whole_part(azimuth_rad * PER_COLUMN)
 }
 
 dispatch_wide!(

@@ -5,7 +5,6 @@ use crate::{
     engine::Engine,
     error::EngineError,
     influence::{InfluenceSolver, MeasureOfCells, influence_of_pixels},
-    packs::PackKind,
     request::RenderRequest,
 };
 use moka::sync::Cache;
@@ -216,12 +215,6 @@ impl InfluenceDesk {
 }
 
 impl Observatory {
-    /// Basis functions of the packs of a kind.
-    fn basis_count(&self, kind: PackKind) -> usize {
-        let kinds = &self.engine.info().kinds;
-        kinds.iter().find(|resident| resident.kind == kind).map_or(0, |resident| resident.basis_count)
-    }
-
     /// What every lit pixel does to a measure of a sky: found on the processor, without the engine's queue. Takes
     /// milliseconds to a second; reads files. Not for asynchronous threads.
     ///
@@ -246,6 +239,10 @@ impl Observatory {
             return Err(EngineError::EmptyRegion);
         }
         let solver = self.influences.solver(&self.engine);
+        let mut basis_count = 0;
+        for part in &of_sky {
+            basis_count = basis_count.max(solver.basis_count(part)?);
+        }
         let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
         let mut parts = Vec::new();
         let (mut before_scaling, mut after_scaling) = (0.0, 0.0);
@@ -277,11 +274,7 @@ impl Observatory {
             flux_dnb_w: view.flux_dnb_w(),
             local_optical_depth: Atmosphere::new(sky.turbidity)
                 .vertical_optical_depth(view.observer.altitude_m),
-            basis_count: of_sky
-                .iter()
-                .filter_map(|part| part.basis)
-                .max()
-                .unwrap_or_else(|| self.basis_count(sky.kind())),
+            basis_count,
             basis_error_bound,
             lamps_not_met: view.lamps_not_met(&sky.lamp),
             region_sr: weights.filter(|_| is_region).map(|weights| weights.solid_angle_sr()),

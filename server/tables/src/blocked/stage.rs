@@ -6,7 +6,7 @@ use crate::{
     checkpoint::Checkpoint,
     clouds::held_geometry,
     error::TablesError,
-    fit::{Basis, Projector, cut_dim_factor, sample_weights},
+    fit::{Basis, Projector, check_half_precision, cut_dim_factor, sample_weights},
     images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, cloud_over, image_index, images_with},
     manifest::Scattering,
     multiple::{MultipleAxes, MultipleTable},
@@ -183,7 +183,10 @@ fn push_differences(
             let open_log = open_sample(&open.tables, &taps, image, distance, offset_m, &mut open_shape);
             let log_part = (images.log_scale[image] - open_log).clamp(LOWEST_LOG_PART, 0.0);
             part.push(((log_part / LOG_PART_STEP).round() * LOG_PART_STEP) as f32);
-            part.extend(row.iter().zip(&open_shape).map(|(c, open)| (c - f64::from(*open)) as f32));
+            let less_open: Vec<f64> =
+                row.iter().zip(&open_shape).map(|(c, open)| c - f64::from(*open)).collect();
+            check_half_precision(&less_open)?;
+            part.extend(less_open.iter().map(|c| *c as f32));
         }
     }
     Ok(())
