@@ -59,7 +59,8 @@ pub(crate) fn of_f64(setting: &Setting, skies: &[TruthSky]) -> Result<Vec<ErrorR
         let prepared = Prepared::new(&request, &setting.set)?;
         let radiance = render_f64(&prepared, &setting.set);
         let packs = prepared.work().packs;
-        rows.extend(compare(sky, setting, "f64", basis_count, packs, &|position| radiance[position]));
+        let in_use = prepared.basis_count;
+        rows.extend(compare(sky, setting, "f64", in_use, packs, &|position| radiance[position]));
     }
     Ok(rows)
 }
