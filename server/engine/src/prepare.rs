@@ -108,7 +108,7 @@ impl Prepared {
                 lagrange_taps(blocked_m, observer_altitude_m, SAME_ALTITUDE_M)
             });
         let turbidity_taps = turbidity_taps(request.turbidity.value(), packs)?;
-        let basis_count = basis_count_in_use(request, set)?;
+        let basis_count = basis_count_with(request, packs, &turbidity_taps, set)?;
         check_grid(&request.polar, set.ring_count())?;
         check_lamp(request.flux_per_dnb_flux)?;
         let flux_per_dnb_flux = request.flux_per_dnb_flux.map(|flux| flux as f32);
@@ -360,12 +360,21 @@ fn check_below_clouds(altitude_m: f64, kind: PackKind) -> Result<(), EngineError
 /// Scattering, clouds or a turbidity that are not resident, and more functions than any pack of the kind has.
 pub(crate) fn basis_count_in_use(request: &RenderRequest, set: &TableSet) -> Result<usize, EngineError> {
     let packs = set.kind(request.kind())?;
+    basis_count_with(request, packs, &turbidity_taps(request.turbidity.value(), packs)?, set)
+}
+
+/// [`basis_count_in_use`] of a request whose packs are known.
+fn basis_count_with(
+    request: &RenderRequest,
+    packs: &ResidentKind,
+    turbidity_taps: &Taps,
+    set: &TableSet,
+) -> Result<usize, EngineError> {
     let (wanted, maximum) = (request.basis.unwrap_or(packs.basis_count), packs.basis_count);
     if wanted == 0 || wanted > maximum {
         return Err(EngineError::BasisOutOfRange { basis: wanted, maximum });
     }
-    let taps = turbidity_taps(request.turbidity.value(), packs)?;
-    let in_use = taps.indices().iter().map(|&pack| set.tables()[pack].basis_count).max();
+    let in_use = turbidity_taps.indices().iter().map(|&pack| set.tables()[pack].basis_count).max();
     Ok(wanted.min(in_use.unwrap_or(maximum)))
 }
 
