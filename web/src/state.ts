@@ -1,22 +1,16 @@
 // What the viewer shows, and its form in the URL's fragment, so that a link or a reload restores it.
 
 import type { ScatteringName } from "./api/client.ts";
+import type { NamedPlace } from "./api/types.ts";
 import { STYLES, type PictureStyle } from "./sky/colour_maps.ts";
 import type { SkyKind } from "./sky/grid.ts";
 import { PROJECTIONS, type Gaze, type ProjectionName } from "./sky/projection.ts";
 import { region_from_text, text_from_region, type Region } from "./sky/region.ts";
 import { UNITS, type BrightnessUnit } from "./sky/units.ts";
 
-export interface Place {
-  latitude_deg: number;
-  longitude_deg: number;
-}
-
-export interface MapView {
-  zoom: number;
-  latitude_deg: number;
-  longitude_deg: number;
-}
+/** A point on the ground, as the API names it. */
+export type Place = Pick<NamedPlace, "latitude_deg" | "longitude_deg">;
+export type MapView = Place & { zoom: number };
 
 const SCATTERING_NAMES: readonly ScatteringName[] = ["multiple", "single"];
 

@@ -2,11 +2,19 @@
 
 import { words } from "../language/words.ts";
 import { ApiError, problem_from_response } from "./problem.ts";
-import type { Gets, PlanBody, Posts, ScenarioBody } from "./schema.ts";
+import type { paths, PlanBody, ScenarioBody } from "./schema.ts";
 
-type Path = keyof Gets;
-type PathValues<P extends Path> = Gets[P]["path"];
-type Query<P extends Path> = Gets[P]["query"];
+type Method = "get" | "post";
+/** Paths that take a method; under any other path the document's types have it as `never`. */
+type Path<M extends Method> = { [P in keyof paths]: paths[P] extends Record<M, object> ? P : never }[keyof paths];
+type Operation<M extends Method, P extends Path<M>> = paths[P][M];
+type Parameters<O, Place extends "path" | "query"> = O extends { parameters: { [K in Place]?: infer V } } ? ([NonNullable<V>] extends [never] ? Record<string, never> : NonNullable<V>) : never;
+type Body<O> = O extends { requestBody?: { content: { "application/json": infer B } } } ? B : never;
+/** What a success answers. */
+type Json<O, Status extends number> = O extends { responses: { [S in Status]: { content: { "application/json": infer A } } } } ? A : never;
+
+type PathValues<P extends Path<"get">> = Parameters<Operation<"get", P>, "path">;
+type Query<P extends Path<"get">> = Parameters<Operation<"get", P>, "query">;
 
 /** What the sky depends on besides the scene. */
 export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission" | "terrain" | "scenario">;
@@ -15,7 +23,7 @@ export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.js
 /** What the influences of lights on a sky depend on besides the scene. */
 export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 /** What a plan depends on besides its sites. */
-export type PlanQuery = Posts["/api/v1/scenes/{scene}/plans"]["query"];
+export type PlanQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/plans">, "query">;
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 
 /** How often a busy server (429, 503) is asked again before the viewer gives up. */
@@ -26,7 +34,7 @@ const LAYER_WAIT_S = 0.7;
 const LONGEST_LAYER_WAIT_S = 300;
 
 /** Absolute, so that it also holds inside the map's worker; below a reverse proxy's prefix if there is one. */
-export function url_of<P extends Path>(path: P, values: PathValues<P>, query: Query<P>): string {
+export function url_of<P extends Path<"get">>(path: P, values: PathValues<P>, query: Query<P>): string {
   return address(path, values, query);
 }
 
@@ -48,13 +56,11 @@ function pause(seconds: number, signal: AbortSignal): Promise<void> {
   });
 }
 
-function get<P extends Path>(path: P, values: PathValues<P>, query: Query<P>, signal: AbortSignal): Promise<Gets[P]["answer"]> {
+function get<P extends Path<"get">>(path: P, values: PathValues<P>, query: Query<P>, signal: AbortSignal): Promise<Json<Operation<"get", P>, 200>> {
   return ask(url_of(path, values, query), { signal, headers: { accept: "application/json" } });
 }
 
-type Posted<P extends keyof Posts> = Posts[P]["answer"];
-
-function post<P extends keyof Posts>(path: P, values: Posts[P]["path"], query: Posts[P]["query"], body: Posts[P]["body"], signal: AbortSignal): Promise<Posted<P>> {
+function post<P extends Path<"post">, O extends Operation<"post", P>>(path: P, values: Parameters<O, "path">, query: Parameters<O, "query">, body: Body<O>, signal: AbortSignal): Promise<Json<O, 201>> {
   const headers = { accept: "application/json", "content-type": "application/json" };
   return ask(address(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
 }
