@@ -34,8 +34,8 @@ part "packs that are missing" scripts/make_packs.sh missing
 part "tests" cargo test --release --workspace --lib --bins --tests
 part "examples in the documentation" cargo test --release --workspace --doc
 part "viewer: packages" in_web npm ci --no-audit --no-fund
-part "viewer: API types fit the OpenAPI document" in_web node scripts/generate_api_types.mjs check
-part "viewer: types" in_web npm run typecheck
+part "viewer: format and lints" in_web npm run lint
+part "viewer: types, and those of the API fit its document" in_web npm run typecheck
 part "viewer: unit tests" in_web npm run test:unit
 part "viewer: built form matches its sources" in_web npm run test:dist
 part "viewer: in the browser" scripts/browser_tests.sh

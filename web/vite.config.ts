@@ -1,18 +1,18 @@
 import { defineConfig, type Plugin } from "vite";
 import { english } from "./src/language/english.ts";
-import { page_with_words } from "./src/language/page.ts";
+import { pageWithWords } from "./src/language/page.ts";
 
 // `npm run dev` shows sources live and asks a running server (`skyglow serve`) for data.
-const server = process.env["SKYGLOW_URL"] ?? "http://127.0.0.1:8080";
+const server = process.env.SKYGLOW_URL ?? "http://127.0.0.1:8080";
 
 /** The page comes with its words in English; at run time another language takes their place. */
-function words_of_page(): Plugin {
-  return { name: "words-of-page", transformIndexHtml: { order: "pre", handler: (html) => page_with_words(html, english) } };
+function wordsOfPage(): Plugin {
+  return { name: "words-of-page", transformIndexHtml: { order: "pre", handler: (html) => pageWithWords(html, english) } };
 }
 
 export default defineConfig({
   base: "./",
-  plugins: [words_of_page()],
+  plugins: [wordsOfPage()],
   build: {
     target: "es2022",
     // A strict content security policy allows no data: scripts, fonts or styles, and the preload helper

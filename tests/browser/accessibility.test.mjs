@@ -3,36 +3,41 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { test } from "node:test";
-import { DESKTOP, open_page, PHONE, sky_shown } from "./support/browser.mjs";
+import { DESKTOP, openPage, PHONE, skyShown } from "./support/browser.mjs";
 import { browser, here } from "./support/stage.mjs";
 
-const axe_source = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
 
 /** What axe finds wrong, a line each. */
 async function violations(page) {
-  await page.evaluate(axe_source);
+  await page.evaluate(axeSource);
   const found = await page.evaluate((values) => globalThis.axe.run(document, { runOnly: { type: "tag", values } }), RULES);
   assert.ok(found.passes.length > 20, `axe looked at ${found.passes.length} rules alone`);
-  return found.violations.flatMap(({ id, help, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${help}: ${target.join(" ")}: ${failureSummary}`));
+  return found.violations.flatMap(({ id, help, nodes }) =>
+    nodes.map(({ target, failureSummary }) => `${id}: ${help}: ${target.join(" ")}: ${failureSummary}`),
+  );
 }
 
-for (const [name, device] of [["desktop", DESKTOP], ["phone", PHONE]]) {
+for (const [name, device] of [
+  ["desktop", DESKTOP],
+  ["phone", PHONE],
+]) {
   test(`axe finds nothing wrong on a ${name}`, async () => {
-    const opened = await open_page(browser, "", device);
+    const opened = await openPage(browser, "", device);
     const { page, context } = opened;
     assert.deepEqual(await violations(page), [], "the map alone");
     const { latitude_deg, longitude_deg } = here.beside;
     await page.fill("#search", `${latitude_deg}, ${longitude_deg}`);
     await page.press("#search", "Enter");
-    await sky_shown(page);
+    await skyShown(page);
     assert.deepEqual(await violations(page), [], "a sky with its numbers");
     await page.click("#plan-find");
     await page.waitForSelector("#plan-status .plan-reached");
     await page.click("#paint-draw");
     await page.click("#mark");
     await page.click("#projection button[value=fisheye]");
-    await sky_shown(page);
+    await skyShown(page);
     assert.deepEqual(await violations(page), [], "a plan, painting and marking");
     await page.evaluate(() => {
       location.hash = location.hash.replace(/lat=[^&]*/, "lat=-80");

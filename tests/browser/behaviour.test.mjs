@@ -1,21 +1,34 @@
 // What a person relies on around the main job: links, errors, keyboard, phones, closed networks.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, canvas_colours, get_json, open_page, PHONE, screen_colours, SERVER, shot, sky_shown } from "./support/browser.mjs";
-import { sky_path } from "./support/sky.mjs";
+import {
+  assertNoFaults,
+  canvasColours,
+  getJson,
+  openPage,
+  PHONE,
+  SERVER,
+  screenColours,
+  shot,
+  skyShown,
+} from "./support/browser.mjs";
+import { skyPath } from "./support/sky.mjs";
 import { browser, fragment, here } from "./support/stage.mjs";
 
 const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
-const zenith_of = async (place, more = "") =>
-  (await get_json(sky_path(here.scene, "sky", place, more))).sky.zenith_brightness_mag_arcsec2.toFixed(2);
+const zenithOf = async (place, more = "") =>
+  (await getJson(skyPath(here.scene, "sky", place, more))).sky.zenith_brightness_mag_arcsec2.toFixed(2);
 
 test("a link restores place, map, air, lamp, projection, light and layers, and so does a reload", async () => {
   const { beside } = here;
-  const link = fragment(beside, `&map=7.5/${beside.latitude_deg}/${beside.longitude_deg}&turbidity=3.4&lamp=hps&projection=fisheye&sky=total&colours=cividis&radiance=0.4&elevation=0.5`);
-  const opened = await open_page(browser, link);
+  const link = fragment(
+    beside,
+    `&map=7.5/${beside.latitude_deg}/${beside.longitude_deg}&turbidity=3.4&lamp=hps&projection=fisheye&sky=total&colours=cividis&radiance=0.4&elevation=0.5`,
+  );
+  const opened = await openPage(browser, link);
   const { page, context } = opened;
   const look = async () => {
-    await sky_shown(page);
+    await skyShown(page);
     return {
       hash: new URL(page.url()).hash,
       zenith: await text(page, "zenith_mag"),
@@ -29,7 +42,7 @@ test("a link restores place, map, air, lamp, projection, light and layers, and s
     };
   };
   const seen = await look();
-  const { sky } = await get_json(sky_path(here.scene, "sky", beside, "&turbidity=3.4&lamp=hps"));
+  const { sky } = await getJson(skyPath(here.scene, "sky", beside, "&turbidity=3.4&lamp=hps"));
   assert.deepEqual(seen, {
     hash: link,
     zenith: sky.zenith_total_brightness_mag_arcsec2.toFixed(2),
@@ -43,43 +56,43 @@ test("a link restores place, map, air, lamp, projection, light and layers, and s
   });
   await page.reload();
   assert.deepEqual(await look(), seen);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("the browser's back button returns to the place before", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   const first = await text(page, "zenith_mag");
   await page.locator("#search").fill(here.town.name);
   await page.keyboard.press("Enter");
-  const there = await zenith_of(here.town);
+  const there = await zenithOf(here.town);
   await page.waitForFunction((value) => document.querySelector("[data-value=zenith_mag]")?.textContent === value, there);
   await page.waitForTimeout(1000);
   await page.goBack();
   await page.waitForFunction((value) => document.querySelector("[data-value=zenith_mag]")?.textContent === value, first);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("the search box finds a town by the beginning of its name and shows its sky", async () => {
-  const opened = await open_page(browser);
+  const opened = await openPage(browser);
   const { page, context } = opened;
   const search = page.getByRole("combobox", { name: /search/i });
   await search.fill(here.town.name.slice(0, 4).toLowerCase());
   await page.getByRole("option").filter({ hasText: here.town.name }).first().click();
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await page.locator("#place-title").evaluate((title) => title.firstChild.textContent), here.town.name);
-  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.town));
+  assert.equal(await text(page, "zenith_mag"), await zenithOf(here.town));
   await search.fill("no such town");
   await page.getByText("No place of that name here").waitFor();
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("a sky over ground that the terrain does not have says so among its numbers", async () => {
-  const opened = await open_page(browser);
+  const opened = await openPage(browser);
   const { page, context } = opened;
   const said = "the terrain has no data within 5 km of this place: the ground is taken at sea level";
   await page.route("**/api/v1/scenes/*/sky?*", async (route) => {
@@ -87,23 +100,23 @@ test("a sky over ground that the terrain does not have says so among its numbers
     await route.fulfill({ response, json: { ...(await response.json()), warnings: [said] } });
   });
   await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await text(page, "warning"), `T${said.slice(1)}.`);
   await page.unroute("**/api/v1/scenes/*/sky?*");
   await page.evaluate((hash) => (location.hash = hash), fragment(here.beside));
-  const there = await zenith_of(here.beside);
+  const there = await zenithOf(here.beside);
   await page.waitForFunction((value) => document.querySelector("[data-value=zenith_mag]")?.textContent === value, there);
   assert.equal(await page.locator("[data-value=warning]").count(), 0);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("a place outside the scene is told in the server's words, and the viewer goes on", async () => {
-  const opened = await open_page(browser, fragment(here.outside));
+  const opened = await openPage(browser, fragment(here.outside));
   const { page, context, faults } = opened;
   const notice = page.getByRole("alert");
   await notice.waitFor();
-  const answer = await fetch(`${SERVER}/api/v1/${sky_path(here.scene, "site", here.outside)}`);
+  const answer = await fetch(`${SERVER}/api/v1/${skyPath(here.scene, "site", here.outside)}`);
   assert.equal(answer.status, 404);
   assert.match(answer.headers.get("content-type"), /problem\+json/);
   const problem = await answer.json();
@@ -115,8 +128,8 @@ test("a place outside the scene is told in the server's words, and the viewer go
 
   const box = await page.locator("#map").boundingBox();
   await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
-  await sky_shown(page);
-  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.town));
+  await skyShown(page);
+  assert.equal(await text(page, "zenith_mag"), await zenithOf(here.town));
   assert.ok(box.height > 0);
   // Chromium itself notes the 404; nothing else may be amiss.
   const own = faults.filter((fault) => !/status of 404/.test(fault));
@@ -125,7 +138,7 @@ test("a place outside the scene is told in the server's words, and the viewer go
 });
 
 test("a newer pick overtakes an older one whose answer is late", async () => {
-  const opened = await open_page(browser);
+  const opened = await openPage(browser);
   const { page, context } = opened;
   let cancelled = 0;
   page.on("requestfailed", (request) => {
@@ -142,34 +155,41 @@ test("a newer pick overtakes an older one whose answer is late", async () => {
   await page.evaluate((hash) => (location.hash = hash), fragment(here.beside));
   await page.waitForRequest("**/sky?**");
   await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
-  await sky_shown(page);
-  const expected = await zenith_of(here.town);
+  await skyShown(page);
+  const expected = await zenithOf(here.town);
   assert.equal(await text(page, "zenith_mag"), expected);
   assert.equal(cancelled, 1, "the older request is cancelled");
   await page.waitForTimeout(3200);
   assert.equal(await text(page, "zenith_mag"), expected, "the late answer changes nothing");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("a busy server is asked again after the time it names", async () => {
-  const opened = await open_page(browser);
+  const opened = await openPage(browser);
   const { page, context, faults } = opened;
   let refused = 0;
   await page.route("**/sky?**", (route) => {
     if (refused++ > 0) return route.continue();
-    return route.fulfill({ status: 503, headers: { "retry-after": "1", "content-type": "application/problem+json" }, body: '{"title":"Busy"}' });
+    return route.fulfill({
+      status: 503,
+      headers: { "retry-after": "1", "content-type": "application/problem+json" },
+      body: '{"title":"Busy"}',
+    });
   });
   await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(refused, 2);
   assert.equal(await page.getByRole("alert").count(), 0);
-  assert.deepEqual(faults.filter((fault) => !/status of 503/.test(fault)), []);
+  assert.deepEqual(
+    faults.filter((fault) => !/status of 503/.test(fault)),
+    [],
+  );
   await context.close();
 });
 
 test("a server that has gone away is said so", async () => {
-  const opened = await open_page(browser);
+  const opened = await openPage(browser);
   const { page, context } = opened;
   await page.route("**/site?**", (route) => route.abort());
   await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
@@ -179,12 +199,12 @@ test("a server that has gone away is said so", async () => {
 
 test("the keyboard alone picks the place in the middle, reads the sky and switches the projection", async () => {
   const { town } = here;
-  const opened = await open_page(browser, `#scene=${here.scene.id}&map=9/${town.latitude_deg}/${town.longitude_deg}`);
+  const opened = await openPage(browser, `#scene=${here.scene.id}&map=9/${town.latitude_deg}/${town.longitude_deg}`);
   const { page, context } = opened;
   await page.locator("#map canvas").focus();
   await page.locator(".crosshair").waitFor();
   await page.keyboard.press("Enter");
-  await sky_shown(page);
+  await skyShown(page);
   await page.locator(".sky-overlay").focus();
   await page.keyboard.press("ArrowRight");
   const azimuth = () => page.locator("#sky-readout").evaluate(({ dataset }) => Number(dataset.azimuthDeg));
@@ -198,44 +218,52 @@ test("the keyboard alone picks the place in the middle, reads the sky and switch
   const nameless = await page.$$eval("button, input, select, canvas[tabindex]", (elements) =>
     elements
       .filter((element) => element.checkVisibility())
-      .filter((element) => !(element.textContent?.trim() || element.getAttribute("aria-label") || element.title || element.labels?.[0]?.textContent?.trim()))
+      .filter(
+        (element) =>
+          !(
+            element.textContent?.trim() ||
+            element.getAttribute("aria-label") ||
+            element.title ||
+            element.labels?.[0]?.textContent?.trim()
+          ),
+      )
       .map((element) => element.outerHTML),
   );
   assert.deepEqual(nameless, []);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("a phone shows everything without scrolling sideways", async () => {
-  const opened = await open_page(browser, fragment(here.beside), PHONE);
+  const opened = await openPage(browser, fragment(here.beside), PHONE);
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   const { wide, screen } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, screen: innerWidth }));
   assert.ok(wide <= screen, `${wide} px wide on a screen of ${screen}`);
-  assert.ok((await canvas_colours(page, ".sky-picture")) > 60);
+  assert.ok((await canvasColours(page, ".sky-picture")) > 60);
   await page.locator(".sky-overlay").tap({ position: { x: 150, y: 60 } });
   assert.match((await page.locator("#sky-readout").textContent()) ?? "", /mag\/arcsec²/);
   await shot(page, "phone");
   await page.getByRole("radio", { name: "Fisheye" }).tap();
   await page.locator("#sky-area").scrollIntoViewIfNeeded();
   await shot(page, "phone-fisheye");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("red light leaves no green and no blue on the screen", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   await page.getByRole("button", { name: "Red light" }).click();
   assert.equal(await page.getByRole("button", { name: "Red light" }).getAttribute("aria-pressed"), "true");
   await page.reload();
-  await sky_shown(page);
+  await skyShown(page);
   assert.ok(await page.evaluate(() => document.documentElement.classList.contains("red-light")), "it lasts over a reload");
-  const { most } = await screen_colours(browser, page, "body");
+  const { most } = await screenColours(browser, page, "body");
   assert.ok(most[0] > 200 && most[1] < 40 && most[2] < 40, `brightest red, green, blue: ${most}`);
   await shot(page, "red-light");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
@@ -246,14 +274,15 @@ test("the viewer works under a policy that allows nothing but its own server", a
   page.on("console", (message) => {
     if (/Content Security Policy/i.test(message.text())) violations.push(message.text());
   });
-  const policy = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self' data: blob:; base-uri 'none'";
+  const policy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self' data: blob:; base-uri 'none'";
   await page.route(`${SERVER}/`, async (route) => {
     const response = await route.fetch();
     await route.fulfill({ response, headers: { ...response.headers(), "content-security-policy": policy } });
   });
   await page.goto(`${SERVER}/${fragment(here.town)}`);
   await page.waitForSelector("#map[data-basemap]");
-  await sky_shown(page);
+  await skyShown(page);
   assert.deepEqual(violations, []);
   await context.close();
 });
@@ -272,8 +301,8 @@ test("without WebGL the viewer says so, and the search box still shows skies", a
   const { latitude_deg, longitude_deg } = here.beside;
   await page.locator("#search").fill(`${latitude_deg}, ${longitude_deg}`);
   await page.keyboard.press("Enter");
-  await sky_shown(page);
-  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.beside));
+  await skyShown(page);
+  assert.equal(await text(page, "zenith_mag"), await zenithOf(here.beside));
   await shot(page, "no-webgl");
   await context.close();
 });
@@ -301,8 +330,8 @@ test("the browser's own place is picked when it is asked for, and a refusal is s
   const page = await context.newPage();
   await page.goto(`${SERVER}/#scene=${here.scene.id}`);
   await page.click("#locate");
-  await sky_shown(page);
-  assert.equal(await text(page, "zenith_mag"), await zenith_of(here.beside));
+  await skyShown(page);
+  assert.equal(await text(page, "zenith_mag"), await zenithOf(here.beside));
   await context.clearPermissions();
   await page.click("#locate");
   await page.getByRole("alert").getByText("may not tell where you are").waitFor();

@@ -2,14 +2,14 @@
 // (Picking places, marking the sky, painting and looking around by keyboard have their tests beside those by mouse.)
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, get_json, open_page, shot, sky_shown } from "./support/browser.mjs";
+import { assertNoFaults, getJson, openPage, shot, skyShown } from "./support/browser.mjs";
 import { browser, fragment, here } from "./support/stage.mjs";
 
-const in_address = (page, name) => page.evaluate((name) => new URLSearchParams(location.hash.slice(1)).get(name), name);
-const until_address = (page, pattern) => page.waitForFunction((pattern) => new RegExp(pattern).test(location.hash), pattern);
+const inAddress = (page, name) => page.evaluate((name) => new URLSearchParams(location.hash.slice(1)).get(name), name);
+const untilAddress = (page, pattern) => page.waitForFunction((pattern) => new RegExp(pattern).test(location.hash), pattern);
 
 /** Tab from here until an element has the focus: whatever cannot be reached so is out of reach. */
-async function tab_to(page, selector) {
+async function tabTo(page, selector) {
   for (let i = 0; i < 120; i++) {
     if (await page.evaluate((selector) => document.activeElement?.matches(selector) === true, selector)) return;
     await page.keyboard.press("Tab");
@@ -22,66 +22,66 @@ async function press(page, key, times = 1) {
 }
 
 test("layers, plans of both kinds, both lines and the look of the sky are reached and moved by keys", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   await page.focus("#search");
-  await tab_to(page, "#layer-influence");
+  await tabTo(page, "#layer-influence");
   await press(page, "Space");
   await page.waitForSelector("#layer-note-influence[data-state=shown]");
-  await tab_to(page, "#opacity-influence");
+  await tabTo(page, "#opacity-influence");
   await press(page, "ArrowLeft", 4);
-  assert.equal(await in_address(page, "influence"), "0.7");
-  await tab_to(page, "#measure");
+  assert.equal(await inAddress(page, "influence"), "0.7");
+  await tabTo(page, "#measure");
   await press(page, "ArrowDown");
-  await until_address(page, "measure=mean");
+  await untilAddress(page, "measure=mean");
 
   // The look of the sky.
-  await tab_to(page, "#projection [role=radio]");
+  await tabTo(page, "#projection [role=radio]");
   await press(page, "ArrowRight");
-  await until_address(page, "projection=fisheye");
-  await tab_to(page, "#colours");
+  await untilAddress(page, "projection=fisheye");
+  await tabTo(page, "#colours");
   await press(page, "End");
-  await until_address(page, "colours=realistic");
-  await tab_to(page, "#exposure");
+  await untilAddress(page, "colours=realistic");
+  await tabTo(page, "#exposure");
   await press(page, "ArrowRight", 2);
-  assert.equal(await in_address(page, "exposure"), "1");
-  await tab_to(page, "#unit");
+  assert.equal(await inAddress(page, "exposure"), "1");
+  await tabTo(page, "#unit");
   await press(page, "End");
-  await until_address(page, "unit=ratio");
+  await untilAddress(page, "unit=ratio");
 
   // A plan for a goal.
-  await tab_to(page, "#plan-reduction");
+  await tabTo(page, "#plan-reduction");
   await press(page, "ArrowRight");
-  await tab_to(page, "#plan-find");
+  await tabTo(page, "#plan-find");
   await press(page, "Enter");
   await page.waitForSelector("#plan-status .plan-reached");
-  const goal = await in_address(page, "scenario");
-  assert.ok(Math.abs((await get_json(`plans/${goal}?limit=0`)).sites[0].reduced_by - 0.35) < 1e-3);
-  await sky_shown(page);
+  const goal = await inAddress(page, "scenario");
+  assert.ok(Math.abs((await getJson(`plans/${goal}?limit=0`)).sites[0].reduced_by - 0.35) < 1e-3);
+  await skyShown(page);
 
   // Today beside it, as far as the slider says.
   await page.focus("#search");
-  await tab_to(page, "#lights [role=radio]");
+  await tabTo(page, "#lights [role=radio]");
   await press(page, "ArrowLeft");
-  await until_address(page, "lights=both");
-  await tab_to(page, "#split");
+  await untilAddress(page, "lights=both");
+  await tabTo(page, "#split");
   await press(page, "ArrowLeft", 10);
-  await until_address(page, "split=0.4");
+  await untilAddress(page, "split=0.4");
   assert.equal(await page.$eval(".swipe-line", ({ style }) => Number.parseFloat(style.left)), 40);
   await shot(page, "keyboard");
 
   // One by influence.
-  await tab_to(page, "#plan-method [role=radio]");
+  await tabTo(page, "#plan-method [role=radio]");
   await press(page, "ArrowRight");
-  await tab_to(page, "#plan-gamma");
+  await tabTo(page, "#plan-gamma");
   await press(page, "ArrowLeft");
   await page.waitForFunction((goal) => /scenario=p-/.test(location.hash) && !location.hash.includes(goal), goal);
-  await sky_shown(page);
-  assert.equal((await get_json(`plans/${await in_address(page, "scenario")}?limit=0`)).gamma, 0.75);
-  await tab_to(page, "#plan-drop");
+  await skyShown(page);
+  assert.equal((await getJson(`plans/${await inAddress(page, "scenario")}?limit=0`)).gamma, 0.75);
+  await tabTo(page, "#plan-drop");
   await press(page, "Enter");
   await page.waitForFunction(() => !location.hash.includes("scenario="));
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });

@@ -1,15 +1,15 @@
 // The page speaks the browser's language where it knows it, and another one when somebody chooses it.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, DESKTOP, open_page, SERVER, shot, sky_shown } from "./support/browser.mjs";
-import { browser, fragment, here, in_link } from "./support/stage.mjs";
+import { assertNoFaults, DESKTOP, openPage, SERVER, shot, skyShown } from "./support/browser.mjs";
+import { browser, fragment, here, inLink } from "./support/stage.mjs";
 
 const GERMAN = { ...DESKTOP, locale: "de-AT" };
 const language = (page) => page.getAttribute("html", "lang");
 const welcome = (page) => page.locator(".welcome h2").textContent();
 
 test("a German browser gets a German page, numbers and all", async () => {
-  const opened = await open_page(browser, "", GERMAN);
+  const opened = await openPage(browser, "", GERMAN);
   const { page, context } = opened;
   assert.equal(await language(page), "de");
   assert.equal(await welcome(page), "Wie hell ist die Nacht dort?");
@@ -22,36 +22,36 @@ test("a German browser gets a German page, numbers and all", async () => {
   const letters = `${Math.abs(latitude_deg)}° ${latitude_deg < 0 ? "S" : "N"}, ${Math.abs(longitude_deg)}° ${longitude_deg < 0 ? "W" : "O"}`;
   await page.fill("#search", letters);
   await page.press("#search", "Enter");
-  await sky_shown(page);
-  assert.deepEqual([in_link(page, "lat"), in_link(page, "lon")].map(Number), [latitude_deg, longitude_deg]);
+  await skyShown(page);
+  assert.deepEqual([inLink(page, "lat"), inLink(page, "lon")].map(Number), [latitude_deg, longitude_deg]);
   assert.match(await page.locator("[data-value=zenith_mag]").textContent(), /^\d\d,\d\d$/);
   assert.equal(await page.locator("#lamp option[value=hps]").textContent(), "Natriumdampf-Hochdruck");
   await page.locator(".sky-overlay").hover({ position: { x: 300, y: 60 } });
   assert.match(await page.locator("#sky-readout").textContent(), /Leuchtdichte/);
   assert.ok(Number(await page.getAttribute("#sky-readout", "data-luminance-cd-m2")) > 0, "scripts read numbers with a point");
   await shot(page, "german_sky");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("another language is chosen, stays after a reload, and shows the same place", async () => {
-  const opened = await open_page(browser, fragment(here.beside), GERMAN);
+  const opened = await openPage(browser, fragment(here.beside), GERMAN);
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   const link = page.url();
   const reloaded = page.waitForEvent("load");
   await page.getByLabel("Sprache").selectOption({ label: "English" });
   await reloaded;
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await language(page), "en");
   assert.equal(page.url(), link);
   await page.reload();
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await language(page), "en");
   assert.equal(await welcome(page), "How bright is the night there?");
   assert.equal(await page.getByLabel("Language").inputValue(), "en");
   assert.equal(page.url(), link);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
@@ -63,8 +63,8 @@ test("English serves where the language's file does not come, and for languages 
   await page.waitForSelector("#map[data-basemap]");
   assert.deepEqual([await language(page), await welcome(page)], ["en", "How bright is the night there?"]);
   await context.close();
-  const other = await open_page(browser, "", { ...DESKTOP, locale: "fi-FI" });
+  const other = await openPage(browser, "", { ...DESKTOP, locale: "fi-FI" });
   assert.deepEqual([await language(other.page), await welcome(other.page)], ["en", "How bright is the night there?"]);
-  assert_no_faults(other);
+  assertNoFaults(other);
   await other.context.close();
 });

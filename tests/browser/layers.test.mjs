@@ -1,25 +1,25 @@
 // Layers of the map that are computed: how bright the zenith is everywhere, and which lights cause one sky.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, open_page, screen_colours, shot, sky_shown } from "./support/browser.mjs";
+import { assertNoFaults, openPage, screenColours, shot, skyShown } from "./support/browser.mjs";
 import { browser, here } from "./support/stage.mjs";
 
 /** A layer is switched on, and its tiles can be had. */
-async function layer_shown(page, name) {
+async function layerShown(page, name) {
   await page.waitForSelector(`#layer-note-${name}[data-state=shown]`, { timeout: 90_000 });
 }
 
 test("the zenith's brightness is a layer of the map with a legend, of the air and lamps chosen", async () => {
-  const opened = await open_page(browser, `#scene=${here.scene.id}`);
+  const opened = await openPage(browser, `#scene=${here.scene.id}`);
   const { page, context, asked } = opened;
-  await layer_shown(page, "radiance");
+  await layerShown(page, "radiance");
   await page.uncheck("#layer-radiance");
-  const before = await screen_colours(browser, page, "#map");
+  const before = await screenColours(browser, page, "#map");
   await page.check("#layer-brightness");
   assert.match((await page.locator("#layer-note-brightness").textContent()) ?? "", /every place/);
-  await layer_shown(page, "brightness");
+  await layerShown(page, "brightness");
   await page.waitForTimeout(1500);
-  const after = await screen_colours(browser, page, "#map");
+  const after = await screenColours(browser, page, "#map");
   assert.ok(after.count > before.count + 200, `${before.count} colours without the layer, ${after.count} with it`);
   assert.match((await page.locator("#layer-note-brightness").textContent()) ?? "", /1 %.*40 × the natural sky/);
   assert.match(page.url(), /brightness=0\.8/);
@@ -27,23 +27,26 @@ test("the zenith's brightness is a layer of the map with a legend, of the air an
   // Other lamps make another map. It takes as long as the first: nobody waits for it here.
   await page.selectOption("#lamp", "led_4000k");
   await page.waitForSelector("#layer-note-brightness[data-state=finding]");
-  assert.ok(asked.some((path) => /tiles\/brightness\/tilejson.*lamp=led_4000k/.test(path)), "no map of the other lamps was asked for");
-  assert_no_faults(opened);
+  assert.ok(
+    asked.some((path) => /tiles\/brightness\/tilejson.*lamp=led_4000k/.test(path)),
+    "no map of the other lamps was asked for",
+  );
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("which lights cause a place's sky is a layer that follows the place and the measure", async () => {
-  const opened = await open_page(browser, `#scene=${here.scene.id}`);
+  const opened = await openPage(browser, `#scene=${here.scene.id}`);
   const { page, context, asked } = opened;
   assert.ok(await page.locator("#layer-influence").isDisabled());
   assert.equal(await page.locator("#layer-hint-influence").textContent(), "Pick a place first.");
   const { latitude_deg, longitude_deg } = here.beside;
   await page.fill("#search", `${latitude_deg}, ${longitude_deg}`);
   await page.press("#search", "Enter");
-  await sky_shown(page);
+  await skyShown(page);
   assert.ok(await page.locator("#measure").isHidden());
   await page.check("#layer-influence");
-  await layer_shown(page, "influence");
+  await layerShown(page, "influence");
   const zenith = await page.locator("#layer-note-influence").textContent();
   assert.match(zenith ?? "", /1\/10,000.*cd\/m² a pixel/);
   await page.waitForTimeout(1500);
@@ -58,9 +61,9 @@ test("which lights cause a place's sky is a layer that follows the place and the
   assert.match(page.url(), /measure=horizontal/);
   // A link brings it back.
   await page.reload();
-  await sky_shown(page);
-  await layer_shown(page, "influence");
+  await skyShown(page);
+  await layerShown(page, "influence");
   assert.equal(await page.inputValue("#measure"), "horizontal");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });

@@ -1,12 +1,12 @@
 // How a sky is shown: as a camera sees it, in other units, and the link to it.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, get_json, open_page, SERVER, set_slider, shot, sky_shown } from "./support/browser.mjs";
-import { NATURAL_SKY_CD_M2, sky_path } from "./support/sky.mjs";
+import { assertNoFaults, getJson, openPage, SERVER, setSlider, shot, skyShown } from "./support/browser.mjs";
+import { NATURAL_SKY_CD_M2, skyPath } from "./support/sky.mjs";
 import { browser, fragment, here } from "./support/stage.mjs";
 
 /** Colours of the shown panorama and of the server's picture in the same directions. */
-const side_by_side = (page, picture, directions) =>
+const sideBySide = (page, picture, directions) =>
   page.evaluate(
     async ({ picture, directions }) => {
       const image = new Image();
@@ -23,48 +23,64 @@ const side_by_side = (page, picture, directions) =>
       const wanted = pixels(image, image.width, image.height);
       // The frame leaves 34 px at the left, 8 at the right and top, 28 below.
       const plot = { left: 34 * scale, top: 8 * scale, width: canvas.width - 42 * scale, height: canvas.height - 36 * scale };
-      return directions.map(([azimuth_deg, elevation_deg]) => {
-        const [across, down] = [azimuth_deg / 360, 1 - elevation_deg / 90];
-        return [shown(plot.left + across * plot.width, plot.top + down * plot.height), wanted(across * image.width, down * image.height)];
+      return directions.map(([azimuthDeg, elevationDeg]) => {
+        const [across, down] = [azimuthDeg / 360, 1 - elevationDeg / 90];
+        return [
+          shown(plot.left + across * plot.width, plot.top + down * plot.height),
+          wanted(across * image.width, down * image.height),
+        ];
       });
     },
     { picture, directions },
   );
 
 test("the sky as a camera sees it is the server's at the same exposure, which stays where it is put", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   assert.ok(await page.locator("#exposure-field").isHidden());
   await page.selectOption("#colours", "realistic");
   await page.waitForSelector("#exposure-field:not([hidden])");
   // Away from frame lines and names.
-  const directions = [[37, 22], [77, 40], [141, 12], [200, 53], [253, 22], [318, 70]];
+  const directions = [
+    [37, 22],
+    [77, 40],
+    [141, 12],
+    [200, 53],
+    [253, 22],
+    [318, 70],
+  ];
   for (const exposure of [0, 3]) {
-    await set_slider(page, "exposure", exposure);
-    const picture = `${SERVER}/api/v1/${sky_path(here.scene, "panorama.png", here.beside, `&style=realistic&exposure=${exposure}&legend=off&width=2048&height_px=512`)}`;
-    const pairs = await side_by_side(page, picture, directions);
+    await setSlider(page, "exposure", exposure);
+    const picture = `${SERVER}/api/v1/${skyPath(here.scene, "panorama.png", here.beside, `&style=realistic&exposure=${exposure}&legend=off&width=2048&height_px=512`)}`;
+    const pairs = await sideBySide(page, picture, directions);
     for (const [shown, wanted] of pairs) {
-      assert.ok(shown.every((value, c) => Math.abs(value - wanted[c]) <= 6), `${exposure} EV: ${shown} for ${wanted}`);
+      assert.ok(
+        shown.every((value, c) => Math.abs(value - wanted[c]) <= 6),
+        `${exposure} EV: ${shown} for ${wanted}`,
+      );
     }
-    assert.ok(pairs.some(([shown]) => Math.max(...shown) > 25), `${exposure} EV: black`);
+    assert.ok(
+      pairs.some(([shown]) => Math.max(...shown) > 25),
+      `${exposure} EV: black`,
+    );
   }
   await shot(page, "realistic");
   const png = await page.locator("#download-links a").first().getAttribute("href");
   assert.match(png, /style=realistic&exposure=3/);
   await page.reload();
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await page.locator("#exposure").inputValue(), "3");
   assert.equal(await page.locator("#colours").inputValue(), "realistic");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("numbers, readout and legend come in magnitudes, luminance or times the natural sky", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  await sky_shown(page);
-  const { sky } = await get_json(sky_path(here.scene, "sky", here.beside));
+  await skyShown(page);
+  const { sky } = await getJson(skyPath(here.scene, "sky", here.beside));
   const box = await page.locator(".sky-overlay").boundingBox();
   await page.locator(".sky-overlay").hover({ position: { x: box.width / 2, y: box.height / 2 } });
   const big = () => page.locator(".zenith .zenith-value").textContent();
@@ -75,23 +91,26 @@ test("numbers, readout and legend come in magnitudes, luminance or times the nat
   assert.ok(Math.abs(Number.parseFloat(await big()) / sky.ratio_to_natural - 1) < 0.05, await big());
   const luminance = Number(await page.locator("#sky-readout").getAttribute("data-luminance-cd-m2"));
   const read = await page.locator("#sky-readout b").allTextContents();
-  assert.ok(read.some((text) => Math.abs(Number.parseFloat(text) / (luminance / NATURAL_SKY_CD_M2) - 1) < 0.05 && text.endsWith("×")), `${read}`);
+  assert.ok(
+    read.some((text) => Math.abs(Number.parseFloat(text) / (luminance / NATURAL_SKY_CD_M2) - 1) < 0.05 && text.endsWith("×")),
+    `${read}`,
+  );
   await shot(page, "ratio");
   await page.selectOption("#unit", "luminance");
   assert.ok((await marks()).map((mark) => mark.trim()).includes("100 µ"), `${await marks()}`);
   assert.match(await page.locator("#legend-title").textContent(), /cd\/m²/);
   assert.match(await page.locator("#download-links a").first().getAttribute("href"), /scale=luminance/);
   await page.reload();
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await page.locator("#unit").inputValue(), "luminance");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("whose light it is comes as files, of the measure and the lights that are shown", async () => {
-  const opened = await open_page(browser, fragment(here.beside, "&measure=horizontal&turbidity=3"));
+  const opened = await openPage(browser, fragment(here.beside, "&measure=horizontal&turbidity=3"));
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   const links = await page.locator("#influence-links a").evaluateAll((anchors) => anchors.map(({ href }) => href));
   assert.equal(links.length, 4);
   for (const [i, type] of ["image/tiff", "application/geo+json", "text/csv", "application/json"].entries()) {
@@ -101,14 +120,14 @@ test("whose light it is comes as files, of the measure and the lights that are s
     assert.equal(answer.status, 200, links[i]);
     assert.ok(answer.headers.get("content-type").startsWith(type), `${answer.headers.get("content-type")} for ${type}`);
   }
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("the link to the view is copied, or shown where the browser forbids that", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
   await page.click("#share");
   await page.waitForFunction(() => document.querySelector("#share-told").textContent.includes("copied"));
@@ -121,6 +140,6 @@ test("the link to the view is copied, or shown where the browser forbids that", 
   assert.equal(await page.locator("#share-link").inputValue(), await page.evaluate(() => location.href));
   await page.keyboard.press("Tab");
   assert.ok(await page.locator("#share-link").isHidden());
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });

@@ -1,31 +1,31 @@
 // What to dim: a plan is found for the picked place, its sky is shown beside today's, and a link brings both back.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, get_json, numbers_shown, open_page, PHONE, set_slider, shot, sky_shown } from "./support/browser.mjs";
-import { sky_path } from "./support/sky.mjs";
-import { browser, fragment, here, in_link } from "./support/stage.mjs";
+import { assertNoFaults, getJson, numbersShown, openPage, PHONE, setSlider, shot, skyShown } from "./support/browser.mjs";
+import { skyPath } from "./support/sky.mjs";
+import { browser, fragment, here, inLink } from "./support/stage.mjs";
 
-async function find_plan(page) {
+async function findPlan(page) {
   await page.click("#plan-find");
   await page.waitForSelector("#plan-status .plan-reached");
 }
 
 test("a plan makes the zenith as much darker as wished, says whose light goes, and can be left again", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context, asked } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   assert.ok(await page.locator("#lights").isHidden(), "there is nothing to compare yet");
-  await set_slider(page, "plan-reduction", 40);
+  await setSlider(page, "plan-reduction", 40);
   assert.equal(await page.locator("#plan-reduction-value").textContent(), "40 %");
-  await find_plan(page);
-  const id = in_link(page, "scenario");
-  const plan = await get_json(`plans/${id}?limit=5000`);
+  await findPlan(page);
+  const id = inLink(page, "scenario");
+  const plan = await getJson(`plans/${id}?limit=5000`);
   const [site] = plan.sites;
   assert.ok(Math.abs(site.reduced_by - 0.4) < 1e-3, `${site.reduced_by}`);
   assert.equal(Number(await page.locator(".plan-reached").getAttribute("data-reduced-by")), site.reduced_by);
   // The sky is the plan's, then today's, then the plan's again.
-  await numbers_shown(page, site.sky_after);
-  await sky_shown(page);
+  await numbersShown(page, site.sky_after);
+  await skyShown(page);
   const names = here.places.map(({ name }) => name);
   const towns = await page.locator(".towns li span").allTextContents();
   assert.ok(towns.length > 0 && towns.slice(0, 6).every((town) => names.includes(town)), `${towns}`);
@@ -34,23 +34,26 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   assert.ok(Math.abs(parts.reduce((a, b) => a + b) - 100 * listed) < 3, `${parts} of ${listed}`);
   await shot(page, "plan");
   await page.click("#lights button[value=today]");
-  const today = (await get_json(sky_path(here.scene, "sky", here.beside, "&lamp=mixed&emission=garstang"))).sky;
-  await numbers_shown(page, today);
+  const today = (await getJson(skyPath(here.scene, "sky", here.beside, "&lamp=mixed&emission=garstang"))).sky;
+  await numbersShown(page, today);
   assert.match(page.url(), /lights=today/);
   await page.keyboard.press("ArrowRight");
   await page.keyboard.press("ArrowRight");
-  await numbers_shown(page, site.sky_after);
+  await numbersShown(page, site.sky_after);
   // Both side by side: left of the split is today's sky, right of it the plan's.
-  const strip = () => page.$eval(".sky-picture", (canvas) => {
-    const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
-    context.drawImage(canvas, 0, 0);
-    const column = (part) => [...context.getImageData(Math.round(part * canvas.width), Math.round(0.3 * canvas.height), 1, 1).data];
-    return [column(0.27), column(0.73)];
-  });
+  const strip = () =>
+    page.$eval(".sky-picture", (canvas) => {
+      const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+      context.drawImage(canvas, 0, 0);
+      const column = (part) => [
+        ...context.getImageData(Math.round(part * canvas.width), Math.round(0.3 * canvas.height), 1, 1).data,
+      ];
+      return [column(0.27), column(0.73)];
+    });
   const [, right] = await strip();
   await page.click("#lights button[value=both]");
   await page.waitForSelector("#split-field:not([hidden])");
-  await sky_shown(page);
+  await skyShown(page);
   const half = await strip();
   await shot(page, "plan-both");
   // So does the map, by a line of its own.
@@ -59,7 +62,8 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   // Whose light it is, is asked of both.
   await page.locator("#layer-influence").check();
   await page.waitForSelector("#layer-note-influence[data-state=shown]");
-  const influences = () => asked.filter((path) => /tiles\/influence\/tilejson/.test(path)).map((path) => path.includes(`scenario=${id}`));
+  const influences = () =>
+    asked.filter((path) => /tiles\/influence\/tilejson/.test(path)).map((path) => path.includes(`scenario=${id}`));
   for (let tries = 0; influences().length < 2; tries++) {
     assert.ok(tries < 50, `${influences()}`);
     await page.waitForTimeout(100);
@@ -73,165 +77,179 @@ test("a plan makes the zenith as much darker as wished, says whose light goes, a
   await page.mouse.move(line.x + line.width / 2 + 200, line.y + line.height / 2, { steps: 4 });
   await page.mouse.up();
   assert.ok(Number(await page.locator("#split").inputValue()) > 60);
-  assert.equal(await page.$eval(".swipe-map", ({ style }) => Math.round(100 - Number.parseFloat(style.clipPath.split(" ")[1]))), Number(await page.locator("#split").inputValue()));
+  assert.equal(
+    await page.$eval(".swipe-map", ({ style }) => Math.round(100 - Number.parseFloat(style.clipPath.split(" ")[1]))),
+    Number(await page.locator("#split").inputValue()),
+  );
   await page.waitForFunction(() => /split=0\.[67]/.test(location.hash));
-  await set_slider(page, "split", 100);
+  await setSlider(page, "split", 100);
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   const whole = await strip();
   assert.deepEqual(half[1], right);
   assert.deepEqual(half[0], whole[0]);
   assert.notDeepEqual(whole[1], right, "today's sky is no brighter than the plan's");
   await page.click("#lights button[value=changed]");
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await maps(), 1);
   // A link or a reload has it all, the wish too.
-  await set_slider(page, "plan-reduction", 10);
+  await setSlider(page, "plan-reduction", 10);
   await page.reload();
   await page.waitForSelector("#plan-status .plan-reached");
-  await numbers_shown(page, site.sky_after);
+  await numbersShown(page, site.sky_after);
   assert.equal(await page.locator("#plan-reduction").inputValue(), "40");
   const files = await page.locator("#plan-answer .links a").evaluateAll((links) => links.map(({ href }) => href));
   assert.equal(files.length, 4);
   for (const file of files) assert.equal((await fetch(file)).status, 200, file);
   await page.click("#plan-drop");
-  await numbers_shown(page, today);
+  await numbersShown(page, today);
   assert.ok(!page.url().includes("scenario"));
   assert.equal(await page.locator("#plan-answer").textContent(), "");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 /** Until the link names other lights than these; which. */
-async function changed_from(page, known) {
-  await page.waitForFunction((known) => /scenario=p-/.test(location.hash) && !known.some((id) => location.hash.includes(id)), known);
+async function changedFrom(page, known) {
+  await page.waitForFunction(
+    (known) => /scenario=p-/.test(location.hash) && !known.some((id) => location.hash.includes(id)),
+    known,
+  );
   return page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("scenario"));
 }
 
 /** Ids of the plans that a page had kept, as they come. */
-function kept_by(page) {
+function keptBy(page) {
   const kept = [];
   page.on("response", async (response) => {
-    if (response.request().method() === "POST" && /plans\?.*keep=on/.test(response.url()) && response.status() === 201) kept.push((await response.json()).id);
+    if (response.request().method() === "POST" && /plans\?.*keep=on/.test(response.url()) && response.status() === 201)
+      kept.push((await response.json()).id);
   });
   return kept;
 }
 
-async function until(is_so, why) {
-  for (let tries = 0; !is_so(); tries++) {
+async function until(isSo, why) {
+  for (let tries = 0; !isSo(); tries++) {
     assert.ok(tries < 100, why);
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
 }
 
 test("sliders of influence change the sky as they move, and what they rest on is kept", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context, asked } = opened;
-  const kept = kept_by(page);
-  await sky_shown(page);
+  const kept = keptBy(page);
+  await skyShown(page);
   const steps = await page.evaluate(() => history.length);
   await page.getByRole("radio", { name: "By influence" }).click();
   assert.ok(await page.locator("#plan-target").isHidden());
   const shown = [];
   for (const gamma of [40, 60, 80]) {
-    await set_slider(page, "plan-gamma", gamma);
-    shown.push(await changed_from(page, shown));
-    await sky_shown(page);
+    await setSlider(page, "plan-gamma", gamma);
+    shown.push(await changedFrom(page, shown));
+    await skyShown(page);
   }
   assert.ok(asked.filter((path) => /plans\?.*keep=off/.test(path)).length >= 3);
   // The last is kept after a while, and whatever the sliders rested on; what they went through is not: that is no
   // step of the way back either.
   const last = shown.at(-1);
   await until(() => kept.includes(last), "it is never kept");
-  assert.ok(kept.every((id) => shown.includes(id)), `${kept}`);
+  assert.ok(
+    kept.every((id) => shown.includes(id)),
+    `${kept}`,
+  );
   assert.equal((await page.evaluate(() => history.length)) - steps, kept.length);
-  const plan = await get_json(`plans/${last}?limit=0`);
+  const plan = await getJson(`plans/${last}?limit=0`);
   assert.deepEqual(plan.threshold_levels, ["p90", "p98"]);
-  await numbers_shown(page, plan.sites[0].sky_after);
+  await numbersShown(page, plan.sites[0].sky_after);
   await shot(page, "plan-threshold");
   // Neither slider goes past the other, and a reload has them again.
-  await set_slider(page, "plan-least", 99.5);
+  await setSlider(page, "plan-least", 99.5);
   assert.equal(await page.locator("#plan-most").inputValue(), "99.5");
-  const finer = await changed_from(page, shown);
+  const finer = await changedFrom(page, shown);
   await until(() => kept.includes(finer), "it is never kept");
   await page.reload();
   await page.waitForSelector("#plan-status .plan-reached");
-  assert.deepEqual(await page.$$eval("#plan-least, #plan-most, #plan-gamma", (sliders) => sliders.map(({ value }) => value)), ["99.5", "99.5", "80"]);
-  assert_no_faults(opened);
+  assert.deepEqual(await page.$$eval("#plan-least, #plan-most, #plan-gamma", (sliders) => sliders.map(({ value }) => value)), [
+    "99.5",
+    "99.5",
+    "80",
+  ]);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("what is only tried is kept before anything goes on from it, and never comes back over what was chosen since", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  const kept = kept_by(page);
-  await sky_shown(page);
+  const kept = keptBy(page);
+  await skyShown(page);
   await page.getByRole("radio", { name: "By influence" }).click();
   // Another lamp, at once: the plan that the link names is kept.
-  await set_slider(page, "plan-gamma", 35);
-  const first = await changed_from(page, []);
+  await setSlider(page, "plan-gamma", 35);
+  const first = await changedFrom(page, []);
   await page.selectOption("#lamp", "hps");
   await until(() => kept.includes(first), "it is never kept");
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("scenario")), first);
   // Today's lights, at once: they stay.
-  await set_slider(page, "plan-gamma", 40);
-  const tried = await changed_from(page, [first]);
+  await setSlider(page, "plan-gamma", 40);
+  const tried = await changedFrom(page, [first]);
   await page.click("#lights button[value=today]");
   await until(() => kept.includes(tried), "it is never kept");
   await page.waitForTimeout(300);
   assert.match(await page.evaluate(() => location.hash), /lights=today/);
   await page.click("#lights button[value=changed]");
   // A stroke, at once, goes on from it.
-  await set_slider(page, "plan-gamma", 45);
-  const second = await changed_from(page, [first, tried]);
+  await setSlider(page, "plan-gamma", 45);
+  const second = await changedFrom(page, [first, tried]);
   await page.click("#paint-draw");
   await page.focus("#map canvas");
   await page.keyboard.press("Enter");
   await page.waitForFunction(() => location.hash.includes("scenario=s-"));
-  assert.equal((await get_json(`scenarios/${in_link(page, "scenario")}`)).base, second);
+  assert.equal((await getJson(`scenarios/${inLink(page, "scenario")}`)).base, second);
   await page.click("#paint-draw");
   // Back to today, at once: no plan comes after that.
-  await sky_shown(page);
-  await set_slider(page, "plan-gamma", 55);
-  await changed_from(page, [first, tried, second]);
-  await set_slider(page, "plan-gamma", 65);
+  await skyShown(page);
+  await setSlider(page, "plan-gamma", 55);
+  await changedFrom(page, [first, tried, second]);
+  await setSlider(page, "plan-gamma", 65);
   await page.click("#plan-drop");
   await page.waitForTimeout(2500);
   assert.ok(!(await page.evaluate(() => location.hash)).includes("scenario="), page.url());
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("a plan that cannot reach what is wished says why and shows the best there is", async () => {
-  const opened = await open_page(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
-  await sky_shown(page);
-  await set_slider(page, "plan-reduction", 90);
-  await set_slider(page, "plan-cut", 50);
+  await skyShown(page);
+  await setSlider(page, "plan-reduction", 90);
+  await setSlider(page, "plan-cut", 50);
   // What only changes how things look stops no search.
   await page.click("#plan-find");
   await page.selectOption("#colours", "viridis");
   await page.waitForSelector("#plan-status .plan-reached");
   assert.match((await page.locator("#plan-status .warning").textContent()) ?? "", /\w{3}/);
   assert.ok(Math.abs(Number(await page.locator(".plan-reached").getAttribute("data-reduced-by")) - 0.5) < 1e-3);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("a link to a plan that is no longer kept is said to be one, and today's sky is shown", async () => {
-  const opened = await open_page(browser, fragment(here.beside, "&scenario=p-00000000000000000000"));
+  const opened = await openPage(browser, fragment(here.beside, "&scenario=p-00000000000000000000"));
   const { page, context } = opened;
   await page.waitForSelector("#notice:not([hidden])");
   await page.waitForFunction(() => !location.hash.includes("scenario"));
-  await sky_shown(page);
+  await skyShown(page);
   assert.ok(await page.locator("#lights").isHidden());
   await context.close();
 });
 
 test("a plan is found by keyboard on a phone's page", async () => {
-  const opened = await open_page(browser, fragment(here.beside), PHONE);
+  const opened = await openPage(browser, fragment(here.beside), PHONE);
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   await page.focus("#plan-reduction");
   await page.keyboard.press("ArrowLeft");
   assert.equal(await page.locator("#plan-reduction-value").textContent(), "25 %");
@@ -242,6 +260,6 @@ test("a plan is found by keyboard on a phone's page", async () => {
   await shot(page, "plan-phone");
   const wide = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(wide <= PHONE.viewport.width, `the page is ${wide} px wide`);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });

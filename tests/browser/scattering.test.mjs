@@ -1,7 +1,7 @@
 // The orders of scattering: said with every sky, and chosen where the server has tables of both kinds.
 import assert from "node:assert/strict";
 import { before, test } from "node:test";
-import { assert_no_faults, get_json, open_page, SERVER, sky_shown } from "./support/browser.mjs";
+import { assertNoFaults, getJson, openPage, SERVER, skyShown } from "./support/browser.mjs";
 import { browser, here } from "./support/stage.mjs";
 
 const TITLES = { multiple: "all orders", single: "first order alone" };
@@ -10,7 +10,7 @@ let packs;
 let best;
 
 before(async () => {
-  packs = await get_json("atmospheres");
+  packs = await getJson("atmospheres");
   best = packs.some(({ scattering }) => scattering === "multiple") ? "multiple" : "single";
 });
 
@@ -35,26 +35,31 @@ async function pretend(page, pretended) {
 }
 
 test("the scattering of a sky is among its numbers, and a choice of one is none", async () => {
-  const opened = await open_page(browser, fragment());
+  const opened = await openPage(browser, fragment());
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await said(page), TITLES[best]);
   const kinds = new Set(packs.map(({ scattering }) => scattering));
   const select = page.getByLabel("Scattering");
   assert.equal(await select.inputValue(), best);
   assert.equal(await select.isDisabled(), kinds.size === 1);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("first-order light can be chosen, with its own turbidities, and a link restores it", async () => {
-  const opened = await open_page(browser);
+  const opened = await openPage(browser);
   const { page, context } = opened;
-  const both = [["single", 2], ["single", 3], ["multiple", 2], ["multiple", 4]].map(([scattering, turbidity]) => ({ ...packs[0], scattering, turbidity }));
+  const both = [
+    ["single", 2],
+    ["single", 3],
+    ["multiple", 2],
+    ["multiple", 4],
+  ].map(([scattering, turbidity]) => ({ ...packs[0], scattering, turbidity }));
   const asked = await pretend(page, both);
   await page.goto(`${SERVER}/${fragment("&turbidity=3.6")}`);
   await page.reload();
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await said(page), TITLES.multiple);
   assert.match(await page.locator("[data-value=scattering]").textContent(), /albedo 0\.15/);
   assert.equal(await page.locator("#turbidity").getAttribute("max"), "4");
@@ -64,29 +69,34 @@ test("first-order light can be chosen, with its own turbidities, and a link rest
   assert.match(page.url(), /turbidity=3&scattering=single/, "3.6 is beyond the packs of the first order");
   assert.equal(await page.locator("#turbidity").getAttribute("max"), "3");
   await page.reload();
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await said(page), TITLES.single);
   assert.equal(await page.getByLabel("Scattering").inputValue(), "single");
   await page.getByLabel("Scattering").selectOption("all orders");
-  await page.waitForFunction((title) => document.querySelector("[data-value=scattering] b")?.textContent === title, TITLES.multiple);
+  await page.waitForFunction(
+    (title) => document.querySelector("[data-value=scattering] b")?.textContent === title,
+    TITLES.multiple,
+  );
   assert.doesNotMatch(page.url(), /scattering/, "the best is what a link without it means");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("a link to scattering that the server has no tables for shows what it has and says so", async () => {
-  const opened = await open_page(browser);
+  const opened = await openPage(browser);
   const { page, context } = opened;
-  await page.route("**/api/v1/atmospheres", (route) => route.fulfill({ json: packs.filter(({ scattering }) => scattering === best) }));
+  await page.route("**/api/v1/atmospheres", (route) =>
+    route.fulfill({ json: packs.filter(({ scattering }) => scattering === best) }),
+  );
   const absent = best === "single" ? "multiple" : "single";
   // From another page: within the viewer the link would be put right at once, before the tables are asked for.
   await page.goto("about:blank");
   await page.goto(`${SERVER}/${fragment(`&scattering=${absent}`)}`);
   const alert = page.getByRole("alert").filter({ hasText: `no tables for scattering of ${TITLES[absent]}` });
   await alert.waitFor();
-  await sky_shown(page);
+  await skyShown(page);
   assert.equal(await said(page), TITLES[best]);
   assert.doesNotMatch(page.url(), /scattering/);
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });

@@ -2,36 +2,41 @@
 // (Painting and marking a part of the sky by finger have their tests beside those by mouse.)
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assert_no_faults, get_json, numbers_shown, open_page, PHONE, shot, sky_shown } from "./support/browser.mjs";
-import { browser, fragment, here, in_link } from "./support/stage.mjs";
+import { assertNoFaults, getJson, numbersShown, openPage, PHONE, shot, skyShown } from "./support/browser.mjs";
+import { browser, fragment, here, inLink } from "./support/stage.mjs";
 
-const in_address = (page, name) => page.evaluate((name) => new URLSearchParams(location.hash.slice(1)).get(name), name);
+const inAddress = (page, name) => page.evaluate((name) => new URLSearchParams(location.hash.slice(1)).get(name), name);
 
 /** Fingers that go from points to points, and are lifted there. */
 async function fingers(context, page, paths) {
   const client = await context.newCDPSession(page);
   const at = (i) => paths.map((path, id) => ({ ...path[i], id }));
   await client.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: at(0) });
-  for (let i = 1; i < paths[0].length; i++) await client.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: at(i) });
+  for (let i = 1; i < paths[0].length; i++)
+    await client.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: at(i) });
   await client.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
 }
 
 /** A straight way in steps. */
-const way = (from, to, steps = 8) => Array.from({ length: steps + 1 }, (_, i) => ({ x: from.x + ((to.x - from.x) * i) / steps, y: from.y + ((to.y - from.y) * i) / steps }));
+const way = (from, to, steps = 8) =>
+  Array.from({ length: steps + 1 }, (_, i) => ({
+    x: from.x + ((to.x - from.x) * i) / steps,
+    y: from.y + ((to.y - from.y) * i) / steps,
+  }));
 
 test("fingers pick a place, switch layers, look around and zoom, and share the view", async () => {
   const { beside } = here;
-  const opened = await open_page(browser, `#scene=${here.scene.id}&map=8/${beside.latitude_deg}/${beside.longitude_deg}`, PHONE);
+  const opened = await openPage(browser, `#scene=${here.scene.id}&map=8/${beside.latitude_deg}/${beside.longitude_deg}`, PHONE);
   const { page, context } = opened;
   await page.locator("#map").tap();
-  await sky_shown(page);
-  const place = { latitude_deg: Number(await in_address(page, "lat")), longitude_deg: Number(await in_address(page, "lon")) };
+  await skyShown(page);
+  const place = { latitude_deg: Number(await inAddress(page, "lat")), longitude_deg: Number(await inAddress(page, "lon")) };
   assert.ok(Math.abs(place.latitude_deg - beside.latitude_deg) < 0.02, `${place.latitude_deg}`);
   await page.locator("#layers summary").tap();
   await page.locator("label:has(#layer-influence)").tap();
   await page.waitForSelector("#layer-note-influence[data-state=shown]");
   await page.locator("label:has(#layer-radiance)").tap();
-  assert.equal(await in_address(page, "radiance"), "0");
+  assert.equal(await inAddress(page, "radiance"), "0");
   await page.locator("#layers summary").tap();
   await shot(page, "touch-layers");
 
@@ -41,15 +46,21 @@ test("fingers pick a place, switch layers, look around and zoom, and share the v
   const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
   await fingers(context, page, [way(middle, { x: middle.x - 100, y: middle.y })]);
   await page.waitForFunction(() => location.hash.includes("look="));
-  const [azimuth_deg, , field_deg] = (await in_address(page, "look")).split("/").map(Number);
+  const [azimuthDeg, , fieldDeg] = (await inAddress(page, "look")).split("/").map(Number);
   await fingers(context, page, [way(middle, { x: middle.x - 100, y: middle.y })]);
-  await page.waitForFunction((before) => !location.hash.includes(`look=${before}`), `${azimuth_deg}/`);
-  const [turned_deg] = (await in_address(page, "look")).split("/").map(Number);
-  assert.ok((turned_deg - azimuth_deg + 360) % 360 > 5 && (turned_deg - azimuth_deg + 360) % 360 < 120, `${azimuth_deg} to ${turned_deg}`);
-  const [left, right] = [{ x: middle.x - 40, y: middle.y }, { x: middle.x + 40, y: middle.y }];
+  await page.waitForFunction((before) => !location.hash.includes(`look=${before}`), `${azimuthDeg}/`);
+  const [turnedDeg] = (await inAddress(page, "look")).split("/").map(Number);
+  assert.ok(
+    (turnedDeg - azimuthDeg + 360) % 360 > 5 && (turnedDeg - azimuthDeg + 360) % 360 < 120,
+    `${azimuthDeg} to ${turnedDeg}`,
+  );
+  const [left, right] = [
+    { x: middle.x - 40, y: middle.y },
+    { x: middle.x + 40, y: middle.y },
+  ];
   await fingers(context, page, [way(left, { x: left.x - 60, y: left.y }), way(right, { x: right.x + 60, y: right.y })]);
-  const [, , closer_deg] = (await in_address(page, "look")).split("/").map(Number);
-  assert.ok(closer_deg < 0.7 * field_deg, `${field_deg} to ${closer_deg}`);
+  const [, , closerDeg] = (await inAddress(page, "look")).split("/").map(Number);
+  assert.ok(closerDeg < 0.7 * fieldDeg, `${fieldDeg} to ${closerDeg}`);
   await shot(page, "touch-look");
 
   await page.evaluate(() => {
@@ -59,28 +70,28 @@ test("fingers pick a place, switch layers, look around and zoom, and share the v
   });
   await page.locator("#share").tap();
   assert.equal(await page.evaluate(() => window.shared.url), await page.evaluate(() => location.href));
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });
 
 test("fingers find a plan, and draw the line between its sky and map and those of today", async () => {
-  const opened = await open_page(browser, fragment(here.beside), PHONE);
+  const opened = await openPage(browser, fragment(here.beside), PHONE);
   const { page, context } = opened;
-  await sky_shown(page);
+  await skyShown(page);
   await page.locator("#plan-find").tap();
   await page.waitForSelector("#plan-status .plan-reached");
-  const plan = await get_json(`plans/${in_link(page, "scenario")}?limit=0`);
-  await numbers_shown(page, plan.sites[0].sky_after);
+  const plan = await getJson(`plans/${inLink(page, "scenario")}?limit=0`);
+  await numbersShown(page, plan.sites[0].sky_after);
   await page.getByRole("radio", { name: "Both" }).tap();
-  await sky_shown(page);
+  await skyShown(page);
   const split = page.locator("#split");
   await split.scrollIntoViewIfNeeded();
   const track = await split.boundingBox();
   await page.touchscreen.tap(track.x + 0.75 * track.width, track.y + track.height / 2);
   assert.ok(Math.abs(Number(await split.inputValue()) - 75) < 6, await split.inputValue());
   const line = page.locator(".swipe-line");
-  const drawn_at = await line.evaluate(({ style }) => Number.parseFloat(style.left));
-  assert.ok(Math.abs(drawn_at - Number(await split.inputValue())) < 0.6, `${drawn_at}`);
+  const drawnAt = await line.evaluate(({ style }) => Number.parseFloat(style.left));
+  assert.ok(Math.abs(drawnAt - Number(await split.inputValue())) < 0.6, `${drawnAt}`);
   await page.locator("#map").scrollIntoViewIfNeeded();
   const handle = await page.locator(".swipe-handle").boundingBox();
   const map = await page.locator("#map").boundingBox();
@@ -88,6 +99,6 @@ test("fingers find a plan, and draw the line between its sky and map and those o
   await fingers(context, page, [way(from, { x: map.x + 0.25 * map.width, y: from.y })]);
   assert.ok(Math.abs(Number(await split.inputValue()) - 25) < 3, await split.inputValue());
   await shot(page, "touch-swipe");
-  assert_no_faults(opened);
+  assertNoFaults(opened);
   await context.close();
 });

@@ -4,17 +4,17 @@ import { api, type PlanQuery } from "./api/client.ts";
 import { ApiError } from "./api/problem.ts";
 import type { EditBody } from "./api/schema.ts";
 import type { NamedPlace, Plan } from "./api/types.ts";
+import { DraftRow } from "./draft-row.ts";
 import { words } from "./language/words.ts";
 import type { Brush } from "./map/painter.ts";
-import type { SkyMap } from "./map/sky_map.ts";
-import { edit_from, Painting, type PaintedArea } from "./painting.ts";
-import { DraftRow } from "./draft_row.ts";
-import { id_of, Planning, type Change, type PlanWish } from "./planning.ts";
+import type { SkyMap } from "./map/sky-map.ts";
+import { editFrom, type PaintedArea, Painting } from "./painting.ts";
+import { type Change, idOf, Planning, type PlanWish } from "./planning.ts";
 import type { Region } from "./sky/region.ts";
 import type { LightsKind, Place } from "./state.ts";
-import { by_id } from "./ui/dom.ts";
-import { PaintCard } from "./ui/paint_card.ts";
-import { PlanCard } from "./ui/plan_card.ts";
+import { byId } from "./ui/dom.ts";
+import { PaintCard } from "./ui/paint-card.ts";
+import { PlanCard } from "./ui/plan-card.ts";
 
 /** Answers that say that a plan or scenario is not there any more. */
 const GONE: readonly number[] = [404, 409, 410];
@@ -61,19 +61,19 @@ export class Lights {
     failed: (reason) => this.events.failed(reason),
     ended: () => this.events.settled(),
   });
-  private shown_dimmed: Plan | null = null;
-  private shown_edits: readonly EditBody[] = NO_EDITS;
+  private shownDimmed: Plan | null = null;
+  private shownEdits: readonly EditBody[] = NO_EDITS;
 
-  private readonly plan_card = new PlanCard({
+  private readonly planCard = new PlanCard({
     find: (wish, keep) => void this.find(wish, keep),
     drop: () => this.drop(),
   });
-  private readonly paint_card = new PaintCard({
+  private readonly paintCard = new PaintCard({
     brush: (brush) => {
       this.brush = brush;
-      this.map?.set_brush(brush);
+      this.map?.setBrush(brush);
     },
-    started: () => by_id("map-area", HTMLElement).scrollIntoView({ block: "nearest" }),
+    started: () => byId("map-area", HTMLElement).scrollIntoView({ block: "nearest" }),
     undo: () => this.repaint(() => this.painting.undo()),
     redo: () => this.repaint(() => this.painting.redo()),
     clear: () => this.clear(),
@@ -84,95 +84,95 @@ export class Lights {
   });
   private readonly planning = new Planning({
     searching: (on) => {
-      this.plan_card.searching(on);
-      this.show_change();
+      this.planCard.searching(on);
+      this.showChange();
     },
     found: (change, keep) => {
       // All of a row are one step in the browser's history.
-      const push = keep === null || !this.row.is_open();
+      const push = keep === null || !this.row.isOpen();
       if (keep === null) {
         void this.row.end();
-        this.show_wish(change);
+        this.showWish(change);
       } else {
         // A slider that goes on moving is not put back to where it was.
-        this.row.go_on(keep);
+        this.row.goOn(keep);
       }
-      this.choose(id_of(change), push);
-      this.show_change();
+      this.choose(idOf(change), push);
+      this.showChange();
     },
     loaded: (change) => {
-      this.show_wish(change);
+      this.showWish(change);
       // Whoever painted before it was there painted over it.
-      if (change.kind === "scenario" && !this.painting.can_undo()) {
+      if (change.kind === "scenario" && !this.painting.canUndo()) {
         this.painting.load(change.scenario);
         this.accepted = this.painting.snapshot();
       }
-      this.show_change();
+      this.showChange();
     },
     failed: (reason, what) => {
       this.events.failed(reason);
-      const is_gone = reason instanceof ApiError && GONE.includes(reason.status);
-      if (what === "load" && is_gone) this.choose(null);
-      this.show_change();
+      const isGone = reason instanceof ApiError && GONE.includes(reason.status);
+      if (what === "load" && isGone) this.choose(null);
+      this.showChange();
     },
   });
 
   constructor(private readonly events: LightsEvents) {}
 
-  set_map(map: SkyMap): void {
+  setMap(map: SkyMap): void {
     this.map = map;
-    map.set_brush(this.brush);
-    this.show_change();
+    map.setBrush(this.brush);
+    this.showChange();
   }
 
-  set_places(places: readonly NamedPlace[]): void {
+  setPlaces(places: readonly NamedPlace[]): void {
     this.places = places;
-    this.show_change();
+    this.showChange();
   }
 
   /** Follows the state. */
   show(context: LightsContext): void {
     const { scene, place, scenario, region } = context;
-    const is_other_scene = scene !== this.context?.scene;
+    const isOtherScene = scene !== this.context?.scene;
     this.context = context;
-    this.plan_card.set_region(region);
-    if (place === null) this.paint_card.set_painting(false);
-    if (is_other_scene || scenario !== this.own) {
+    this.planCard.setRegion(region);
+    if (place === null) this.paintCard.setPainting(false);
+    if (isOtherScene || scenario !== this.own) {
       // A link, the way back, or a plan: what was painted before is none of it.
-      this.forget_painting(scenario);
+      this.forgetPainting(scenario);
     }
-    const key = this.search_key();
-    if (key !== this.key || scenario !== this.expected) this.end_search();
+    const key = this.searchKey();
+    if (key !== this.key || scenario !== this.expected) this.endSearch();
     this.key = key;
     this.expected = scenario;
     void this.planning.show(scenario);
-    this.show_change();
+    this.showChange();
   }
 
   /** A stroke on the map. */
   painted(area: PaintedArea): void {
     const scenario = this.context?.scenario ?? null;
-    if (this.painting.is_full()) {
+    if (this.painting.isFull()) {
       this.events.failed(new Error(words().paint.full));
       return;
     }
     this.repaint(() => {
-      if (!this.painting.can_undo() && !this.painting.can_redo()) this.painting.base = scenario;
-      this.painting.add(edit_from(area, this.paint_card.change()));
+      if (!this.painting.canUndo() && !this.painting.canRedo()) this.painting.base = scenario;
+      this.painting.add(editFrom(area, this.paintCard.change()));
     });
   }
 
-  private async find(wish: PlanWish, is_kept: boolean): Promise<void> {
+  private async find(wish: PlanWish, isKept: boolean): Promise<void> {
     // It goes on from the last stroke, too.
     await this.kept;
     if (this.context === null) return;
     const { scene, place, conditions } = this.context;
     if (scene === null || place === null) return;
-    await this.planning.find(scene, place, { ...conditions, ...this.painted_before() }, wish, is_kept);
+    await this.planning.find(scene, place, { ...conditions, ...this.paintedBefore() }, wish, isKept);
   }
 
   /** A plan goes on from what was painted, never from another plan, but from what that went on from. */
-  private painted_before(): { scenario?: string } {
+  private paintedBefore(): { scenario?: string } {
     const change = this.planning.change();
     const shown = this.context?.scenario ?? null;
     const scenario = change?.kind === "plan" && change.plan.id === shown ? (change.plan.sites[0]?.scenario ?? null) : shown;
@@ -180,17 +180,17 @@ export class Lights {
   }
 
   /** All that a search depends on. */
-  private search_key(): string {
+  private searchKey(): string {
     const { scene, place, conditions } = this.context ?? {};
-    return JSON.stringify([scene, place, conditions, this.painted_before()]);
+    return JSON.stringify([scene, place, conditions, this.paintedBefore()]);
   }
 
-  private show_wish(change: Change): void {
-    if (change.kind === "plan") this.plan_card.show_wish(change.plan);
+  private showWish(change: Change): void {
+    if (change.kind === "plan") this.planCard.showWish(change.plan);
   }
 
   /** What is painted is none of these lights. */
-  private forget_painting(scenario: string | null): void {
+  private forgetPainting(scenario: string | null): void {
     this.keeping.abort();
     this.painting.clear();
     this.accepted = this.painting.snapshot();
@@ -204,15 +204,15 @@ export class Lights {
   }
 
   /** What is looked for is no longer wanted; what was tried last stays in the browser's history, so it is kept. */
-  private end_search(): void {
-    this.planning.stop_search();
-    this.plan_card.rest();
+  private endSearch(): void {
+    this.planning.stopSearch();
+    this.planCard.rest();
     void this.row.end();
   }
 
   /** Whether the plan that is shown is one of many that are tried. */
-  is_trying(): boolean {
-    return this.row.is_open();
+  isTrying(): boolean {
+    return this.row.isOpen();
   }
 
   /** When a link to what is shown will last; whether it will. */
@@ -221,22 +221,22 @@ export class Lights {
   }
 
   private drop(): void {
-    this.end_search();
-    this.forget_painting(null);
+    this.endSearch();
+    this.forgetPainting(null);
     this.choose(null);
   }
 
   private clear(): void {
     const { base } = this.painting;
-    this.end_search();
-    this.forget_painting(base);
+    this.endSearch();
+    this.forgetPainting(base);
     this.choose(base);
   }
 
   /** Changes what is painted, and shows the lights that it makes. */
   private repaint(change: () => void): void {
     change();
-    this.show_change();
+    this.showChange();
     this.kept = this.keep();
   }
 
@@ -246,7 +246,7 @@ export class Lights {
     const { signal } = this.keeping;
     const scene = this.context?.scene;
     if (scene == null) return;
-    if (!this.painting.can_undo()) {
+    if (!this.painting.canUndo()) {
       this.accepted = this.painting.snapshot();
       this.own = this.painting.base;
       this.choose(this.painting.base);
@@ -254,11 +254,11 @@ export class Lights {
     }
     try {
       // What is kept stands on what is kept.
-      const is_lasting = await this.lasting();
+      const isLasting = await this.lasting();
       if (signal.aborted) return;
-      if (!is_lasting) {
+      if (!isLasting) {
         this.painting.restore(this.accepted);
-        this.show_change();
+        this.showChange();
         return;
       }
       const scenario = await api.paint(scene, this.painting.body(), signal);
@@ -272,25 +272,25 @@ export class Lights {
       // What the server refused is taken back.
       this.painting.restore(this.accepted);
       this.events.failed(reason);
-      this.show_change();
+      this.showChange();
     }
   }
 
   /** What is said of the change of lights, and where it is; of what is the same as before nothing is touched. */
-  private show_change(): void {
+  private showChange(): void {
     const change = this.planning.change();
     const plan = change?.kind === "plan" ? change.plan : null;
     const scenario = change?.kind === "scenario" ? change.scenario : null;
     const shown = this.context?.lights !== "today";
-    this.plan_card.show(plan, this.places);
-    this.paint_card.show(this.painting, scenario, this.context?.conditions.lamp ?? "mixed");
-    by_id("lights-changed", HTMLButtonElement).textContent = scenario === null ? words().sky.with_plan : words().sky.as_painted;
+    this.planCard.show(plan, this.places);
+    this.paintCard.show(this.painting, scenario, this.context?.conditions.lamp ?? "mixed");
+    byId("lights-changed", HTMLButtonElement).textContent = scenario === null ? words().sky.withPlan : words().sky.asPainted;
     const dimmed = shown ? plan : null;
     const edits = shown ? this.painting.edits() : NO_EDITS;
     if (this.map === null) return;
-    if (dimmed !== this.shown_dimmed) void this.map.show_dimmed(dimmed?.pixels ?? []);
-    if (edits !== this.shown_edits) void this.map.show_painted(edits);
-    this.shown_dimmed = dimmed;
-    this.shown_edits = edits;
+    if (dimmed !== this.shownDimmed) void this.map.showDimmed(dimmed?.pixels ?? []);
+    if (edits !== this.shownEdits) void this.map.showPainted(edits);
+    this.shownDimmed = dimmed;
+    this.shownEdits = edits;
   }
 }

@@ -2,32 +2,32 @@
 
 import { api, type InfluenceQuery, type LayerQuery, type SkyParameters } from "./api/client.ts";
 import type { Atmosphere, NamedPlace, Scene, Site, SkyAnswer } from "./api/types.ts";
-import { choose_language, words } from "./language/words.ts";
-import type { SkyMap } from "./map/sky_map.ts";
+import { chooseLanguage, words } from "./language/words.ts";
 import { Lights } from "./lights.ts";
+import type { SkyMap } from "./map/sky-map.ts";
+import { brightnessMagArcsec2 } from "./photometry.ts";
 import { SkySession } from "./session.ts";
-import { brightness_mag_arcsec2 } from "./photometry.ts";
-import { Legend } from "./sky/legend.ts";
-import { text_from_region, type Region } from "./sky/region.ts";
 import type { SkySample } from "./sky/grid.ts";
-import { SkyView } from "./sky/sky_view.ts";
-import { LAYERS, fragment_from_state, state_from_fragment, type LayerName, type Place, type ViewState } from "./state.ts";
-import { cloud_bases, packs_under } from "./ui/clouds.ts";
+import { Legend } from "./sky/legend.ts";
+import { type Region, textFromRegion } from "./sky/region.ts";
+import { SkyView } from "./sky/sky-view.ts";
+import { fragmentFromState, LAYERS, type LayerName, type Place, stateFromFragment, type ViewState } from "./state.ts";
+import { cloudBases, packsUnder } from "./ui/clouds.ts";
 import { Controls, DEFAULT_TURBIDITY } from "./ui/controls.ts";
-import { by_id, debounced } from "./ui/dom.ts";
-import { show_downloads, show_influence_downloads } from "./ui/downloads.ts";
+import { byId, debounced } from "./ui/dom.ts";
+import { showDownloads, showInfluenceDownloads } from "./ui/downloads.ts";
 import { coordinates } from "./ui/format.ts";
-import { show_layer_state } from "./ui/layers.ts";
-import { wire_locate } from "./ui/locate.ts";
+import { showLayerState } from "./ui/layers.ts";
+import { wireLocate } from "./ui/locate.ts";
 import { Marking } from "./ui/marking.ts";
-import { place_name } from "./ui/nearby.ts";
+import { placeName } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
-import { show_numbers, show_site } from "./ui/numbers.ts";
-import { show_readout } from "./ui/readout.ts";
-import { resident_scatterings, scattering_title, turbidity_ends, turbidity_within } from "./ui/scattering.ts";
+import { showNumbers, showSite } from "./ui/numbers.ts";
+import { showReadout } from "./ui/readout.ts";
+import { residentScatterings, scatteringTitle, turbidityEnds, turbidityWithin } from "./ui/scattering.ts";
 import { Search } from "./ui/search.ts";
-import { wire_share } from "./ui/share.ts";
-import { wire_switches } from "./ui/switches.ts";
+import { wireShare } from "./ui/share.ts";
+import { wireSwitches } from "./ui/switches.ts";
 
 /** Opacity of the lights that cause a marked part of the sky. */
 const SHOWN_INFLUENCE = 0.9;
@@ -36,12 +36,12 @@ const SHOWN_INFLUENCE = 0.9;
 type Conditions = Omit<SkyParameters, "lat" | "lon">;
 
 /** As requests have them. Five decimals are a metre; a link restores the very same request. */
-function coordinates_of({ latitude_deg, longitude_deg }: Place): { lat: number; lon: number } {
+function coordinatesOf({ latitude_deg, longitude_deg }: Place): { lat: number; lon: number } {
   return { lat: +latitude_deg.toFixed(5), lon: +longitude_deg.toFixed(5) };
 }
 
 class Viewer {
-  private state: ViewState = state_from_fragment(location.hash);
+  private state: ViewState = stateFromFragment(location.hash);
   private scenes: readonly Scene[] = [];
   private atmospheres: readonly Atmosphere[] = [];
   private places: readonly NamedPlace[] = [];
@@ -49,23 +49,23 @@ class Viewer {
   /** What is pointed at in the sky. */
   private pointed: SkySample | null = null;
   private map: SkyMap | null = null;
-  private scene_requests = new AbortController();
+  private sceneRequests = new AbortController();
 
-  private readonly notice = new Notice(by_id("notice", HTMLElement));
-  private readonly site = by_id("site", HTMLElement);
-  private readonly numbers = by_id("numbers", HTMLElement);
-  private readonly numbers_card = by_id("numbers-card", HTMLElement);
-  private readonly title = by_id("place-title", HTMLElement);
-  private readonly legend = new Legend(by_id("legend", HTMLElement), by_id("legend-title", HTMLElement));
-  private readonly sky_view = new SkyView(by_id("sky-view", HTMLElement), this.state, {
+  private readonly notice = new Notice(byId("notice", HTMLElement));
+  private readonly site = byId("site", HTMLElement);
+  private readonly numbers = byId("numbers", HTMLElement);
+  private readonly numbersCard = byId("numbers-card", HTMLElement);
+  private readonly title = byId("place-title", HTMLElement);
+  private readonly legend = new Legend(byId("legend", HTMLElement), byId("legend-title", HTMLElement));
+  private readonly skyView = new SkyView(byId("sky-view", HTMLElement), this.state, {
     pointed: (sample) => {
       this.pointed = sample;
-      this.show_pointed();
+      this.showPointed();
     },
     gazed: (gaze) => {
       this.state = { ...this.state, gaze };
-      this.write_url(false);
-      this.show_links();
+      this.writeUrl(false);
+      this.showLinks();
     },
     drawn: (region) => {
       this.marking.ended();
@@ -73,18 +73,19 @@ class Viewer {
     },
   });
   private readonly marking = new Marking({
-    draw: (on) => this.sky_view.set_drawing(on),
+    draw: (on) => this.skyView.setDrawing(on),
     unmark: () => this.mark(null),
   });
-  private readonly search = new Search(by_id("search", HTMLInputElement), by_id("search-list", HTMLElement), (place) => {
+  private readonly search = new Search(byId("search", HTMLInputElement), byId("search-list", HTMLElement), (place) => {
     this.pick(place);
-    this.map?.go_to(place);
+    this.map?.goTo(place);
   });
   private readonly controls = new Controls({
     scene: (scene) => this.change({ scene, place: null, scenario: null, view: null }, { push: true }),
     turbidity: (turbidity) => this.change({ turbidity }),
-    scattering: (scattering) => this.change({ scattering, turbidity: turbidity_within(this.packs(), scattering, this.state.turbidity) }),
-    clouds: (clouds) => this.choose_clouds(clouds),
+    scattering: (scattering) =>
+      this.change({ scattering, turbidity: turbidityWithin(this.packs(), scattering, this.state.turbidity) }),
+    clouds: (clouds) => this.chooseClouds(clouds),
     lamp: (lamp) => this.change({ lamp }),
     emission: (emission) => this.change({ emission }),
     terrain: (terrain) => this.change({ terrain }),
@@ -92,113 +93,115 @@ class Viewer {
     projection: (projection) => this.change({ projection }),
     sky: (sky) => this.change({ sky }),
     colours: (colours) => this.change({ colours }),
-    exposure: (exposure_ev) => this.change({ exposure_ev }),
+    exposure: (exposureEv) => this.change({ exposureEv }),
     unit: (unit) => this.change({ unit }),
     measure: (measure) => this.change({ measure }),
     layer: (layer, opacity) => this.change({ layers: { ...this.state.layers, [layer]: opacity } }),
   });
   private readonly session = new SkySession({
-    started: () => this.set_busy(true),
-    site: (site) => this.site_known(site),
+    started: () => this.setBusy(true),
+    site: (site) => this.siteKnown(site),
     numbers: (answer) => {
       this.answer = answer;
-      document.body.dataset["sky"] = "numbers";
-      this.show_numbers();
+      document.body.dataset.sky = "numbers";
+      this.showNumbers();
     },
     picture: (grid, other) => {
-      document.body.dataset["sky"] = "picture";
-      this.sky_view.show(grid, other);
-      this.show_links();
+      document.body.dataset.sky = "picture";
+      this.skyView.show(grid, other);
+      this.showLinks();
     },
     failed: (reason) => {
-      this.forget_sky();
+      this.forgetSky();
       this.notice.show(reason);
     },
-    ended: () => this.set_busy(false),
+    ended: () => this.setBusy(false),
   });
 
   /** Once the line rests. */
-  private readonly write_split = debounced(300, () => this.write_url(false));
+  private readonly writeSplit = debounced(300, () => this.writeUrl(false));
 
   private readonly lights = new Lights({
     chosen: (scenario, how) => this.change({ scenario, lights: this.state.lights === "both" ? "both" : "changed" }, how),
-    settled: () => LAYERS.forEach((layer) => this.show_layer(layer)),
+    settled: () => {
+      for (const layer of LAYERS) this.showLayer(layer);
+    },
     failed: (reason) => this.notice.show(reason),
   });
 
   async start(): Promise<void> {
-    wire_share(() => this.lights.lasting());
-    wire_switches(() => this.map?.resize());
-    wire_locate(
+    wireShare(() => this.lights.lasting());
+    wireSwitches(() => this.map?.resize());
+    wireLocate(
       (place) => {
         this.pick(place);
-        this.map?.go_to(place);
+        this.map?.goTo(place);
       },
       (reason) => this.notice.show(reason),
     );
-    const split = by_id("split", HTMLInputElement);
-    split.addEventListener("input", () => this.set_split(Number(split.value) / 100));
-    this.set_split(this.state.split);
-    this.show_look();
-    const { signal } = this.scene_requests;
-    const map_code = import("./map/sky_map.ts");
+    const split = byId("split", HTMLInputElement);
+    split.addEventListener("input", () => this.setSplit(Number(split.value) / 100));
+    this.setSplit(this.state.split);
+    this.showLook();
+    const { signal } = this.sceneRequests;
+    const mapCode = import("./map/sky-map.ts");
     try {
       const [scenes, atmospheres] = await Promise.all([api.scenes(signal), api.atmospheres(signal)]);
       this.scenes = scenes;
       this.atmospheres = atmospheres;
-      this.controls.set_scenes(scenes);
-      this.controls.set_atmospheres(atmospheres);
+      this.controls.setScenes(scenes);
+      this.controls.setAtmospheres(atmospheres);
       if (scenes.length === 0) {
-        this.notice.show(new Error(words().problems.no_scenes));
+        this.notice.show(new Error(words().problems.noScenes));
       }
     } catch (reason) {
       this.notice.show(reason);
     }
-    this.drop_absent_air();
+    this.dropAbsentAir();
     this.controls.show(this.state, null);
-    await this.start_map(map_code);
+    await this.startMap(mapCode);
     addEventListener("popstate", () => this.restore());
-    if (this.scenes.length > 0) this.enter_scene();
+    if (this.scenes.length > 0) this.enterScene();
   }
 
   /** Without WebGL there is no map, but the search box still picks places. */
-  private async start_map(map_code: Promise<typeof import("./map/sky_map.ts")>): Promise<void> {
+  private async startMap(mapCode: Promise<typeof import("./map/sky-map.ts")>): Promise<void> {
     try {
-      const { SkyMap } = await map_code;
-      this.map = this.new_map(SkyMap);
-      this.lights.set_map(this.map);
+      const { SkyMap } = await mapCode;
+      this.map = this.newMap(SkyMap);
+      this.lights.setMap(this.map);
     } catch (reason) {
-      this.notice.show(new Error(words().problems.no_map(reason instanceof Error ? reason.message : String(reason))));
+      this.notice.show(new Error(words().problems.noMap(reason instanceof Error ? reason.message : String(reason))));
     }
   }
 
-  private new_map(SkyMapClass: typeof SkyMap): SkyMap {
-    return new SkyMapClass(by_id("map", HTMLElement), this.state.view, {
+  private newMap(SkyMapClass: typeof SkyMap): SkyMap {
+    return new SkyMapClass(byId("map", HTMLElement), this.state.view, {
       picked: (place) => this.pick(place),
       painted: (area) => this.lights.painted(area),
       moved: (view) => {
         this.state = { ...this.state, view };
-        this.write_url(false);
+        this.writeUrl(false);
       },
-      layer: show_layer_state,
-      split: (part) => this.set_split(part),
+      layer: showLayerState,
+      split: (part) => this.setSplit(part),
       failed: (reason) => this.notice.show(reason),
     });
   }
 
   /** How far today's sky and map reach from the left, 0 to 1. */
-  private set_split(part: number): void {
-    const slider = by_id("split", HTMLInputElement);
+  private setSplit(part: number): void {
+    const slider = byId("split", HTMLInputElement);
     slider.value = String(Math.round(100 * part));
     slider.setAttribute("aria-valuetext", words().plan.percent(slider.value));
-    this.sky_view.set_split(part);
+    this.skyView.setSplit(part);
     this.state = { ...this.state, split: part };
     this.compare();
-    this.write_split();
+    this.writeSplit();
   }
 
   private compare(): void {
-    this.map?.compare(this.is_compared() ? this.state.split : null);
+    this.map?.compare(this.isCompared() ? this.state.split : null);
   }
 
   private scene(): Scene | null {
@@ -206,67 +209,67 @@ class Viewer {
   }
 
   /** Shows the state's scene, or the first where the state names none that exists. */
-  private enter_scene(): void {
+  private enterScene(): void {
     if (this.state.scene !== null && this.scene() === null) {
-      this.notice.show(new Error(words().problems.no_such_scene(this.state.scene, this.scenes[0]?.title ?? "")));
+      this.notice.show(new Error(words().problems.noSuchScene(this.state.scene, this.scenes[0]?.title ?? "")));
       this.state = { ...this.state, scene: null, place: null, scenario: null, view: null };
     }
     const scene = this.scene() ?? this.scenes[0];
     if (scene === undefined) return;
     this.state = { ...this.state, scene: scene.id };
-    this.scene_requests.abort();
-    this.scene_requests = new AbortController();
+    this.sceneRequests.abort();
+    this.sceneRequests = new AbortController();
     this.places = [];
-    this.search.set_places([]);
-    void this.map?.show_scene(scene, this.state.view === null);
-    void this.map?.show_places([]);
-    const { signal } = this.scene_requests;
+    this.search.setPlaces([]);
+    void this.map?.showScene(scene, this.state.view === null);
+    void this.map?.showPlaces([]);
+    const { signal } = this.sceneRequests;
     api
       .places(scene.id, signal)
       .then((places) => {
         this.places = places;
-        this.search.set_places(places);
-        this.lights.set_places(places);
-        this.show_title();
-        return this.map?.show_places(places);
+        this.search.setPlaces(places);
+        this.lights.setPlaces(places);
+        this.showTitle();
+        return this.map?.showPlaces(places);
       })
       .catch((reason: unknown) => {
         if (!signal.aborted) this.notice.show(reason);
       });
-    this.show_state();
-    this.write_url(false);
+    this.showState();
+    this.writeUrl(false);
   }
 
   /** The packs under the clouds of the state. */
   private packs(): Atmosphere[] {
-    return packs_under(this.atmospheres, this.state.clouds);
+    return packsUnder(this.atmospheres, this.state.clouds);
   }
 
   /** Scattering and turbidity stay where the packs under these clouds serve them. */
-  private choose_clouds(clouds: number | null): void {
-    const packs = packs_under(this.atmospheres, clouds);
-    const scattering = resident_scatterings(packs).find((name) => name === this.state.scattering) ?? null;
-    const ends = turbidity_ends(packs, scattering);
+  private chooseClouds(clouds: number | null): void {
+    const packs = packsUnder(this.atmospheres, clouds);
+    const scattering = residentScatterings(packs).find((name) => name === this.state.scattering) ?? null;
+    const ends = turbidityEnds(packs, scattering);
     const wanted = this.state.turbidity ?? DEFAULT_TURBIDITY;
     const reached = ends !== null && wanted >= ends[0] && wanted <= ends[1];
-    this.change({ clouds, scattering, turbidity: reached ? this.state.turbidity : turbidity_within(packs, scattering, wanted) });
+    this.change({ clouds, scattering, turbidity: reached ? this.state.turbidity : turbidityWithin(packs, scattering, wanted) });
   }
 
   /** A link may come from a server with other tables. */
-  private drop_absent_air(): void {
+  private dropAbsentAir(): void {
     const { clouds } = this.state;
-    if (clouds !== null && this.atmospheres.length > 0 && !cloud_bases(this.atmospheres).includes(clouds)) {
-      this.notice.show(new Error(words().problems.no_clouds(clouds)));
+    if (clouds !== null && this.atmospheres.length > 0 && !cloudBases(this.atmospheres).includes(clouds)) {
+      this.notice.show(new Error(words().problems.noClouds(clouds)));
       this.state = { ...this.state, clouds: null };
-      this.write_url(false);
+      this.writeUrl(false);
     }
     const { scattering } = this.state;
-    const resident = resident_scatterings(this.packs());
+    const resident = residentScatterings(this.packs());
     const best = resident[0];
     if (scattering === null || best === undefined || resident.includes(scattering)) return;
-    this.notice.show(new Error(words().problems.no_scattering(scattering_title(scattering), scattering_title(best))));
+    this.notice.show(new Error(words().problems.noScattering(scatteringTitle(scattering), scatteringTitle(best))));
     this.state = { ...this.state, scattering: null };
-    this.write_url(false);
+    this.writeUrl(false);
   }
 
   private pick(place: Place): void {
@@ -275,44 +278,44 @@ class Viewer {
   }
 
   private change(part: Partial<ViewState>, { push = false } = {}): void {
-    const scene_before = this.state.scene;
+    const sceneBefore = this.state.scene;
     this.state = { ...this.state, ...part };
-    this.write_url(push);
-    if (this.state.scene !== scene_before) this.enter_scene();
-    else this.show_state();
+    this.writeUrl(push);
+    if (this.state.scene !== sceneBefore) this.enterScene();
+    else this.showState();
   }
 
   /** Back and forward, and fragments typed by hand. */
   private restore(): void {
-    const scene_before = this.state.scene;
-    this.state = state_from_fragment(location.hash);
-    this.set_split(this.state.split);
-    this.drop_absent_air();
-    if (this.state.view !== null) this.map?.jump_to(this.state.view);
-    if (this.state.scene !== scene_before) this.enter_scene();
-    else this.show_state();
+    const sceneBefore = this.state.scene;
+    this.state = stateFromFragment(location.hash);
+    this.setSplit(this.state.split);
+    this.dropAbsentAir();
+    if (this.state.view !== null) this.map?.jumpTo(this.state.view);
+    if (this.state.scene !== sceneBefore) this.enterScene();
+    else this.showState();
   }
 
-  private show_state(): void {
+  private showState(): void {
     this.controls.show(this.state, this.scene());
-    this.show_look();
+    this.showLook();
     this.compare();
-    for (const layer of LAYERS) this.show_layer(layer);
+    for (const layer of LAYERS) this.showLayer(layer);
     this.map?.mark(this.state.place);
-    this.show_title();
+    this.showTitle();
     const { scene, place, scenario, lights, region } = this.state;
-    document.body.dataset["place"] = place === null ? "none" : "picked";
+    document.body.dataset.place = place === null ? "none" : "picked";
     const { scenario: _, ...conditions } = this.conditions();
     this.lights.show({ scene, place, scenario, lights, region, conditions });
     if (scene === null || place === null) {
       this.session.cancel();
-      this.set_busy(false);
-      this.forget_sky();
+      this.setBusy(false);
+      this.forgetSky();
       return;
     }
-    this.show_numbers();
+    this.showNumbers();
     const parameters = this.parameters(place);
-    this.show_links();
+    this.showLinks();
     const { scenario: changed, ...today } = parameters;
     void this.session.show(scene, parameters, lights === "both" && changed !== undefined ? today : null);
   }
@@ -326,113 +329,121 @@ class Viewer {
   }
 
   /** Whether the lights of today are shown beside the changed ones. */
-  private is_compared(): boolean {
+  private isCompared(): boolean {
     return this.state.scenario !== null && this.state.lights === "both";
   }
 
-  private show_layer(layer: LayerName): void {
+  private showLayer(layer: LayerName): void {
     const { scene, layers } = this.state;
     // Its sums take seconds: of plans that are only tried they are not asked for, and what is there stays.
-    if (layer === "brightness" && layers.brightness > 0 && this.lights.is_trying()) return;
+    if (layer === "brightness" && layers.brightness > 0 && this.lights.isTrying()) return;
     const { scenario: _, ...today } = this.conditions();
     const wanted = (conditions: Conditions) => {
-      const query = this.layer_query(layer, conditions);
+      const query = this.layerQuery(layer, conditions);
       return scene === null || query === null ? null : { scene, query, opacity: layers[layer] };
     };
-    this.map?.show_layer(layer, wanted(this.conditions()), this.is_compared() ? wanted(today) : null);
+    this.map?.showLayer(layer, wanted(this.conditions()), this.isCompared() ? wanted(today) : null);
   }
 
   /** What a layer is asked for under such conditions; null where there is nothing to show. */
-  private layer_query(layer: LayerName, conditions: Conditions): LayerQuery | null {
+  private layerQuery(layer: LayerName, conditions: Conditions): LayerQuery | null {
     const { place, clouds } = this.state;
     const { scenario } = conditions;
     return {
       elevation: this.scene()?.terrain === true ? {} : null,
       brightness: clouds === null ? conditions : null,
       radiance: scenario === undefined ? {} : { scenario },
-      influence: place === null ? null : this.influence_query(place, conditions),
+      influence: place === null ? null : this.influenceQuery(place, conditions),
     }[layer];
   }
 
-  private influence_query(place: Place, conditions: Conditions): InfluenceQuery {
+  private influenceQuery(place: Place, conditions: Conditions): InfluenceQuery {
     const { measure, region } = this.state;
-    const marked = measure === "region" && region !== null ? { region: text_from_region(region) } : {};
-    return { ...coordinates_of(place), ...conditions, measure, ...marked };
+    const marked = measure === "region" && region !== null ? { region: textFromRegion(region) } : {};
+    return { ...coordinatesOf(place), ...conditions, measure, ...marked };
   }
 
   private parameters(place: Place): SkyParameters {
-    return { ...coordinates_of(place), ...this.conditions() };
+    return { ...coordinatesOf(place), ...this.conditions() };
   }
 
   private conditions(): Conditions {
     const { turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights } = this.state;
-    const air = { ...(turbidity === null ? {} : { turbidity }), ...(scattering === null ? {} : { scattering }), ...(clouds === null ? {} : { clouds: String(clouds) }) };
+    const air = {
+      ...(turbidity === null ? {} : { turbidity }),
+      ...(scattering === null ? {} : { scattering }),
+      ...(clouds === null ? {} : { clouds: String(clouds) }),
+    };
     const ground = terrain === "on" ? {} : { terrain };
     const changed = scenario === null || lights === "today" ? {} : { scenario };
     return { lamp, emission, ...ground, ...air, ...changed };
   }
 
-  private show_links(): void {
+  private showLinks(): void {
     const { scene, place } = this.state;
     if (scene === null || place === null) return;
-    show_downloads(by_id("download-links", HTMLElement), scene, this.parameters(place), this.state, this.sky_view.view());
-    show_influence_downloads(by_id("influence-links", HTMLElement), scene, this.influence_query(place, this.conditions()));
+    showDownloads(byId("download-links", HTMLElement), scene, this.parameters(place), this.state, this.skyView.view());
+    showInfluenceDownloads(byId("influence-links", HTMLElement), scene, this.influenceQuery(place, this.conditions()));
   }
 
-  private show_look(): void {
-    document.body.dataset["projection"] = this.state.projection;
+  private showLook(): void {
+    document.body.dataset.projection = this.state.projection;
     this.legend.show(this.state);
-    this.sky_view.set_look(this.state);
-    this.show_pointed();
+    this.skyView.setLook(this.state);
+    this.showPointed();
     this.marking.show(this.state.region !== null);
   }
 
-  private show_pointed(): void {
+  private showPointed(): void {
     const { pointed: sample } = this;
-    show_readout(by_id("sky-readout", HTMLElement), sample, this.state.sky, this.state.unit);
-    const shown = this.state.sky === "total" ? sample?.total_cd_m2 : sample?.artificial_cd_m2;
-    this.legend.point(shown === undefined || sample?.is_below_horizon === true ? null : brightness_mag_arcsec2(shown));
+    showReadout(byId("sky-readout", HTMLElement), sample, this.state.sky, this.state.unit);
+    const shown = this.state.sky === "total" ? sample?.totalCdM2 : sample?.artificialCdM2;
+    this.legend.point(shown === undefined || sample?.isBelowHorizon === true ? null : brightnessMagArcsec2(shown));
   }
 
-  private show_title(): void {
+  private showTitle(): void {
     const { place } = this.state;
-    this.sky_view.set_towns(place, this.places);
+    this.skyView.setTowns(place, this.places);
     if (place === null) this.title.textContent = "";
     else {
-      const name = place_name(place, this.places);
+      const name = placeName(place, this.places);
       const at = coordinates(place.latitude_deg, place.longitude_deg);
-      this.title.replaceChildren(name, ...(name === at ? [] : [Object.assign(document.createElement("small"), { textContent: at })]));
+      this.title.replaceChildren(
+        name,
+        ...(name === at ? [] : [Object.assign(document.createElement("small"), { textContent: at })]),
+      );
     }
   }
 
-  private site_known(site: Site): void {
+  private siteKnown(site: Site): void {
     this.answer = null;
     this.numbers.replaceChildren();
-    this.sky_view.show(null);
-    document.body.dataset["sky"] = "site";
-    show_site(this.site, site);
+    this.skyView.show(null);
+    document.body.dataset.sky = "site";
+    showSite(this.site, site);
   }
 
-  private show_numbers(): void {
+  private showNumbers(): void {
     const scene = this.scene();
-    if (this.answer !== null && scene !== null) show_numbers(this.numbers, this.answer, this.state.sky, this.state.unit, this.state.lamp, scene);
+    if (this.answer !== null && scene !== null)
+      showNumbers(this.numbers, this.answer, this.state.sky, this.state.unit, this.state.lamp, scene);
   }
 
-  private forget_sky(): void {
+  private forgetSky(): void {
     this.answer = null;
-    document.body.dataset["sky"] = "none";
+    document.body.dataset.sky = "none";
     this.site.replaceChildren();
     this.numbers.replaceChildren();
-    this.sky_view.show(null);
+    this.skyView.show(null);
   }
 
-  private set_busy(busy: boolean): void {
+  private setBusy(busy: boolean): void {
     document.body.classList.toggle("busy", busy);
-    this.numbers_card.setAttribute("aria-busy", String(busy));
+    this.numbersCard.setAttribute("aria-busy", String(busy));
   }
 
-  private write_url(push: boolean): void {
-    const fragment = fragment_from_state(this.state);
+  private writeUrl(push: boolean): void {
+    const fragment = fragmentFromState(this.state);
     if (fragment === location.hash) return;
     const url = `${location.pathname}${location.search}${fragment}`;
     try {
@@ -444,5 +455,5 @@ class Viewer {
   }
 }
 
-await choose_language();
+await chooseLanguage();
 void new Viewer().start();

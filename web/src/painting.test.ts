@@ -1,53 +1,116 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { EditAnswer } from "./api/schema.ts";
-import { edit_from, edit_from_answer, Painting, type PaintChange } from "./painting.ts";
+import { editFrom, editFromAnswer, type PaintChange, Painting } from "./painting.ts";
 
-const CHANGE: PaintChange = { kind: "factor", factor: 0.5, lamp: "pc_amber", lamp_from: null, emission: "shielded", add_radiance_nw_cm2_sr: 20 };
-const BRUSH = { shape: "brush", points: [[9, 46], [9.1, 46.000001234]], radius_m: 3000 } as const;
-const AREA = { shape: "area", points: [[9, 46], [9.1, 46], [9, 46.1]] } as const;
+const CHANGE: PaintChange = {
+  kind: "factor",
+  factor: 0.5,
+  lamp: "pc_amber",
+  lampFrom: null,
+  emission: "shielded",
+  addRadianceNwCm2Sr: 20,
+};
+const BRUSH = {
+  shape: "brush",
+  points: [
+    [9, 46],
+    [9.1, 46.000001234],
+  ],
+  radiusM: 3000,
+} as const;
+const AREA = {
+  shape: "area",
+  points: [
+    [9, 46],
+    [9.1, 46],
+    [9, 46.1],
+  ],
+} as const;
 
 test("a stroke becomes the edit that its change says", () => {
-  const brush = { points: [[9, 46], [9.1, 46]], radius_m: 3000 };
-  assert.deepEqual(edit_from(BRUSH, CHANGE), { brush, factor: 0.5 });
-  assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "lamp" }), { brush, lamp: { to: "pc_amber" } });
-  assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "lamp", lamp_from: "hps" }), { brush, lamp: { to: "pc_amber", from: "hps" } });
-  assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "emission" }), { brush, emission: "shielded" });
-  assert.deepEqual(edit_from(BRUSH, { ...CHANGE, kind: "add" }), { brush, add_radiance_nw_cm2_sr: 20 });
-  const ring = [[9, 46], [9.1, 46], [9, 46.1], [9, 46]];
-  assert.deepEqual(edit_from(AREA, CHANGE), { polygon: { type: "Polygon", coordinates: [ring] }, factor: 0.5 });
+  const brush = {
+    points: [
+      [9, 46],
+      [9.1, 46],
+    ],
+    radius_m: 3000,
+  };
+  assert.deepEqual(editFrom(BRUSH, CHANGE), { brush, factor: 0.5 });
+  assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "lamp" }), { brush, lamp: { to: "pc_amber" } });
+  assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "lamp", lampFrom: "hps" }), { brush, lamp: { to: "pc_amber", from: "hps" } });
+  assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "emission" }), { brush, emission: "shielded" });
+  assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "add" }), { brush, add_radiance_nw_cm2_sr: 20 });
+  const ring = [
+    [9, 46],
+    [9.1, 46],
+    [9, 46.1],
+    [9, 46],
+  ];
+  assert.deepEqual(editFrom(AREA, CHANGE), { polygon: { type: "Polygon", coordinates: [ring] }, factor: 0.5 });
 });
 
 test("the server's answer gives back what was sent", () => {
   const area = { type: "MultiPoint", coordinates: [[9, 46]] };
-  const none = { area, radius_m: 3000, lit_pixels: 4, factor: null, add_radiance_nw_cm2_sr: null, lamp: null, lamp_from: null, keep: null, emission: null };
+  const none = {
+    area,
+    radius_m: 3000,
+    lit_pixels: 4,
+    factor: null,
+    add_radiance_nw_cm2_sr: null,
+    lamp: null,
+    lamp_from: null,
+    keep: null,
+    emission: null,
+  };
   const brush = { points: [[9, 46]], radius_m: 3000 };
   const cases: [Partial<Record<keyof EditAnswer, unknown>>, unknown][] = [
     [{ factor: 0 }, { brush, factor: 0 }],
     [{ factor: 1 }, { brush, factor: 1 }],
-    [{ factor: 1, lamp: "led_4000k", lamp_from: "hps", keep: "luminous_flux" }, { brush, lamp: { to: "led_4000k", from: "hps", keep: "luminous_flux" } }],
-    [{ factor: 0.5, emission: [1, 0, 0] }, { brush, factor: 0.5, emission: [1, 0, 0] }],
-    [{ add_radiance_nw_cm2_sr: 5, lamp: [0.1, 0.2, 0.3] }, { brush, add_radiance_nw_cm2_sr: 5, lamp: [0.1, 0.2, 0.3] }],
+    [
+      { factor: 1, lamp: "led_4000k", lamp_from: "hps", keep: "luminous_flux" },
+      { brush, lamp: { to: "led_4000k", from: "hps", keep: "luminous_flux" } },
+    ],
+    [
+      { factor: 0.5, emission: [1, 0, 0] },
+      { brush, factor: 0.5, emission: [1, 0, 0] },
+    ],
+    [
+      { add_radiance_nw_cm2_sr: 5, lamp: [0.1, 0.2, 0.3] },
+      { brush, add_radiance_nw_cm2_sr: 5, lamp: [0.1, 0.2, 0.3] },
+    ],
   ];
-  for (const [answer, sent] of cases) assert.deepEqual(edit_from_answer({ ...none, ...answer } as EditAnswer), sent);
-  const polygon = { type: "MultiPolygon", coordinates: [[[[9, 46], [9.1, 46], [9, 46.1], [9, 46]]]] };
-  assert.deepEqual(edit_from_answer({ ...none, area: polygon, radius_m: null, factor: 2 } as EditAnswer), { polygon, factor: 2 });
+  for (const [answer, sent] of cases) assert.deepEqual(editFromAnswer({ ...none, ...answer } as EditAnswer), sent);
+  const polygon = {
+    type: "MultiPolygon",
+    coordinates: [
+      [
+        [
+          [9, 46],
+          [9.1, 46],
+          [9, 46.1],
+          [9, 46],
+        ],
+      ],
+    ],
+  };
+  assert.deepEqual(editFromAnswer({ ...none, area: polygon, radius_m: null, factor: 2 } as EditAnswer), { polygon, factor: 2 });
 });
 
 test("strokes are undone and redone in order, and a new one ends what could be redone", () => {
   const painting = new Painting();
-  const [first, second, third] = [0, 0.5, 2].map((factor) => edit_from(BRUSH, { ...CHANGE, factor }));
+  const [first, second, third] = [0, 0.5, 2].map((factor) => editFrom(BRUSH, { ...CHANGE, factor }));
   painting.add(first!);
   painting.add(second!);
   painting.undo();
   assert.deepEqual(painting.edits(), [first]);
-  assert.ok(painting.can_redo());
+  assert.ok(painting.canRedo());
   painting.redo();
   assert.deepEqual(painting.edits(), [first, second]);
   painting.undo();
   painting.add(third!);
   assert.deepEqual(painting.edits(), [first, third]);
-  assert.ok(!painting.can_redo());
+  assert.ok(!painting.canRedo());
   painting.redo();
   assert.deepEqual(painting.body(), { edits: [first, third] });
   painting.base = "p-0123456789abcdef0123";
@@ -60,7 +123,11 @@ test("strokes are undone and redone in order, and a new one ends what could be r
 
 test("painting goes on from what was painted before", () => {
   const painting = new Painting();
-  painting.load({ edits: [{ area: { type: "MultiPoint", coordinates: [[9, 46]] }, radius_m: 100, factor: 0.2, lit_pixels: 1 }], base: null, title: null });
+  painting.load({
+    edits: [{ area: { type: "MultiPoint", coordinates: [[9, 46]] }, radius_m: 100, factor: 0.2, lit_pixels: 1 }],
+    base: null,
+    title: null,
+  });
   assert.deepEqual(painting.body(), { edits: [{ brush: { points: [[9, 46]], radius_m: 100 }, factor: 0.2 }] });
-  assert.ok(painting.can_undo() && !painting.is_full());
+  assert.ok(painting.canUndo() && !painting.isFull());
 });

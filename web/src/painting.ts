@@ -12,48 +12,66 @@ export interface PaintChange {
   /** Preset of the new lamps. */
   lamp: string;
   /** Preset of the lamps that they replace; null: of all. */
-  lamp_from: string | null;
+  lampFrom: string | null;
   /** Preset of how light is sent upward. */
   emission: string;
   /** Radiance that is added, nW cm⁻² sr⁻¹. */
-  add_radiance_nw_cm2_sr: number;
+  addRadianceNwCm2Sr: number;
 }
 
 /** Longitude and latitude, degrees. */
 export type LonLat = readonly [number, number];
 
 /** Where a stroke was painted: along points, or inside a closed curve. */
-export type PaintedArea = { shape: "brush"; points: readonly LonLat[]; radius_m: number } | { shape: "area"; points: readonly LonLat[] };
+export type PaintedArea =
+  | { shape: "brush"; points: readonly LonLat[]; radiusM: number }
+  | { shape: "area"; points: readonly LonLat[] };
 
 const MOST_EDITS = 100;
 
-export function edit_from(area: PaintedArea, change: PaintChange): EditBody {
-  const points = area.points.map(([longitude_deg, latitude_deg]): [number, number] => [+longitude_deg.toFixed(5), +latitude_deg.toFixed(5)]);
+export function editFrom(area: PaintedArea, change: PaintChange): EditBody {
+  const points = area.points.map(([longitudeDeg, latitudeDeg]): [number, number] => [
+    +longitudeDeg.toFixed(5),
+    +latitudeDeg.toFixed(5),
+  ]);
   const where =
     area.shape === "brush"
-      ? { brush: { points, radius_m: area.radius_m } }
+      ? { brush: { points, radius_m: area.radiusM } }
       : { polygon: { type: "Polygon", coordinates: [[...points, points[0]]] } };
   switch (change.kind) {
     case "factor":
       return { ...where, factor: change.factor };
     case "lamp":
-      return { ...where, lamp: { to: change.lamp, ...(change.lamp_from === null ? {} : { from: change.lamp_from }) } };
+      return { ...where, lamp: { to: change.lamp, ...(change.lampFrom === null ? {} : { from: change.lampFrom }) } };
     case "emission":
       return { ...where, emission: change.emission };
     case "add":
-      return { ...where, add_radiance_nw_cm2_sr: change.add_radiance_nw_cm2_sr };
+      return { ...where, add_radiance_nw_cm2_sr: change.addRadianceNwCm2Sr };
   }
 }
 
 /** An edit as it was sent, from the server's answer. */
-export function edit_from_answer({ area, radius_m, factor, add_radiance_nw_cm2_sr, lamp, lamp_from, keep, emission }: EditAnswer): EditBody {
-  const where = radius_m == null ? { polygon: area } : { brush: { points: area["coordinates"] as [number, number][], radius_m } };
+export function editFromAnswer({
+  area,
+  radius_m,
+  factor,
+  add_radiance_nw_cm2_sr,
+  lamp,
+  lamp_from,
+  keep,
+  emission,
+}: EditAnswer): EditBody {
+  const where = radius_m == null ? { polygon: area } : { brush: { points: area.coordinates as [number, number][], radius_m } };
   const sent = emission == null ? {} : { emission };
   const fixture = lamp as string | number[] | null | undefined;
-  if (add_radiance_nw_cm2_sr != null) return { ...where, add_radiance_nw_cm2_sr, ...(fixture == null ? {} : { lamp: fixture }), ...sent };
-  const lamps: { lamp?: LampBody } = fixture == null ? {} : { lamp: { to: fixture, ...(lamp_from == null ? {} : { from: lamp_from }), ...(keep == null ? {} : { keep }) } };
-  const only_factor = fixture == null && emission == null;
-  return { ...where, ...(factor == null || (factor === 1 && !only_factor) ? {} : { factor }), ...lamps, ...sent };
+  if (add_radiance_nw_cm2_sr != null)
+    return { ...where, add_radiance_nw_cm2_sr, ...(fixture == null ? {} : { lamp: fixture }), ...sent };
+  const lamps: { lamp?: LampBody } =
+    fixture == null
+      ? {}
+      : { lamp: { to: fixture, ...(lamp_from == null ? {} : { from: lamp_from }), ...(keep == null ? {} : { keep }) } };
+  const onlyFactor = fixture == null && emission == null;
+  return { ...where, ...(factor == null || (factor === 1 && !onlyFactor) ? {} : { factor }), ...lamps, ...sent };
 }
 
 export interface PaintingSnapshot {
@@ -75,15 +93,15 @@ export class Painting {
     return this.done;
   }
 
-  can_undo(): boolean {
+  canUndo(): boolean {
     return this.done.length > 0;
   }
 
-  can_redo(): boolean {
+  canRedo(): boolean {
     return this.undone.length > 0;
   }
 
-  is_full(): boolean {
+  isFull(): boolean {
     return this.done.length >= MOST_EDITS;
   }
 
@@ -116,7 +134,7 @@ export class Painting {
 
   /** Goes on from what somebody painted before. */
   load({ edits, base, title }: Pick<ScenarioAnswer, "edits" | "base" | "title">): void {
-    this.done = edits.map(edit_from_answer);
+    this.done = edits.map(editFromAnswer);
     this.undone = [];
     this.base = base ?? null;
     this.title = title ?? "";
@@ -136,6 +154,10 @@ export class Painting {
 
   /** What the server is asked to keep. */
   body(): ScenarioBody {
-    return { edits: [...this.done], ...(this.base === null ? {} : { base: this.base }), ...(this.title === "" ? {} : { title: this.title }) };
+    return {
+      edits: [...this.done],
+      ...(this.base === null ? {} : { base: this.base }),
+      ...(this.title === "" ? {} : { title: this.title }),
+    };
   }
 }

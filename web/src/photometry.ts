@@ -7,20 +7,20 @@ export const ZERO_POINT_CD_M2 = 1.08e5;
 /** Surface brightness of the natural sky, mag arcsec⁻². */
 export const NATURAL_SKY_MAG_ARCSEC2 = 22.0;
 /** Luminance of the natural sky, cd m⁻² (uniform). */
-export const NATURAL_SKY_CD_M2 = luminance_from_brightness_cd_m2(NATURAL_SKY_MAG_ARCSEC2);
+export const NATURAL_SKY_CD_M2 = luminanceFromBrightnessCdM2(NATURAL_SKY_MAG_ARCSEC2);
 
 /** Σ_b K_b L_b: luminance [cd m⁻²] of a radiance [W m⁻² sr⁻¹] in R, G, B. */
-export function luminance_cd_m2(red_w_m2_sr: number, green_w_m2_sr: number, blue_w_m2_sr: number): number {
+export function luminanceCdM2(redWM2Sr: number, greenWM2Sr: number, blueWM2Sr: number): number {
   const [red, green, blue] = LUMINOUS_EFFICACY_LM_W;
-  return red * red_w_m2_sr + green * green_w_m2_sr + blue * blue_w_m2_sr;
+  return red * redWM2Sr + green * greenWM2Sr + blue * blueWM2Sr;
 }
 
 /** −2.5·log10(luminance / 1.08e5), mag arcsec⁻²; null for a sky without light. */
-export function brightness_mag_arcsec2(luminance_cd_m2: number): number | null {
-  return luminance_cd_m2 > 0 ? -2.5 * Math.log10(luminance_cd_m2 / ZERO_POINT_CD_M2) : null;
+export function brightnessMagArcsec2(luminanceCdM2: number): number | null {
+  return luminanceCdM2 > 0 ? -2.5 * Math.log10(luminanceCdM2 / ZERO_POINT_CD_M2) : null;
 }
 
-/** The inverse of `brightness_mag_arcsec2`: luminance, cd m⁻². */
-export function luminance_from_brightness_cd_m2(brightness_mag_arcsec2: number): number {
-  return ZERO_POINT_CD_M2 * 10 ** (-0.4 * brightness_mag_arcsec2);
+/** The inverse of `brightnessMagArcsec2`: luminance, cd m⁻². */
+export function luminanceFromBrightnessCdM2(brightnessMagArcsec2: number): number {
+  return ZERO_POINT_CD_M2 * 10 ** (-0.4 * brightnessMagArcsec2);
 }

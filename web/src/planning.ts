@@ -13,18 +13,18 @@ export type PlanMeasure = (typeof PLAN_MEASURES)[number];
 interface TargetWish {
   method: "target";
   /** By this part of what it is, 0 to 1. */
-  reduce_by: number;
+  reduceBy: number;
   /** The largest part of a light that may go, 0 to 1. */
-  max_cut: number;
+  maxCut: number;
 }
 
 /** The lights of most influence (q_a, q_b as percentiles of the lit pixels). */
 interface ThresholdWish {
   method: "threshold";
   /** So many percent of the pixels, those of least influence, are left alone. */
-  least_percent: number;
+  leastPercent: number;
   /** Those above so many percent lose the most, those between less. */
-  most_percent: number;
+  mostPercent: number;
   /** The part that those lose, 0 to 1. */
   gamma: number;
 }
@@ -37,12 +37,24 @@ export type PlanWish = (TargetWish | ThresholdWish) & {
 };
 export type PlanMethod = PlanWish["method"];
 
-function body_of(wish: PlanWish, { latitude_deg, longitude_deg }: Place): PlanBody {
+function bodyOf(wish: PlanWish, { latitude_deg, longitude_deg }: Place): PlanBody {
   const { measure, region } = wish;
-  const curve = measure !== "region" || region === null ? {} : { region: region.map(({ azimuth_deg, elevation_deg }): [number, number] => [azimuth_deg, elevation_deg]) };
+  const curve =
+    measure !== "region" || region === null
+      ? {}
+      : { region: region.map(({ azimuthDeg, elevationDeg }): [number, number] => [azimuthDeg, elevationDeg]) };
   const place = { lat: latitude_deg, lon: longitude_deg };
-  if (wish.method === "target") return { method: wish.method, max_cut: wish.max_cut, sites: [{ ...place, measure, reduce_by: wish.reduce_by, ...curve }] };
-  return { method: wish.method, site: place, measure, q_a: `p${wish.least_percent}`, q_b: `p${wish.most_percent}`, gamma: wish.gamma, ...curve };
+  if (wish.method === "target")
+    return { method: wish.method, max_cut: wish.maxCut, sites: [{ ...place, measure, reduce_by: wish.reduceBy, ...curve }] };
+  return {
+    method: wish.method,
+    site: place,
+    measure,
+    q_a: `p${wish.leastPercent}`,
+    q_b: `p${wish.mostPercent}`,
+    gamma: wish.gamma,
+    ...curve,
+  };
 }
 
 /** What changes the lights: a plan found by the server, or edits that somebody painted. */
@@ -69,40 +81,51 @@ export class Planning {
   constructor(private readonly events: PlanningEvents) {}
 
   /** Looks for what a wish takes from the lights of a place's sky. What is known stays until it is found. */
-  async find(scene: string, place: Place, conditions: Omit<PlanQuery, "limit" | "keep">, wish: PlanWish, is_kept: boolean): Promise<void> {
-    const body = body_of(wish, place);
+  async find(
+    scene: string,
+    place: Place,
+    conditions: Omit<PlanQuery, "limit" | "keep">,
+    wish: PlanWish,
+    isKept: boolean,
+  ): Promise<void> {
+    const body = bodyOf(wish, place);
     this.search?.abort();
     const search = new AbortController();
     this.search = search;
     this.events.searching(true);
     try {
-      const plan = await api.find_plan(scene, { ...conditions, limit: LISTED_PIXELS, keep: is_kept ? "on" : "off" }, body, search.signal);
-      this.end_search();
+      const plan = await api.findPlan(
+        scene,
+        { ...conditions, limit: LISTED_PIXELS, keep: isKept ? "on" : "off" },
+        body,
+        search.signal,
+      );
+      this.endSearch();
       this.adopt({ kind: "plan", plan });
-      const keep = () => api.find_plan(scene, { ...conditions, limit: 0, keep: "on" }, body, new AbortController().signal);
-      this.events.found({ kind: "plan", plan }, is_kept ? null : keep);
+      const keep = () => api.findPlan(scene, { ...conditions, limit: 0, keep: "on" }, body, new AbortController().signal);
+      this.events.found({ kind: "plan", plan }, isKept ? null : keep);
     } catch (reason) {
       if (search.signal.aborted) return;
-      this.end_search();
+      this.endSearch();
       this.events.failed(reason, "search");
     }
   }
 
   /** Ends a search: what it was for is no longer so. */
-  stop_search(): void {
+  stopSearch(): void {
     if (this.search === null) return;
     this.search.abort();
-    this.end_search();
+    this.endSearch();
   }
 
-  private end_search(): void {
+  private endSearch(): void {
     this.search = null;
     this.events.searching(false);
   }
 
   /** Fetches a change unless it is the one that is known or on its way; null forgets it. */
   async show(id: string | null): Promise<void> {
-    if (id === this.loading?.id || (this.known !== null && id === id_of(this.known))) return;
+    if (id === this.loading?.id || (this.known !== null && id === idOf(this.known))) return;
     this.loading?.controller.abort();
     this.loading = null;
     this.known = null;
@@ -139,6 +162,6 @@ export class Planning {
   }
 }
 
-export function id_of(change: Change): string {
+export function idOf(change: Change): string {
   return change.kind === "plan" ? change.plan.id : change.scenario.id;
 }

@@ -17,7 +17,7 @@ export interface SessionEvents {
 export class SkySession {
   private controller = new AbortController();
   private asked = "";
-  private site_asked = "";
+  private siteAsked = "";
 
   constructor(private readonly events: SessionEvents) {}
 
@@ -28,14 +28,14 @@ export class SkySession {
     this.restart();
     const { signal } = this.controller;
     this.asked = asked;
-    const site_asked = JSON.stringify([scene, parameters.lat, parameters.lon]);
+    const siteAsked = JSON.stringify([scene, parameters.lat, parameters.lon]);
     performance.clearMarks("sky:asked");
     performance.mark("sky:asked");
     this.events.started();
     try {
-      if (site_asked !== this.site_asked) {
+      if (siteAsked !== this.siteAsked) {
         this.events.site(await api.site(scene, parameters, signal));
-        this.site_asked = site_asked;
+        this.siteAsked = siteAsked;
         performance.measure("sky:site", "sky:asked");
       }
       this.events.numbers(await api.sky(scene, parameters, signal));
@@ -49,7 +49,7 @@ export class SkySession {
       if (signal.aborted) return;
       // Asking for the same again is then a new try.
       this.asked = "";
-      this.site_asked = "";
+      this.siteAsked = "";
       this.events.failed(reason);
       this.events.ended();
     }
@@ -59,7 +59,7 @@ export class SkySession {
   cancel(): void {
     this.restart();
     this.asked = "";
-    this.site_asked = "";
+    this.siteAsked = "";
   }
 
   private restart(): void {

@@ -2,11 +2,11 @@
 
 import type { ScatteringName } from "./api/client.ts";
 import type { NamedPlace } from "./api/types.ts";
-import { STYLES, type PictureStyle } from "./sky/colour_maps.ts";
+import { type PictureStyle, STYLES } from "./sky/colour-maps.ts";
 import type { SkyKind } from "./sky/grid.ts";
-import { PROJECTIONS, type Gaze, type ProjectionName } from "./sky/projection.ts";
-import { region_from_text, text_from_region, type Region } from "./sky/region.ts";
-import { UNITS, type BrightnessUnit } from "./sky/units.ts";
+import { type Gaze, PROJECTIONS, type ProjectionName } from "./sky/projection.ts";
+import { type Region, regionFromText, textFromRegion } from "./sky/region.ts";
+import { type BrightnessUnit, UNITS } from "./sky/units.ts";
 
 /** A point on the ground, as the API names it. */
 export type Place = Pick<NamedPlace, "latitude_deg" | "longitude_deg">;
@@ -56,7 +56,7 @@ export interface ViewState {
   sky: SkyKind;
   colours: PictureStyle;
   /** Of the realistic picture, stops. */
-  exposure_ev: number;
+  exposureEv: number;
   unit: BrightnessUnit;
   /** Of the layer of influence; `region` only where there is one. */
   measure: MeasureName;
@@ -83,20 +83,20 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   gaze: null,
   sky: "artificial",
   colours: "inferno",
-  exposure_ev: 0,
+  exposureEv: 0,
   unit: "magnitude",
   measure: "zenith",
   region: null,
   layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
 };
 
-function number_in(text: string | null, least: number, most: number): number | null {
+function numberIn(text: string | null, least: number, most: number): number | null {
   if (text === null || text.trim() === "") return null;
   const value = Number(text);
   return Number.isFinite(value) && value >= least && value <= most ? value : null;
 }
 
-function one_of<T extends string>(text: string | null, allowed: readonly T[], otherwise: T): T {
+function oneOf<T extends string>(text: string | null, allowed: readonly T[], otherwise: T): T {
   return allowed.find((name) => name === text) ?? otherwise;
 }
 
@@ -105,59 +105,59 @@ function matching(text: string | null, pattern: RegExp): string | null {
 }
 
 /** `azimuth/elevation/field`, degrees. */
-function gaze_from_text(text: string | null): Gaze | null {
+function gazeFromText(text: string | null): Gaze | null {
   const [azimuth, elevation, field] = (text ?? "").split("/");
-  const azimuth_deg = number_in(azimuth ?? null, 0, 360);
-  const elevation_deg = number_in(elevation ?? null, -10, 90);
-  const field_deg = number_in(field ?? null, 10, 120);
-  return azimuth_deg === null || elevation_deg === null || field_deg === null ? null : { azimuth_deg, elevation_deg, field_deg };
+  const azimuthDeg = numberIn(azimuth ?? null, 0, 360);
+  const elevationDeg = numberIn(elevation ?? null, -10, 90);
+  const fieldDeg = numberIn(field ?? null, 10, 120);
+  return azimuthDeg === null || elevationDeg === null || fieldDeg === null ? null : { azimuthDeg, elevationDeg, fieldDeg };
 }
 
 /** Reads a fragment such as `#scene=demo&lat=…`. What is missing or makes no sense takes its default. */
-export function state_from_fragment(fragment: string): ViewState {
+export function stateFromFragment(fragment: string): ViewState {
   const query = new URLSearchParams(fragment.replace(/^#/, ""));
-  const latitude_deg = number_in(query.get("lat"), -90, 90);
-  const longitude_deg = number_in(query.get("lon"), -180, 180);
-  const [zoom, view_latitude, view_longitude] = (query.get("map") ?? "").split("/");
+  const latitudeDeg = numberIn(query.get("lat"), -90, 90);
+  const longitudeDeg = numberIn(query.get("lon"), -180, 180);
+  const [zoom, viewLatitude, viewLongitude] = (query.get("map") ?? "").split("/");
   const view = {
-    zoom: number_in(zoom ?? null, 0, 22),
-    latitude_deg: number_in(view_latitude ?? null, -90, 90),
-    longitude_deg: number_in(view_longitude ?? null, -540, 540),
+    zoom: numberIn(zoom ?? null, 0, 22),
+    latitude_deg: numberIn(viewLatitude ?? null, -90, 90),
+    longitude_deg: numberIn(viewLongitude ?? null, -540, 540),
   };
-  const region = region_from_text(query.get("region"));
-  const measure = one_of(query.get("measure"), MEASURES, DEFAULT_STATE.measure);
+  const region = regionFromText(query.get("region"));
+  const measure = oneOf(query.get("measure"), MEASURES, DEFAULT_STATE.measure);
   const layers = { ...DEFAULT_STATE.layers };
-  for (const name of LAYERS) layers[name] = number_in(query.get(name), 0, 1) ?? layers[name];
+  for (const name of LAYERS) layers[name] = numberIn(query.get(name), 0, 1) ?? layers[name];
   return {
     scene: matching(query.get("scene"), /^[a-z0-9-]{1,64}$/),
-    place: latitude_deg !== null && longitude_deg !== null ? { latitude_deg, longitude_deg } : null,
+    place: latitudeDeg !== null && longitudeDeg !== null ? { latitude_deg: latitudeDeg, longitude_deg: longitudeDeg } : null,
     scenario: matching(query.get("scenario"), /^[ps]-[0-9a-f]{20}$/),
-    lights: one_of(query.get("lights"), LIGHTS, DEFAULT_STATE.lights),
-    split: number_in(query.get("split"), 0, 1) ?? DEFAULT_STATE.split,
+    lights: oneOf(query.get("lights"), LIGHTS, DEFAULT_STATE.lights),
+    split: numberIn(query.get("split"), 0, 1) ?? DEFAULT_STATE.split,
     view:
       view.zoom !== null && view.latitude_deg !== null && view.longitude_deg !== null
         ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }
         : null,
-    turbidity: number_in(query.get("turbidity"), 1, 100),
+    turbidity: numberIn(query.get("turbidity"), 1, 100),
     scattering: SCATTERING_NAMES.find((name) => name === query.get("scattering")) ?? null,
-    clouds: number_in(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
+    clouds: numberIn(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
     emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,
-    terrain: one_of(query.get("terrain"), ["on", "off"], DEFAULT_STATE.terrain),
-    projection: one_of(query.get("projection"), PROJECTIONS, DEFAULT_STATE.projection),
-    gaze: gaze_from_text(query.get("look")),
-    sky: one_of(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
-    colours: one_of(query.get("colours"), STYLES, DEFAULT_STATE.colours),
-    exposure_ev: number_in(query.get("exposure"), -4, 6) ?? DEFAULT_STATE.exposure_ev,
-    unit: one_of(query.get("unit"), UNITS, DEFAULT_STATE.unit),
+    terrain: oneOf(query.get("terrain"), ["on", "off"], DEFAULT_STATE.terrain),
+    projection: oneOf(query.get("projection"), PROJECTIONS, DEFAULT_STATE.projection),
+    gaze: gazeFromText(query.get("look")),
+    sky: oneOf(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
+    colours: oneOf(query.get("colours"), STYLES, DEFAULT_STATE.colours),
+    exposureEv: numberIn(query.get("exposure"), -4, 6) ?? DEFAULT_STATE.exposureEv,
+    unit: oneOf(query.get("unit"), UNITS, DEFAULT_STATE.unit),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
     region,
     layers,
   };
 }
 
-/** The fragment that `state_from_fragment` reads; defaults are left out to keep links short. */
-export function fragment_from_state(state: ViewState): string {
+/** The fragment that `stateFromFragment` reads; defaults are left out to keep links short. */
+export function fragmentFromState(state: ViewState): string {
   const parts: string[] = [];
   const add = (name: string, value: string | number | null, otherwise: string | number | null) => {
     if (value !== null && value !== otherwise) parts.push(`${name}=${value}`);
@@ -181,13 +181,19 @@ export function fragment_from_state(state: ViewState): string {
   add("emission", state.emission, DEFAULT_STATE.emission);
   add("terrain", state.terrain, DEFAULT_STATE.terrain);
   add("projection", state.projection, DEFAULT_STATE.projection);
-  add("look", state.gaze === null ? null : [state.gaze.azimuth_deg, state.gaze.elevation_deg, state.gaze.field_deg].map((degrees) => +degrees.toFixed(1)).join("/"), null);
+  add(
+    "look",
+    state.gaze === null
+      ? null
+      : [state.gaze.azimuthDeg, state.gaze.elevationDeg, state.gaze.fieldDeg].map((degrees) => +degrees.toFixed(1)).join("/"),
+    null,
+  );
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);
-  add("exposure", state.exposure_ev, DEFAULT_STATE.exposure_ev);
+  add("exposure", state.exposureEv, DEFAULT_STATE.exposureEv);
   add("unit", state.unit, DEFAULT_STATE.unit);
   add("measure", state.measure, DEFAULT_STATE.measure);
-  add("region", state.region === null ? null : text_from_region(state.region), null);
+  add("region", state.region === null ? null : textFromRegion(state.region), null);
   for (const name of LAYERS.toReversed()) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
   return parts.length === 0 ? "" : `#${parts.join("&")}`;
 }

@@ -4,7 +4,7 @@ import { createReadStream, existsSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
-import { COLUMNS, LAMPS, quantities, radiance, ROWS, TOWNS } from "./sky.mjs";
+import { COLUMNS, LAMPS, quantities, ROWS, radiance, TOWNS } from "./sky.mjs";
 import { tile } from "./tiles.mjs";
 
 const dist = join(dirname(fileURLToPath(import.meta.url)), "../../../web/dist");
@@ -21,7 +21,13 @@ const scene = {
   version: "0",
   calibration: 1,
 };
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json", ".svg": "image/svg+xml" };
+const TYPES = {
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".json": "application/json",
+  ".svg": "image/svg+xml",
+};
 
 function problem(response, status, title, detail, errors = []) {
   response.writeHead(status, { "content-type": "application/problem+json" });
@@ -31,18 +37,28 @@ function problem(response, status, title, detail, errors = []) {
 /** The terrain of the mock has a gap in the far south. */
 const GAP_NORTH_DEG = -4;
 function warnings({ latitude_deg }) {
-  return latitude_deg < GAP_NORTH_DEG ? ["the terrain has no data within 5 km of this place: the ground is taken at sea level"] : [];
+  return latitude_deg < GAP_NORTH_DEG
+    ? ["the terrain has no data within 5 km of this place: the ground is taken at sea level"]
+    : [];
 }
 
 function answer(query) {
   const place = { latitude_deg: Number(query.get("lat")), longitude_deg: Number(query.get("lon")) };
   const turbidity = Number(query.get("turbidity") ?? 2.5);
   const lamp = LAMPS[query.get("lamp") ?? "mixed"];
-  if (lamp === undefined) return { errors: [{ parameter: "lamp", value: query.get("lamp"), allowed: Object.keys(LAMPS).join(", "), message: "is not allowed" }] };
-  if (!(turbidity >= 1.5 && turbidity <= 6)) return { errors: [{ parameter: "turbidity", value: String(turbidity), allowed: "1.5 to 6", message: "is out of range" }] };
+  if (lamp === undefined)
+    return {
+      errors: [{ parameter: "lamp", value: query.get("lamp"), allowed: Object.keys(LAMPS).join(", "), message: "is not allowed" }],
+    };
+  if (!(turbidity >= 1.5 && turbidity <= 6))
+    return { errors: [{ parameter: "turbidity", value: String(turbidity), allowed: "1.5 to 6", message: "is out of range" }] };
   const scattering = query.get("scattering") ?? "multiple";
   const brighter = scattering === "multiple" ? 1.3 : 1;
-  const sky = radiance(place, turbidity, lamp.map((flux) => flux * brighter));
+  const sky = radiance(
+    place,
+    turbidity,
+    lamp.map((flux) => flux * brighter),
+  );
   return {
     sky,
     common: {
@@ -68,11 +84,19 @@ function api(path, query, response) {
   const within = () => {
     const [lat, lon] = [Number(query.get("lat")), Number(query.get("lon"))];
     if (lon >= bounds[0] && lon <= bounds[2] && lat >= bounds[1] && lat <= bounds[3]) return true;
-    problem(response, 404, "The place lies outside the scene", `The scene reaches from ${bounds[0]}° to ${bounds[2]}° east and ${bounds[1]}° to ${bounds[3]}° north.`);
+    problem(
+      response,
+      404,
+      "The place lies outside the scene",
+      `The scene reaches from ${bounds[0]}° to ${bounds[2]}° east and ${bounds[1]}° to ${bounds[3]}° north.`,
+    );
     return false;
   };
   if (path === "scenes") return json([scene]);
-  if (path === "atmospheres") return json(["single", "multiple"].flatMap((scattering) => [1.5, 6].map((turbidity) => ({ scattering, turbidity, cloud_base_m: null }))));
+  if (path === "atmospheres")
+    return json(
+      ["single", "multiple"].flatMap((scattering) => [1.5, 6].map((turbidity) => ({ scattering, turbidity, cloud_base_m: null }))),
+    );
   if (path === "scenes/demo/places") return json(TOWNS);
   if (path === "scenes/demo/site") {
     const place = { latitude_deg: Number(query.get("lat")) };
@@ -84,13 +108,45 @@ function api(path, query, response) {
     const { errors, sky, common } = answer(query);
     if (errors !== undefined) return problem(response, 422, "A parameter is out of range", "See errors.", errors);
     if (path.endsWith("sky")) return json(common);
-    const grid = { azimuth_count: COLUMNS, elevation_count: ROWS, azimuth_first_deg: 0, azimuth_step_deg: 360 / COLUMNS, elevation_first_deg: 45 / ROWS, elevation_step_deg: 90 / ROWS };
-    return json({ ...common, grid, bands_nm: [680, 550, 440], unit: "W m-2 sr-1", radiance: sky, horizon_deg: new Array(COLUMNS).fill(0) });
+    const grid = {
+      azimuth_count: COLUMNS,
+      elevation_count: ROWS,
+      azimuth_first_deg: 0,
+      azimuth_step_deg: 360 / COLUMNS,
+      elevation_first_deg: 45 / ROWS,
+      elevation_step_deg: 90 / ROWS,
+    };
+    return json({
+      ...common,
+      grid,
+      bands_nm: [680, 550, 440],
+      unit: "W m-2 sr-1",
+      radiance: sky,
+      horizon_deg: new Array(COLUMNS).fill(0),
+    });
   }
-  const tiles = /^scenes\/demo\/tiles\/(radiance|elevation|brightness|influence)\/(?:(\d+)\/(\d+)\/(\d+)(?:@2x)?\.png|tilejson\.json)$/.exec(path);
+  const tiles =
+    /^scenes\/demo\/tiles\/(radiance|elevation|brightness|influence)\/(?:(\d+)\/(\d+)\/(\d+)(?:@2x)?\.png|tilejson\.json)$/.exec(
+      path,
+    );
   if (tiles?.[2] === undefined && tiles !== null) {
-    const [range, unit] = { radiance: [[0.2, 200], "nW cm-2 sr-1"], elevation: [null, "m"], brightness: [[1.71e-6, 6.84e-3], "cd m-2"], influence: [[1e-10, 1e-6], "cd m-2"] }[tiles[1]];
-    return json({ tilejson: "3.0.0", description: tiles[1], range, unit, ready: true, tiles: [`/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`], minzoom: 0, maxzoom: 9, bounds });
+    const [range, unit] = {
+      radiance: [[0.2, 200], "nW cm-2 sr-1"],
+      elevation: [null, "m"],
+      brightness: [[1.71e-6, 6.84e-3], "cd m-2"],
+      influence: [[1e-10, 1e-6], "cd m-2"],
+    }[tiles[1]];
+    return json({
+      tilejson: "3.0.0",
+      description: tiles[1],
+      range,
+      unit,
+      ready: true,
+      tiles: [`/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`],
+      minzoom: 0,
+      maxzoom: 9,
+      bounds,
+    });
   }
   if (tiles !== null) {
     response.writeHead(200, { "content-type": "image/png" });
@@ -107,7 +163,8 @@ createServer((request, response) => {
   );
   if (url.pathname.startsWith("/api/v1/")) return api(url.pathname.slice(8), url.searchParams, response);
   const path = join(dist, normalize(url.pathname === "/" ? "/index.html" : url.pathname));
-  if (!path.startsWith(dist) || !existsSync(path) || !statSync(path).isFile()) return problem(response, 404, "No such page", url.pathname);
+  if (!path.startsWith(dist) || !existsSync(path) || !statSync(path).isFile())
+    return problem(response, 404, "No such page", url.pathname);
   response.setHeader("content-type", TYPES[extname(path)] ?? "application/octet-stream");
   return createReadStream(path).pipe(response);
 }).listen(port, "127.0.0.1", () => console.log(`http://127.0.0.1:${port}`));

@@ -13,7 +13,12 @@ export const TOWNS = [
   ["Kitale", 1.016, 35.006, 162_000],
   ["Voi", -3.396, 38.556, 53_000],
   ["Naivasha", -0.717, 36.431, 198_000],
-].map(([name, latitude_deg, longitude_deg, population]) => ({ name, latitude_deg, longitude_deg, population }));
+].map(([name, latitudeDeg, longitudeDeg, population]) => ({
+  name,
+  latitude_deg: latitudeDeg,
+  longitude_deg: longitudeDeg,
+  population,
+}));
 
 const RAD = Math.PI / 180;
 export const COLUMNS = 256;
@@ -51,7 +56,9 @@ export function radiance(place, turbidity, lamp) {
     for (let row = 0; row < ROWS; row++) {
       const elevation = (row + 0.5) * (90 / ROWS) * RAD;
       for (let column = 0; column < COLUMNS; column++) {
-        const angle = Math.acos(Math.min(1, Math.max(-1, Math.cos(elevation) * Math.cos((column / COLUMNS) * 2 * Math.PI - bearing))));
+        const angle = Math.acos(
+          Math.min(1, Math.max(-1, Math.cos(elevation) * Math.cos((column / COLUMNS) * 2 * Math.PI - bearing))),
+        );
         const glow = zenith * (0.35 + (12 * turbidity * Math.exp(-angle / 0.5)) / 2.5) * Math.min(1 / Math.sin(elevation), 9);
         for (let band = 0; band < 3; band++) sky[band][row][column] += glow * lamp[band] * [0.8, 1, 1.2][band];
       }
@@ -72,7 +79,11 @@ export function quantities(sky) {
     const off = 90 - (row + 0.5) * step;
     for (let column = 0; column < COLUMNS; column++) {
       const value = luminance(row, column);
-      for (const [name, weight] of [["zenith", off <= 5 ? 1 : 0], ["sqm", Math.exp(-0.5 * (off / 8.49) ** 2)], ["mean", 1]]) {
+      for (const [name, weight] of [
+        ["zenith", off <= 5 ? 1 : 0],
+        ["sqm", Math.exp(-0.5 * (off / 8.49) ** 2)],
+        ["mean", 1],
+      ]) {
         sums[name][0] += weight * solid * value;
         sums[name][1] += weight * solid;
       }
@@ -81,14 +92,14 @@ export function quantities(sky) {
     }
   }
   const [zenith, sqm, mean] = [sums.zenith, sums.sqm, sums.mean].map(([value, weight]) => value / weight);
-  const total_mag = magnitude(zenith + NATURAL);
+  const totalMag = magnitude(zenith + NATURAL);
   const ends = [21.99, 21.89, 21.69, 20.49, 19.5, 18.94, 18.38];
-  const place = ends.findIndex((end) => total_mag > end);
+  const place = ends.findIndex((end) => totalMag > end);
   return {
     zenith_luminance_cd_m2: zenith,
     zenith_brightness_mag_arcsec2: magnitude(zenith),
     zenith_total_luminance_cd_m2: zenith + NATURAL,
-    zenith_total_brightness_mag_arcsec2: total_mag,
+    zenith_total_brightness_mag_arcsec2: totalMag,
     ratio_to_natural: zenith / NATURAL,
     sqm_luminance_cd_m2: sqm,
     sqm_total_brightness_mag_arcsec2: magnitude(sqm + NATURAL),
@@ -98,8 +109,8 @@ export function quantities(sky) {
     brightest_luminance_cd_m2: brightest[0],
     brightest_azimuth_deg: (brightest[2] * 360) / COLUMNS,
     brightest_elevation_deg: (brightest[1] + 0.5) * step,
-    bortle_class: place >= 0 ? place + 1 : total_mag >= 17.8 ? 8 : 9,
-    naked_eye_limit_mag: Math.max(2, 6.27 - 0.33 * Math.max(0, 22 - total_mag)),
+    bortle_class: place >= 0 ? place + 1 : totalMag >= 17.8 ? 8 : 9,
+    naked_eye_limit_mag: Math.max(2, 6.27 - 0.33 * Math.max(0, 22 - totalMag)),
     zenith_radiance_w_m2_sr: [0, 0, 0],
   };
 }

@@ -1,11 +1,11 @@
 // Map tiles of the stand-in: glowing towns and rolling hills, as indexed-free RGBA PNG.
-import { crc32 as zlib_crc32, deflateSync } from "node:zlib";
+import { deflateSync, crc32 as zlibCrc32 } from "node:zlib";
 import { TOWNS } from "./sky.mjs";
 
 const SIZE = 256;
 
 function crc32(bytes) {
-  if (zlib_crc32 !== undefined) return zlib_crc32(bytes);
+  if (zlibCrc32 !== undefined) return zlibCrc32(bytes);
   let crc = ~0;
   for (const byte of bytes) {
     crc ^= byte;

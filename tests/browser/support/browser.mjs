@@ -33,13 +33,14 @@ export function launch() {
 }
 
 /** A page of its own context, with `faults` (console errors, exceptions, requests to other hosts) and `asked`. */
-export async function open_page(browser, fragment = "", device = DESKTOP) {
+export async function openPage(browser, fragment = "", device = DESKTOP) {
   const context = await browser.newContext({ ...device, serviceWorkers: "block" });
   const page = await context.newPage();
   const faults = [];
   const asked = [];
   page.on("console", (message) => {
-    if (message.type() === "error" || message.type() === "warning") faults.push(`${message.type()}: ${message.text()} (${message.location().url})`);
+    if (message.type() === "error" || message.type() === "warning")
+      faults.push(`${message.type()}: ${message.text()} (${message.location().url})`);
   });
   page.on("pageerror", (error) => faults.push(`exception: ${error.message}`));
   context.on("request", (request) => {
@@ -52,11 +53,11 @@ export async function open_page(browser, fragment = "", device = DESKTOP) {
   return { page, context, faults, asked };
 }
 
-export function assert_no_faults({ faults }) {
+export function assertNoFaults({ faults }) {
   assert.deepEqual(faults, []);
 }
 
-export async function get_json(path) {
+export async function getJson(path) {
   const response = await fetch(`${SERVER}/api/v1/${path}`);
   assert.equal(response.status, 200, `${path}: ${response.status}`);
   return response.json();
@@ -70,12 +71,12 @@ export async function shot(page, name) {
   await page.screenshot({ path: join(folder, `${name}.png`) });
 }
 
-export async function sky_shown(page) {
+export async function skyShown(page) {
   await page.waitForSelector("body[data-sky=picture]:not(.busy)");
 }
 
 /** Waits until the shown numbers are those of an answer. */
-export async function numbers_shown(page, expected) {
+export async function numbersShown(page, expected) {
   await page.waitForFunction(
     (text) => document.querySelector("[data-value=zenith_mag]")?.textContent === text && !document.body.classList.contains("busy"),
     expected.zenith_brightness_mag_arcsec2.toFixed(2),
@@ -83,18 +84,19 @@ export async function numbers_shown(page, expected) {
 }
 
 /** How many colours a canvas or a picture has, transparent pixels left out. */
-export function canvas_colours(page, selector) {
+export function canvasColours(page, selector) {
   return page.$eval(selector, (canvas) => {
     const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
     const colours = new Set();
-    for (let i = 0; i < data.length; i += 4) if (data[i + 3] === 255) colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+    for (let i = 0; i < data.length; i += 4)
+      if (data[i + 3] === 255) colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
     return colours.size;
   });
 }
 
 /** A part of the page as the screen shows it (a WebGL canvas cannot be read later): how many colours, and the
  * largest value of red, green and blue. */
-export async function screen_colours(browser, page, selector) {
+export async function screenColours(browser, page, selector) {
   const png = await page.locator(selector).screenshot();
   const scratch = await browser.newPage();
   try {
@@ -120,7 +122,7 @@ export async function screen_colours(browser, page, selector) {
 }
 
 /** Moves a slider as a person does. */
-export function set_slider(page, id, value) {
+export function setSlider(page, id, value) {
   return page.$eval(
     `#${id}`,
     (slider, value) => {

@@ -1,11 +1,11 @@
 // What the API says of a place, to hold the viewer's display against.
-import { get_json } from "./browser.mjs";
+import { getJson } from "./browser.mjs";
 
 /** The demo scene, its largest town, and a place 30 km or so beside it that lies inside the scene. */
 export async function demo() {
-  const scenes = await get_json("scenes");
+  const scenes = await getJson("scenes");
   const scene = scenes.find(({ id }) => id === "demo") ?? scenes[0];
-  const places = await get_json(`scenes/${scene.id}/places`);
+  const places = await getJson(`scenes/${scene.id}/places`);
   const town = [...places].sort((a, b) => (b.population ?? 0) - (a.population ?? 0))[0];
   const [west, south, east, north] = scene.bounds;
   const middle = { latitude_deg: (south + north) / 2, longitude_deg: (west + east) / 2 };
@@ -18,15 +18,16 @@ export async function demo() {
   return { scenes, scene, places, town, beside, outside };
 }
 
-export function sky_path(scene, kind, { latitude_deg, longitude_deg }, more = "") {
+export function skyPath(scene, kind, { latitude_deg, longitude_deg }, more = "") {
   return `scenes/${scene.id}/${kind}?lat=${latitude_deg}&lon=${longitude_deg}${more}`;
 }
 
 /** Luminance of artificial light at the sample nearest to a direction, with that sample's direction. */
-export function sample(panorama, azimuth_deg, elevation_deg) {
+export function sample(panorama, azimuthDeg, elevationDeg) {
   const { grid, radiance } = panorama;
-  const column = Math.round((azimuth_deg - grid.azimuth_first_deg) / grid.azimuth_step_deg + grid.azimuth_count) % grid.azimuth_count;
-  const wanted = Math.round((elevation_deg - grid.elevation_first_deg) / grid.elevation_step_deg);
+  const column =
+    Math.round((azimuthDeg - grid.azimuth_first_deg) / grid.azimuth_step_deg + grid.azimuth_count) % grid.azimuth_count;
+  const wanted = Math.round((elevationDeg - grid.elevation_first_deg) / grid.elevation_step_deg);
   const row = Math.min(Math.max(wanted, 0), grid.elevation_count - 1);
   return {
     azimuth_deg: grid.azimuth_first_deg + column * grid.azimuth_step_deg,

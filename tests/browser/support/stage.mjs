@@ -15,4 +15,4 @@ after(() => browser?.close());
 /** The link to a place of the demo. */
 export const fragment = (place, more = "") => `#scene=${here.scene.id}&lat=${place.latitude_deg}&lon=${place.longitude_deg}${more}`;
 /** What the page's address says of a name; null for nothing. */
-export const in_link = (page, name) => new URLSearchParams(new URL(page.url()).hash.slice(1)).get(name);
+export const inLink = (page, name) => new URLSearchParams(new URL(page.url()).hash.slice(1)).get(name);

@@ -1,23 +1,32 @@
 // How the viewer asks the server: paths, parameters and answers are those of the OpenAPI document.
 
 import { words } from "../language/words.ts";
-import { ApiError, problem_from_response } from "./problem.ts";
-import type { paths, PlanBody, ScenarioBody } from "./schema.ts";
+import { ApiError, problemFromResponse } from "./problem.ts";
+import type { PlanBody, paths, ScenarioBody } from "./schema.ts";
 
 type Method = "get" | "post";
 /** Paths that take a method; under any other path the document's types have it as `never`. */
 type Path<M extends Method> = { [P in keyof paths]: paths[P] extends Record<M, object> ? P : never }[keyof paths];
 type Operation<M extends Method, P extends Path<M>> = paths[P][M];
-type Parameters<O, Place extends "path" | "query"> = O extends { parameters: { [K in Place]?: infer V } } ? ([NonNullable<V>] extends [never] ? Record<string, never> : NonNullable<V>) : never;
+type Parameters<O, Place extends "path" | "query"> = O extends { parameters: { [K in Place]?: infer V } }
+  ? [NonNullable<V>] extends [never]
+    ? Record<string, never>
+    : NonNullable<V>
+  : never;
 type Body<O> = O extends { requestBody?: { content: { "application/json": infer B } } } ? B : never;
 /** What a success answers. */
-type Json<O, Status extends number> = O extends { responses: { [S in Status]: { content: { "application/json": infer A } } } } ? A : never;
+type Json<O, Status extends number> = O extends { responses: { [S in Status]: { content: { "application/json": infer A } } } }
+  ? A
+  : never;
 
 type PathValues<P extends Path<"get">> = Parameters<Operation<"get", P>, "path">;
 type Query<P extends Path<"get">> = Parameters<Operation<"get", P>, "query">;
 
 /** What the sky depends on besides the scene. */
-export type SkyParameters = Pick<Query<"/api/v1/scenes/{scene}/sky">, "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission" | "terrain" | "scenario">;
+export type SkyParameters = Pick<
+  Query<"/api/v1/scenes/{scene}/sky">,
+  "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission" | "terrain" | "scenario"
+>;
 /** What the tiles of a layer depend on besides the scene. */
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
 /** What the influences of lights on a sky depend on besides the scene. */
@@ -34,15 +43,18 @@ const LAYER_WAIT_S = 0.7;
 const LONGEST_LAYER_WAIT_S = 300;
 
 /** Absolute, so that it also holds inside the map's worker; below a reverse proxy's prefix if there is one. */
-export function url_of<P extends Path<"get">>(path: P, values: PathValues<P>, query: Query<P>): string {
+export function urlOf<P extends Path<"get">>(path: P, values: PathValues<P>, query: Query<P>): string {
   return address(path, values, query);
 }
 
 function address(path: string, values: object, query: object): string {
-  const filled = path.replace(/\{(\w+)\}/g, (_, name: string) => encodeURIComponent(String((values as Record<string, unknown>)[name])));
+  const filled = path.replace(/\{(\w+)\}/g, (_, name: string) =>
+    encodeURIComponent(String((values as Record<string, unknown>)[name])),
+  );
   const url = new URL(filled.slice(1), document.baseURI);
   url.hash = "";
-  for (const [name, value] of Object.entries(query)) if (value !== undefined && value !== null) url.searchParams.set(name, String(value));
+  for (const [name, value] of Object.entries(query))
+    if (value !== undefined && value !== null) url.searchParams.set(name, String(value));
   return url.href;
 }
 
@@ -56,11 +68,22 @@ function pause(seconds: number, signal: AbortSignal): Promise<void> {
   });
 }
 
-function get<P extends Path<"get">>(path: P, values: PathValues<P>, query: Query<P>, signal: AbortSignal): Promise<Json<Operation<"get", P>, 200>> {
-  return ask(url_of(path, values, query), { signal, headers: { accept: "application/json" } });
+function get<P extends Path<"get">>(
+  path: P,
+  values: PathValues<P>,
+  query: Query<P>,
+  signal: AbortSignal,
+): Promise<Json<Operation<"get", P>, 200>> {
+  return ask(urlOf(path, values, query), { signal, headers: { accept: "application/json" } });
 }
 
-function post<P extends Path<"post">, O extends Operation<"post", P>>(path: P, values: Parameters<O, "path">, query: Parameters<O, "query">, body: Body<O>, signal: AbortSignal): Promise<Json<O, 201>> {
+function post<P extends Path<"post">, O extends Operation<"post", P>>(
+  path: P,
+  values: Parameters<O, "path">,
+  query: Parameters<O, "query">,
+  body: Body<O>,
+  signal: AbortSignal,
+): Promise<Json<O, 201>> {
   const headers = { accept: "application/json", "content-type": "application/json" };
   return ask(address(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
 }
@@ -74,14 +97,15 @@ async function ask<A>(url: string, init: RequestInit & { signal: AbortSignal }):
       response = await fetch(url, init);
     } catch (reason) {
       if (signal.aborted) throw reason;
-      throw new ApiError(0, { title: words().problems.no_answer, detail: words().problems.no_answer_more });
+      throw new ApiError(0, { title: words().problems.noAnswer, detail: words().problems.noAnswerMore });
     }
     if (response.ok) return (await response.json()) as A;
     const busy = response.status === 503 || response.status === 429;
-    const said_s = Number(response.headers.get("retry-after") ?? NaN);
-    const wait_s = Number.isFinite(said_s) ? Math.max(said_s, 0.2) : 1;
-    if (!busy || attempt >= RETRIES || wait_s > LONGEST_WAIT_S) throw new ApiError(response.status, await problem_from_response(response));
-    await pause(wait_s, signal);
+    const saidS = Number(response.headers.get("retry-after") ?? NaN);
+    const waitS = Number.isFinite(saidS) ? Math.max(saidS, 0.2) : 1;
+    if (!busy || attempt >= RETRIES || waitS > LONGEST_WAIT_S)
+      throw new ApiError(response.status, await problemFromResponse(response));
+    await pause(waitS, signal);
   }
 }
 
@@ -96,16 +120,18 @@ export const api = {
   panorama: (scene: string, parameters: SkyParameters, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters, signal),
   /** Finds what to dim. */
-  find_plan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) => post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),
+  findPlan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) =>
+    post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),
   /** Keeps what was painted. */
-  paint: (scene: string, body: ScenarioBody, signal: AbortSignal) => post("/api/v1/scenes/{scene}/scenarios", { scene }, {}, body, signal),
+  paint: (scene: string, body: ScenarioBody, signal: AbortSignal) =>
+    post("/api/v1/scenes/{scene}/scenarios", { scene }, {}, body, signal),
   plan: (plan: string, limit: number, signal: AbortSignal) => get("/api/v1/plans/{plan}", { plan }, { limit }, signal),
   scenario: (scenario: string, signal: AbortSignal) => get("/api/v1/scenarios/{scenario}", { scenario }, {}, signal),
   /** Describes a layer of tiles once what they show is found. */
   layer: async (scene: string, layer: string, query: LayerQuery, signal: AbortSignal) => {
-    for (let waited_s = 0; ; waited_s += LAYER_WAIT_S) {
+    for (let waitedS = 0; ; waitedS += LAYER_WAIT_S) {
       const description = await get("/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json", { scene, layer }, query, signal);
-      if (description.ready || waited_s > LONGEST_LAYER_WAIT_S) return description;
+      if (description.ready || waitedS > LONGEST_LAYER_WAIT_S) return description;
       await pause(LAYER_WAIT_S, signal);
     }
   },

@@ -17,8 +17,11 @@ export class ApiError extends Error {
 }
 
 /** The problem document of an answer, or one made from its status where it carries none. */
-export async function problem_from_response(response: Response): Promise<Partial<Problem>> {
-  const otherwise: Partial<Problem> = { title: words().problems.answered(`${response.status} ${response.statusText}`.trim()), status: response.status };
+export async function problemFromResponse(response: Response): Promise<Partial<Problem>> {
+  const otherwise: Partial<Problem> = {
+    title: words().problems.answered(`${response.status} ${response.statusText}`.trim()),
+    status: response.status,
+  };
   if (!(response.headers.get("content-type") ?? "").includes("json")) return otherwise;
   try {
     return { ...otherwise, ...((await response.json()) as Problem) };
@@ -33,7 +36,7 @@ export interface PlainWords {
   sentences: string[];
 }
 
-export function plain_words(reason: unknown): PlainWords {
+export function plainWords(reason: unknown): PlainWords {
   if (!(reason instanceof ApiError)) {
     return { headline: words().problems.headline, sentences: [reason instanceof Error ? reason.message : String(reason)] };
   }

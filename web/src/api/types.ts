@@ -2,7 +2,16 @@
 
 import type { PlaceAnswer, QuantitiesAnswer, SceneAnswer, SiteAnswer } from "./schema.ts";
 
-export type { AtmosphereAnswer as Atmosphere, DimmedPixelAnswer as DimmedPixel, PanoramaAnswer, PlanAnswer as Plan, Problem, ScenarioAnswer as Scenario, SkyAnswer, TileJson } from "./schema.ts";
+export type {
+  AtmosphereAnswer as Atmosphere,
+  DimmedPixelAnswer as DimmedPixel,
+  PanoramaAnswer,
+  PlanAnswer as Plan,
+  Problem,
+  ScenarioAnswer as Scenario,
+  SkyAnswer,
+  TileJson,
+} from "./schema.ts";
 export type Scene = SceneAnswer;
 export type NamedPlace = PlaceAnswer;
 export type Site = SiteAnswer;

@@ -2,8 +2,8 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { english } from "./english.ts";
-import { page_with_words } from "./page.ts";
-import { LANGUAGES, spoken_language, words } from "./words.ts";
+import { pageWithWords } from "./page.ts";
+import { LANGUAGES, spokenLanguage, words } from "./words.ts";
 
 const PAGE = readFileSync(new URL("../../index.html", import.meta.url), "utf8");
 
@@ -30,40 +30,48 @@ for (const [code, { load }] of Object.entries(LANGUAGES)) {
         assert.ok(typeof said === "function" && said.length === original.length, name);
         const values = Array.from({ length: original.length }, (_, i) => `value ${i}`);
         const text = said(...values);
-        assert.ok(values.every((value) => text.includes(value)), `${name}: ${text}`);
+        assert.ok(
+          values.every((value) => text.includes(value)),
+          `${name}: ${text}`,
+        );
       }
     }
   });
 
   test(`the page can be filled with the words of ${code}`, async () => {
-    const page = page_with_words(PAGE, await load());
+    const page = pageWithWords(PAGE, await load());
     assert.doesNotMatch(page, /data-text="[^"]*"[^<>]*><\//);
     assert.match(page, /<li data-text="welcome\.pick"><b>[^<]+<\/b>[^<]+<\/li>/);
   });
 }
 
 test("the page has no words of its own", () => {
-  const shown = PAGE.replace(/<!--.*?-->/gs, "").replace(/^.*<body/s, "<body").replace(/<[^<>]*>/g, "\n");
-  const own = shown.split("\n").map((line) => line.trim()).filter((line) => /\p{L}/u.test(line));
+  const shown = PAGE.replace(/<!--.*?-->/gs, "")
+    .replace(/^.*<body/s, "<body")
+    .replace(/<[^<>]*>/g, "\n");
+  const own = shown
+    .split("\n")
+    .map((line) => line.trim())
+    .filter((line) => /\p{L}/u.test(line));
   // Names are the same in every language.
   assert.deepEqual(own, ["Skyglow", "inferno", "viridis", "cividis", "mag/arcsec²", "cd/m²", "/api/docs"]);
   assert.doesNotMatch(PAGE, /\s(aria-label|title|placeholder|data-waiting)="/);
 });
 
 test("a page that wants words that there are not is no page", () => {
-  assert.throws(() => page_with_words(`<p data-text="welcome.nothing"></p>`, english), /welcome\.nothing/);
-  assert.throws(() => page_with_words(`<p data-text="plan.percent"></p>`, english), /plan\.percent/);
-  assert.throws(() => page_with_words(`<p data-text-colour="welcome.title"></p>`, english), /data-text-colour/);
-  assert.throws(() => page_with_words(`<p data-text="welcome.title">Hello</p>`, english), /own/);
+  assert.throws(() => pageWithWords(`<p data-text="welcome.nothing"></p>`, english), /welcome\.nothing/);
+  assert.throws(() => pageWithWords(`<p data-text="plan.percent"></p>`, english), /plan\.percent/);
+  assert.throws(() => pageWithWords(`<p data-text-colour="welcome.title"></p>`, english), /data-text-colour/);
+  assert.throws(() => pageWithWords(`<p data-text="welcome.title">Hello</p>`, english), /own/);
   assert.equal(
-    page_with_words(`<input data-text-label="page.no_script" />`, english),
-    `<input data-text-label="page.no_script" aria-label="Skyglow's viewer needs JavaScript. The same data is at" />`,
+    pageWithWords(`<input data-text-label="page.noScript" />`, english),
+    `<input data-text-label="page.noScript" aria-label="Skyglow's viewer needs JavaScript. The same data is at" />`,
   );
 });
 
 test("the first known language is spoken, English where there is none", () => {
-  assert.equal(spoken_language(["de-AT", "en"]), "de");
-  assert.equal(spoken_language(["tlh", "en-GB", "de"]), "en");
-  assert.equal(spoken_language(["constructor"]), "en");
+  assert.equal(spokenLanguage(["de-AT", "en"]), "de");
+  assert.equal(spokenLanguage(["tlh", "en-GB", "de"]), "en");
+  assert.equal(spokenLanguage(["constructor"]), "en");
   assert.equal(words(), english);
 });

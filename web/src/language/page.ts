@@ -29,26 +29,31 @@ function escaped(text: string): string {
 }
 
 /** The page's source with its words filled in. */
-export function page_with_words(html: string, words: Words): string {
-  return html.replace(/<(\w+)(\s[^<>]*\bdata-text[^<>]*)>(<\/\1>)?/g, (_, tag: string, attributes: string, end: string | undefined) => {
-    const filled = attributes.replace(/data-text-(\w+)="([^"]*)"/g, (named, target: string, name: string) => {
-      const attribute = ATTRIBUTES[target];
-      if (attribute === undefined) throw new Error(`the page wants words for no attribute: ${named}`);
-      return `${named} ${attribute}="${escaped(word(words, name))}"`;
-    });
-    const name = /\bdata-text="([^"]*)"/.exec(attributes)?.[1];
-    if (name === undefined) return `<${tag}${filled}>${end ?? ""}`;
-    if (end === undefined) throw new Error(`the page has words of its own beside ${name}`);
-    const text = parts(word(words, name)).map((part, i) => (i % 2 === 1 ? `<b>${escaped(part)}</b>` : escaped(part)));
-    return `<${tag}${filled}>${text.join("")}${end}`;
-  });
+export function pageWithWords(html: string, words: Words): string {
+  return html.replace(
+    /<(\w+)(\s[^<>]*\bdata-text[^<>]*)>(<\/\1>)?/g,
+    (_, tag: string, attributes: string, end: string | undefined) => {
+      const filled = attributes.replace(/data-text-(\w+)="([^"]*)"/g, (named, target: string, name: string) => {
+        const attribute = ATTRIBUTES[target];
+        if (attribute === undefined) throw new Error(`the page wants words for no attribute: ${named}`);
+        return `${named} ${attribute}="${escaped(word(words, name))}"`;
+      });
+      const name = /\bdata-text="([^"]*)"/.exec(attributes)?.[1];
+      if (name === undefined) return `<${tag}${filled}>${end ?? ""}`;
+      if (end === undefined) throw new Error(`the page has words of its own beside ${name}`);
+      const text = parts(word(words, name)).map((part, i) => (i % 2 === 1 ? `<b>${escaped(part)}</b>` : escaped(part)));
+      return `<${tag}${filled}>${text.join("")}${end}`;
+    },
+  );
 }
 
 /** Puts another language's words in the place of those that the page came with. */
-export function put_words(words: Words): void {
+export function putWords(words: Words): void {
   for (const element of document.querySelectorAll<HTMLElement>("[data-text]")) {
-    const text = parts(word(words, element.dataset["text"] ?? ""));
-    element.replaceChildren(...text.map((part, i) => (i % 2 === 1 ? Object.assign(document.createElement("b"), { textContent: part }) : part)));
+    const text = parts(word(words, element.dataset.text ?? ""));
+    element.replaceChildren(
+      ...text.map((part, i) => (i % 2 === 1 ? Object.assign(document.createElement("b"), { textContent: part }) : part)),
+    );
   }
   for (const [target, attribute] of Object.entries(ATTRIBUTES)) {
     for (const element of document.querySelectorAll(`[data-text-${target}]`)) {

@@ -2,7 +2,7 @@
 
 import { store, stored } from "../ui/storage.ts";
 import { english, type Words } from "./english.ts";
-import { put_words } from "./page.ts";
+import { putWords } from "./page.ts";
 
 interface Language {
   /** In the language itself. */
@@ -20,21 +20,21 @@ const LANGUAGE_KEY = "skyglow.language";
 
 let current: Words = english;
 
-/** The words of the page's language. Ask when they are shown: before `choose_language` they are English. */
+/** The words of the page's language. Ask when they are shown: before `chooseLanguage` they are English. */
 export function words(): Words {
   return current;
 }
 
 /** The first language of these tags that the viewer speaks; "de-AT" is spoken as "de". */
-export function spoken_language(tags: readonly string[]): string {
+export function spokenLanguage(tags: readonly string[]): string {
   const codes = tags.flatMap((tag) => [tag, tag.split("-")[0] ?? tag]);
   return codes.find((code) => Object.hasOwn(LANGUAGES, code)) ?? "en";
 }
 
 /** Takes the language that was chosen on an earlier visit, else the browser's, and puts its words into the page. */
-export async function choose_language(): Promise<void> {
+export async function chooseLanguage(): Promise<void> {
   const kept = stored(LANGUAGE_KEY);
-  const code = spoken_language([...(kept === null ? [] : [kept]), ...navigator.languages]);
+  const code = spokenLanguage([...(kept === null ? [] : [kept]), ...navigator.languages]);
   if (code === english.locale) return;
   try {
     current = (await LANGUAGES[code]?.load()) ?? english;
@@ -42,11 +42,11 @@ export async function choose_language(): Promise<void> {
     return; // English serves.
   }
   document.documentElement.lang = current.locale;
-  put_words(current);
+  putWords(current);
 }
 
 /** Chooses a language for this visit and the next ones. What is shown is in the page's address and stays. */
-export function switch_language(code: string): void {
+export function switchLanguage(code: string): void {
   store(LANGUAGE_KEY, code);
   location.reload();
 }

@@ -3,8 +3,8 @@
 import type { Feature, FeatureCollection, MultiLineString, Point, Polygon, Position } from "geojson";
 import { feature, mesh } from "topojson-client";
 import type { GeometryCollection, Topology } from "topojson-specification";
-import coarse_url from "world-atlas/countries-110m.json?url";
-import fine_url from "world-atlas/countries-50m.json?url";
+import fineUrl from "world-atlas/countries-50m.json?url";
+import coarseUrl from "world-atlas/countries-110m.json?url";
 import { words } from "../language/words.ts";
 
 type Atlas = Topology<{ countries: GeometryCollection<{ name: string }> }>;
@@ -20,7 +20,7 @@ export interface Basemap {
 }
 
 /** Twice the signed area and the centroid of a ring, in degrees: good enough to place a label. */
-function ring_centroid(ring: Position[]): { area: number; centre: [number, number] } {
+function ringCentroid(ring: Position[]): { area: number; centre: [number, number] } {
   let area = 0;
   let x = 0;
   let y = 0;
@@ -36,24 +36,24 @@ function ring_centroid(ring: Position[]): { area: number; centre: [number, numbe
 }
 
 /** The atlas names countries in English, and numbers most of them by ISO 3166; the browser knows their names in other languages. */
-function country_namer(): (country: Feature) => string {
+function countryNamer(): (country: Feature) => string {
   const { locale } = words();
   const names = locale === "en" ? null : new Intl.DisplayNames(locale, { type: "region", fallback: "none" });
   return ({ id, properties }) => {
     const code = names === null || id === undefined ? undefined : new Intl.Locale(`und-${id}`).region;
-    return (code === undefined ? undefined : names?.of(code)) ?? String(properties?.["name"] ?? "");
+    return (code === undefined ? undefined : names?.of(code)) ?? String(properties?.name ?? "");
   };
 }
 
-function label_points(land: FeatureCollection): FeatureCollection<Point> {
+function labelPoints(land: FeatureCollection): FeatureCollection<Point> {
   const labels: { name: string; area: number; centre: [number, number] }[] = [];
-  const name_of = country_namer();
+  const nameOf = countryNamer();
   for (const country of land.features) {
     const { geometry } = country;
     const polygons: Polygon["coordinates"][] =
       geometry.type === "Polygon" ? [geometry.coordinates] : geometry.type === "MultiPolygon" ? geometry.coordinates : [];
-    const largest = polygons.map((rings) => ring_centroid(rings[0] ?? [])).sort((a, b) => b.area - a.area)[0];
-    if (largest !== undefined && largest.area > 0) labels.push({ name: name_of(country), ...largest });
+    const largest = polygons.map((rings) => ringCentroid(rings[0] ?? [])).sort((a, b) => b.area - a.area)[0];
+    if (largest !== undefined && largest.area > 0) labels.push({ name: nameOf(country), ...largest });
   }
   labels.sort((a, b) => b.area - a.area);
   return {
@@ -68,7 +68,11 @@ function label_points(land: FeatureCollection): FeatureCollection<Point> {
 
 function graticule(): Feature<MultiLineString> {
   const lines: Position[][] = [];
-  for (let longitude = -180; longitude < 180; longitude += 10) lines.push([[longitude, -80], [longitude, 80]]);
+  for (let longitude = -180; longitude < 180; longitude += 10)
+    lines.push([
+      [longitude, -80],
+      [longitude, 80],
+    ]);
   for (let latitude = -80; latitude <= 80; latitude += 10) {
     lines.push(Array.from({ length: 37 }, (_, i) => [-180 + 10 * i, latitude]));
   }
@@ -76,9 +80,9 @@ function graticule(): Feature<MultiLineString> {
 }
 
 /** Coarse outlines come soon, fine ones are six times as long. */
-export async function load_basemap(detail: "coarse" | "fine"): Promise<Basemap> {
-  const response = await fetch(detail === "coarse" ? coarse_url : fine_url);
-  if (!response.ok) throw new Error(words().map.no_outlines(response.status));
+export async function loadBasemap(detail: "coarse" | "fine"): Promise<Basemap> {
+  const response = await fetch(detail === "coarse" ? coarseUrl : fineUrl);
+  if (!response.ok) throw new Error(words().map.noOutlines(response.status));
   const atlas = (await response.json()) as Atlas;
   const { countries } = atlas.objects;
   const land = feature(atlas, countries);
@@ -86,7 +90,7 @@ export async function load_basemap(detail: "coarse" | "fine"): Promise<Basemap> 
     land,
     coasts: mesh(atlas, countries, (a, b) => a === b),
     borders: mesh(atlas, countries, (a, b) => a !== b),
-    names: label_points(land),
+    names: labelPoints(land),
     graticule: graticule(),
   };
 }

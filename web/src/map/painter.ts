@@ -7,7 +7,7 @@ import type { LonLat, PaintedArea } from "../painting.ts";
 export interface Brush {
   shape: PaintedArea["shape"];
   /** Of the brush. */
-  radius_m: number;
+  radiusM: number;
 }
 
 const EARTH_CIRCUMFERENCE_M = 40_075_017;
@@ -23,38 +23,49 @@ const SAME_PX = 2;
 type Feature = { type: "Feature"; properties: Record<string, number>; geometry: { type: string; coordinates: unknown } };
 
 /** Width of a brush at zoom 0; the style doubles it at each level. */
-function width_px_at_zoom_0(radius_m: number, latitude_deg: number): number {
-  const metres_a_px = (EARTH_CIRCUMFERENCE_M * Math.cos((latitude_deg * Math.PI) / 180)) / WORLD_PX;
-  return (2 * radius_m) / metres_a_px;
+function widthPxAtZoom0(radiusM: number, latitudeDeg: number): number {
+  const metresAPx = (EARTH_CIRCUMFERENCE_M * Math.cos((latitudeDeg * Math.PI) / 180)) / WORLD_PX;
+  return (2 * radiusM) / metresAPx;
 }
 
-function feature_of(area: PaintedArea, closed = true): Feature | null {
+function featureOf(area: PaintedArea, closed = true): Feature | null {
   const [first] = area.points;
   if (first === undefined) return null;
   if (area.shape === "brush") {
     // A line without length is not drawn.
     const points = area.points.length > 1 ? area.points : [first, [first[0] + 1e-6, first[1]]];
-    return { type: "Feature", properties: { width_px: width_px_at_zoom_0(area.radius_m, first[1]) }, geometry: { type: "LineString", coordinates: points } };
+    return {
+      type: "Feature",
+      properties: { widthPx: widthPxAtZoom0(area.radiusM, first[1]) },
+      geometry: { type: "LineString", coordinates: points },
+    };
   }
   const ring = closed ? [...area.points, first] : area.points;
-  return { type: "Feature", properties: {}, geometry: closed ? { type: "Polygon", coordinates: [ring] } : { type: "LineString", coordinates: ring } };
+  return {
+    type: "Feature",
+    properties: {},
+    geometry: closed ? { type: "Polygon", coordinates: [ring] } : { type: "LineString", coordinates: ring },
+  };
 }
 
 /** The area of an edit, as it is shown. */
-function feature_of_edit({ brush, polygon }: EditBody): Feature | null {
-  if (brush != null) return feature_of({ shape: "brush", points: brush.points, radius_m: brush.radius_m });
+function featureOfEdit({ brush, polygon }: EditBody): Feature | null {
+  if (brush != null) return featureOf({ shape: "brush", points: brush.points, radiusM: brush.radius_m });
   const geometry = polygon as { type: string; coordinates: unknown } | null | undefined;
   return geometry == null ? null : { type: "Feature", properties: {}, geometry };
 }
 
 function show(source: GeoJSONSource | undefined, features: readonly (Feature | null)[]): void {
-  source?.setData({ type: "FeatureCollection", features: features.filter((feature) => feature !== null) } as GeoJSON.FeatureCollection);
+  source?.setData({
+    type: "FeatureCollection",
+    features: features.filter((feature) => feature !== null),
+  } as GeoJSON.FeatureCollection);
 }
 
 export class Painter {
   private brush: Brush | null = null;
   private points: LonLat[] = [];
-  private last_px: { x: number; y: number } | null = null;
+  private lastPx: { x: number; y: number } | null = null;
   private pointer: number | null = null;
 
   constructor(
@@ -63,14 +74,14 @@ export class Painter {
   ) {
     const canvas = map.getCanvasContainer();
     canvas.addEventListener("pointerdown", (event) => this.begin(event), { capture: true });
-    canvas.addEventListener("pointermove", (event) => this.go_on(event), { capture: true });
+    canvas.addEventListener("pointermove", (event) => this.goOn(event), { capture: true });
     canvas.addEventListener("pointerup", (event) => this.end(event), { capture: true });
     canvas.addEventListener("pointercancel", () => this.forget(), { capture: true });
   }
 
   /** Strokes paint with this brush; null: they move the map. */
-  set_brush(brush: Brush | null): void {
-    const is_same_stroke = brush !== null && brush.shape === this.brush?.shape;
+  setBrush(brush: Brush | null): void {
+    const isSameStroke = brush !== null && brush.shape === this.brush?.shape;
     this.brush = brush;
     const canvas = this.map.getCanvasContainer();
     canvas.classList.toggle("painting", brush !== null);
@@ -78,21 +89,21 @@ export class Painter {
       if (brush === null) handler.enable();
       else handler.disable();
     }
-    if (!is_same_stroke) this.forget();
+    if (!isSameStroke) this.forget();
   }
 
-  is_painting(): boolean {
+  isPainting(): boolean {
     return this.brush !== null;
   }
 
-  show_edits(edits: readonly EditBody[]): void {
-    show(this.map.getSource<GeoJSONSource>("painted"), edits.map(feature_of_edit));
+  showEdits(edits: readonly EditBody[]): void {
+    show(this.map.getSource<GeoJSONSource>("painted"), edits.map(featureOfEdit));
   }
 
   /** By keyboard: a dab of the brush in the middle of the map, or a corner there; twice in one place closes the area. */
-  press_enter(): void {
+  pressEnter(): void {
     const { lng, lat } = this.map.getCenter();
-    const place_px = this.map.project([lng, lat]);
+    const placePx = this.map.project([lng, lat]);
     if (this.brush?.shape === "brush") {
       this.points = [[lng, lat]];
       this.tell();
@@ -100,14 +111,14 @@ export class Painter {
     }
     const before = this.points.at(-1);
     if (before !== undefined) {
-      const before_px = this.map.project([before[0], before[1]]);
-      if (Math.hypot(before_px.x - place_px.x, before_px.y - place_px.y) < SAME_PX) {
+      const beforePx = this.map.project([before[0], before[1]]);
+      if (Math.hypot(beforePx.x - placePx.x, beforePx.y - placePx.y) < SAME_PX) {
         this.tell();
         return;
       }
     }
     this.points.push([lng, lat]);
-    this.show_stroke();
+    this.showStroke();
   }
 
   private begin(event: PointerEvent): void {
@@ -120,11 +131,11 @@ export class Painter {
     // A stroke may leave the map, and end beside it.
     this.map.getCanvasContainer().setPointerCapture(event.pointerId);
     this.points = [];
-    this.last_px = null;
+    this.lastPx = null;
     this.add(event);
   }
 
-  private go_on(event: PointerEvent): void {
+  private goOn(event: PointerEvent): void {
     if (event.pointerId !== this.pointer) return;
     if (event.buttons === 0) this.end(event);
     else this.add(event);
@@ -138,32 +149,32 @@ export class Painter {
 
   private add(event: PointerEvent): void {
     const box = this.map.getCanvasContainer().getBoundingClientRect();
-    const place_px = { x: event.clientX - box.left, y: event.clientY - box.top };
-    const { last_px } = this;
-    if (last_px !== null && Math.hypot(place_px.x - last_px.x, place_px.y - last_px.y) < this.step_px()) return;
-    this.last_px = place_px;
-    const point: PointLike = [place_px.x, place_px.y];
+    const placePx = { x: event.clientX - box.left, y: event.clientY - box.top };
+    const { lastPx } = this;
+    if (lastPx !== null && Math.hypot(placePx.x - lastPx.x, placePx.y - lastPx.y) < this.stepPx()) return;
+    this.lastPx = placePx;
+    const point: PointLike = [placePx.x, placePx.y];
     const { lng, lat } = this.map.unproject(point);
     this.points.push([lng, lat]);
-    this.show_stroke();
+    this.showStroke();
   }
 
   /** Points nearer to each other than a good part of the brush tell nothing, and their strokes overlap. */
-  private step_px(): number {
+  private stepPx(): number {
     if (this.brush?.shape !== "brush") return LEAST_STEP_PX;
-    const width_px = width_px_at_zoom_0(this.brush.radius_m, this.map.getCenter().lat) * 2 ** this.map.getZoom();
-    return Math.max(width_px / STEPS_A_WIDTH, LEAST_STEP_PX);
+    const widthPx = widthPxAtZoom0(this.brush.radiusM, this.map.getCenter().lat) * 2 ** this.map.getZoom();
+    return Math.max(widthPx / STEPS_A_WIDTH, LEAST_STEP_PX);
   }
 
   private area(): PaintedArea | null {
     if (this.brush === null || this.points.length === 0) return null;
-    const { shape, radius_m } = this.brush;
-    return shape === "brush" ? { shape, points: this.points, radius_m } : { shape, points: this.points };
+    const { shape, radiusM } = this.brush;
+    return shape === "brush" ? { shape, points: this.points, radiusM } : { shape, points: this.points };
   }
 
-  private show_stroke(): void {
+  private showStroke(): void {
     const area = this.area();
-    show(this.map.getSource<GeoJSONSource>("stroke"), area === null ? [] : [feature_of(area, false)]);
+    show(this.map.getSource<GeoJSONSource>("stroke"), area === null ? [] : [featureOf(area, false)]);
   }
 
   /** The stroke is done: its points are told, on one side of the antimeridian and not too many. */
@@ -179,8 +190,8 @@ export class Painter {
 
   private forget(): void {
     this.points = [];
-    this.last_px = null;
+    this.lastPx = null;
     this.pointer = null;
-    this.show_stroke();
+    this.showStroke();
   }
 }

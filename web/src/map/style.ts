@@ -1,6 +1,12 @@
 // The night style of the map. There is no `glyphs` URL: MapLibre then draws text with the machine's own fonts.
 
-import type { ExpressionSpecification, GeoJSONSourceSpecification, LayerSpecification, LineLayerSpecification, StyleSpecification } from "maplibre-gl";
+import type {
+  ExpressionSpecification,
+  GeoJSONSourceSpecification,
+  LayerSpecification,
+  LineLayerSpecification,
+  StyleSpecification,
+} from "maplibre-gl";
 
 const FONT = ["Inter", "system-ui", "sans-serif"];
 const EMPTY: GeoJSONSourceSpecification = { type: "geojson", data: { type: "FeatureCollection", features: [] } };
@@ -12,11 +18,15 @@ const halo = { "text-halo-color": "rgba(5, 8, 16, 0.9)", "text-halo-width": 1.4 
 
 /** A stroke as wide as the brush on the ground, or a thin line around an area that is being drawn. */
 function brush(opacity: number): Pick<LineLayerSpecification, "layout" | "paint"> {
-  const width_px: ExpressionSpecification = ["coalesce", ["get", "width_px"], 0];
-  const at = (zoom: number): ExpressionSpecification => ["max", 2, ["*", width_px, 2 ** zoom]];
+  const widthPx: ExpressionSpecification = ["coalesce", ["get", "widthPx"], 0];
+  const at = (zoom: number): ExpressionSpecification => ["max", 2, ["*", widthPx, 2 ** zoom]];
   return {
     layout: { "line-cap": "round", "line-join": "round" },
-    paint: { "line-color": "#f08fd0", "line-opacity": opacity, "line-width": ["interpolate", ["exponential", 2], ["zoom"], 0, at(0), 14, at(14)] },
+    paint: {
+      "line-color": "#f08fd0",
+      "line-opacity": opacity,
+      "line-width": ["interpolate", ["exponential", 2], ["zoom"], 0, at(0), 14, at(14)],
+    },
   };
 }
 
@@ -24,11 +34,32 @@ const layers: LayerSpecification[] = [
   { id: "sea", type: "background", paint: { "background-color": "#060912" } },
   { id: "graticule", type: "line", source: "graticule", paint: { "line-color": "#8fa8e0", "line-opacity": 0.07, "line-width": 1 } },
   { id: "land", type: "fill", source: "land", paint: { "fill-color": "#10172a", "fill-antialias": false } },
-  { id: "coast-glow", type: "line", source: "coasts", paint: { "line-color": "#5d86d6", "line-opacity": 0.12, "line-width": 7, "line-blur": 6 } },
-  { id: "borders", type: "line", source: "borders", paint: { "line-color": "#7d92c4", "line-opacity": 0.45, "line-width": 0.8, "line-dasharray": [4, 3] } },
+  {
+    id: "coast-glow",
+    type: "line",
+    source: "coasts",
+    paint: { "line-color": "#5d86d6", "line-opacity": 0.12, "line-width": 7, "line-blur": 6 },
+  },
+  {
+    id: "borders",
+    type: "line",
+    source: "borders",
+    paint: { "line-color": "#7d92c4", "line-opacity": 0.45, "line-width": 0.8, "line-dasharray": [4, 3] },
+  },
   { id: "coasts", type: "line", source: "coasts", paint: { "line-color": "#8aa6e6", "line-opacity": 0.6, "line-width": 0.9 } },
-  { id: "scene-outline", type: "line", source: "scene", paint: { "line-color": "#f3bd73", "line-opacity": 0.55, "line-width": 1.2, "line-dasharray": [2, 3] } },
-  { id: "painted-areas", type: "fill", source: "painted", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": "#f08fd0", "fill-opacity": 0.16, "fill-outline-color": "#f08fd0" } },
+  {
+    id: "scene-outline",
+    type: "line",
+    source: "scene",
+    paint: { "line-color": "#f3bd73", "line-opacity": 0.55, "line-width": 1.2, "line-dasharray": [2, 3] },
+  },
+  {
+    id: "painted-areas",
+    type: "fill",
+    source: "painted",
+    filter: ["==", ["geometry-type"], "Polygon"],
+    paint: { "fill-color": "#f08fd0", "fill-opacity": 0.16, "fill-outline-color": "#f08fd0" },
+  },
   { id: "painted-strokes", type: "line", source: "painted", filter: ["==", ["geometry-type"], "LineString"], ...brush(0.2) },
   { id: "stroke", type: "line", source: "stroke", ...brush(0.45) },
   {
@@ -74,10 +105,21 @@ const layers: LayerSpecification[] = [
   },
 ];
 
-export function night_style(): StyleSpecification {
+export function nightStyle(): StyleSpecification {
   return {
     version: 8,
-    sources: { graticule: EMPTY, land: EMPTY, coasts: EMPTY, borders: EMPTY, names: EMPTY, scene: EMPTY, dimmed: EMPTY, painted: EMPTY, stroke: EMPTY, places: EMPTY },
+    sources: {
+      graticule: EMPTY,
+      land: EMPTY,
+      coasts: EMPTY,
+      borders: EMPTY,
+      names: EMPTY,
+      scene: EMPTY,
+      dimmed: EMPTY,
+      painted: EMPTY,
+      stroke: EMPTY,
+      places: EMPTY,
+    },
     layers,
   };
 }

@@ -1,13 +1,13 @@
 // The map of today over the map of other lights, as far as the split: a second map that follows the first.
 
-import { Map as MapLibreMap } from "maplibre-gl";
 import type { GeoJSON } from "geojson";
 import type { GeoJSONSource } from "maplibre-gl";
+import { Map as MapLibreMap } from "maplibre-gl";
 import type { LayerName } from "../state.ts";
 import { make } from "../ui/dom.ts";
+import { RasterLayers, type WantedLayer } from "./raster-layers.ts";
 import { reachable } from "./reachable.ts";
-import { RasterLayers, type WantedLayer } from "./raster_layers.ts";
-import { night_style } from "./style.ts";
+import { nightStyle } from "./style.ts";
 
 export interface SwipeEvents {
   /** The line between the two maps was drawn to this part of the width. */
@@ -25,7 +25,7 @@ export class Swipe {
   private readonly container = make("div", "swipe-map");
   private readonly line = make("div", "swipe-line", make("div", "swipe-handle"));
   private readonly follow: () => void;
-  private is_removed = false;
+  private isRemoved = false;
 
   constructor(
     private readonly main: MapLibreMap,
@@ -35,7 +35,7 @@ export class Swipe {
     // Below the marker of the picked place, above all that is drawn.
     this.main.getCanvas().after(this.container);
     try {
-      this.map = this.second_map();
+      this.map = this.secondMap();
     } catch (reason) {
       // The browser draws no more than one.
       this.container.remove();
@@ -51,7 +51,7 @@ export class Swipe {
     });
     this.follow = () => this.map.jumpTo({ center: main.getCenter(), zoom: main.getZoom() });
     this.main.on("move", this.follow);
-    for (const [name, data] of shared) void this.set_data(name, data);
+    for (const [name, data] of shared) void this.setData(name, data);
     this.line.addEventListener("pointerdown", (event) => {
       if (event.isPrimary && event.button === 0) this.line.setPointerCapture(event.pointerId);
     });
@@ -62,10 +62,10 @@ export class Swipe {
     });
   }
 
-  private second_map(): MapLibreMap {
+  private secondMap(): MapLibreMap {
     return new MapLibreMap({
       container: this.container,
-      style: night_style(),
+      style: nightStyle(),
       center: this.main.getCenter(),
       zoom: this.main.getZoom(),
       minZoom: 1,
@@ -77,24 +77,24 @@ export class Swipe {
     });
   }
 
-  async set_data(name: string, data: GeoJSON): Promise<void> {
+  async setData(name: string, data: GeoJSON): Promise<void> {
     await this.styled;
-    if (this.is_removed) return;
+    if (this.isRemoved) return;
     this.map.getSource<GeoJSONSource>(name)?.setData(data);
   }
 
-  show_layer(name: LayerName, wanted: WantedLayer | null): void {
+  showLayer(name: LayerName, wanted: WantedLayer | null): void {
     this.layers.want(name, wanted);
   }
 
   /** Today's map reaches this part of the width from the left, 0 to 1. */
-  set_split(part: number): void {
+  setSplit(part: number): void {
     this.container.style.clipPath = `inset(0 ${100 * (1 - part)}% 0 0)`;
     this.line.style.left = `${100 * part}%`;
   }
 
   remove(): void {
-    this.is_removed = true;
+    this.isRemoved = true;
     this.main.off("move", this.follow);
     this.layers.stop();
     this.map.remove();

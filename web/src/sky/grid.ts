@@ -2,64 +2,64 @@
 
 import type { PanoramaAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { LUMINOUS_EFFICACY_LM_W, luminance_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { LUMINOUS_EFFICACY_LM_W, luminanceCdM2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
 
 /** Artificial light alone, or with the natural sky. */
 export type SkyKind = "artificial" | "total";
 
 /** One grid direction and what the sky shows there. */
 export interface SkySample {
-  azimuth_deg: number;
-  elevation_deg: number;
+  azimuthDeg: number;
+  elevationDeg: number;
   /** Artificial light, cd m⁻². */
-  artificial_cd_m2: number;
+  artificialCdM2: number;
   /** With the natural sky, cd m⁻². */
-  total_cd_m2: number;
+  totalCdM2: number;
   /** Whether terrain hides the sky there: both luminances are then 0. */
-  is_below_horizon: boolean;
+  isBelowHorizon: boolean;
 }
 
 /** Luminance of the whole sky. Row 0 is lowest, column 0 looks north. */
 export class SkyGrid {
-  readonly azimuth_count: number;
-  readonly elevation_count: number;
-  readonly azimuth_first_deg: number;
-  readonly azimuth_step_deg: number;
-  readonly elevation_first_deg: number;
-  readonly elevation_step_deg: number;
+  readonly azimuthCount: number;
+  readonly elevationCount: number;
+  readonly azimuthFirstDeg: number;
+  readonly azimuthStepDeg: number;
+  readonly elevationFirstDeg: number;
+  readonly elevationStepDeg: number;
   /** Artificial luminance [row][column], cd m⁻². */
-  readonly artificial_cd_m2: Float64Array;
+  readonly artificialCdM2: Float64Array;
   /** Artificial radiance [row][column] in R, G, B, W m⁻² sr⁻¹. */
-  readonly artificial_w_m2_sr: readonly [Float32Array, Float32Array, Float32Array];
+  readonly artificialWM2Sr: readonly [Float32Array, Float32Array, Float32Array];
   /** Elevation of the terrain horizon in each column, degrees. Empty when the answer has none. */
-  readonly horizon_deg: readonly number[];
+  readonly horizonDeg: readonly number[];
   /** Luminance of the natural sky that is seen, cd m⁻²: nothing of it through clouds. */
-  readonly natural_cd_m2: number;
+  readonly naturalCdM2: number;
 
   constructor(answer: PanoramaAnswer) {
     const { grid, radiance } = answer;
-    this.azimuth_count = grid.azimuth_count;
-    this.elevation_count = grid.elevation_count;
-    this.azimuth_first_deg = grid.azimuth_first_deg;
-    this.azimuth_step_deg = grid.azimuth_step_deg;
-    this.elevation_first_deg = grid.elevation_first_deg;
-    this.elevation_step_deg = grid.elevation_step_deg;
-    this.horizon_deg = answer.horizon_deg ?? [];
-    this.natural_cd_m2 = answer.clouds === "none" ? NATURAL_SKY_CD_M2 : 0;
+    this.azimuthCount = grid.azimuth_count;
+    this.elevationCount = grid.elevation_count;
+    this.azimuthFirstDeg = grid.azimuth_first_deg;
+    this.azimuthStepDeg = grid.azimuth_step_deg;
+    this.elevationFirstDeg = grid.elevation_first_deg;
+    this.elevationStepDeg = grid.elevation_step_deg;
+    this.horizonDeg = answer.horizon_deg ?? [];
+    this.naturalCdM2 = answer.clouds === "none" ? NATURAL_SKY_CD_M2 : 0;
     const [red, green, blue] = radiance;
-    if (red?.length !== this.elevation_count || green?.length !== this.elevation_count || blue?.length !== this.elevation_count) {
-      throw new Error(words().problems.panorama_rows(red?.length ?? 0, this.elevation_count));
+    if (red?.length !== this.elevationCount || green?.length !== this.elevationCount || blue?.length !== this.elevationCount) {
+      throw new Error(words().problems.panoramaRows(red?.length ?? 0, this.elevationCount));
     }
-    this.artificial_cd_m2 = new Float64Array(this.azimuth_count * this.elevation_count);
+    this.artificialCdM2 = new Float64Array(this.azimuthCount * this.elevationCount);
     const band = (rows: readonly (readonly number[])[]) => {
-      const values = new Float32Array(this.azimuth_count * this.elevation_count);
-      rows.forEach((row, i) => values.set(row.slice(0, this.azimuth_count), i * this.azimuth_count));
+      const values = new Float32Array(this.azimuthCount * this.elevationCount);
+      for (const [i, row] of rows.entries()) values.set(row.slice(0, this.azimuthCount), i * this.azimuthCount);
       return values;
     };
-    this.artificial_w_m2_sr = [band(red), band(green), band(blue)];
-    for (let row = 0; row < this.elevation_count; row++) {
-      for (let column = 0; column < this.azimuth_count; column++) {
-        this.artificial_cd_m2[row * this.azimuth_count + column] = luminance_cd_m2(
+    this.artificialWM2Sr = [band(red), band(green), band(blue)];
+    for (let row = 0; row < this.elevationCount; row++) {
+      for (let column = 0; column < this.azimuthCount; column++) {
+        this.artificialCdM2[row * this.azimuthCount + column] = luminanceCdM2(
           red[row]?.[column] ?? 0,
           green[row]?.[column] ?? 0,
           blue[row]?.[column] ?? 0,
@@ -69,72 +69,72 @@ export class SkyGrid {
   }
 
   /** Whether terrain hides a sample of the grid. */
-  is_hidden(row: number, column: number): boolean {
-    return this.elevation_first_deg + row * this.elevation_step_deg < (this.horizon_deg[column] ?? 0);
+  isHidden(row: number, column: number): boolean {
+    return this.elevationFirstDeg + row * this.elevationStepDeg < (this.horizonDeg[column] ?? 0);
   }
 
   /** Elevation of the terrain horizon at any azimuth, degrees: linear between the columns, 0 where there is none. */
-  horizon_at(azimuth_deg: number): number {
-    if (this.horizon_deg.length === 0) return 0;
-    const across = (azimuth_deg - this.azimuth_first_deg) / this.azimuth_step_deg;
+  horizonAt(azimuthDeg: number): number {
+    if (this.horizonDeg.length === 0) return 0;
+    const across = (azimuthDeg - this.azimuthFirstDeg) / this.azimuthStepDeg;
     const left = Math.floor(across);
-    const wrapped = (column: number) => ((column % this.azimuth_count) + this.azimuth_count) % this.azimuth_count;
-    const low = this.horizon_deg[wrapped(left)] ?? 0;
-    return low + (across - left) * ((this.horizon_deg[wrapped(left + 1)] ?? 0) - low);
+    const wrapped = (column: number) => ((column % this.azimuthCount) + this.azimuthCount) % this.azimuthCount;
+    const low = this.horizonDeg[wrapped(left)] ?? 0;
+    return low + (across - left) * ((this.horizonDeg[wrapped(left + 1)] ?? 0) - low);
   }
 
   /** The direction of the brightest sample. */
   brightest(): SkySample {
     let most = 0;
-    this.artificial_cd_m2.forEach((value, i) => {
-      if (value > (this.artificial_cd_m2[most] ?? 0)) most = i;
+    this.artificialCdM2.forEach((value, i) => {
+      if (value > (this.artificialCdM2[most] ?? 0)) most = i;
     });
-    const column = most % this.azimuth_count;
-    const row = (most - column) / this.azimuth_count;
-    return this.nearest(this.azimuth_first_deg + column * this.azimuth_step_deg, this.elevation_first_deg + row * this.elevation_step_deg);
+    const column = most % this.azimuthCount;
+    const row = (most - column) / this.azimuthCount;
+    return this.nearest(this.azimuthFirstDeg + column * this.azimuthStepDeg, this.elevationFirstDeg + row * this.elevationStepDeg);
   }
 
   /** The sample nearest to a direction: exactly the API's value, nothing interpolated. */
-  nearest(azimuth_deg: number, elevation_deg: number): SkySample {
-    const turn = Math.round((azimuth_deg - this.azimuth_first_deg) / this.azimuth_step_deg);
-    const column = ((turn % this.azimuth_count) + this.azimuth_count) % this.azimuth_count;
-    const step = Math.round((elevation_deg - this.elevation_first_deg) / this.elevation_step_deg);
-    const row = Math.min(Math.max(step, 0), this.elevation_count - 1);
-    const artificial_cd_m2 = this.artificial_cd_m2[row * this.azimuth_count + column] ?? 0;
-    const is_below_horizon = this.is_hidden(row, column);
+  nearest(azimuthDeg: number, elevationDeg: number): SkySample {
+    const turn = Math.round((azimuthDeg - this.azimuthFirstDeg) / this.azimuthStepDeg);
+    const column = ((turn % this.azimuthCount) + this.azimuthCount) % this.azimuthCount;
+    const step = Math.round((elevationDeg - this.elevationFirstDeg) / this.elevationStepDeg);
+    const row = Math.min(Math.max(step, 0), this.elevationCount - 1);
+    const artificialCdM2 = this.artificialCdM2[row * this.azimuthCount + column] ?? 0;
+    const isBelowHorizon = this.isHidden(row, column);
     return {
-      azimuth_deg: this.azimuth_first_deg + column * this.azimuth_step_deg,
-      elevation_deg: this.elevation_first_deg + row * this.elevation_step_deg,
-      artificial_cd_m2,
-      total_cd_m2: is_below_horizon ? 0 : artificial_cd_m2 + this.natural_cd_m2,
-      is_below_horizon,
+      azimuthDeg: this.azimuthFirstDeg + column * this.azimuthStepDeg,
+      elevationDeg: this.elevationFirstDeg + row * this.elevationStepDeg,
+      artificialCdM2,
+      totalCdM2: isBelowHorizon ? 0 : artificialCdM2 + this.naturalCdM2,
+      isBelowHorizon,
     };
   }
 
   /**
-   * log10 luminance for drawing, [row][column]; darkness counts as `floor_cd_m2`. Hidden samples take the lowest visible
+   * log10 luminance for drawing, [row][column]; darkness counts as `floorCdM2`. Hidden samples take the lowest visible
    * one of their column, so that no darkness of the ground runs into the sky above it.
    */
-  log_luminance(kind: SkyKind, floor_cd_m2: number): Float32Array {
-    const added = kind === "total" ? this.natural_cd_m2 : 0;
-    return this.fill_hidden(Float32Array.from(this.artificial_cd_m2, (value) => Math.log10(Math.max(value + added, floor_cd_m2))));
+  logLuminance(kind: SkyKind, floorCdM2: number): Float32Array {
+    const added = kind === "total" ? this.naturalCdM2 : 0;
+    return this.fillHidden(Float32Array.from(this.artificialCdM2, (value) => Math.log10(Math.max(value + added, floorCdM2))));
   }
 
   /** Radiance in R, G, B for drawing, [row][column], W m⁻² sr⁻¹; of hidden samples as above. The natural sky is white. */
-  radiance_w_m2_sr(kind: SkyKind): readonly [Float32Array, Float32Array, Float32Array] {
-    const white_lm_w = LUMINOUS_EFFICACY_LM_W.reduce((sum, efficacy) => sum + efficacy, 0);
-    const added = kind === "total" ? this.natural_cd_m2 / white_lm_w : 0;
-    const [red, green, blue] = this.artificial_w_m2_sr;
-    const shown = (band: Float32Array) => this.fill_hidden(band.map((value) => value + added));
+  radianceWM2Sr(kind: SkyKind): readonly [Float32Array, Float32Array, Float32Array] {
+    const whiteLmW = LUMINOUS_EFFICACY_LM_W.reduce((sum, efficacy) => sum + efficacy, 0);
+    const added = kind === "total" ? this.naturalCdM2 / whiteLmW : 0;
+    const [red, green, blue] = this.artificialWM2Sr;
+    const shown = (band: Float32Array) => this.fillHidden(band.map((value) => value + added));
     return [shown(red), shown(green), shown(blue)];
   }
 
-  private fill_hidden(values: Float32Array): Float32Array {
-    for (let column = 0; column < this.azimuth_count; column++) {
+  private fillHidden(values: Float32Array): Float32Array {
+    for (let column = 0; column < this.azimuthCount; column++) {
       let lowest = 0;
-      while (lowest < this.elevation_count && this.is_hidden(lowest, column)) lowest++;
-      const value = values[lowest * this.azimuth_count + column];
-      for (let row = 0; value !== undefined && row < lowest; row++) values[row * this.azimuth_count + column] = value;
+      while (lowest < this.elevationCount && this.isHidden(lowest, column)) lowest++;
+      const value = values[lowest * this.azimuthCount + column];
+      for (let row = 0; value !== undefined && row < lowest; row++) values[row * this.azimuthCount + column] = value;
     }
     return values;
   }

@@ -1,10 +1,10 @@
 // The sky as pixels: the grid interpolated bilinearly, in its logarithm through a colour table or as light through a tone map.
 
-import { colour_table, type ColourMapName, type PictureStyle } from "./colour_maps.ts";
+import { type ColourMapName, colourTable, type PictureStyle } from "./colour-maps.ts";
 import type { SkyGrid, SkyKind } from "./grid.ts";
 import type { Projection } from "./projection.ts";
 import { ToneMap } from "./realistic.ts";
-import { log_luminance_ends, SCALE } from "./scale.ts";
+import { logLuminanceEnds, SCALE } from "./scale.ts";
 
 const TABLE_SIZE = 1024;
 const DARKEST_CD_M2 = 1e-9;
@@ -16,7 +16,7 @@ export interface PictureLook {
   sky: SkyKind;
   colours: PictureStyle;
   /** Of the realistic picture, stops. */
-  exposure_ev: number;
+  exposureEv: number;
 }
 
 /** The four samples around a direction in padded rows. */
@@ -35,14 +35,15 @@ interface Taps {
 type Colourer = (taps: Taps, bytes: Uint8ClampedArray, at: number) => void;
 
 /** The grid's rows with one added below (the horizon) and one above (the zenith). */
-function padded({ azimuth_count, elevation_count }: SkyGrid, rows: Float32Array): Float32Array {
-  const values = new Float32Array((elevation_count + 2) * azimuth_count);
-  values.set(rows, azimuth_count);
-  values.copyWithin(0, azimuth_count, 2 * azimuth_count);
+function padded({ azimuthCount, elevationCount }: SkyGrid, rows: Float32Array): Float32Array {
+  const values = new Float32Array((elevationCount + 2) * azimuthCount);
+  values.set(rows, azimuthCount);
+  values.copyWithin(0, azimuthCount, 2 * azimuthCount);
   // All azimuths meet at the zenith: one value, the mean of the highest ring.
   let zenith = 0;
-  for (let column = 0; column < azimuth_count; column++) zenith += (values[elevation_count * azimuth_count + column] ?? 0) / azimuth_count;
-  values.fill(zenith, (elevation_count + 1) * azimuth_count);
+  for (let column = 0; column < azimuthCount; column++)
+    zenith += (values[elevationCount * azimuthCount + column] ?? 0) / azimuthCount;
+  values.fill(zenith, (elevationCount + 1) * azimuthCount);
   return values;
 }
 
@@ -52,11 +53,14 @@ function interpolated(values: Float32Array, { low, high, here, next, right, abov
   return (1 - above) * lower + above * upper;
 }
 
-function false_colour(grid: SkyGrid, sky: SkyKind, map: ColourMapName): Colourer {
-  const [faintest, brightest] = log_luminance_ends(SCALE);
-  const log_luminance = grid.log_luminance(sky, DARKEST_CD_M2);
-  const values = padded(grid, log_luminance.map((log) => (log - faintest) / (brightest - faintest)));
-  const table = colour_table(map, TABLE_SIZE);
+function falseColour(grid: SkyGrid, sky: SkyKind, map: ColourMapName): Colourer {
+  const [faintest, brightest] = logLuminanceEnds(SCALE);
+  const logLuminance = grid.logLuminance(sky, DARKEST_CD_M2);
+  const values = padded(
+    grid,
+    logLuminance.map((log) => (log - faintest) / (brightest - faintest)),
+  );
+  const table = colourTable(map, TABLE_SIZE);
   return (taps, bytes, at) => {
     const colour = Math.round(Math.min(Math.max(interpolated(values, taps), 0), 1) * (TABLE_SIZE - 1)) * 3;
     bytes[at] = table[colour] ?? 0;
@@ -65,35 +69,45 @@ function false_colour(grid: SkyGrid, sky: SkyKind, map: ColourMapName): Colourer
   };
 }
 
-function realistic(grid: SkyGrid, sky: SkyKind, exposure_ev: number): Colourer {
-  const [red, green, blue] = grid.radiance_w_m2_sr(sky);
+function realistic(grid: SkyGrid, sky: SkyKind, exposureEv: number): Colourer {
+  const [red, green, blue] = grid.radianceWM2Sr(sky);
   const bands = [padded(grid, red), padded(grid, green), padded(grid, blue)] as const;
-  const tone_map = new ToneMap(exposure_ev);
-  return (taps, bytes, at) => tone_map.write(bytes, at, interpolated(bands[0], taps), interpolated(bands[1], taps), interpolated(bands[2], taps));
+  const toneMap = new ToneMap(exposureEv);
+  return (taps, bytes, at) =>
+    toneMap.write(bytes, at, interpolated(bands[0], taps), interpolated(bands[1], taps), interpolated(bands[2], taps));
 }
 
-/** Paints the sky into a picture of `pixels_per_css_px` device pixels a CSS pixel. Outside the sky stays transparent. */
-export function paint_sky(picture: ImageData, grid: SkyGrid, { sky, colours, exposure_ev }: PictureLook, projection: Projection, pixels_per_css_px: number): void {
-  const colour = colours === "realistic" ? realistic(grid, sky, exposure_ev) : false_colour(grid, sky, colours);
-  const width = grid.azimuth_count;
-  const last_row = grid.elevation_count + 1;
+/** Paints the sky into a picture of `pixelsPerCssPx` device pixels a CSS pixel. Outside the sky stays transparent. */
+export function paintSky(
+  picture: ImageData,
+  grid: SkyGrid,
+  { sky, colours, exposureEv }: PictureLook,
+  projection: Projection,
+  pixelsPerCssPx: number,
+): void {
+  const colour = colours === "realistic" ? realistic(grid, sky, exposureEv) : falseColour(grid, sky, colours);
+  const width = grid.azimuthCount;
+  const lastRow = grid.elevationCount + 1;
   const { data } = picture;
-  const has_ground = grid.horizon_deg.some((elevation_deg) => elevation_deg > 0);
+  const hasGround = grid.horizonDeg.some((elevationDeg) => elevationDeg > 0);
   const taps: Taps = { low: 0, high: 0, here: 0, next: 0, right: 0, above: 0 };
   for (let y = 0; y < picture.height; y++) {
     for (let x = 0; x < picture.width; x++) {
       const at = (y * picture.width + x) * 4;
-      const direction = projection.direction_from_point((x + 0.5) / pixels_per_css_px, (y + 0.5) / pixels_per_css_px);
+      const direction = projection.directionFromPoint((x + 0.5) / pixelsPerCssPx, (y + 0.5) / pixelsPerCssPx);
       if (direction === null) {
         data[at + 3] = 0;
         continue;
       }
-      if (direction.elevation_deg < (has_ground ? grid.horizon_at(direction.azimuth_deg) : 0)) {
+      if (direction.elevationDeg < (hasGround ? grid.horizonAt(direction.azimuthDeg) : 0)) {
         [data[at], data[at + 1], data[at + 2], data[at + 3]] = [...GROUND_RGB, 255];
         continue;
       }
-      const across = (direction.azimuth_deg - grid.azimuth_first_deg) / grid.azimuth_step_deg + width;
-      const up = Math.min(Math.max((direction.elevation_deg - grid.elevation_first_deg) / grid.elevation_step_deg + 1, 0), last_row - 1e-6);
+      const across = (direction.azimuthDeg - grid.azimuthFirstDeg) / grid.azimuthStepDeg + width;
+      const up = Math.min(
+        Math.max((direction.elevationDeg - grid.elevationFirstDeg) / grid.elevationStepDeg + 1, 0),
+        lastRow - 1e-6,
+      );
       const column = Math.floor(across);
       const row = Math.floor(up);
       taps.low = row * width;

@@ -19,9 +19,9 @@ const ENCODED_STEPS = 4096;
 type Three = [number, number, number];
 
 /** CIE 1931 colour matching functions at a wavelength (Wyman, Sloan, Shirley 2013, multi-lobe fit). */
-function colour_matching_xyz(wavelength_nm: number): Three {
+function colourMatchingXyz(wavelengthNm: number): Three {
   const lobe = (centre: number, low: number, high: number) => {
-    const t = (wavelength_nm - centre) * (wavelength_nm < centre ? low : high);
+    const t = (wavelengthNm - centre) * (wavelengthNm < centre ? low : high);
     return Math.exp(-0.5 * t * t);
   };
   return [
@@ -32,13 +32,13 @@ function colour_matching_xyz(wavelength_nm: number): Three {
 }
 
 /** Linear sRGB [cd m⁻²] of 1 W m⁻² sr⁻¹ in a band whose light is weighted as lamps shine. */
-function srgb_of_band(band: 0 | 1 | 2): Three {
-  const start_nm = BAND_START_NM[band];
+function srgbOfBand(band: 0 | 1 | 2): Three {
+  const startNm = BAND_START_NM[band];
   const xyz: Three = [0, 0, 0];
   for (let step = 0; step < BAND_STEPS; step++) {
-    const wavelength_nm = start_nm + step + 0.5;
-    const weight = start_nm < 500 ? 1 : 1 - Math.abs(wavelength_nm - 600) / 100;
-    colour_matching_xyz(wavelength_nm).forEach((value, i) => {
+    const wavelengthNm = startNm + step + 0.5;
+    const weight = startNm < 500 ? 1 : 1 - Math.abs(wavelengthNm - 600) / 100;
+    colourMatchingXyz(wavelengthNm).forEach((value, i) => {
       xyz[i as 0 | 1 | 2] += weight * value;
     });
   }
@@ -46,30 +46,30 @@ function srgb_of_band(band: 0 | 1 | 2): Three {
   return SRGB_FROM_XYZ.map((row) => scale * (row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])) as Three;
 }
 
-function encode_srgb(linear: number): number {
+function encodeSrgb(linear: number): number {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
 }
 
-const BANDS = [srgb_of_band(0), srgb_of_band(1), srgb_of_band(2)] as const;
-const ENCODED = Uint8ClampedArray.from({ length: ENCODED_STEPS + 1 }, (_, i) => 255 * encode_srgb(i / ENCODED_STEPS));
+const BANDS = [srgbOfBand(0), srgbOfBand(1), srgbOfBand(2)] as const;
+const ENCODED = Uint8ClampedArray.from({ length: ENCODED_STEPS + 1 }, (_, i) => 255 * encodeSrgb(i / ENCODED_STEPS));
 
 /** Tone mapping at one exposure. */
 export class ToneMap {
-  private readonly reference_luminance_cd_m2: number;
+  private readonly referenceLuminanceCdM2: number;
 
-  constructor(exposure_ev: number) {
+  constructor(exposureEv: number) {
     // 1 − exp(−x) is 0.18 at x = 0.198.
-    this.reference_luminance_cd_m2 = MIDDLE_GREY_LUMINANCE_CD_M2 / -Math.log(1 - 0.18) / 2 ** exposure_ev;
+    this.referenceLuminanceCdM2 = MIDDLE_GREY_LUMINANCE_CD_M2 / -Math.log(1 - 0.18) / 2 ** exposureEv;
   }
 
   /**
    * Writes the sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹] to `bytes[at..at + 3]`.
    *
    * Colours outside sRGB move towards grey of their own luminance until they fit. The film curve 1 − exp(−x) is that of the
-   * brightest channel; the others keep their ratio to it and come up to it as it nears white.
+   * brightest channel; the others keep their ratio to it and come up to it nears white.
    */
   write(bytes: Uint8ClampedArray, at: number, red: number, green: number, blue: number): void {
-    const channel = (i: 0 | 1 | 2) => (BANDS[0][i] * red + BANDS[1][i] * green + BANDS[2][i] * blue) / this.reference_luminance_cd_m2;
+    const channel = (i: 0 | 1 | 2) => (BANDS[0][i] * red + BANDS[1][i] * green + BANDS[2][i] * blue) / this.referenceLuminanceCdM2;
     const linear: Three = [channel(0), channel(1), channel(2)];
     const grey = LUMINANCE_WEIGHTS[0] * linear[0] + LUMINANCE_WEIGHTS[1] * linear[1] + LUMINANCE_WEIGHTS[2] * linear[2];
     const lowest = Math.min(...linear);
@@ -85,7 +85,7 @@ export class ToneMap {
   }
 
   /** The grey that a luminance is shown as, a byte. */
-  grey(luminance_cd_m2: number): number {
-    return ENCODED[Math.round((1 - Math.exp(-luminance_cd_m2 / this.reference_luminance_cd_m2)) * ENCODED_STEPS)] ?? 255;
+  grey(luminanceCdM2: number): number {
+    return ENCODED[Math.round((1 - Math.exp(-luminanceCdM2 / this.referenceLuminanceCdM2)) * ENCODED_STEPS)] ?? 255;
   }
 }

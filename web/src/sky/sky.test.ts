@@ -1,21 +1,21 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { PanoramaAnswer } from "../api/types.ts";
-import { luminance_from_brightness_cd_m2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
-import { COLOUR_MAPS, colour_table } from "./colour_maps.ts";
+import { luminanceFromBrightnessCdM2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { COLOUR_MAPS, colourTable } from "./colour-maps.ts";
 import { SkyGrid } from "./grid.ts";
-import { GROUND_RGB, paint_sky, type PictureLook } from "./paint.ts";
-import { compass_name, equirectangular, fisheye, perspective } from "./projection.ts";
+import { GROUND_RGB, type PictureLook, paintSky } from "./paint.ts";
+import { compassName, equirectangular, fisheye, perspective } from "./projection.ts";
 import { ToneMap } from "./realistic.ts";
-import { SCALE, scale_position } from "./scale.ts";
+import { SCALE, scalePosition } from "./scale.ts";
 import { marks, UNITS } from "./units.ts";
 
-const PLOT = { left_px: 10, top_px: 20, width_px: 400, height_px: 200 };
+const PLOT = { leftPx: 10, topPx: 20, widthPx: 400, heightPx: 200 };
 const STEP_DEG = 90 / 64;
-const LOOK: PictureLook = { sky: "artificial", colours: "inferno", exposure_ev: 0 };
+const LOOK: PictureLook = { sky: "artificial", colours: "inferno", exposureEv: 0 };
 
 /** A sky whose green radiance is 1e-9 at every sample but for one bright one. */
-function answer_with_light_at(row: number, column: number): PanoramaAnswer {
+function answerWithLightAt(row: number, column: number): PanoramaAnswer {
   const band = (value: number) => Array.from({ length: 64 }, () => new Array<number>(256).fill(value));
   const green = band(1e-9);
   green[row]![column] = 1e-5;
@@ -34,40 +34,43 @@ function answer_with_light_at(row: number, column: number): PanoramaAnswer {
 }
 
 test("the nearest sample is the API's own value, with north at both ends", () => {
-  const grid = new SkyGrid(answer_with_light_at(0, 0));
-  for (const azimuth_deg of [0, 0.6, 359.5, 360]) {
-    const sample = grid.nearest(azimuth_deg, 0);
-    assert.equal(sample.azimuth_deg, 0);
-    assert.equal(sample.elevation_deg, STEP_DEG / 2);
-    assert.ok(Math.abs(sample.artificial_cd_m2 - 567e-5) < 1e-15);
-    assert.ok(Math.abs(sample.total_cd_m2 - 567e-5 - NATURAL_SKY_CD_M2) < 1e-15);
+  const grid = new SkyGrid(answerWithLightAt(0, 0));
+  for (const azimuthDeg of [0, 0.6, 359.5, 360]) {
+    const sample = grid.nearest(azimuthDeg, 0);
+    assert.equal(sample.azimuthDeg, 0);
+    assert.equal(sample.elevationDeg, STEP_DEG / 2);
+    assert.ok(Math.abs(sample.artificialCdM2 - 567e-5) < 1e-15);
+    assert.ok(Math.abs(sample.totalCdM2 - 567e-5 - NATURAL_SKY_CD_M2) < 1e-15);
   }
-  assert.ok(grid.nearest(1.5, 0).artificial_cd_m2 < 1e-6);
+  assert.ok(grid.nearest(1.5, 0).artificialCdM2 < 1e-6);
 });
 
 test("nothing of the natural sky is added under clouds", () => {
-  const grid = new SkyGrid({ ...answer_with_light_at(0, 0), clouds: "1500" });
+  const grid = new SkyGrid({ ...answerWithLightAt(0, 0), clouds: "1500" });
   const sample = grid.nearest(0, 0);
-  assert.equal(sample.total_cd_m2, sample.artificial_cd_m2);
-  assert.deepEqual(grid.log_luminance("total", 1e-9), grid.log_luminance("artificial", 1e-9));
+  assert.equal(sample.totalCdM2, sample.artificialCdM2);
+  assert.deepEqual(grid.logLuminance("total", 1e-9), grid.logLuminance("artificial", 1e-9));
 });
 
 test("a panorama with missing rows is refused", () => {
-  const answer = answer_with_light_at(0, 0);
+  const answer = answerWithLightAt(0, 0);
   answer.radiance[1]!.pop();
   assert.throws(() => new SkyGrid(answer), /rows/);
 });
 
-for (const [name, make] of [["equirectangular", equirectangular], ["fisheye", fisheye]] as const) {
+for (const [name, make] of [
+  ["equirectangular", equirectangular],
+  ["fisheye", fisheye],
+] as const) {
   test(`${name}: a direction's point leads back to it`, () => {
     const projection = make(PLOT);
-    for (const azimuth_deg of [0.5, 45, 90, 181, 300]) {
-      for (const elevation_deg of [1, 30, 89]) {
-        const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
-        const back = projection.direction_from_point(x_px, y_px);
+    for (const azimuthDeg of [0.5, 45, 90, 181, 300]) {
+      for (const elevationDeg of [1, 30, 89]) {
+        const { xPx, yPx } = projection.pointFromDirection({ azimuthDeg, elevationDeg });
+        const back = projection.directionFromPoint(xPx, yPx);
         assert.ok(back !== null);
-        assert.ok(Math.abs(back.azimuth_deg - azimuth_deg) < 1e-9);
-        assert.ok(Math.abs(back.elevation_deg - elevation_deg) < 1e-9);
+        assert.ok(Math.abs(back.azimuthDeg - azimuthDeg) < 1e-9);
+        assert.ok(Math.abs(back.elevationDeg - elevationDeg) < 1e-9);
       }
     }
   });
@@ -75,125 +78,137 @@ for (const [name, make] of [["equirectangular", equirectangular], ["fisheye", fi
 
 test("the fisheye has north up, east left and the zenith in the middle", () => {
   const projection = fisheye(PLOT);
-  const point = (azimuth_deg: number, elevation_deg: number) => projection.point_from_direction({ azimuth_deg, elevation_deg });
+  const point = (azimuthDeg: number, elevationDeg: number) => projection.pointFromDirection({ azimuthDeg, elevationDeg });
   const zenith = point(0, 90);
-  assert.deepEqual(zenith, { x_px: 210, y_px: 120 });
-  assert.ok(point(0, 0).y_px < zenith.y_px - 99);
-  assert.ok(point(90, 0).x_px < zenith.x_px - 99);
-  assert.equal(projection.direction_from_point(11, 21), null);
+  assert.deepEqual(zenith, { xPx: 210, yPx: 120 });
+  assert.ok(point(0, 0).yPx < zenith.yPx - 99);
+  assert.ok(point(90, 0).xPx < zenith.xPx - 99);
+  assert.equal(projection.directionFromPoint(11, 21), null);
 });
 
 test("a light is painted where its direction lies, in both projections", () => {
-  const grid = new SkyGrid(answer_with_light_at(20, 64));
-  const direction = { azimuth_deg: 90, elevation_deg: 20.5 * STEP_DEG };
+  const grid = new SkyGrid(answerWithLightAt(20, 64));
+  const direction = { azimuthDeg: 90, elevationDeg: 20.5 * STEP_DEG };
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
     const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
-    paint_sky(picture, grid, LOOK, projection, 1);
+    paintSky(picture, grid, LOOK, projection, 1);
     let brightest = { sum: -1, x: 0, y: 0 };
     for (let i = 0; i < 420 * 240; i++) {
       const sum = picture.data[i * 4]! + picture.data[i * 4 + 1]! + picture.data[i * 4 + 2]!;
       if (sum > brightest.sum) brightest = { sum, x: i % 420, y: Math.floor(i / 420) };
     }
-    const { x_px, y_px } = projection.point_from_direction(direction);
-    assert.ok(Math.abs(brightest.x + 0.5 - x_px) <= 1.5, `${projection.name}: ${brightest.x} for ${x_px}`);
-    assert.ok(Math.abs(brightest.y + 0.5 - y_px) <= 1.5, `${projection.name}: ${brightest.y} for ${y_px}`);
+    const { xPx, yPx } = projection.pointFromDirection(direction);
+    assert.ok(Math.abs(brightest.x + 0.5 - xPx) <= 1.5, `${projection.name}: ${brightest.x} for ${xPx}`);
+    assert.ok(Math.abs(brightest.y + 0.5 - yPx) <= 1.5, `${projection.name}: ${brightest.y} for ${yPx}`);
     assert.equal(picture.data[3], 0, "outside the sky nothing is painted");
   }
 });
 
 test("the scale runs from 25 to 15 magnitudes and is clamped", () => {
-  assert.equal(scale_position(SCALE, 25), 0);
-  assert.equal(scale_position(SCALE, 20), 0.5);
-  assert.equal(scale_position(SCALE, 15), 1);
-  assert.equal(scale_position(SCALE, 30), 0);
-  assert.ok(luminance_from_brightness_cd_m2(15) > luminance_from_brightness_cd_m2(25));
+  assert.equal(scalePosition(SCALE, 25), 0);
+  assert.equal(scalePosition(SCALE, 20), 0.5);
+  assert.equal(scalePosition(SCALE, 15), 1);
+  assert.equal(scalePosition(SCALE, 30), 0);
+  assert.ok(luminanceFromBrightnessCdM2(15) > luminanceFromBrightnessCdM2(25));
 });
 
 test("every colour map gets lighter all the way, so that its order is seen without colour", () => {
   for (const name of COLOUR_MAPS) {
-    const table = colour_table(name, 256);
-    const lightness = (i: number) => 0.2126 * (table[i * 3]! / 255) ** 2.2 + 0.7152 * (table[i * 3 + 1]! / 255) ** 2.2 + 0.0722 * (table[i * 3 + 2]! / 255) ** 2.2;
+    const table = colourTable(name, 256);
+    const lightness = (i: number) =>
+      0.2126 * (table[i * 3]! / 255) ** 2.2 + 0.7152 * (table[i * 3 + 1]! / 255) ** 2.2 + 0.0722 * (table[i * 3 + 2]! / 255) ** 2.2;
     for (let i = 8; i < 256; i += 8) assert.ok(lightness(i) > lightness(i - 8), `${name} at ${i}`);
   }
 });
 
 test("compass names wrap around", () => {
-  assert.deepEqual([0, 44, 90, 225, 359, -1].map(compass_name), ["N", "NE", "E", "SW", "N", "N"]);
+  assert.deepEqual([0, 44, 90, 225, 359, -1].map(compassName), ["N", "NE", "E", "SW", "N", "N"]);
 });
 
 /** A hill of 20° around the east; its samples are dark as the API has them. */
-function answer_with_hill(): PanoramaAnswer {
-  const answer = answer_with_light_at(40, 200);
-  const horizon_deg = Array.from({ length: 256 }, (_, column) => Math.max(20 - Math.abs(column - 64), 0));
+function answerWithHill(): PanoramaAnswer {
+  const answer = answerWithLightAt(40, 200);
+  const horizonDeg = Array.from({ length: 256 }, (_, column) => Math.max(20 - Math.abs(column - 64), 0));
   for (const band of answer.radiance) {
-    band.forEach((values, row) => values.forEach((_, column) => {
-      if ((row + 0.5) * STEP_DEG < horizon_deg[column]!) values[column] = 0;
-    }));
+    for (const [row, values] of band.entries()) {
+      for (const column of values.keys()) if ((row + 0.5) * STEP_DEG < horizonDeg[column]!) values[column] = 0;
+    }
   }
-  return { ...answer, horizon_deg };
+  return { ...answer, horizon_deg: horizonDeg };
 }
 
 test("below the horizon there is no light, the natural sky included", () => {
-  const grid = new SkyGrid(answer_with_hill());
+  const grid = new SkyGrid(answerWithHill());
   const hidden = grid.nearest(90, 10);
-  assert.equal(hidden.is_below_horizon, true);
-  assert.deepEqual([hidden.artificial_cd_m2, hidden.total_cd_m2], [0, 0]);
-  assert.equal(grid.nearest(90, 30).is_below_horizon, false);
-  assert.equal(grid.nearest(270, 0).is_below_horizon, false);
-  assert.equal(new SkyGrid(answer_with_light_at(0, 0)).nearest(90, 0).is_below_horizon, false);
+  assert.equal(hidden.isBelowHorizon, true);
+  assert.deepEqual([hidden.artificialCdM2, hidden.totalCdM2], [0, 0]);
+  assert.equal(grid.nearest(90, 30).isBelowHorizon, false);
+  assert.equal(grid.nearest(270, 0).isBelowHorizon, false);
+  assert.equal(new SkyGrid(answerWithLightAt(0, 0)).nearest(90, 0).isBelowHorizon, false);
 });
 
 test("the horizon is linear between columns, and wraps", () => {
-  const grid = new SkyGrid({ ...answer_with_light_at(0, 0), horizon_deg: Array.from({ length: 256 }, (_, column) => (column === 0 ? 8 : 0)) });
-  assert.equal(grid.horizon_at(0), 8);
-  assert.equal(grid.horizon_at(360), 8);
-  assert.ok(Math.abs(grid.horizon_at(359.296875) - 4) < 1e-9);
+  const grid = new SkyGrid({
+    ...answerWithLightAt(0, 0),
+    horizon_deg: Array.from({ length: 256 }, (_, column) => (column === 0 ? 8 : 0)),
+  });
+  assert.equal(grid.horizonAt(0), 8);
+  assert.equal(grid.horizonAt(360), 8);
+  assert.ok(Math.abs(grid.horizonAt(359.296875) - 4) < 1e-9);
 });
 
 test("ground is painted up to the profile, and the sky above it keeps its colour", () => {
-  const grid = new SkyGrid(answer_with_hill());
+  const grid = new SkyGrid(answerWithHill());
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
     const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
-    paint_sky(picture, grid, LOOK, projection, 1);
-    const colour_at = (azimuth_deg: number, elevation_deg: number) => {
-      const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
-      return [...picture.data.slice((Math.floor(y_px) * 420 + Math.floor(x_px)) * 4).slice(0, 3)];
+    paintSky(picture, grid, LOOK, projection, 1);
+    const colourAt = (azimuthDeg: number, elevationDeg: number) => {
+      const { xPx, yPx } = projection.pointFromDirection({ azimuthDeg, elevationDeg });
+      return [...picture.data.slice((Math.floor(yPx) * 420 + Math.floor(xPx)) * 4).slice(0, 3)];
     };
-    assert.deepEqual(colour_at(90, 18), [...GROUND_RGB], projection.name);
-    assert.deepEqual(colour_at(90, 21.5), colour_at(90, 40), projection.name);
-    assert.notDeepEqual(colour_at(270, 5), [...GROUND_RGB], projection.name);
+    assert.deepEqual(colourAt(90, 18), [...GROUND_RGB], projection.name);
+    assert.deepEqual(colourAt(90, 21.5), colourAt(90, 40), projection.name);
+    assert.notDeepEqual(colourAt(270, 5), [...GROUND_RGB], projection.name);
   }
 });
 
 test("perspective: a direction's point leads back to it, straight lines stay straight, and nothing lies behind", () => {
-  const gaze = { azimuth_deg: 350, elevation_deg: 20, field_deg: 60 };
+  const gaze = { azimuthDeg: 350, elevationDeg: 20, fieldDeg: 60 };
   const projection = perspective(PLOT, gaze);
-  const middle = projection.point_from_direction(gaze);
-  assert.ok(Math.abs(middle.x_px - 210) < 1e-9 && Math.abs(middle.y_px - 120) < 1e-9);
-  for (const [azimuth_deg, elevation_deg] of [[350, 20], [10, 5], [320, 40], [355, -5]] as const) {
-    const { x_px, y_px } = projection.point_from_direction({ azimuth_deg, elevation_deg });
-    const back = projection.direction_from_point(x_px, y_px);
-    assert.ok(back !== null && Math.abs(back.azimuth_deg - azimuth_deg) < 1e-9 && Math.abs(back.elevation_deg - elevation_deg) < 1e-9, JSON.stringify(back));
+  const middle = projection.pointFromDirection(gaze);
+  assert.ok(Math.abs(middle.xPx - 210) < 1e-9 && Math.abs(middle.yPx - 120) < 1e-9);
+  for (const [azimuthDeg, elevationDeg] of [
+    [350, 20],
+    [10, 5],
+    [320, 40],
+    [355, -5],
+  ] as const) {
+    const { xPx, yPx } = projection.pointFromDirection({ azimuthDeg, elevationDeg });
+    const back = projection.directionFromPoint(xPx, yPx);
+    assert.ok(
+      back !== null && Math.abs(back.azimuthDeg - azimuthDeg) < 1e-9 && Math.abs(back.elevationDeg - elevationDeg) < 1e-9,
+      JSON.stringify(back),
+    );
   }
   // Half the field above the middle is the upper edge.
-  assert.ok(Math.abs(projection.point_from_direction({ azimuth_deg: 350, elevation_deg: 50 }).y_px - PLOT.top_px) < 1e-9);
+  assert.ok(Math.abs(projection.pointFromDirection({ azimuthDeg: 350, elevationDeg: 50 }).yPx - PLOT.topPx) < 1e-9);
   // The horizon is a straight level line, and east lies right of north.
-  const horizon = [330, 350, 10].map((azimuth_deg) => projection.point_from_direction({ azimuth_deg, elevation_deg: 0 }));
-  for (const point of horizon) assert.ok(Math.abs(point.y_px - (horizon[0]?.y_px ?? 0)) < 1e-9);
-  assert.ok((horizon[2]?.x_px ?? 0) > (horizon[0]?.x_px ?? 0));
-  assert.ok(Number.isNaN(projection.point_from_direction({ azimuth_deg: 170, elevation_deg: 0 }).x_px));
-  assert.equal(projection.direction_from_point(5, 120), null);
+  const horizon = [330, 350, 10].map((azimuthDeg) => projection.pointFromDirection({ azimuthDeg, elevationDeg: 0 }));
+  for (const point of horizon) assert.ok(Math.abs(point.yPx - (horizon[0]?.yPx ?? 0)) < 1e-9);
+  assert.ok((horizon[2]?.xPx ?? 0) > (horizon[0]?.xPx ?? 0));
+  assert.ok(Number.isNaN(projection.pointFromDirection({ azimuthDeg: 170, elevationDeg: 0 }).xPx));
+  assert.equal(projection.directionFromPoint(5, 120), null);
 });
 
 test("the brightest direction is found", () => {
-  const { azimuth_deg, elevation_deg } = new SkyGrid(answer_with_light_at(3, 100)).brightest();
-  assert.ok(Math.abs(azimuth_deg - (100 * 360) / 256) < 1e-9 && Math.abs(elevation_deg - 3.5 * STEP_DEG) < 1e-9);
+  const { azimuthDeg, elevationDeg } = new SkyGrid(answerWithLightAt(3, 100)).brightest();
+  assert.ok(Math.abs(azimuthDeg - (100 * 360) / 256) < 1e-9 && Math.abs(elevationDeg - 3.5 * STEP_DEG) < 1e-9);
 });
 
 test("the realistic picture shows a millicandela as middle grey, sodium orange, and bright light white", () => {
   const bytes = new Uint8ClampedArray(3);
-  const shown = (exposure_ev: number, red: number, green: number, blue: number) => {
-    new ToneMap(exposure_ev).write(bytes, 0, red, green, blue);
+  const shown = (exposureEv: number, red: number, green: number, blue: number) => {
+    new ToneMap(exposureEv).write(bytes, 0, red, green, blue);
     return [...bytes] as [number, number, number];
   };
   assert.equal(new ToneMap(0).grey(1e-3), 118);
@@ -208,11 +223,14 @@ test("the realistic picture shows a millicandela as middle grey, sodium orange, 
 
 test("the scale's marks are round in every unit, ascend, and lie on the scale", () => {
   for (const unit of UNITS) {
-    const luminances = marks(unit).map(({ luminance_cd_m2 }) => luminance_cd_m2);
+    const luminances = marks(unit).map(({ luminanceCdM2 }) => luminanceCdM2);
     assert.ok(luminances.length >= 10 && luminances.length <= 14, `${unit} ${luminances.length}`);
     assert.ok(luminances.every((mark, i) => i === 0 || mark > (luminances[i - 1] ?? 0)));
-    const positions = luminances.map((mark) => scale_position(SCALE, -2.5 * Math.log10(mark / 1.08e5)));
-    assert.ok(positions.every((at, i) => at >= 0 && at <= 1 && (i === 0 || at > (positions[i - 1] ?? 0))), `${unit} ${positions}`);
+    const positions = luminances.map((mark) => scalePosition(SCALE, -2.5 * Math.log10(mark / 1.08e5)));
+    assert.ok(
+      positions.every((at, i) => at >= 0 && at <= 1 && (i === 0 || at > (positions[i - 1] ?? 0))),
+      `${unit} ${positions}`,
+    );
   }
-  assert.ok(marks("ratio").some(({ luminance_cd_m2 }) => Math.abs(luminance_cd_m2 / NATURAL_SKY_CD_M2 - 1) < 1e-9));
+  assert.ok(marks("ratio").some(({ luminanceCdM2 }) => Math.abs(luminanceCdM2 / NATURAL_SKY_CD_M2 - 1) < 1e-9));
 });

@@ -6,17 +6,17 @@ import { words } from "../language/words.ts";
 type Pack = Pick<Atmosphere, "cloud_base_m">;
 
 /** The packs under a layer of cloud with that base; null: of a clear sky. */
-export function packs_under<P extends Pack>(packs: readonly P[], clouds: number | null): P[] {
+export function packsUnder<P extends Pack>(packs: readonly P[], clouds: number | null): P[] {
   return packs.filter(({ cloud_base_m }) => (cloud_base_m ?? null) === clouds);
 }
 
 /** Bases that there are packs for, metres, ascending. */
-export function cloud_bases(packs: readonly Pack[]): number[] {
+export function cloudBases(packs: readonly Pack[]): number[] {
   const bases = packs.map(({ cloud_base_m }) => cloud_base_m).filter((base) => base !== null && base !== undefined);
   return [...new Set(bases)].sort((a, b) => a - b);
 }
 
 /** What a choice of clouds is called. */
-export function clouds_title(clouds: number | null): string {
-  return clouds === null ? words().assumptions.no_clouds : words().assumptions.closed_clouds(clouds);
+export function cloudsTitle(clouds: number | null): string {
+  return clouds === null ? words().assumptions.noClouds : words().assumptions.closedClouds(clouds);
 }

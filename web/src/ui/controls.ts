@@ -3,19 +3,19 @@
 import type { ScatteringName } from "../api/client.ts";
 import type { Atmosphere, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import type { PictureStyle } from "../sky/colour_maps.ts";
+import type { PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
 import { LAYERS, type LayerName, type LightsKind, type MeasureName, type TerrainKind, type ViewState } from "../state.ts";
-import { cloud_bases, clouds_title, packs_under } from "./clouds.ts";
-import { by_id, debounced, make } from "./dom.ts";
+import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
+import { byId, debounced, make } from "./dom.ts";
 import { decimal, fixed } from "./format.ts";
-import { wire_group } from "./group.ts";
-import { show_layer_hint } from "./layers.ts";
+import { wireGroup } from "./group.ts";
 import { emissions, lamps } from "./lamps.ts";
-import { set_region_option } from "./marking.ts";
-import { resident_scatterings, scattering_title, SCATTERINGS, turbidity_ends } from "./scattering.ts";
+import { showLayerHint } from "./layers.ts";
+import { setRegionOption } from "./marking.ts";
+import { residentScatterings, SCATTERINGS, scatteringTitle, turbidityEnds } from "./scattering.ts";
 
 export interface ControlEvents {
   scene: (id: string) => void;
@@ -31,7 +31,7 @@ export interface ControlEvents {
   projection: (projection: ProjectionName) => void;
   sky: (sky: SkyKind) => void;
   colours: (colours: PictureStyle) => void;
-  exposure: (exposure_ev: number) => void;
+  exposure: (exposureEv: number) => void;
   unit: (unit: BrightnessUnit) => void;
   measure: (measure: MeasureName) => void;
   layer: (layer: LayerName, opacity: number) => void;
@@ -41,11 +41,11 @@ export interface ControlEvents {
 export const DEFAULT_TURBIDITY = 2.5;
 const WAIT_MS = 180;
 
-function air_words(turbidity: number): string {
-  const { mountain_air, clear_night, light_haze, haze } = words().assumptions;
-  if (turbidity < 1.75) return mountain_air;
-  if (turbidity < 2.75) return clear_night;
-  if (turbidity < 4) return light_haze;
+function airWords(turbidity: number): string {
+  const { mountainAir, clearNight, lightHaze, haze } = words().assumptions;
+  if (turbidity < 1.75) return mountainAir;
+  if (turbidity < 2.75) return clearNight;
+  if (turbidity < 4) return lightHaze;
   return haze;
 }
 
@@ -56,36 +56,36 @@ function fill(select: HTMLSelectElement, options: readonly (readonly [string, st
 }
 
 export class Controls {
-  private readonly scene = by_id("scene", HTMLSelectElement);
-  private readonly scene_note = by_id("scene-note", HTMLElement);
-  private readonly turbidity = by_id("turbidity", HTMLInputElement);
-  private readonly turbidity_value = by_id("turbidity-value", HTMLOutputElement);
-  private readonly scattering = by_id("scattering", HTMLSelectElement);
-  private readonly clouds = by_id("clouds", HTMLSelectElement);
+  private readonly scene = byId("scene", HTMLSelectElement);
+  private readonly sceneNote = byId("scene-note", HTMLElement);
+  private readonly turbidity = byId("turbidity", HTMLInputElement);
+  private readonly turbidityValue = byId("turbidity-value", HTMLOutputElement);
+  private readonly scattering = byId("scattering", HTMLSelectElement);
+  private readonly clouds = byId("clouds", HTMLSelectElement);
   private atmospheres: readonly Atmosphere[] = [];
-  private readonly lamp = by_id("lamp", HTMLSelectElement);
-  private readonly emission = by_id("emission", HTMLSelectElement);
-  private readonly terrain = by_id("terrain", HTMLSelectElement);
-  private readonly colours = by_id("colours", HTMLSelectElement);
-  private readonly exposure = by_id("exposure", HTMLInputElement);
-  private readonly unit = by_id("unit", HTMLSelectElement);
-  private readonly measure = by_id("measure", HTMLSelectElement);
-  private readonly press_lights: (value: LightsKind) => void;
-  private readonly press_projection: (value: ProjectionName) => void;
-  private readonly press_sky: (value: SkyKind) => void;
+  private readonly lamp = byId("lamp", HTMLSelectElement);
+  private readonly emission = byId("emission", HTMLSelectElement);
+  private readonly terrain = byId("terrain", HTMLSelectElement);
+  private readonly colours = byId("colours", HTMLSelectElement);
+  private readonly exposure = byId("exposure", HTMLInputElement);
+  private readonly unit = byId("unit", HTMLSelectElement);
+  private readonly measure = byId("measure", HTMLSelectElement);
+  private readonly pressLights: (value: LightsKind) => void;
+  private readonly pressProjection: (value: ProjectionName) => void;
+  private readonly pressSky: (value: SkyKind) => void;
 
   constructor(events: ControlEvents) {
     this.scene.addEventListener("change", () => events.scene(this.scene.value));
     const changed = debounced(WAIT_MS, events.turbidity);
     this.turbidity.addEventListener("input", () => {
-      this.show_turbidity();
+      this.showTurbidity();
       changed(Number(this.turbidity.value));
     });
     this.scattering.addEventListener("change", () => {
       const chosen = SCATTERINGS.find((name) => name === this.scattering.value) ?? null;
-      events.scattering(chosen === resident_scatterings(this.atmospheres_below())[0] ? null : chosen);
+      events.scattering(chosen === residentScatterings(this.atmospheresBelow())[0] ? null : chosen);
     });
-    this.clouds.addEventListener("change", () => events.clouds(this.chosen_clouds()));
+    this.clouds.addEventListener("change", () => events.clouds(this.chosenClouds()));
     this.lamp.addEventListener("change", () => events.lamp(this.lamp.value));
     this.emission.addEventListener("change", () => events.emission(this.emission.value));
     this.terrain.addEventListener("change", () => events.terrain(this.terrain.value as TerrainKind));
@@ -93,12 +93,12 @@ export class Controls {
     this.exposure.addEventListener("input", () => events.exposure(Number(this.exposure.value)));
     this.unit.addEventListener("change", () => events.unit(this.unit.value as BrightnessUnit));
     this.measure.addEventListener("change", () => events.measure(this.measure.value as MeasureName));
-    this.press_lights = wire_group<LightsKind>("lights", events.lights);
-    this.press_projection = wire_group<ProjectionName>("projection", events.projection);
-    this.press_sky = wire_group<SkyKind>("sky-kind", events.sky);
+    this.pressLights = wireGroup<LightsKind>("lights", events.lights);
+    this.pressProjection = wireGroup<ProjectionName>("projection", events.projection);
+    this.pressSky = wireGroup<SkyKind>("sky-kind", events.sky);
     for (const layer of LAYERS) {
-      const box = by_id(`layer-${layer}`, HTMLInputElement);
-      const slider = by_id(`opacity-${layer}`, HTMLInputElement);
+      const box = byId(`layer-${layer}`, HTMLInputElement);
+      const slider = byId(`opacity-${layer}`, HTMLInputElement);
       const tell = () => {
         slider.disabled = !box.checked;
         events.layer(layer, box.checked ? Number(slider.value) : 0);
@@ -108,103 +108,111 @@ export class Controls {
     }
   }
 
-  set_scenes(scenes: readonly Scene[]): void {
+  setScenes(scenes: readonly Scene[]): void {
     this.scene.replaceChildren(
       ...scenes.map(({ id, title, illustrative }) => {
         const said = !illustrative || /illustrative/i.test(title);
-        return new Option(said ? title : words().scene.illustrative_title(title), id);
+        return new Option(said ? title : words().scene.illustrativeTitle(title), id);
       }),
     );
     this.scene.disabled = scenes.length === 0;
   }
 
-  set_atmospheres(atmospheres: readonly Atmosphere[]): void {
+  setAtmospheres(atmospheres: readonly Atmosphere[]): void {
     this.atmospheres = atmospheres;
-    this.show_air(null, null);
+    this.showAir(null, null);
   }
 
   /** Base of the clouds that the control stands on, metres; null for a clear sky. */
-  private chosen_clouds(): number | null {
+  private chosenClouds(): number | null {
     return this.clouds.value === "none" ? null : Number(this.clouds.value);
   }
 
   /** The packs under the clouds that the control stands on. */
-  private atmospheres_below(): readonly Atmosphere[] {
-    return packs_under(this.atmospheres, this.chosen_clouds());
+  private atmospheresBelow(): readonly Atmosphere[] {
+    return packsUnder(this.atmospheres, this.chosenClouds());
   }
 
   /** What can be chosen of clouds, of scattering under them, and of turbidity with that scattering. */
-  private show_air(scattering: ScatteringName | null, clouds: number | null): void {
-    const bases = cloud_bases(this.atmospheres);
-    const choices = [null, ...bases].map((base) => [String(base ?? "none"), clouds_title(base)] as const);
+  private showAir(scattering: ScatteringName | null, clouds: number | null): void {
+    const bases = cloudBases(this.atmospheres);
+    const choices = [null, ...bases].map((base) => [String(base ?? "none"), cloudsTitle(base)] as const);
     fill(this.clouds, choices, String(clouds ?? "none"));
     // A choice of one is none.
-    by_id("clouds-field", HTMLElement).hidden = bases.length === 0;
-    const atmospheres = packs_under(this.atmospheres, clouds);
-    const resident = resident_scatterings(atmospheres);
+    byId("clouds-field", HTMLElement).hidden = bases.length === 0;
+    const atmospheres = packsUnder(this.atmospheres, clouds);
+    const resident = residentScatterings(atmospheres);
     const best = resident[0];
     if (best !== undefined) {
-      fill(this.scattering, resident.map((name) => [name, scattering_title(name)] as const), scattering ?? best);
+      fill(
+        this.scattering,
+        resident.map((name) => [name, scatteringTitle(name)] as const),
+        scattering ?? best,
+      );
     }
     this.scattering.disabled = resident.length < 2;
-    const ends = turbidity_ends(atmospheres, scattering);
+    const ends = turbidityEnds(atmospheres, scattering);
     if (ends === null) return;
     const [least, most] = ends;
     this.turbidity.min = String(least);
     this.turbidity.max = String(most);
     this.turbidity.disabled = least === most;
-    by_id("turbidity-ends", HTMLElement).replaceChildren(
-      make("span", "", words().assumptions.least_turbidity(decimal(least))),
-      make("span", "", words().assumptions.most_turbidity(decimal(most))),
+    byId("turbidity-ends", HTMLElement).replaceChildren(
+      make("span", "", words().assumptions.leastTurbidity(decimal(least))),
+      make("span", "", words().assumptions.mostTurbidity(decimal(most))),
     );
-    this.show_turbidity();
+    this.showTurbidity();
   }
 
   /** Puts every control where the state says. */
   show(state: ViewState, scene: Scene | null): void {
     if (scene !== null) {
       this.scene.value = scene.id;
-      const parts = [scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? words().scene.illustrative : "", scene.date ?? "", scene.attribution ?? ""];
-      this.scene_note.textContent = parts.filter((part) => part !== "").join(" · ");
-      this.scene_note.classList.toggle("illustrative", scene.illustrative);
-      show_layer_hint("elevation", scene.terrain ? null : words().layers.no_terrain);
+      const parts = [
+        scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? words().scene.illustrative : "",
+        scene.date ?? "",
+        scene.attribution ?? "",
+      ];
+      this.sceneNote.textContent = parts.filter((part) => part !== "").join(" · ");
+      this.sceneNote.classList.toggle("illustrative", scene.illustrative);
+      showLayerHint("elevation", scene.terrain ? null : words().layers.noTerrain);
       this.terrain.disabled = !scene.terrain;
     }
-    show_layer_hint("brightness", state.clouds === null ? null : words().layers.clear_sky_alone);
-    show_layer_hint("influence", state.place === null ? words().layers.place_first : null);
-    this.show_air(state.scattering, state.clouds);
+    showLayerHint("brightness", state.clouds === null ? null : words().layers.clearSkyAlone);
+    showLayerHint("influence", state.place === null ? words().layers.placeFirst : null);
+    this.showAir(state.scattering, state.clouds);
     this.turbidity.value = String(state.turbidity ?? DEFAULT_TURBIDITY);
-    this.show_turbidity();
+    this.showTurbidity();
     fill(this.lamp, lamps(), state.lamp);
     fill(this.emission, emissions(), state.emission);
     this.terrain.value = state.terrain;
     this.colours.value = state.colours;
-    by_id("exposure-field", HTMLElement).hidden = state.colours !== "realistic";
-    this.exposure.value = String(state.exposure_ev);
-    const stops = `${state.exposure_ev > 0 ? "+" : ""}${decimal(state.exposure_ev)} EV`;
-    by_id("exposure-value", HTMLOutputElement).value = stops;
+    byId("exposure-field", HTMLElement).hidden = state.colours !== "realistic";
+    this.exposure.value = String(state.exposureEv);
+    const stops = `${state.exposureEv > 0 ? "+" : ""}${decimal(state.exposureEv)} EV`;
+    byId("exposure-value", HTMLOutputElement).value = stops;
     this.exposure.setAttribute("aria-valuetext", stops);
     this.unit.value = state.unit;
-    set_region_option(this.measure, state.region !== null);
+    setRegionOption(this.measure, state.region !== null);
     this.measure.value = state.measure;
     this.measure.hidden = state.layers.influence === 0;
-    by_id("lights", HTMLElement).hidden = state.scenario === null;
-    this.press_lights(state.lights);
-    by_id("split-field", HTMLElement).hidden = state.scenario === null || state.lights !== "both";
-    this.press_projection(state.projection);
-    this.press_sky(state.sky);
+    byId("lights", HTMLElement).hidden = state.scenario === null;
+    this.pressLights(state.lights);
+    byId("split-field", HTMLElement).hidden = state.scenario === null || state.lights !== "both";
+    this.pressProjection(state.projection);
+    this.pressSky(state.sky);
     for (const layer of LAYERS) {
-      const box = by_id(`layer-${layer}`, HTMLInputElement);
-      const slider = by_id(`opacity-${layer}`, HTMLInputElement);
+      const box = byId(`layer-${layer}`, HTMLInputElement);
+      const slider = byId(`opacity-${layer}`, HTMLInputElement);
       box.checked = state.layers[layer] > 0 && !box.disabled;
       slider.disabled = !box.checked;
       if (state.layers[layer] > 0) slider.value = String(state.layers[layer]);
     }
   }
 
-  private show_turbidity(): void {
+  private showTurbidity(): void {
     const turbidity = Number(this.turbidity.value);
-    this.turbidity_value.value = `${fixed(turbidity, 1)} · ${air_words(turbidity)}`;
-    this.turbidity.setAttribute("aria-valuetext", this.turbidity_value.value);
+    this.turbidityValue.value = `${fixed(turbidity, 1)} · ${airWords(turbidity)}`;
+    this.turbidity.setAttribute("aria-valuetext", this.turbidityValue.value);
   }
 }

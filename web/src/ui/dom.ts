@@ -1,32 +1,35 @@
 // Small helpers for the page's own elements.
 
 /** The element of that id, which the page's HTML must have. */
-export function by_id<T extends HTMLElement>(id: string, type: new () => T): T {
+export function byId<T extends HTMLElement>(id: string, type: new () => T): T {
   const element = document.getElementById(id);
   if (!(element instanceof type)) throw new Error(`the page has no ${type.name} "${id}"`);
   return element;
 }
 
 /** A new element with a class and text or children. */
-export function make(tag: string, class_name: string, ...content: (string | Node)[]): HTMLElement {
+export function make(tag: string, className: string, ...content: (string | Node)[]): HTMLElement {
   const element = document.createElement(tag);
-  if (class_name !== "") element.className = class_name;
+  if (className !== "") element.className = className;
   element.append(...content);
   return element;
 }
 
 /** Marks what the server says, which is English on every page. */
-export function in_english<E extends HTMLElement>(element: E): E {
+export function inEnglish<E extends HTMLElement>(element: E): E {
   element.lang = "en";
   return element;
 }
 
 /** Calls once things have been quiet for a while, unless that is cancelled. */
-export function debounced<A extends unknown[]>(wait_ms: number, call: (...args: A) => void): ((...args: A) => void) & { cancel: () => void } {
+export function debounced<A extends unknown[]>(
+  waitMs: number,
+  call: (...args: A) => void,
+): ((...args: A) => void) & { cancel: () => void } {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const soon = (...args: A) => {
     clearTimeout(timer);
-    timer = setTimeout(() => call(...args), wait_ms);
+    timer = setTimeout(() => call(...args), waitMs);
   };
   return Object.assign(soon, { cancel: () => clearTimeout(timer) });
 }

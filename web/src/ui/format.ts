@@ -1,12 +1,12 @@
 // Numbers as people read them.
 
 import { words } from "../language/words.ts";
-import { NATURAL_SKY_CD_M2, brightness_mag_arcsec2 } from "../photometry.ts";
+import { brightnessMagArcsec2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
 
 /** A number in digits, with the decimal sign of the language. */
 export function decimal(digits: string | number): string {
-  return String(digits).replace(".", words().decimal_sign);
+  return String(digits).replace(".", words().decimalSign);
 }
 
 export function fixed(value: number, decimals: number): string {
@@ -19,7 +19,7 @@ export function whole(value: number): string {
 }
 
 /** A number with three significant digits or so, never in exponent form. */
-export function short_number(value: number): string {
+export function shortNumber(value: number): string {
   const size = Math.abs(value);
   if (size === 0) return "0";
   const digits = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : Math.min(2 - Math.floor(Math.log10(size)), 6);
@@ -27,19 +27,19 @@ export function short_number(value: number): string {
 }
 
 /** A quantity with the prefix that keeps it between 1 and 1000. */
-export function with_prefix(value: number, unit: string): string {
+export function withPrefix(value: number, unit: string): string {
   const size = Math.abs(value);
   if (size === 0) return `0 ${unit}`;
-  if (size >= 1e6) return `${short_number(value / 1e6)} M${unit}`;
-  if (size >= 1e4) return `${short_number(value / 1e3)} k${unit}`;
-  if (size >= 1) return `${short_number(value)} ${unit}`;
-  if (size >= 1e-3) return `${short_number(value * 1e3)} m${unit}`;
-  if (size >= 1e-6) return `${short_number(value * 1e6)} µ${unit}`;
-  return `${short_number(value * 1e9)} n${unit}`;
+  if (size >= 1e6) return `${shortNumber(value / 1e6)} M${unit}`;
+  if (size >= 1e4) return `${shortNumber(value / 1e3)} k${unit}`;
+  if (size >= 1) return `${shortNumber(value)} ${unit}`;
+  if (size >= 1e-3) return `${shortNumber(value * 1e3)} m${unit}`;
+  if (size >= 1e-6) return `${shortNumber(value * 1e6)} µ${unit}`;
+  return `${shortNumber(value * 1e9)} n${unit}`;
 }
 
-export function magnitude(brightness_mag_arcsec2: number | null): string {
-  return brightness_mag_arcsec2 === null ? words().numbers.no_light : fixed(brightness_mag_arcsec2, 2);
+export function magnitude(brightnessMagArcsec2: number | null): string {
+  return brightnessMagArcsec2 === null ? words().numbers.noLight : fixed(brightnessMagArcsec2, 2);
 }
 
 /** How many times the natural sky: 0.003, 0.84, 12, 340. */
@@ -50,22 +50,22 @@ export function ratio(value: number): string {
 }
 
 /** A luminance as a number and its unit. */
-export function in_unit(luminance_cd_m2: number, unit: BrightnessUnit): [value: string, unit: string] {
-  if (unit === "magnitude") return [magnitude(brightness_mag_arcsec2(luminance_cd_m2)), "mag/arcsec²"];
-  if (unit === "ratio") return [`${ratio(luminance_cd_m2 / NATURAL_SKY_CD_M2)} ×`, words().numbers.natural];
-  const [value = "", name = ""] = with_prefix(luminance_cd_m2, "cd/m²").split(" ");
+export function inUnit(luminanceCdM2: number, unit: BrightnessUnit): [value: string, unit: string] {
+  if (unit === "magnitude") return [magnitude(brightnessMagArcsec2(luminanceCdM2)), "mag/arcsec²"];
+  if (unit === "ratio") return [`${ratio(luminanceCdM2 / NATURAL_SKY_CD_M2)} ×`, words().numbers.natural];
+  const [value = "", name = ""] = withPrefix(luminanceCdM2, "cd/m²").split(" ");
   return [value, name];
 }
 
 /** Names of north, east, south and west. */
-export function cardinal_names(): [north: string, east: string, south: string, west: string] {
+export function cardinalNames(): [north: string, east: string, south: string, west: string] {
   const [north = "", , , , east = "", , , , south = "", , , , west = ""] = words().compass;
   return [north, east, south, west];
 }
 
 /** With a point in every language: a comma parts them, and the search reads them so. */
-export function coordinates(latitude_deg: number, longitude_deg: number): string {
-  const [north, east, south, west] = cardinal_names();
-  const latitude = `${Math.abs(latitude_deg).toFixed(4)}° ${latitude_deg < 0 ? south : north}`;
-  return `${latitude}, ${Math.abs(longitude_deg).toFixed(4)}° ${longitude_deg < 0 ? west : east}`;
+export function coordinates(latitudeDeg: number, longitudeDeg: number): string {
+  const [north, east, south, west] = cardinalNames();
+  const latitude = `${Math.abs(latitudeDeg).toFixed(4)}° ${latitudeDeg < 0 ? south : north}`;
+  return `${latitude}, ${Math.abs(longitudeDeg).toFixed(4)}° ${longitudeDeg < 0 ? west : east}`;
 }

@@ -1,10 +1,10 @@
 // A button group of which exactly one is pressed; arrow keys move as in radio groups.
 
-import { by_id } from "./dom.ts";
+import { byId } from "./dom.ts";
 
 /** Returns what presses a button without telling that it was chosen. */
-export function wire_group<T extends string>(id: string, chosen: (value: T) => void): (value: T) => void {
-  const group = by_id(id, HTMLElement);
+export function wireGroup<T extends string>(id: string, chosen: (value: T) => void): (value: T) => void {
+  const group = byId(id, HTMLElement);
   const buttons = [...group.querySelectorAll("button")];
   const press = (value: string) => {
     for (const button of buttons) {

@@ -12,15 +12,15 @@ export function emissions(): Named[] {
   return Object.entries(words().emissions);
 }
 
-export function lamp_title(lamp: string): string {
-  return lamps().find(([name]) => name === lamp)?.[1] ?? words().assumptions.own_fluxes(lamp);
+export function lampTitle(lamp: string): string {
+  return lamps().find(([name]) => name === lamp)?.[1] ?? words().assumptions.ownFluxes(lamp);
 }
 
 /** What the server's mixture is of. */
 const MIXTURE: readonly string[] = ["hps", "led_4000k"];
 
 /** The lamps that there are where these are assumed; none known of own fluxes. */
-export function lamps_in(assumed: string): readonly string[] {
+export function lampsIn(assumed: string): readonly string[] {
   if (assumed === "mixed") return MIXTURE;
   return lamps().some(([name]) => name === assumed) ? [assumed] : [];
 }

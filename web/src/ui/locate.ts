@@ -2,19 +2,19 @@
 
 import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
-import { by_id } from "./dom.ts";
+import { byId } from "./dom.ts";
 
 const LONGEST_WAIT_MS = 20_000;
 
 /** By the code of a GeolocationPositionError. */
-function why_not(code: number): string {
+function whyNot(code: number): string {
   const { forbidden, unknown, late, silent } = words().locate;
   return { 1: forbidden, 2: unknown, 3: late }[code] ?? silent;
 }
 
 /** Shows the button where the browser can tell; it tells pages of secure addresses alone. */
-export function wire_locate(found: (place: Place) => void, failed: (reason: Error) => void): void {
-  const button = by_id("locate", HTMLButtonElement);
+export function wireLocate(found: (place: Place) => void, failed: (reason: Error) => void): void {
+  const button = byId("locate", HTMLButtonElement);
   if (!window.isSecureContext || !("geolocation" in navigator)) return;
   button.hidden = false;
   button.addEventListener("click", () => {
@@ -26,7 +26,7 @@ export function wire_locate(found: (place: Place) => void, failed: (reason: Erro
       },
       ({ code }) => {
         button.disabled = false;
-        failed(new Error(why_not(code)));
+        failed(new Error(whyNot(code)));
       },
       { timeout: LONGEST_WAIT_MS, maximumAge: 60_000 },
     );

@@ -1,7 +1,7 @@
 // The button that marks a part of the sky by a curve around it.
 
 import { words } from "../language/words.ts";
-import { by_id } from "./dom.ts";
+import { byId } from "./dom.ts";
 
 export interface MarkingEvents {
   /** Drawing begins or ends. */
@@ -10,7 +10,7 @@ export interface MarkingEvents {
 }
 
 /** A choice that is there only where a part of the sky is marked. */
-export function set_region_option(select: HTMLSelectElement, marked: boolean): void {
+export function setRegionOption(select: HTMLSelectElement, marked: boolean): void {
   const option = [...select.options].find(({ value }) => value === "region");
   if (option === undefined) return;
   option.disabled = !marked;
@@ -19,8 +19,8 @@ export function set_region_option(select: HTMLSelectElement, marked: boolean): v
 }
 
 export class Marking {
-  private readonly button = by_id("mark", HTMLButtonElement);
-  private readonly hint = by_id("mark-hint", HTMLElement);
+  private readonly button = byId("mark", HTMLButtonElement);
+  private readonly hint = byId("mark-hint", HTMLElement);
   private drawing = false;
   private marked = false;
 
@@ -50,8 +50,8 @@ export class Marking {
 
   private update(): void {
     this.button.setAttribute("aria-pressed", String(this.drawing));
-    const { mark, stop_marking, unmark, mark_hint } = words().sky;
-    this.button.textContent = this.drawing ? stop_marking : this.marked ? unmark : mark;
-    this.hint.textContent = this.drawing ? mark_hint : "";
+    const { mark, stopMarking, unmark, markHint } = words().sky;
+    this.button.textContent = this.drawing ? stopMarking : this.marked ? unmark : mark;
+    this.hint.textContent = this.drawing ? markHint : "";
   }
 }

@@ -1,6 +1,6 @@
 // One place for what went wrong, in plain words.
 
-import { plain_words } from "../api/problem.ts";
+import { plainWords } from "../api/problem.ts";
 import { words } from "../language/words.ts";
 import { make } from "./dom.ts";
 
@@ -8,7 +8,7 @@ export class Notice {
   constructor(private readonly container: HTMLElement) {}
 
   show(reason: unknown): void {
-    const { headline, sentences } = plain_words(reason);
+    const { headline, sentences } = plainWords(reason);
     const close = make("button", "notice-close", "×") as HTMLButtonElement;
     close.type = "button";
     close.setAttribute("aria-label", words().problems.close);

@@ -7,7 +7,7 @@ import { words } from "../language/words.ts";
 /** The best first. */
 export const SCATTERINGS: readonly ScatteringName[] = ["multiple", "single"];
 
-export function scattering_title(scattering: string): string {
+export function scatteringTitle(scattering: string): string {
   const name = SCATTERINGS.find((known) => known === scattering);
   return name === undefined ? scattering : words().scatterings[name];
 }
@@ -15,19 +15,23 @@ export function scattering_title(scattering: string): string {
 type Pack = Pick<Atmosphere, "turbidity" | "scattering">;
 
 /** What there are packs of, the best first: the server takes that where the request names none. */
-export function resident_scatterings(packs: readonly Pack[]): ScatteringName[] {
+export function residentScatterings(packs: readonly Pack[]): ScatteringName[] {
   return SCATTERINGS.filter((name) => packs.some(({ scattering }) => scattering === name));
 }
 
 /** Smallest and largest turbidity of a scattering (null: the best); null without packs. */
-export function turbidity_ends(packs: readonly Pack[], scattering: ScatteringName | null): [least: number, most: number] | null {
-  const wanted = scattering ?? resident_scatterings(packs)[0];
+export function turbidityEnds(packs: readonly Pack[], scattering: ScatteringName | null): [least: number, most: number] | null {
+  const wanted = scattering ?? residentScatterings(packs)[0];
   const values = packs.filter((pack) => pack.scattering === wanted).map(({ turbidity }) => turbidity);
   return values.length === 0 ? null : [Math.min(...values), Math.max(...values)];
 }
 
 /** A turbidity that the packs of a scattering reach; null, the server's default, stays so. */
-export function turbidity_within(packs: readonly Pack[], scattering: ScatteringName | null, turbidity: number | null): number | null {
-  const ends = turbidity_ends(packs, scattering);
+export function turbidityWithin(
+  packs: readonly Pack[],
+  scattering: ScatteringName | null,
+  turbidity: number | null,
+): number | null {
+  const ends = turbidityEnds(packs, scattering);
   return turbidity === null || ends === null ? turbidity : Math.min(Math.max(turbidity, ends[0]), ends[1]);
 }

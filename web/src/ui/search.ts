@@ -4,24 +4,29 @@ import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
 import { make } from "./dom.ts";
-import { cardinal_names, coordinates, whole } from "./format.ts";
+import { cardinalNames, coordinates, whole } from "./format.ts";
 
 const LONGEST_LIST = 8;
 
 function folded(text: string): string {
-  return text.normalize("NFD").replace(/\p{Diacritic}/gu, "").toLowerCase();
+  return text
+    .normalize("NFD")
+    .replace(/\p{Diacritic}/gu, "")
+    .toLowerCase();
 }
 
 /** `-1.29, 36.82` (latitude first) as a place, or null. Letters are those of the page's language, or English. */
-export function place_from_text(text: string): Place | null {
-  const [north, east, south, west] = cardinal_names();
+export function placeFromText(text: string): Place | null {
+  const [north, east, south, west] = cardinalNames();
   const latitude = `(-?\\d{1,2}(?:\\.\\d+)?)\\s*°?\\s*(${north}|${south}|N|S)?`;
   const longitude = `(-?\\d{1,3}(?:\\.\\d+)?)\\s*°?\\s*(${east}|${west}|E|W)?`;
   const match = new RegExp(`^\\s*${latitude}\\s*[,;\\s]\\s*${longitude}\\s*$`, "i").exec(text);
   if (match === null) return null;
-  const latitude_deg = Number(match[1]) * sign(match[2], [south, "S"]);
-  const longitude_deg = Number(match[3]) * sign(match[4], [west, "W"]);
-  return Math.abs(latitude_deg) <= 90 && Math.abs(longitude_deg) <= 180 ? { latitude_deg, longitude_deg } : null;
+  const latitudeDeg = Number(match[1]) * sign(match[2], [south, "S"]);
+  const longitudeDeg = Number(match[3]) * sign(match[4], [west, "W"]);
+  return Math.abs(latitudeDeg) <= 90 && Math.abs(longitudeDeg) <= 180
+    ? { latitude_deg: latitudeDeg, longitude_deg: longitudeDeg }
+    : null;
 }
 
 function sign(letter: string | undefined, negative: readonly string[]): number {
@@ -29,7 +34,7 @@ function sign(letter: string | undefined, negative: readonly string[]): number {
 }
 
 /** Places whose name has the text in it; names that begin with it first, then the larger ones. */
-export function matching_places(places: readonly NamedPlace[], text: string): NamedPlace[] {
+export function matchingPlaces(places: readonly NamedPlace[], text: string): NamedPlace[] {
   const wanted = folded(text.trim());
   if (wanted === "") return [];
   return places
@@ -50,22 +55,22 @@ export class Search {
     private readonly list: HTMLElement,
     private readonly chosen: (place: Place) => void,
   ) {
-    input.addEventListener("input", () => this.look_up());
-    input.addEventListener("focus", () => this.look_up());
+    input.addEventListener("input", () => this.lookUp());
+    input.addEventListener("focus", () => this.lookUp());
     input.addEventListener("blur", () => this.close());
-    input.addEventListener("keydown", (event) => this.key_pressed(event));
+    input.addEventListener("keydown", (event) => this.keyPressed(event));
   }
 
-  set_places(places: readonly NamedPlace[]): void {
+  setPlaces(places: readonly NamedPlace[]): void {
     this.places = places;
   }
 
-  private look_up(): void {
-    const at = place_from_text(this.input.value);
+  private lookUp(): void {
+    const at = placeFromText(this.input.value);
     this.found =
       at !== null
         ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: words().top.coordinates, place: at }]
-        : matching_places(this.places, this.input.value).map((place) => ({
+        : matchingPlaces(this.places, this.input.value).map((place) => ({
             title: place.name,
             detail: place.population ? whole(place.population) : "",
             place,
@@ -87,7 +92,7 @@ export class Search {
         option.addEventListener("click", () => this.choose(i));
         return option;
       }),
-      ...(nothing ? [make("li", "nothing", words().top.nothing_found)] : []),
+      ...(nothing ? [make("li", "nothing", words().top.nothingFound)] : []),
     );
     this.list.hidden = this.found.length === 0 && !nothing;
     this.input.setAttribute("aria-expanded", String(!this.list.hidden));
@@ -110,7 +115,7 @@ export class Search {
     this.chosen({ latitude_deg: found.place.latitude_deg, longitude_deg: found.place.longitude_deg });
   }
 
-  private key_pressed(event: KeyboardEvent): void {
+  private keyPressed(event: KeyboardEvent): void {
     if (event.key === "Escape") this.close();
     else if (event.key === "Enter") this.choose(this.active);
     else if (event.key === "ArrowDown" || event.key === "ArrowUp") {

@@ -1,16 +1,16 @@
 // The link to what is shown: handed to the phone's own list of ways to share, or copied.
 
 import { words } from "../language/words.ts";
-import { by_id } from "./dom.ts";
+import { byId } from "./dom.ts";
 
 /** How long it is said that the link is copied. */
 const TOLD_MS = 6000;
 
 /** `lasting`: when a link to what is shown will last. */
-export function wire_share(lasting: () => Promise<boolean>): void {
-  const told = by_id("share-told", HTMLElement);
-  const field = by_id("share-link", HTMLInputElement);
-  by_id("share", HTMLButtonElement).addEventListener("click", () => {
+export function wireShare(lasting: () => Promise<boolean>): void {
+  const told = byId("share-told", HTMLElement);
+  const field = byId("share-link", HTMLInputElement);
+  byId("share", HTMLButtonElement).addEventListener("click", () => {
     lasting()
       .then(() => share(location.href))
       .then((how) => {
@@ -19,7 +19,7 @@ export function wire_share(lasting: () => Promise<boolean>): void {
       })
       .catch(() => {
         // Where neither is allowed, the link is there to be copied by hand.
-        told.textContent = words().downloads.copy_by_hand;
+        told.textContent = words().downloads.copyByHand;
         field.value = location.href;
         field.hidden = false;
         field.focus();
@@ -34,8 +34,8 @@ export function wire_share(lasting: () => Promise<boolean>): void {
 }
 
 async function share(url: string): Promise<"shared" | "copied"> {
-  const by_touch = matchMedia("(pointer: coarse)").matches;
-  if (by_touch && navigator.share !== undefined) {
+  const byTouch = matchMedia("(pointer: coarse)").matches;
+  if (byTouch && navigator.share !== undefined) {
     try {
       await navigator.share({ url, title: document.title });
     } catch (reason) {

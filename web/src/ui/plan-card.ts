@@ -1,14 +1,14 @@
 // What to dim so that a sky is darker: the wish, and the plan that the server found.
 
-import { url_of } from "../api/client.ts";
+import { urlOf } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import { LISTED_PIXELS, type PlanMeasure, type PlanWish } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
-import { by_id, in_english, make } from "./dom.ts";
-import { decimal, fixed, magnitude, whole, with_prefix } from "./format.ts";
-import { nearest_place, place_name } from "./nearby.ts";
-import { WishForm } from "./wish_form.ts";
+import { byId, inEnglish, make } from "./dom.ts";
+import { decimal, fixed, magnitude, whole, withPrefix } from "./format.ts";
+import { nearestPlace, placeName } from "./nearby.ts";
+import { WishForm } from "./wish-form.ts";
 
 export interface PlanCardEvents {
   find: (wish: PlanWish, keep: boolean) => void;
@@ -19,8 +19,8 @@ export interface PlanCardEvents {
 const NAMED_TOWNS = 6;
 
 /** What a plan is to darken. */
-function measure_words(measure: string): string {
-  const { zenith, mean, horizontal, norm, region_of_sky: region } = words().measures;
+function measureWords(measure: string): string {
+  const { zenith, mean, horizontal, norm, regionOfSky: region } = words().measures;
   const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, norm, region };
   return known[measure as PlanMeasure] ?? measure;
 }
@@ -33,30 +33,30 @@ export function percent(share: number): string {
 }
 
 /** Around which towns the dimmed pixels lie, with their parts of the plan's effect, the largest first. */
-export function effect_by_town(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): [string, number][] {
+export function effectByTown(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): [string, number][] {
   const sums = new Map<string, number>();
   for (const pixel of pixels) {
-    const town = nearest_place(pixel, places)?.name ?? words().plan.far;
+    const town = nearestPlace(pixel, places)?.name ?? words().plan.far;
     sums.set(town, (sums.get(town) ?? 0) + pixel.effect);
   }
   return [...sums].sort(([, a], [, b]) => b - a);
 }
 
 export class PlanCard {
-  private readonly card = by_id("plan-card", HTMLElement);
+  private readonly card = byId("plan-card", HTMLElement);
   private readonly form: WishForm;
   private shown: { plan: Plan | null; places: readonly NamedPlace[] } = { plan: null, places: [] };
-  private readonly progress = by_id("plan-progress", HTMLElement);
-  private readonly reached = by_id("plan-reached", HTMLElement);
-  private readonly answer = by_id("plan-answer", HTMLElement);
+  private readonly progress = byId("plan-progress", HTMLElement);
+  private readonly reached = byId("plan-reached", HTMLElement);
+  private readonly answer = byId("plan-answer", HTMLElement);
 
   constructor(private readonly events: PlanCardEvents) {
     this.form = new WishForm({ wished: events.find });
   }
 
   /** The part of the sky that is marked, which a wish may be about. */
-  set_region(region: Region | null): void {
-    this.form.set_region(region);
+  setRegion(region: Region | null): void {
+    this.form.setRegion(region);
   }
 
   /** A plan is looked for, or no longer. */
@@ -64,7 +64,7 @@ export class PlanCard {
     this.card.setAttribute("aria-busy", String(on));
     this.form.searching(on);
     // Of plans that follow a slider nothing is said: the sky shows them.
-    this.progress.textContent = on && !this.form.is_live() ? words().plan.searching : "";
+    this.progress.textContent = on && !this.form.isLive() ? words().plan.searching : "";
   }
 
   /** What a slider was about to ask for is no longer wanted. */
@@ -82,18 +82,18 @@ export class PlanCard {
   }
 
   /** The wish that a plan was found for, after a reload too. */
-  show_wish(plan: Plan): void {
+  showWish(plan: Plan): void {
     this.form.show(plan);
   }
 
   /** What the plan reaches, and why not more: this is read out. */
   private goals(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
     return plan.sites.flatMap((site) => {
-      const where = measure_words(site.measure);
-      const name = place_name(site.observer, places);
+      const where = measureWords(site.measure);
+      const name = placeName(site.observer, places);
       const reached = make("p", "plan-reached", make("b", "", words().plan.darker(percent(site.reduced_by))), ` ${where}, ${name}`);
-      reached.dataset["reducedBy"] = String(site.reduced_by);
-      const unmet = site.target?.why_not == null ? [] : [in_english(make("p", "warning", site.target.why_not))];
+      reached.dataset.reducedBy = String(site.reduced_by);
+      const unmet = site.target?.why_not == null ? [] : [inEnglish(make("p", "warning", site.target.why_not))];
       return [reached, ...unmet];
     });
   }
@@ -104,17 +104,36 @@ export class PlanCard {
       return make(
         "dl",
         "number-list",
-        change_row(words().plan.zenith, magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null), magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null), "mag/arcsec²"),
-        ...(sky_before.bortle_class == null || sky_after.bortle_class == null ? [] : [change_row(words().numbers.bortle_class, String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
+        changeRow(
+          words().plan.zenith,
+          magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null),
+          magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null),
+          "mag/arcsec²",
+        ),
+        ...(sky_before.bortle_class == null || sky_after.bortle_class == null
+          ? []
+          : [changeRow(words().numbers.bortleClass, String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
         ...(sky_before.naked_eye_limit_mag == null || sky_after.naked_eye_limit_mag == null
           ? []
-          : [change_row(words().numbers.faintest_stars, fixed(sky_before.naked_eye_limit_mag, 2), fixed(sky_after.naked_eye_limit_mag, 2), "mag")]),
+          : [
+              changeRow(
+                words().numbers.faintestStars,
+                fixed(sky_before.naked_eye_limit_mag, 2),
+                fixed(sky_after.naked_eye_limit_mag, 2),
+                "mag",
+              ),
+            ]),
       );
     });
     const light = make(
       "p",
       "",
-      words().plan.light(percent(plan.flux_removed_share), with_prefix(plan.flux_removed_dnb_w, "W"), whole(plan.dimmed_pixels), whole(plan.lit_pixels_within_reach)),
+      words().plan.light(
+        percent(plan.flux_removed_share),
+        withPrefix(plan.flux_removed_dnb_w, "W"),
+        whole(plan.dimmed_pixels),
+        whole(plan.lit_pixels_within_reach),
+      ),
     );
     const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", words().plan.listed(whole(LISTED_PIXELS)))] : [];
     return [...sites, light, ...more, ...towns(plan.pixels, places), files(plan.id)];
@@ -129,16 +148,22 @@ export class PlanCard {
   }
 }
 
-function change_row(title: string, before: string, after: string, unit: string): HTMLElement {
-  const row = make("div", "number-row", make("dt", "", title), make("dd", "", `${before} → `, make("b", "", after), unit === "" ? "" : ` ${unit}`));
+function changeRow(title: string, before: string, after: string, unit: string): HTMLElement {
+  const row = make(
+    "div",
+    "number-row",
+    make("dt", "", title),
+    make("dd", "", `${before} → `, make("b", "", after), unit === "" ? "" : ` ${unit}`),
+  );
   return row;
 }
 
 function towns(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): HTMLElement[] {
   if (places.length === 0 || pixels.length === 0) return [];
-  const all = effect_by_town(pixels, places);
+  const all = effectByTown(pixels, places);
   const rest = all.slice(NAMED_TOWNS).reduce((sum, [, effect]) => sum + effect, 0);
-  const shown: [string, number][] = rest > 0 ? [...all.slice(0, NAMED_TOWNS), [words().plan.more(all.length - NAMED_TOWNS), rest]] : all;
+  const shown: [string, number][] =
+    rest > 0 ? [...all.slice(0, NAMED_TOWNS), [words().plan.more(all.length - NAMED_TOWNS), rest]] : all;
   const rows = shown.map(([name, effect]) => {
     const bar = make("i", "");
     bar.style.width = `${100 * effect}%`;
@@ -150,7 +175,7 @@ function towns(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): H
 function files(id: string): HTMLElement {
   const link = (format: string, title: string) => {
     const anchor = make("a", "", format) as HTMLAnchorElement;
-    anchor.href = url_of("/api/v1/plans/{plan}", { plan: `${id}.${title}` }, { limit: 10_000 });
+    anchor.href = urlOf("/api/v1/plans/{plan}", { plan: `${id}.${title}` }, { limit: 10_000 });
     anchor.target = "_blank";
     anchor.rel = "noopener";
     return anchor;

@@ -18,29 +18,29 @@ const ENDS_AFTER_MS = 1500;
 export class DraftRow {
   private draft: Draft | null = null;
   private keeping: Promise<boolean> = Promise.resolve(true);
-  private readonly end_soon: ReturnType<typeof debounced<[]>>;
+  private readonly endSoon: ReturnType<typeof debounced<[]>>;
 
   constructor(
     private readonly events: DraftRowEvents,
-    ends_after_ms = ENDS_AFTER_MS,
+    endsAfterMs = ENDS_AFTER_MS,
   ) {
-    this.end_soon = debounced(ends_after_ms, () => void this.end());
+    this.endSoon = debounced(endsAfterMs, () => void this.end());
   }
 
   /** Whether a plan is shown that is not kept yet. */
-  is_open(): boolean {
+  isOpen(): boolean {
     return this.draft !== null;
   }
 
   /** The next of the row. */
-  go_on(draft: Draft): void {
+  goOn(draft: Draft): void {
     this.draft = draft;
-    this.end_soon();
+    this.endSoon();
   }
 
   /** Ends the row and keeps the last of it; whether all that was tried last is kept. */
   end(): Promise<boolean> {
-    this.end_soon.cancel();
+    this.endSoon.cancel();
     const { draft } = this;
     if (draft === null) return this.keeping;
     this.draft = null;

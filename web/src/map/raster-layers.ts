@@ -40,7 +40,7 @@ export class RasterLayers {
     const key = wanted === null || wanted.opacity === 0 ? "" : JSON.stringify([wanted.scene, wanted.query]);
     const before = this.asked.get(name);
     if (wanted !== null && key !== "" && before?.key === key) {
-      this.set_opacity(name, wanted.opacity);
+      this.setOpacity(name, wanted.opacity);
       return;
     }
     if (key === "" && before === undefined) return;
@@ -69,7 +69,7 @@ export class RasterLayers {
   }
 
   /** The opacity of a layer that is shown, at once. */
-  set_opacity(name: LayerName, opacity: number): void {
+  setOpacity(name: LayerName, opacity: number): void {
     if (this.map.getLayer(name) !== undefined) this.map.setPaintProperty(name, "raster-opacity", opacity);
   }
 
@@ -80,7 +80,15 @@ export class RasterLayers {
     const { minzoom, maxzoom, attribution } = description;
     const [west = -180, south = -90, east = 180, north = 90] = description.bounds;
     const credit = attribution == null ? {} : { attribution };
-    this.map.addSource(name, { type: "raster", tiles: templates(description.tiles), tileSize: 256, minzoom, maxzoom, bounds: [west, south, east, north], ...credit });
+    this.map.addSource(name, {
+      type: "raster",
+      tiles: templates(description.tiles),
+      tileSize: 256,
+      minzoom,
+      maxzoom,
+      bounds: [west, south, east, north],
+      ...credit,
+    });
     const above = LAYERS.slice(LAYERS.indexOf(name) + 1).find((other) => this.map.getLayer(other) !== undefined);
     const paint = { "raster-fade-duration": IS_STILL ? 0 : 150, "raster-opacity": opacity };
     this.map.addLayer({ id: name, type: "raster", source: name, paint }, above ?? FIRST_LAYER_ABOVE_TILES);

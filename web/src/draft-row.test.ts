@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DraftRow, type DraftRowEvents } from "./draft_row.ts";
+import { DraftRow, type DraftRowEvents } from "./draft-row.ts";
 
 const told: string[] = [];
 const EVENTS: DraftRowEvents = { failed: (reason) => told.push(`failed ${String(reason)}`), ended: () => told.push("ended") };
@@ -9,12 +9,12 @@ const draft = (id: string) => () => Promise.resolve(told.push(`asked ${id}`));
 test("of a row of drafts the last is kept, once, and at once where the row is ended", async () => {
   told.length = 0;
   const row = new DraftRow(EVENTS, 20);
-  for (const id of ["a", "b", "c"]) row.go_on(draft(id));
-  assert.ok(row.is_open());
+  for (const id of ["a", "b", "c"]) row.goOn(draft(id));
+  assert.ok(row.isOpen());
   await new Promise((resolve) => setTimeout(resolve, 60));
   assert.deepEqual(told, ["asked c", "ended"]);
-  assert.ok(!row.is_open());
-  row.go_on(draft("d"));
+  assert.ok(!row.isOpen());
+  row.goOn(draft("d"));
   assert.equal(await row.end(), true);
   assert.equal(await row.end(), true);
   await new Promise((resolve) => setTimeout(resolve, 40));
@@ -24,7 +24,7 @@ test("of a row of drafts the last is kept, once, and at once where the row is en
 test("a draft that cannot be kept is told, to whoever waits for it too", async () => {
   told.length = 0;
   const row = new DraftRow(EVENTS, 20);
-  row.go_on(() => Promise.reject(new Error("enough")));
+  row.goOn(() => Promise.reject(new Error("enough")));
   assert.equal(await row.end(), false);
   assert.deepEqual(told, ["failed Error: enough", "ended"]);
   assert.equal(await row.end(), true, "it is told once");

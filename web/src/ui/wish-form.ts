@@ -4,10 +4,10 @@ import type { Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import { PLAN_MEASURES, type PlanMethod, type PlanWish } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
-import { by_id, debounced } from "./dom.ts";
+import { byId, debounced } from "./dom.ts";
 import { decimal } from "./format.ts";
-import { wire_group } from "./group.ts";
-import { set_region_option } from "./marking.ts";
+import { wireGroup } from "./group.ts";
+import { setRegionOption } from "./marking.ts";
 
 export interface WishEvents {
   /** A plan is wanted; without `keep` it is one of many that are only tried. */
@@ -18,27 +18,27 @@ export interface WishEvents {
 const TRIED_AFTER_MS = 120;
 
 export class WishForm {
-  private readonly reduction = by_id("plan-reduction", HTMLInputElement);
-  private readonly cut = by_id("plan-cut", HTMLInputElement);
-  private readonly least = by_id("plan-least", HTMLInputElement);
-  private readonly most = by_id("plan-most", HTMLInputElement);
-  private readonly gamma = by_id("plan-gamma", HTMLInputElement);
-  private readonly measure = by_id("plan-measure", HTMLSelectElement);
-  private readonly find = by_id("plan-find", HTMLButtonElement);
-  private readonly press_method: (method: PlanMethod) => void;
-  private readonly try_soon: ReturnType<typeof debounced<[]>>;
+  private readonly reduction = byId("plan-reduction", HTMLInputElement);
+  private readonly cut = byId("plan-cut", HTMLInputElement);
+  private readonly least = byId("plan-least", HTMLInputElement);
+  private readonly most = byId("plan-most", HTMLInputElement);
+  private readonly gamma = byId("plan-gamma", HTMLInputElement);
+  private readonly measure = byId("plan-measure", HTMLSelectElement);
+  private readonly find = byId("plan-find", HTMLButtonElement);
+  private readonly pressMethod: (method: PlanMethod) => void;
+  private readonly trySoon: ReturnType<typeof debounced<[]>>;
   private method: PlanMethod = "target";
   private region: Region | null = null;
 
   constructor(events: WishEvents) {
-    this.try_soon = debounced(TRIED_AFTER_MS, () => events.wished(this.wish(), false));
+    this.trySoon = debounced(TRIED_AFTER_MS, () => events.wished(this.wish(), false));
     const moved = () => {
-      this.show_values();
-      if (this.method === "threshold") this.try_soon();
+      this.showValues();
+      if (this.method === "threshold") this.trySoon();
     };
-    this.press_method = wire_group<PlanMethod>("plan-method", (method) => {
+    this.pressMethod = wireGroup<PlanMethod>("plan-method", (method) => {
       this.rest();
-      this.set_method(method);
+      this.setMethod(method);
     });
     for (const slider of [this.reduction, this.cut, this.gamma]) slider.addEventListener("input", moved);
     // Neither goes past the other.
@@ -55,23 +55,23 @@ export class WishForm {
       this.rest();
       events.wished(this.wish(), true);
     });
-    this.press_method(this.method);
-    this.set_method(this.method);
+    this.pressMethod(this.method);
+    this.setMethod(this.method);
   }
 
   /** The part of the sky that is marked, which a wish may be about. */
-  set_region(region: Region | null): void {
+  setRegion(region: Region | null): void {
     this.region = region;
-    set_region_option(this.measure, region !== null);
+    setRegionOption(this.measure, region !== null);
   }
 
   /** What a slider was about to ask for is no longer wanted. */
   rest(): void {
-    this.try_soon.cancel();
+    this.trySoon.cancel();
   }
 
   /** Whether the sky follows the sliders. */
-  is_live(): boolean {
+  isLive(): boolean {
     return this.method === "threshold";
   }
 
@@ -90,45 +90,53 @@ export class WishForm {
       const [least = NaN, most = NaN] = percents;
       if (least <= 100 && most <= 100) [this.least.value, this.most.value] = [String(least), String(most)];
       this.gamma.value = String(Math.round(100 * (plan.gamma ?? 1)));
-      this.set_method("threshold");
+      this.setMethod("threshold");
     } else {
       const wanted = site.target?.wanted;
       if (wanted === undefined || site.before <= 0) return;
       this.reduction.value = String(Math.round(100 * (1 - wanted / site.before)));
       this.cut.value = String(Math.round(100 * (plan.max_cut ?? 1)));
-      this.set_method("target");
+      this.setMethod("target");
     }
-    this.press_method(this.method);
-    if ([...this.measure.options].some(({ value, disabled }) => value === site.measure && !disabled)) this.measure.value = site.measure;
-    this.show_values();
+    this.pressMethod(this.method);
+    if ([...this.measure.options].some(({ value, disabled }) => value === site.measure && !disabled))
+      this.measure.value = site.measure;
+    this.showValues();
   }
 
   private wish(): PlanWish {
     const measure = PLAN_MEASURES.find((name) => name === this.measure.value) ?? "zenith";
     const about = { measure, region: this.region };
-    if (this.method === "target") return { ...about, method: "target", reduce_by: Number(this.reduction.value) / 100, max_cut: Number(this.cut.value) / 100 };
-    return { ...about, method: "threshold", least_percent: Number(this.least.value), most_percent: Number(this.most.value), gamma: Number(this.gamma.value) / 100 };
+    if (this.method === "target")
+      return { ...about, method: "target", reduceBy: Number(this.reduction.value) / 100, maxCut: Number(this.cut.value) / 100 };
+    return {
+      ...about,
+      method: "threshold",
+      leastPercent: Number(this.least.value),
+      mostPercent: Number(this.most.value),
+      gamma: Number(this.gamma.value) / 100,
+    };
   }
 
-  private set_method(method: PlanMethod): void {
+  private setMethod(method: PlanMethod): void {
     this.method = method;
-    by_id("plan-target", HTMLElement).hidden = method !== "target";
-    by_id("plan-threshold", HTMLElement).hidden = method !== "threshold";
+    byId("plan-target", HTMLElement).hidden = method !== "target";
+    byId("plan-threshold", HTMLElement).hidden = method !== "threshold";
     const norm = [...this.measure.options].find(({ value }) => value === "norm");
     if (norm !== undefined) {
       norm.hidden = norm.disabled = method === "target";
       if (norm.disabled && this.measure.value === "norm") this.measure.value = "zenith";
     }
-    const { lead, lead_threshold, find, find_threshold } = words().plan;
-    by_id("plan-lead", HTMLElement).textContent = method === "target" ? lead : lead_threshold;
-    this.find.textContent = method === "target" ? find : find_threshold;
-    this.show_values();
+    const { lead, leadThreshold, find, findThreshold } = words().plan;
+    byId("plan-lead", HTMLElement).textContent = method === "target" ? lead : leadThreshold;
+    this.find.textContent = method === "target" ? find : findThreshold;
+    this.showValues();
   }
 
-  private show_values(): void {
+  private showValues(): void {
     for (const slider of [this.reduction, this.cut, this.least, this.most, this.gamma]) {
       const value = decimal(slider.value);
-      by_id(`${slider.id}-value`, HTMLOutputElement).value = `${value} %`;
+      byId(`${slider.id}-value`, HTMLOutputElement).value = `${value} %`;
       slider.setAttribute("aria-valuetext", words().plan.percent(value));
     }
   }

@@ -3,8 +3,8 @@
 # or field by hand. The document is the snapshot that the server's own test holds it to: a header between two lines `---`, then
 # the document. openapi-typescript needs the API of TypeScript 5, which is the package `typescript`; types are checked by
 # TypeScript 7, the package `typescript-7`.
-#   scripts/api_types.sh           writes
-#   scripts/api_types.sh --check   fails when the written file is not what the document gives
+#   scripts/api-types.sh           writes
+#   scripts/api-types.sh --check   fails when the written file is not what the document gives
 set -eu
 cd "$(dirname "$0")/.."
 

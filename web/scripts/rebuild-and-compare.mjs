@@ -7,7 +7,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const web = dirname(dirname(fileURLToPath(import.meta.url)));
-const files_of = (folder) =>
+const filesOf = (folder) =>
   new Map(
     readdirSync(folder, { recursive: true, withFileTypes: true })
       .filter((entry) => entry.isFile() && entry.name !== "SHA256SUMS")
@@ -19,11 +19,15 @@ const scratch = mkdtempSync(join(tmpdir(), "skyglow-web-"));
 let wrong;
 let count;
 try {
-  execFileSync(process.execPath, [join(web, "node_modules/vite/bin/vite.js"), "build", "--outDir", scratch, "--emptyOutDir", "--logLevel", "error"], {
-    cwd: web,
-    stdio: "inherit",
-  });
-  const [committed, rebuilt] = [files_of(join(web, "dist")), files_of(scratch)];
+  execFileSync(
+    process.execPath,
+    [join(web, "node_modules/vite/bin/vite.js"), "build", "--outDir", scratch, "--emptyOutDir", "--logLevel", "error"],
+    {
+      cwd: web,
+      stdio: "inherit",
+    },
+  );
+  const [committed, rebuilt] = [filesOf(join(web, "dist")), filesOf(scratch)];
   count = rebuilt.size;
   wrong = [...new Set([...committed.keys(), ...rebuilt.keys()])].filter((path) => {
     const [a, b] = [committed.get(path), rebuilt.get(path)];

@@ -26,7 +26,7 @@ export type PictureStyle = ColourMapName | "realistic";
 export const STYLES: readonly PictureStyle[] = [...COLOUR_MAPS, "realistic"];
 
 /** `count` RGB triples, evenly spaced over the map. */
-export function colour_table(name: AnyMapName, count: number): Uint8ClampedArray {
+export function colourTable(name: AnyMapName, count: number): Uint8ClampedArray {
   const hex = ANCHORS[name];
   const last = hex.length / 6 - 1;
   const channel = (anchor: number, offset: number) => parseInt(hex.slice(anchor * 6 + offset, anchor * 6 + offset + 2), 16);
@@ -43,15 +43,15 @@ export function colour_table(name: AnyMapName, count: number): Uint8ClampedArray
 }
 
 /** The map as a CSS gradient from left (darkest) to right. */
-export function colour_gradient(name: ColourMapName): string {
+export function colourGradient(name: ColourMapName): string {
   const stops = ANCHORS[name].match(/.{6}/g) ?? [];
   return `linear-gradient(to right, ${stops.map((stop) => `#${stop}`).join(", ")})`;
 }
 
 /** The part of a map that tiles of a logarithmic layer use, as thin as they are where they are dark. */
-export function tile_gradient(name: AnyMapName): string {
+export function tileGradient(name: AnyMapName): string {
   const count = 256;
-  const table = colour_table(name, count);
+  const table = colourTable(name, count);
   const stops = Array.from({ length: 18 }, (_, i) => {
     const part = 0.15 + (0.85 * i) / 17;
     const at = 3 * Math.round(part * (count - 1));

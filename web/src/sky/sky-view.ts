@@ -5,11 +5,20 @@ import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
 import type { SkyGrid, SkySample } from "./grid.ts";
-import { draw_cross, draw_curve, draw_frame, draw_horizon, draw_towns } from "./overlay.ts";
-import { paint_sky, type PictureLook } from "./paint.ts";
-import { region_from_trail, type Region } from "./region.ts";
-import { towns_on_horizon } from "./towns.ts";
-import { equirectangular, fisheye, perspective, type Gaze, type Plot, type Projection, type ProjectionName, type SkyDirection } from "./projection.ts";
+import { drawCross, drawCurve, drawFrame, drawHorizon, drawTowns } from "./overlay.ts";
+import { type PictureLook, paintSky } from "./paint.ts";
+import {
+  equirectangular,
+  fisheye,
+  type Gaze,
+  type Plot,
+  type Projection,
+  type ProjectionName,
+  perspective,
+  type SkyDirection,
+} from "./projection.ts";
+import { type Region, regionFromTrail } from "./region.ts";
+import { townsOnHorizon } from "./towns.ts";
 
 export interface SkyLook extends PictureLook {
   projection: ProjectionName;
@@ -50,11 +59,11 @@ export class SkyView {
   /** Where the other sky ends, as a part of the picture's width. */
   private split = 0.5;
   private projection: Projection | null = null;
-  private plot: Plot = { left_px: 0, top_px: 0, width_px: 1, height_px: 1 };
-  private dragged_from: { x_px: number; y_px: number } | null = null;
-  private drawing_soon = false;
+  private plot: Plot = { leftPx: 0, topPx: 0, widthPx: 1, heightPx: 1 };
+  private draggedFrom: { xPx: number; yPx: number } | null = null;
+  private drawingSoon = false;
   /** Where every pointer that is down was last. */
-  private readonly fingers = new Map<number, { x_px: number; y_px: number }>();
+  private readonly fingers = new Map<number, { xPx: number; yPx: number }>();
   private place: Place | null = null;
   private places: readonly NamedPlace[] = [];
   private pointed: SkyDirection | null = null;
@@ -71,40 +80,40 @@ export class SkyView {
     this.overlay.className = "sky-overlay";
     this.overlay.tabIndex = 0;
     this.overlay.setAttribute("role", "application");
-    this.overlay.setAttribute("aria-roledescription", words().sky.picture_kind);
+    this.overlay.setAttribute("aria-roledescription", words().sky.pictureKind);
     this.overlay.setAttribute("aria-describedby", "sky-readout");
     this.overlay.setAttribute("aria-label", words().sky.picture);
     this.container.append(make("div", "sky-canvases", this.picture, this.overlay));
     this.overlay.addEventListener("pointermove", (event) => {
       if (this.pinch(event) || this.turn(event)) return;
-      this.point_at(event);
-      if (event.buttons !== 0) this.draw_on();
+      this.pointAt(event);
+      if (event.buttons !== 0) this.drawOn();
     });
     this.overlay.addEventListener("pointerdown", (event) => {
-      this.fingers.set(event.pointerId, { x_px: event.offsetX, y_px: event.offsetY });
+      this.fingers.set(event.pointerId, { xPx: event.offsetX, yPx: event.offsetY });
       // A second finger zooms; other buttons do nothing.
       if (!event.isPrimary || event.button !== 0) return;
-      this.point_at(event);
+      this.pointAt(event);
       if (this.trail === null && this.look.projection !== "perspective") return;
       this.overlay.setPointerCapture(event.pointerId);
       if (this.trail === null) {
-        this.dragged_from = { x_px: event.offsetX, y_px: event.offsetY };
+        this.draggedFrom = { xPx: event.offsetX, yPx: event.offsetY };
         return;
       }
       this.trail = [];
-      this.draw_on();
+      this.drawOn();
     });
     this.overlay.addEventListener("pointerup", (event) => {
       this.fingers.delete(event.pointerId);
       if (!event.isPrimary) return;
-      this.end_turn();
-      this.close_curve();
+      this.endTurn();
+      this.closeCurve();
     });
     this.overlay.addEventListener("pointercancel", (event) => {
       this.fingers.delete(event.pointerId);
-      this.end_turn();
+      this.endTurn();
       if (this.trail !== null) this.trail = [];
-      this.draw_marks();
+      this.drawMarks();
     });
     this.overlay.addEventListener(
       "wheel",
@@ -117,9 +126,9 @@ export class SkyView {
     );
     this.overlay.addEventListener("pointerleave", (event) => {
       // A finger that was lifted leaves its readout; a mouse that goes away takes it along.
-      if (event.pointerType === "mouse") this.set_pointed(null);
+      if (event.pointerType === "mouse") this.setPointed(null);
     });
-    this.overlay.addEventListener("keydown", (event) => this.key_pressed(event));
+    this.overlay.addEventListener("keydown", (event) => this.keyPressed(event));
     new ResizeObserver(() => this.draw()).observe(this.container);
   }
 
@@ -131,22 +140,22 @@ export class SkyView {
     this.announce();
   }
 
-  set_split(part: number): void {
+  setSplit(part: number): void {
     this.split = part;
-    if (this.other !== null) this.draw_soon();
+    if (this.other !== null) this.drawSoon();
   }
 
   /** The look may come with more than that; what is drawn already is not drawn again. */
-  set_look({ projection, sky, colours, exposure_ev, region, gaze }: SkyLook): void {
+  setLook({ projection, sky, colours, exposureEv, region, gaze }: SkyLook): void {
     const before = this.look;
-    this.look = { projection, sky, colours, exposure_ev, region, gaze };
+    this.look = { projection, sky, colours, exposureEv, region, gaze };
     if (Object.entries(this.look).every(([name, value]) => before[name as keyof SkyLook] === value)) return;
     this.draw();
     this.announce();
   }
 
   /** The place below this sky and the towns around it, whose names stand where their glow is. */
-  set_towns(place: Place | null, places: readonly NamedPlace[]): void {
+  setTowns(place: Place | null, places: readonly NamedPlace[]): void {
     if (place === this.place && places === this.places) return;
     this.place = place;
     this.places = places;
@@ -156,232 +165,251 @@ export class SkyView {
   /** What a perspective shows, as the API takes it; null for the others. */
   view(): { azimuth: number; elevation: number; fov: number } | null {
     if (this.look.projection !== "perspective") return null;
-    const { azimuth_deg, elevation_deg, field_deg } = this.gaze();
-    const half_rad = Math.atan((Math.tan((field_deg / 2) * (Math.PI / 180)) * this.plot.width_px) / this.plot.height_px);
-    return { azimuth: +azimuth_deg.toFixed(1), elevation: +elevation_deg.toFixed(1), fov: Math.min(+((2 * half_rad * 180) / Math.PI).toFixed(1), WIDEST_FOV_DEG) };
+    const { azimuthDeg, elevationDeg, fieldDeg } = this.gaze();
+    const halfRad = Math.atan((Math.tan((fieldDeg / 2) * (Math.PI / 180)) * this.plot.widthPx) / this.plot.heightPx);
+    return {
+      azimuth: +azimuthDeg.toFixed(1),
+      elevation: +elevationDeg.toFixed(1),
+      fov: Math.min(+((2 * halfRad * 180) / Math.PI).toFixed(1), WIDEST_FOV_DEG),
+    };
   }
 
   /** The next curve by hand marks a part of the sky. */
-  set_drawing(on: boolean): void {
+  setDrawing(on: boolean): void {
     this.trail = on ? [] : null;
     this.overlay.classList.toggle("drawing", on);
     if (on) this.overlay.focus();
-    this.draw_marks();
+    this.drawMarks();
   }
 
   /** Where a direction lies, CSS pixels inside the canvas; null before anything is drawn. */
-  point_of(direction: SkyDirection): { x_px: number; y_px: number } | null {
-    return this.projection?.point_from_direction(direction) ?? null;
+  pointOf(direction: SkyDirection): { xPx: number; yPx: number } | null {
+    return this.projection?.pointFromDirection(direction) ?? null;
   }
 
   private draw(): void {
-    const width_px = Math.floor(this.container.clientWidth);
-    const height_px = Math.floor(this.container.clientHeight);
-    if (width_px < 40 || height_px < 40) return;
-    const scale = this.pixels_per_css_px();
+    const widthPx = Math.floor(this.container.clientWidth);
+    const heightPx = Math.floor(this.container.clientHeight);
+    if (widthPx < 40 || heightPx < 40) return;
+    const scale = this.pixelsPerCssPx();
     for (const canvas of [this.picture, this.overlay]) {
-      canvas.width = Math.round(width_px * scale);
-      canvas.height = Math.round(height_px * scale);
+      canvas.width = Math.round(widthPx * scale);
+      canvas.height = Math.round(heightPx * scale);
     }
     if (this.look.projection === "fisheye") {
       const m = MARGIN.disc;
-      this.plot = { left_px: m, top_px: m, width_px: width_px - 2 * m, height_px: height_px - 2 * m };
+      this.plot = { leftPx: m, topPx: m, widthPx: widthPx - 2 * m, heightPx: heightPx - 2 * m };
       this.projection = fisheye(this.plot);
     } else if (this.look.projection === "perspective") {
       const m = MARGIN.view;
-      this.plot = { left_px: m, top_px: m, width_px: width_px - 2 * m, height_px: height_px - 2 * m };
+      this.plot = { leftPx: m, topPx: m, widthPx: widthPx - 2 * m, heightPx: heightPx - 2 * m };
       this.projection = perspective(this.plot, this.gaze());
     } else {
       const m = MARGIN.strip;
-      this.plot = { left_px: m.left, top_px: m.top, width_px: width_px - m.left - m.right, height_px: height_px - m.top - m.bottom };
+      this.plot = { leftPx: m.left, topPx: m.top, widthPx: widthPx - m.left - m.right, heightPx: heightPx - m.top - m.bottom };
       this.projection = equirectangular(this.plot);
     }
     const context = this.picture.getContext("2d");
     if (context === null) return;
     if (this.grid !== null) {
       const image = context.createImageData(this.picture.width, this.picture.height);
-      paint_sky(image, this.grid, this.look, this.projection, scale);
+      paintSky(image, this.grid, this.look, this.projection, scale);
       context.putImageData(image, 0, 0);
-      if (this.other !== null) this.draw_other(context, this.other, this.projection, scale);
+      if (this.other !== null) this.drawOther(context, this.other, this.projection, scale);
     }
     context.setTransform(scale, 0, 0, scale, 0, 0);
-    draw_frame(context, this.projection, this.plot);
+    drawFrame(context, this.projection, this.plot);
     if (this.grid !== null) {
-      draw_horizon(context, this.projection, this.plot, this.grid);
-      if (this.place !== null) draw_towns(context, this.projection, this.plot, this.field_deg(), this.grid, towns_on_horizon(this.place, this.places, this.apart_deg()));
+      drawHorizon(context, this.projection, this.plot, this.grid);
+      if (this.place !== null)
+        drawTowns(
+          context,
+          this.projection,
+          this.plot,
+          this.fieldDeg(),
+          this.grid,
+          townsOnHorizon(this.place, this.places, this.apartDeg()),
+        );
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
-    this.draw_marks();
+    this.drawMarks();
   }
 
   /** Names nearer to each other than this would overlap. */
-  private apart_deg(): number {
-    if (this.look.projection === "perspective") return (NAME_PX / this.plot.height_px) * this.gaze().field_deg;
-    const around_px = this.look.projection === "fisheye" ? Math.PI * Math.min(this.plot.width_px, this.plot.height_px) : this.plot.width_px;
-    return Math.min((NAME_PX / around_px) * 360, 90);
+  private apartDeg(): number {
+    if (this.look.projection === "perspective") return (NAME_PX / this.plot.heightPx) * this.gaze().fieldDeg;
+    const aroundPx =
+      this.look.projection === "fisheye" ? Math.PI * Math.min(this.plot.widthPx, this.plot.heightPx) : this.plot.widthPx;
+    return Math.min((NAME_PX / aroundPx) * 360, 90);
   }
 
   /** How much of the sky fits between the lower and the upper edge. */
-  private field_deg(): number {
-    return this.look.projection === "perspective" ? this.gaze().field_deg : 90;
+  private fieldDeg(): number {
+    return this.look.projection === "perspective" ? this.gaze().fieldDeg : 90;
   }
 
   /** While it is dragged, a picture comes soon rather than fine. */
-  private pixels_per_css_px(): number {
+  private pixelsPerCssPx(): number {
     const screen = window.devicePixelRatio || 1;
-    return Math.min(screen, this.dragged_from === null ? FINEST_PIXELS_PER_CSS_PX : 1);
+    return Math.min(screen, this.draggedFrom === null ? FINEST_PIXELS_PER_CSS_PX : 1);
   }
 
   private gaze(): Gaze {
     if (this.look.gaze !== null) return this.look.gaze;
-    return { azimuth_deg: this.grid?.brightest().azimuth_deg ?? 180, elevation_deg: INITIAL_ELEVATION_DEG, field_deg: FIELD_DEG.initial };
+    return {
+      azimuthDeg: this.grid?.brightest().azimuthDeg ?? 180,
+      elevationDeg: INITIAL_ELEVATION_DEG,
+      fieldDeg: FIELD_DEG.initial,
+    };
   }
 
   /** Two fingers zoom; whether there are two. */
   private pinch({ pointerId, offsetX, offsetY }: PointerEvent): boolean {
     const before = this.fingers.get(pointerId);
     if (before === undefined) return false;
-    const now = { x_px: offsetX, y_px: offsetY };
+    const now = { xPx: offsetX, yPx: offsetY };
     this.fingers.set(pointerId, now);
     const other = [...this.fingers].find(([id]) => id !== pointerId)?.[1];
     if (other === undefined || this.look.projection !== "perspective") return false;
-    const distance_px = (at: { x_px: number; y_px: number }) => Math.max(Math.hypot(at.x_px - other.x_px, at.y_px - other.y_px), 1);
-    this.zoom(distance_px(before) / distance_px(now));
-    this.dragged_from = null;
+    const distancePx = (at: { xPx: number; yPx: number }) => Math.max(Math.hypot(at.xPx - other.xPx, at.yPx - other.yPx), 1);
+    this.zoom(distancePx(before) / distancePx(now));
+    this.draggedFrom = null;
     return true;
   }
 
   /** The picture follows the pointer that holds it; whether one does. */
   private turn({ offsetX, offsetY }: PointerEvent): boolean {
-    const from = this.dragged_from;
+    const from = this.draggedFrom;
     if (from === null) return false;
     const gaze = this.gaze();
-    const degrees_a_px = gaze.field_deg / this.plot.height_px;
+    const degreesAPx = gaze.fieldDeg / this.plot.heightPx;
     // Near the zenith a degree of azimuth is a short way.
-    const around = degrees_a_px / Math.max(Math.cos((gaze.elevation_deg * Math.PI) / 180), 0.25);
-    this.look_at({
-      azimuth_deg: (gaze.azimuth_deg - (offsetX - from.x_px) * around + 720) % 360,
-      elevation_deg: gaze.elevation_deg + (offsetY - from.y_px) * degrees_a_px,
-      field_deg: gaze.field_deg,
+    const around = degreesAPx / Math.max(Math.cos((gaze.elevationDeg * Math.PI) / 180), 0.25);
+    this.lookAt({
+      azimuthDeg: (gaze.azimuthDeg - (offsetX - from.xPx) * around + 720) % 360,
+      elevationDeg: gaze.elevationDeg + (offsetY - from.yPx) * degreesAPx,
+      fieldDeg: gaze.fieldDeg,
     });
-    this.dragged_from = { x_px: offsetX, y_px: offsetY };
+    this.draggedFrom = { xPx: offsetX, yPx: offsetY };
     return true;
   }
 
-  private end_turn(): void {
-    if (this.dragged_from === null) return;
-    this.dragged_from = null;
+  private endTurn(): void {
+    if (this.draggedFrom === null) return;
+    this.draggedFrom = null;
     this.draw();
     this.events.gazed(this.gaze());
   }
 
   private zoom(factor: number): void {
     const gaze = this.gaze();
-    this.look_at({ ...gaze, field_deg: Math.min(Math.max(gaze.field_deg * factor, FIELD_DEG.least), FIELD_DEG.most) });
+    this.lookAt({ ...gaze, fieldDeg: Math.min(Math.max(gaze.fieldDeg * factor, FIELD_DEG.least), FIELD_DEG.most) });
     this.events.gazed(this.gaze());
   }
 
-  private look_at(gaze: Gaze): void {
-    this.look = { ...this.look, gaze: { ...gaze, elevation_deg: Math.min(Math.max(gaze.elevation_deg, -10), 90) } };
-    this.draw_soon();
+  private lookAt(gaze: Gaze): void {
+    this.look = { ...this.look, gaze: { ...gaze, elevationDeg: Math.min(Math.max(gaze.elevationDeg, -10), 90) } };
+    this.drawSoon();
   }
 
   /** Once in a frame, however often something moves in it. */
-  private draw_soon(): void {
-    if (this.drawing_soon) return;
-    this.drawing_soon = true;
+  private drawSoon(): void {
+    if (this.drawingSoon) return;
+    this.drawingSoon = true;
     requestAnimationFrame(() => {
-      this.drawing_soon = false;
+      this.drawingSoon = false;
       this.draw();
     });
   }
 
   /** Looks at where the keyboard's cross went out of the picture. */
-  private keep_cross_in_view(direction: SkyDirection): void {
-    const point = this.point_of(direction);
-    const { left_px, top_px, width_px, height_px } = this.plot;
-    const inside = point !== null && point.x_px > left_px && point.x_px < left_px + width_px && point.y_px > top_px && point.y_px < top_px + height_px;
+  private keepCrossInView(direction: SkyDirection): void {
+    const point = this.pointOf(direction);
+    const { leftPx, topPx, widthPx, heightPx } = this.plot;
+    const inside =
+      point !== null && point.xPx > leftPx && point.xPx < leftPx + widthPx && point.yPx > topPx && point.yPx < topPx + heightPx;
     if (this.look.projection !== "perspective" || inside) return;
-    this.look_at({ ...direction, field_deg: this.gaze().field_deg });
+    this.lookAt({ ...direction, fieldDeg: this.gaze().fieldDeg });
     this.events.gazed(this.gaze());
   }
 
   /** The other sky lies left of the split, with a line between them. */
-  private draw_other(context: CanvasRenderingContext2D, other: SkyGrid, projection: Projection, scale: number): void {
-    const split_px = Math.round((this.plot.left_px + this.split * this.plot.width_px) * scale);
-    if (split_px < 1) return;
-    const image = context.createImageData(split_px, this.picture.height);
-    paint_sky(image, other, this.look, projection, scale);
+  private drawOther(context: CanvasRenderingContext2D, other: SkyGrid, projection: Projection, scale: number): void {
+    const splitPx = Math.round((this.plot.leftPx + this.split * this.plot.widthPx) * scale);
+    if (splitPx < 1) return;
+    const image = context.createImageData(splitPx, this.picture.height);
+    paintSky(image, other, this.look, projection, scale);
     context.putImageData(image, 0, 0);
     context.fillStyle = "#ffffff";
-    context.fillRect(split_px - scale / 2, this.plot.top_px * scale, scale, this.plot.height_px * scale);
+    context.fillRect(splitPx - scale / 2, this.plot.topPx * scale, scale, this.plot.heightPx * scale);
   }
 
   /** The curve and the cross. */
-  private draw_marks(): void {
+  private drawMarks(): void {
     const context = this.overlay.getContext("2d");
     if (context === null || this.projection === null) return;
     context.clearRect(0, 0, this.overlay.width, this.overlay.height);
     if (this.grid === null) return;
-    const scale = this.pixels_per_css_px();
+    const scale = this.pixelsPerCssPx();
     context.setTransform(scale, 0, 0, scale, 0, 0);
-    if (this.trail !== null) draw_curve(context, this.projection, this.plot, this.trail, false);
-    else if (this.look.region !== null) draw_curve(context, this.projection, this.plot, this.look.region, true);
-    if (this.pointed !== null) draw_cross(context, this.projection, this.grid.nearest(this.pointed.azimuth_deg, this.pointed.elevation_deg));
+    if (this.trail !== null) drawCurve(context, this.projection, this.plot, this.trail, false);
+    else if (this.look.region !== null) drawCurve(context, this.projection, this.plot, this.look.region, true);
+    if (this.pointed !== null)
+      drawCross(context, this.projection, this.grid.nearest(this.pointed.azimuthDeg, this.pointed.elevationDeg));
     context.setTransform(1, 0, 0, 1, 0, 0);
   }
 
-  private point_at(event: PointerEvent): void {
-    const direction = this.projection?.direction_from_point(event.offsetX, event.offsetY) ?? null;
-    this.set_pointed(direction !== null && direction.elevation_deg < 0 ? null : direction);
+  private pointAt(event: PointerEvent): void {
+    const direction = this.projection?.directionFromPoint(event.offsetX, event.offsetY) ?? null;
+    this.setPointed(direction !== null && direction.elevationDeg < 0 ? null : direction);
   }
 
-  private set_pointed(direction: SkyDirection | null): void {
+  private setPointed(direction: SkyDirection | null): void {
     this.pointed = direction;
-    this.draw_marks();
+    this.drawMarks();
     this.announce();
   }
 
   /** The curve goes on to where is pointed. */
-  private draw_on(): void {
+  private drawOn(): void {
     if (this.trail === null || this.pointed === null) return;
     this.trail.push(this.pointed);
-    this.draw_marks();
+    this.drawMarks();
   }
 
-  private close_curve(): void {
+  private closeCurve(): void {
     if (this.trail === null || this.trail.length === 0) return;
-    const region = region_from_trail(this.trail);
+    const region = regionFromTrail(this.trail);
     // A click encloses nothing: drawing goes on.
     this.trail = [];
-    if (region !== null) this.end_drawing(region);
-    else this.draw_marks();
+    if (region !== null) this.endDrawing(region);
+    else this.drawMarks();
   }
 
-  private end_drawing(region: Region | null): void {
-    this.set_drawing(false);
+  private endDrawing(region: Region | null): void {
+    this.setDrawing(false);
     this.events.drawn(region);
   }
 
   /** Sets a corner at the cross; a second one in the same place closes the curve. */
-  private set_corner(): void {
+  private setCorner(): void {
     if (this.trail === null || this.pointed === null) return;
     const before = this.trail.at(-1);
-    const is_same = before?.azimuth_deg === this.pointed.azimuth_deg && before.elevation_deg === this.pointed.elevation_deg;
-    if (is_same) this.close_curve();
-    else this.draw_on();
+    const isSame = before?.azimuthDeg === this.pointed.azimuthDeg && before.elevationDeg === this.pointed.elevationDeg;
+    if (isSame) this.closeCurve();
+    else this.drawOn();
   }
 
   private announce(): void {
     const { pointed, grid } = this;
-    this.events.pointed(pointed === null || grid === null ? null : grid.nearest(pointed.azimuth_deg, pointed.elevation_deg));
+    this.events.pointed(pointed === null || grid === null ? null : grid.nearest(pointed.azimuthDeg, pointed.elevationDeg));
   }
 
-  private key_pressed(event: KeyboardEvent): void {
+  private keyPressed(event: KeyboardEvent): void {
     const { grid } = this;
     if (event.key === "Escape") {
-      if (this.trail === null) this.set_pointed(null);
-      else this.end_drawing(null);
+      if (this.trail === null) this.setPointed(null);
+      else this.endDrawing(null);
       return;
     }
     if (grid === null) return;
@@ -391,7 +419,7 @@ export class SkyView {
     }
     if (event.key === "Enter" && this.trail !== null) {
       event.preventDefault();
-      this.set_corner();
+      this.setCorner();
       return;
     }
     const steps = event.shiftKey ? 8 : 1;
@@ -404,16 +432,16 @@ export class SkyView {
     const move = moves[event.key];
     if (move === undefined) return;
     event.preventDefault();
-    const ahead = this.look.projection === "perspective" ? this.gaze() : { azimuth_deg: 180, elevation_deg: 45 };
+    const ahead = this.look.projection === "perspective" ? this.gaze() : { azimuthDeg: 180, elevationDeg: 45 };
     const from = this.pointed ?? ahead;
-    const nearest = grid.nearest(from.azimuth_deg, from.elevation_deg);
-    const azimuth_deg = (nearest.azimuth_deg + move[0] * steps * grid.azimuth_step_deg + 360) % 360;
-    const last_deg = grid.elevation_first_deg + (grid.elevation_count - 1) * grid.elevation_step_deg;
-    const elevation_deg = Math.min(
-      Math.max(nearest.elevation_deg + move[1] * steps * grid.elevation_step_deg, grid.elevation_first_deg),
-      last_deg,
+    const nearest = grid.nearest(from.azimuthDeg, from.elevationDeg);
+    const azimuthDeg = (nearest.azimuthDeg + move[0] * steps * grid.azimuthStepDeg + 360) % 360;
+    const lastDeg = grid.elevationFirstDeg + (grid.elevationCount - 1) * grid.elevationStepDeg;
+    const elevationDeg = Math.min(
+      Math.max(nearest.elevationDeg + move[1] * steps * grid.elevationStepDeg, grid.elevationFirstDeg),
+      lastDeg,
     );
-    this.keep_cross_in_view({ azimuth_deg, elevation_deg });
-    this.set_pointed({ azimuth_deg, elevation_deg });
+    this.keepCrossInView({ azimuthDeg, elevationDeg });
+    this.setPointed({ azimuthDeg, elevationDeg });
   }
 }

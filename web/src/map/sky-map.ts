@@ -1,26 +1,26 @@
 // The map: outlines, the scene's tiles, its places, and the picked place.
 
-import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, ScaleControl, setWorkerUrl } from "maplibre-gl";
-import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
 import type { GeoJSON } from "geojson";
-import worker_url from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
+import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
+import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, ScaleControl, setWorkerUrl } from "maplibre-gl";
+import workerUrl from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
 import "maplibre-gl/dist/maplibre-gl.css";
+import type { EditBody } from "../api/schema.ts";
 import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
+import type { PaintedArea } from "../painting.ts";
 import type { LayerName, MapView, Place } from "../state.ts";
 import { make } from "../ui/dom.ts";
-import type { EditBody } from "../api/schema.ts";
-import type { PaintedArea } from "../painting.ts";
-import { load_basemap } from "./basemap.ts";
+import { loadBasemap } from "./basemap.ts";
 import { IS_STILL } from "./motion.ts";
-import { Painter, type Brush } from "./painter.ts";
+import { type Brush, Painter } from "./painter.ts";
+import { type LayerState, RasterLayers, type WantedLayer } from "./raster-layers.ts";
 import { reachable } from "./reachable.ts";
-import { RasterLayers, type LayerState, type WantedLayer } from "./raster_layers.ts";
-import { night_style } from "./style.ts";
+import { nightStyle } from "./style.ts";
 import { Swipe } from "./swipe.ts";
 
 // Without this the map stays blank without a word.
-setWorkerUrl(worker_url);
+setWorkerUrl(workerUrl);
 
 export interface SkyMapEvents {
   picked: (place: Place) => void;
@@ -48,12 +48,12 @@ export class SkyMap {
   private readonly styled: Promise<unknown>;
   private readonly layers: RasterLayers;
   private readonly painter: Painter;
-  private readonly failed_sources = new Set<string>();
+  private readonly failedSources = new Set<string>();
   private marked: Place | null = null;
   /** Outlines and names, by the source that shows them. */
   private readonly shared = new Map<string, GeoJSON>();
   private swipe: Swipe | null = null;
-  private cannot_compare = false;
+  private cannotCompare = false;
 
   constructor(
     container: HTMLElement,
@@ -62,7 +62,7 @@ export class SkyMap {
   ) {
     this.map = new MapLibreMap({
       container,
-      style: night_style(),
+      style: nightStyle(),
       center: view === null ? [20, 15] : [view.longitude_deg, view.latitude_deg],
       zoom: view?.zoom ?? 1.5,
       minZoom: 1,
@@ -75,9 +75,9 @@ export class SkyMap {
       transformRequest: reachable,
       locale: {
         "Map.Title": words().map.title,
-        "NavigationControl.ZoomIn": words().map.zoom_in,
-        "NavigationControl.ZoomOut": words().map.zoom_out,
-        "AttributionControl.ToggleAttribution": words().map.toggle_credits,
+        "NavigationControl.ZoomIn": words().map.zoomIn,
+        "NavigationControl.ZoomOut": words().map.zoomOut,
+        "AttributionControl.ToggleAttribution": words().map.toggleCredits,
       },
     });
     this.map.touchZoomRotate.disableRotation();
@@ -87,9 +87,9 @@ export class SkyMap {
     this.map.addControl(new AttributionControl({ compact: true, customAttribution: words().map.credits }), "bottom-left");
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
     // The scene's own credits stand above the map; all of them are behind the button and hide none of it.
-    void this.styled.then(() => this.fold_credits());
+    void this.styled.then(() => this.foldCredits());
     this.layers = new RasterLayers(this.map, this.styled, (name, state) => {
-      this.failed_sources.delete(name);
+      this.failedSources.delete(name);
       events.layer(name, state);
     });
 
@@ -102,25 +102,25 @@ export class SkyMap {
     this.marker = new Marker({ element: pin, anchor: "center" });
 
     this.map.on("click", ({ lngLat }) => {
-      if (this.painter.is_painting()) return;
+      if (this.painter.isPainting()) return;
       const { lng, lat } = lngLat.wrap();
       events.picked({ latitude_deg: lat, longitude_deg: lng });
     });
     this.map.getCanvas().addEventListener("keydown", (event) => {
       if (event.key !== "Enter") return;
       event.preventDefault();
-      if (this.painter.is_painting()) {
-        this.painter.press_enter();
+      if (this.painter.isPainting()) {
+        this.painter.pressEnter();
         return;
       }
       const { lng, lat } = this.map.getCenter().wrap();
       events.picked({ latitude_deg: lat, longitude_deg: lng });
     });
     this.map.on("moveend", () => events.moved(this.view()));
-    this.map.on("resize", () => this.keep_in_view());
+    this.map.on("resize", () => this.keepInView());
     this.map.on("error", (event) => this.report(event, events.failed));
-    this.show_basemap("coarse")
-      .then(() => this.show_basemap("fine"))
+    this.showBasemap("coarse")
+      .then(() => this.showBasemap("fine"))
       .catch(events.failed);
   }
 
@@ -129,14 +129,14 @@ export class SkyMap {
     return { zoom: this.map.getZoom(), latitude_deg: lat, longitude_deg: lng };
   }
 
-  private async show_basemap(detail: "coarse" | "fine"): Promise<void> {
-    const basemap = await load_basemap(detail);
+  private async showBasemap(detail: "coarse" | "fine"): Promise<void> {
+    const basemap = await loadBasemap(detail);
     await this.styled;
     for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) this.share(name, basemap[name]);
-    this.map.getContainer().dataset["basemap"] = detail;
+    this.map.getContainer().dataset.basemap = detail;
   }
 
-  private fold_credits(): void {
+  private foldCredits(): void {
     const credits = this.map.getContainer().querySelector(".maplibregl-ctrl-attrib");
     credits?.classList.remove("maplibregl-compact-show");
     credits?.removeAttribute("open");
@@ -147,27 +147,28 @@ export class SkyMap {
     const status = (event.error as { status?: number }).status;
     if (event.tile !== undefined && (status === 404 || status === 204)) return;
     if (event.sourceId !== undefined) {
-      if (this.failed_sources.has(event.sourceId)) return;
-      this.failed_sources.add(event.sourceId);
+      if (this.failedSources.has(event.sourceId)) return;
+      this.failedSources.add(event.sourceId);
     }
     failed(event.error);
   }
 
   /** When the sky takes its part of the page, the picked place must not end up behind it. */
-  private keep_in_view(): void {
+  private keepInView(): void {
     const place = this.marked;
     if (place === null) return;
     const { x, y } = this.map.project([place.longitude_deg, place.latitude_deg]);
     const { clientWidth, clientHeight } = this.map.getContainer();
     const inside = x > EDGE_PX && y > EDGE_PX && x < clientWidth - EDGE_PX && y < clientHeight - EDGE_PX;
-    if (!inside && clientHeight > 2 * EDGE_PX) this.map.easeTo({ center: [place.longitude_deg, place.latitude_deg], duration: MOVE_MS });
+    if (!inside && clientHeight > 2 * EDGE_PX)
+      this.map.easeTo({ center: [place.longitude_deg, place.latitude_deg], duration: MOVE_MS });
   }
 
   /** Shows something that does not depend on the lights. */
   private share(name: string, data: GeoJSON): void {
     this.shared.set(name, data);
     this.source(name)?.setData(data);
-    void this.swipe?.set_data(name, data);
+    void this.swipe?.setData(name, data);
   }
 
   private source(name: string): GeoJSONSource | undefined {
@@ -175,19 +176,25 @@ export class SkyMap {
   }
 
   /** Shows a scene's outline, and moves to it where asked. */
-  async show_scene(scene: Scene, move: boolean): Promise<void> {
+  async showScene(scene: Scene, move: boolean): Promise<void> {
     const [west, south, east, north] = unwrapped(scene.bounds);
     if (move) this.map.fitBounds([west, south, east, north], { padding: 24, duration: 0 });
     await this.styled;
-    this.failed_sources.clear();
-    const corners = [[west, south], [east, south], [east, north], [west, north], [west, south]];
+    this.failedSources.clear();
+    const corners = [
+      [west, south],
+      [east, south],
+      [east, north],
+      [west, north],
+      [west, south],
+    ];
     this.share("scene", { type: "LineString", coordinates: corners });
   }
 
   /** Shows a layer of tiles as it is wanted, and left of the split as it is today; null where there is nothing to show. */
-  show_layer(name: LayerName, wanted: WantedLayer | null, today: WantedLayer | null): void {
+  showLayer(name: LayerName, wanted: WantedLayer | null, today: WantedLayer | null): void {
     this.layers.want(name, wanted);
-    this.swipe?.show_layer(name, today);
+    this.swipe?.showLayer(name, today);
   }
 
   /** A map of today reaches this part of the width from the left, 0 to 1; null: there is none. */
@@ -197,18 +204,18 @@ export class SkyMap {
       this.swipe = null;
       return;
     }
-    if (this.cannot_compare) return;
+    if (this.cannotCompare) return;
     try {
       this.swipe ??= new Swipe(this.map, this.shared, this.events);
-      this.swipe.set_split(part);
+      this.swipe.setSplit(part);
     } catch (reason) {
       // The two skies are still there to be compared.
-      this.cannot_compare = true;
+      this.cannotCompare = true;
       this.events.failed(reason);
     }
   }
 
-  async show_places(places: readonly NamedPlace[]): Promise<void> {
+  async showPlaces(places: readonly NamedPlace[]): Promise<void> {
     await this.styled;
     this.share("places", {
       type: "FeatureCollection",
@@ -221,17 +228,17 @@ export class SkyMap {
   }
 
   /** Strokes paint with this brush; null: they move the map. */
-  set_brush(brush: Brush | null): void {
-    this.painter.set_brush(brush);
+  setBrush(brush: Brush | null): void {
+    this.painter.setBrush(brush);
   }
 
-  async show_painted(edits: readonly EditBody[]): Promise<void> {
+  async showPainted(edits: readonly EditBody[]): Promise<void> {
     await this.styled;
-    this.painter.show_edits(edits);
+    this.painter.showEdits(edits);
   }
 
   /** Shows which lights a plan dims, and how far. */
-  async show_dimmed(pixels: readonly DimmedPixel[]): Promise<void> {
+  async showDimmed(pixels: readonly DimmedPixel[]): Promise<void> {
     await this.styled;
     this.source("dimmed")?.setData({
       type: "FeatureCollection",
@@ -255,7 +262,7 @@ export class SkyMap {
   }
 
   /** Moves so that a place is in view, zooming in where the map is far away. */
-  go_to(place: Place): void {
+  goTo(place: Place): void {
     this.map.easeTo({
       center: [place.longitude_deg, place.latitude_deg],
       zoom: Math.max(this.map.getZoom(), 7),
@@ -263,12 +270,12 @@ export class SkyMap {
     });
   }
 
-  jump_to(view: MapView): void {
+  jumpTo(view: MapView): void {
     this.map.jumpTo({ center: [view.longitude_deg, view.latitude_deg], zoom: view.zoom });
   }
 
   /** Where a place lies inside the map's element, CSS pixels. */
-  point_of(place: Place): { x: number; y: number } {
+  pointOf(place: Place): { x: number; y: number } {
     return this.map.project([place.longitude_deg, place.latitude_deg]);
   }
 

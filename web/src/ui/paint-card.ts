@@ -1,0 +1,139 @@
+// What if the lights were others: what a stroke on the map does, and what all of them do.
+
+import type { Scenario } from "../api/types.ts";
+import { words } from "../language/words.ts";
+import type { Brush } from "../map/painter.ts";
+import type { PaintChange, Painting, PaintKind } from "../painting.ts";
+import { byId, make } from "./dom.ts";
+import { fixed, whole, withPrefix } from "./format.ts";
+import { wireGroup } from "./group.ts";
+import { emissions, lamps, lampsIn } from "./lamps.ts";
+
+export interface PaintCardEvents {
+  /** The brush that strokes on the map paint with; null: none. */
+  brush: (brush: Brush | null) => void;
+  /** Somebody begins to paint. */
+  started: () => void;
+  undo: () => void;
+  redo: () => void;
+  clear: () => void;
+  title: (title: string) => void;
+}
+
+const KINDS: readonly PaintKind[] = ["factor", "lamp", "emission", "add"];
+
+function flux(fluxDnbW: number): string {
+  return withPrefix(fluxDnbW, "W");
+}
+
+export class PaintCard {
+  private readonly kind = byId("paint-kind", HTMLSelectElement);
+  private readonly factor = byId("paint-factor", HTMLInputElement);
+  private readonly add = byId("paint-add", HTMLInputElement);
+  private readonly lamp = byId("paint-lamp", HTMLSelectElement);
+  private readonly lampFrom = byId("paint-lamp-from", HTMLSelectElement);
+  private readonly emission = byId("paint-emission", HTMLSelectElement);
+  private readonly radius = byId("paint-radius", HTMLInputElement);
+  private readonly draw = byId("paint-draw", HTMLButtonElement);
+  private readonly undo = byId("paint-undo", HTMLButtonElement);
+  private readonly redo = byId("paint-redo", HTMLButtonElement);
+  private readonly clear = byId("paint-clear", HTMLButtonElement);
+  private readonly title = byId("paint-title", HTMLInputElement);
+  private readonly answer = byId("paint-answer", HTMLElement);
+  private shape: Brush["shape"] = "brush";
+  private painting = false;
+
+  constructor(private readonly events: PaintCardEvents) {
+    for (const [select, options] of [
+      [this.lamp, lamps()],
+      [this.emission, emissions()],
+    ] as const) {
+      select.replaceChildren(...options.map(([name, title]) => new Option(title, name)));
+    }
+    this.lamp.value = "pc_amber";
+    this.emission.value = "shielded";
+    const press = wireGroup<Brush["shape"]>("paint-shape", (shape) => {
+      this.shape = shape;
+      this.update();
+    });
+    press(this.shape);
+    for (const control of [this.kind, this.factor, this.add, this.radius]) control.addEventListener("input", () => this.update());
+    this.draw.addEventListener("click", () => {
+      this.setPainting(!this.painting);
+      if (this.painting) events.started();
+    });
+    this.undo.addEventListener("click", () => events.undo());
+    this.redo.addEventListener("click", () => events.redo());
+    this.clear.addEventListener("click", () => events.clear());
+    this.title.addEventListener("change", () => events.title(this.title.value.trim()));
+    this.update();
+  }
+
+  /** What a stroke does to the lights below it. */
+  change(): PaintChange {
+    return {
+      kind: KINDS.find((kind) => kind === this.kind.value) ?? "factor",
+      factor: Number(this.factor.value) / 100,
+      lamp: this.lamp.value,
+      lampFrom: this.lampFrom.value === "" ? null : this.lampFrom.value,
+      emission: this.emission.value,
+      addRadianceNwCm2Sr: Number(this.add.value),
+    };
+  }
+
+  /** Offers the lamps that can be replaced: those assumed, and those painted before. */
+  private showLamps(assumed: string, painting: Painting): void {
+    const painted = painting
+      .edits()
+      .flatMap(({ lamp }) => (typeof lamp === "object" && lamp !== null && "to" in lamp ? [lamp.to] : [lamp]));
+    const there = [...lampsIn(assumed), ...painted];
+    const options = [["", words().paint.allLamps] as const, ...lamps().filter(([name]) => there.includes(name))];
+    const isSame =
+      options.length === this.lampFrom.options.length && options.every(([name], i) => this.lampFrom.options[i]?.value === name);
+    if (isSame) return;
+    const before = this.lampFrom.value;
+    this.lampFrom.replaceChildren(...options.map(([name, title]) => new Option(title, name, false, name === before)));
+  }
+
+  setPainting(on: boolean): void {
+    if (on === this.painting) return;
+    this.painting = on;
+    this.update();
+  }
+
+  /** `assumed`: the lamps of the lights that nobody painted. */
+  show(painting: Painting, scenario: Scenario | null, assumed: string): void {
+    this.showLamps(assumed, painting);
+    this.undo.disabled = !painting.canUndo();
+    this.redo.disabled = !painting.canRedo();
+    this.clear.disabled = !painting.canUndo();
+    byId("paint-title-field", HTMLElement).hidden = !painting.canUndo();
+    if (document.activeElement !== this.title) this.title.value = painting.title;
+    if (scenario === null) {
+      this.answer.replaceChildren();
+      return;
+    }
+    const { changed_pixels, new_pixels, flux_before_dnb_w, flux_after_dnb_w } = scenario;
+    const change = flux_before_dnb_w > 0 ? (100 * (flux_after_dnb_w - flux_before_dnb_w)) / flux_before_dnb_w : NaN;
+    const share = Number.isFinite(change) ? ` (${change > 0 ? "+" : ""}${fixed(change, Math.abs(change) < 9.95 ? 1 : 0)} %)` : "";
+    const { changed, changedSomeDark, upward } = words().paint;
+    const pixels = new_pixels > 0 ? changedSomeDark(whole(changed_pixels), whole(new_pixels)) : changed(whole(changed_pixels));
+    this.answer.replaceChildren(make("p", "", `${pixels}. ${upward(flux(flux_before_dnb_w), flux(flux_after_dnb_w))}${share}.`));
+  }
+
+  private update(): void {
+    for (const kind of KINDS) byId(`paint-${kind}-field`, HTMLElement).hidden = kind !== this.kind.value;
+    byId("paint-radius-field", HTMLElement).hidden = this.shape !== "brush";
+    const say = (input: HTMLInputElement, text: string) => {
+      byId(`${input.id}-value`, HTMLOutputElement).value = text;
+      input.setAttribute("aria-valuetext", text);
+    };
+    say(this.factor, this.factor.value === "0" ? words().paint.switchedOff : `${this.factor.value} %`);
+    say(this.add, `${this.add.value} nW/cm²/sr`);
+    say(this.radius, `${this.radius.value} km`);
+    this.draw.setAttribute("aria-pressed", String(this.painting));
+    this.draw.textContent = this.painting ? words().paint.stop : words().paint.draw;
+    byId("paint-hint", HTMLElement).textContent = this.painting ? words().paint.hint : "";
+    this.events.brush(this.painting ? { shape: this.shape, radiusM: 1000 * Number(this.radius.value) } : null);
+  }
+}
