@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve test packs bench stress load soak faults container fuzz deny viewer
+.PHONY: help serve test packs bench measurements stress load soak faults container fuzz deny viewer
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -21,6 +21,9 @@ bench: ## run time against error on this machine, in minutes: a table, and targe
 	@cargo build --release --package skyglow
 	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" target/release/skyglow bench --packs precomputed --out target/bench \
 		$(foreach file,$(wildcard tests/truth/*.json),--truth $(file))
+
+measurements: ## write docs/measurements.md and the README's figures, by this version on this machine (QUICK=1: 5 minutes)
+	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" scripts/measurements.py $(if $(QUICK),--quick)
 
 load: ## throughput and latency by wrk on loopback, with plain Rust and with lavapipe, in minutes
 	@scripts/load.sh
