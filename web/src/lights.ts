@@ -9,7 +9,7 @@ import { words } from "./language/words.ts";
 import type { Brush } from "./map/painter.ts";
 import type { SkyMap } from "./map/sky-map.ts";
 import { editFrom, type PaintedArea, Painting } from "./painting.ts";
-import { type Change, idOf, Planning, type PlanWish } from "./planning.ts";
+import { type Change, idOf, Planning, type PlanRequest } from "./planning.ts";
 import type { Region } from "./sky/region.ts";
 import type { LightsKind, Place } from "./state.ts";
 import { byId } from "./ui/dom.ts";
@@ -162,7 +162,7 @@ export class Lights {
     });
   }
 
-  private async find(wish: PlanWish, isKept: boolean): Promise<void> {
+  private async find(wish: PlanRequest, isKept: boolean): Promise<void> {
     // It goes on from the last stroke, too.
     await this.kept;
     if (this.context === null) return;
@@ -261,7 +261,7 @@ export class Lights {
         this.showChange();
         return;
       }
-      const scenario = await api.paint(scene, this.painting.body(), signal);
+      const scenario = await api.storeScenario(scene, this.painting.body(), signal);
       if (signal.aborted) return;
       this.accepted = this.painting.snapshot();
       this.planning.adopt({ kind: "scenario", scenario });

@@ -24,7 +24,7 @@ import { placeName } from "./ui/nearby.ts";
 import { Notice } from "./ui/notice.ts";
 import { showNumbers, showSite } from "./ui/numbers.ts";
 import { showReadout } from "./ui/readout.ts";
-import { residentScatterings, scatteringTitle, turbidityEnds, turbidityWithin } from "./ui/scattering.ts";
+import { clampTurbidity, residentScatterings, scatteringTitle, turbidityRange } from "./ui/scattering.ts";
 import { Search } from "./ui/search.ts";
 import { wireShare } from "./ui/share.ts";
 import { wireSwitches } from "./ui/switches.ts";
@@ -84,7 +84,7 @@ class Viewer {
     scene: (scene) => this.change({ scene, place: null, scenario: null, view: null }, { push: true }),
     turbidity: (turbidity) => this.change({ turbidity }),
     scattering: (scattering) =>
-      this.change({ scattering, turbidity: turbidityWithin(this.packs(), scattering, this.state.turbidity) }),
+      this.change({ scattering, turbidity: clampTurbidity(this.packs(), scattering, this.state.turbidity) }),
     clouds: (clouds) => this.chooseClouds(clouds),
     lamp: (lamp) => this.change({ lamp }),
     emission: (emission) => this.change({ emission }),
@@ -249,10 +249,10 @@ class Viewer {
   private chooseClouds(clouds: number | null): void {
     const packs = packsUnder(this.atmospheres, clouds);
     const scattering = residentScatterings(packs).find((name) => name === this.state.scattering) ?? null;
-    const ends = turbidityEnds(packs, scattering);
+    const ends = turbidityRange(packs, scattering);
     const wanted = this.state.turbidity ?? DEFAULT_TURBIDITY;
     const reached = ends !== null && wanted >= ends[0] && wanted <= ends[1];
-    this.change({ clouds, scattering, turbidity: reached ? this.state.turbidity : turbidityWithin(packs, scattering, wanted) });
+    this.change({ clouds, scattering, turbidity: reached ? this.state.turbidity : clampTurbidity(packs, scattering, wanted) });
   }
 
   /** A link may come from a server with other tables. */

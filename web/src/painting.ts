@@ -27,7 +27,7 @@ export type PaintedArea =
   | { shape: "brush"; points: readonly LonLat[]; radiusM: number }
   | { shape: "area"; points: readonly LonLat[] };
 
-const MOST_EDITS = 100;
+const MAX_EDITS = 100;
 
 export function editFrom(area: PaintedArea, change: PaintChange): EditBody {
   const points = area.points.map(([longitudeDeg, latitudeDeg]): [number, number] => [
@@ -102,7 +102,7 @@ export class Painting {
   }
 
   isFull(): boolean {
-    return this.done.length >= MOST_EDITS;
+    return this.done.length >= MAX_EDITS;
   }
 
   add(edit: EditBody): void {

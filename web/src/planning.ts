@@ -10,7 +10,7 @@ export const PLAN_MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] 
 export type PlanMeasure = (typeof PLAN_MEASURES)[number];
 
 /** The least light for a goal. */
-interface TargetWish {
+interface TargetRequest {
   method: "target";
   /** By this part of what it is, 0 to 1. */
   reduceBy: number;
@@ -19,25 +19,25 @@ interface TargetWish {
 }
 
 /** The lights of most influence (q_a, q_b as percentiles of the lit pixels). */
-interface ThresholdWish {
+interface ThresholdRequest {
   method: "threshold";
   /** So many percent of the pixels, those of least influence, are left alone. */
-  leastPercent: number;
+  lowerPercentile: number;
   /** Those above so many percent lose the most, those between less. */
-  mostPercent: number;
+  upperPercentile: number;
   /** The part that those lose, 0 to 1. */
   gamma: number;
 }
 
 /** What a plan is to reach. */
-export type PlanWish = (TargetWish | ThresholdWish) & {
+export type PlanRequest = (TargetRequest | ThresholdRequest) & {
   measure: PlanMeasure;
   /** The part of the sky that the measure `region` is of. */
   region: Region | null;
 };
-export type PlanMethod = PlanWish["method"];
+export type PlanMethod = PlanRequest["method"];
 
-function bodyOf(wish: PlanWish, { latitude_deg, longitude_deg }: Place): PlanBody {
+function bodyOf(wish: PlanRequest, { latitude_deg, longitude_deg }: Place): PlanBody {
   const { measure, region } = wish;
   const curve =
     measure !== "region" || region === null
@@ -50,8 +50,8 @@ function bodyOf(wish: PlanWish, { latitude_deg, longitude_deg }: Place): PlanBod
     method: wish.method,
     site: place,
     measure,
-    q_a: `p${wish.leastPercent}`,
-    q_b: `p${wish.mostPercent}`,
+    q_a: `p${wish.lowerPercentile}`,
+    q_b: `p${wish.upperPercentile}`,
     gamma: wish.gamma,
     ...curve,
   };
@@ -85,8 +85,8 @@ export class Planning {
     scene: string,
     place: Place,
     conditions: Omit<PlanQuery, "limit" | "keep">,
-    wish: PlanWish,
-    isKept: boolean,
+    wish: PlanRequest,
+    isStored: boolean,
   ): Promise<void> {
     const body = bodyOf(wish, place);
     this.search?.abort();
@@ -96,14 +96,14 @@ export class Planning {
     try {
       const plan = await api.findPlan(
         scene,
-        { ...conditions, limit: LISTED_PIXELS, keep: isKept ? "on" : "off" },
+        { ...conditions, limit: LISTED_PIXELS, keep: isStored ? "on" : "off" },
         body,
         search.signal,
       );
       this.endSearch();
       this.adopt({ kind: "plan", plan });
       const keep = () => api.findPlan(scene, { ...conditions, limit: 0, keep: "on" }, body, new AbortController().signal);
-      this.events.found({ kind: "plan", plan }, isKept ? null : keep);
+      this.events.found({ kind: "plan", plan }, isStored ? null : keep);
     } catch (reason) {
       if (search.signal.aborted) return;
       this.endSearch();

@@ -90,10 +90,10 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
 };
 
-function numberIn(text: string | null, least: number, most: number): number | null {
+function numberIn(text: string | null, min: number, max: number): number | null {
   if (text === null || text.trim() === "") return null;
   const value = Number(text);
-  return Number.isFinite(value) && value >= least && value <= most ? value : null;
+  return Number.isFinite(value) && value >= min && value <= max ? value : null;
 }
 
 function oneOf<T extends string>(text: string | null, allowed: readonly T[], otherwise: T): T {

@@ -37,17 +37,17 @@ export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 
 /** How often a busy server (429, 503) is asked again before the viewer gives up. */
 const RETRIES = 3;
-const LONGEST_WAIT_S = 10;
+const MAX_RETRY_WAIT_S = 10;
 /** How often it is asked whether a layer of tiles is found, and how long: then its tiles say what is wrong. */
 const LAYER_WAIT_S = 0.7;
-const LONGEST_LAYER_WAIT_S = 300;
+const MAX_LAYER_WAIT_S = 300;
 
 /** Absolute, so that it also holds inside the map's worker; below a reverse proxy's prefix if there is one. */
 export function urlOf<P extends Path<"get">>(path: P, values: PathValues<P>, query: Query<P>): string {
-  return address(path, values, query);
+  return buildUrl(path, values, query);
 }
 
-function address(path: string, values: object, query: object): string {
+function buildUrl(path: string, values: object, query: object): string {
   const filled = path.replace(/\{(\w+)\}/g, (_, name: string) =>
     encodeURIComponent(String((values as Record<string, unknown>)[name])),
   );
@@ -74,7 +74,7 @@ function get<P extends Path<"get">>(
   query: Query<P>,
   signal: AbortSignal,
 ): Promise<Json<Operation<"get", P>, 200>> {
-  return ask(urlOf(path, values, query), { signal, headers: { accept: "application/json" } });
+  return request(urlOf(path, values, query), { signal, headers: { accept: "application/json" } });
 }
 
 function post<P extends Path<"post">, O extends Operation<"post", P>>(
@@ -85,11 +85,11 @@ function post<P extends Path<"post">, O extends Operation<"post", P>>(
   signal: AbortSignal,
 ): Promise<Json<O, 201>> {
   const headers = { accept: "application/json", "content-type": "application/json" };
-  return ask(address(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
+  return request(buildUrl(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
 }
 
 /** Asks until there is an answer: the same question has the same answer, also where something is kept. */
-async function ask<A>(url: string, init: RequestInit & { signal: AbortSignal }): Promise<A> {
+async function request<A>(url: string, init: RequestInit & { signal: AbortSignal }): Promise<A> {
   const { signal } = init;
   for (let attempt = 0; ; attempt++) {
     let response: Response;
@@ -101,9 +101,9 @@ async function ask<A>(url: string, init: RequestInit & { signal: AbortSignal }):
     }
     if (response.ok) return (await response.json()) as A;
     const busy = response.status === 503 || response.status === 429;
-    const saidS = Number(response.headers.get("retry-after") ?? NaN);
-    const waitS = Number.isFinite(saidS) ? Math.max(saidS, 0.2) : 1;
-    if (!busy || attempt >= RETRIES || waitS > LONGEST_WAIT_S)
+    const retryAfterS = Number(response.headers.get("retry-after") ?? NaN);
+    const waitS = Number.isFinite(retryAfterS) ? Math.max(retryAfterS, 0.2) : 1;
+    if (!busy || attempt >= RETRIES || waitS > MAX_RETRY_WAIT_S)
       throw new ApiError(response.status, await problemFromResponse(response));
     await pause(waitS, signal);
   }
@@ -123,7 +123,7 @@ export const api = {
   findPlan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),
   /** Keeps what was painted. */
-  paint: (scene: string, body: ScenarioBody, signal: AbortSignal) =>
+  storeScenario: (scene: string, body: ScenarioBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/scenarios", { scene }, {}, body, signal),
   plan: (plan: string, limit: number, signal: AbortSignal) => get("/api/v1/plans/{plan}", { plan }, { limit }, signal),
   scenario: (scenario: string, signal: AbortSignal) => get("/api/v1/scenarios/{scenario}", { scenario }, {}, signal),
@@ -131,7 +131,7 @@ export const api = {
   layer: async (scene: string, layer: string, query: LayerQuery, signal: AbortSignal) => {
     for (let waitedS = 0; ; waitedS += LAYER_WAIT_S) {
       const description = await get("/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json", { scene, layer }, query, signal);
-      if (description.ready || waitedS > LONGEST_LAYER_WAIT_S) return description;
+      if (description.ready || waitedS > MAX_LAYER_WAIT_S) return description;
       await pause(LAYER_WAIT_S, signal);
     }
   },

@@ -31,12 +31,12 @@ export async function problemFromResponse(response: Response): Promise<Partial<P
 }
 
 /** A headline and the sentences below it. */
-export interface PlainWords {
+export interface ProblemText {
   headline: string;
   sentences: string[];
 }
 
-export function plainWords(reason: unknown): PlainWords {
+export function describeProblem(reason: unknown): ProblemText {
   if (!(reason instanceof ApiError)) {
     return { headline: words().problems.headline, sentences: [reason instanceof Error ? reason.message : String(reason)] };
   }

@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { english } from "./english.ts";
 import { pageWithWords } from "./page.ts";
-import { LANGUAGES, spokenLanguage, words } from "./words.ts";
+import { LANGUAGES, matchLanguage, words } from "./words.ts";
 
 const PAGE = readFileSync(new URL("../../index.html", import.meta.url), "utf8");
 
@@ -70,8 +70,8 @@ test("a page that wants words that there are not is no page", () => {
 });
 
 test("the first known language is spoken, English where there is none", () => {
-  assert.equal(spokenLanguage(["de-AT", "en"]), "de");
-  assert.equal(spokenLanguage(["tlh", "en-GB", "de"]), "en");
-  assert.equal(spokenLanguage(["constructor"]), "en");
+  assert.equal(matchLanguage(["de-AT", "en"]), "de");
+  assert.equal(matchLanguage(["tlh", "en-GB", "de"]), "en");
+  assert.equal(matchLanguage(["constructor"]), "en");
   assert.equal(words(), english);
 });

@@ -48,7 +48,7 @@ export function pageWithWords(html: string, words: Words): string {
 }
 
 /** Puts another language's words in the place of those that the page came with. */
-export function putWords(words: Words): void {
+export function applyWords(words: Words): void {
   for (const element of document.querySelectorAll<HTMLElement>("[data-text]")) {
     const text = parts(word(words, element.dataset.text ?? ""));
     element.replaceChildren(

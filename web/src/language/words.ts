@@ -1,8 +1,8 @@
 // The viewer's words in the language of whoever looks at it.
 
-import { store, stored } from "../ui/storage.ts";
+import { loadSetting, saveSetting } from "../ui/storage.ts";
 import { english, type Words } from "./english.ts";
-import { putWords } from "./page.ts";
+import { applyWords } from "./page.ts";
 
 interface Language {
   /** In the language itself. */
@@ -26,15 +26,15 @@ export function words(): Words {
 }
 
 /** The first language of these tags that the viewer speaks; "de-AT" is spoken as "de". */
-export function spokenLanguage(tags: readonly string[]): string {
+export function matchLanguage(tags: readonly string[]): string {
   const codes = tags.flatMap((tag) => [tag, tag.split("-")[0] ?? tag]);
   return codes.find((code) => Object.hasOwn(LANGUAGES, code)) ?? "en";
 }
 
 /** Takes the language that was chosen on an earlier visit, else the browser's, and puts its words into the page. */
 export async function chooseLanguage(): Promise<void> {
-  const kept = stored(LANGUAGE_KEY);
-  const code = spokenLanguage([...(kept === null ? [] : [kept]), ...navigator.languages]);
+  const saved = loadSetting(LANGUAGE_KEY);
+  const code = matchLanguage([...(saved === null ? [] : [saved]), ...navigator.languages]);
   if (code === english.locale) return;
   try {
     current = (await LANGUAGES[code]?.load()) ?? english;
@@ -42,11 +42,11 @@ export async function chooseLanguage(): Promise<void> {
     return; // English serves.
   }
   document.documentElement.lang = current.locale;
-  putWords(current);
+  applyWords(current);
 }
 
 /** Chooses a language for this visit and the next ones. What is shown is in the page's address and stays. */
 export function switchLanguage(code: string): void {
-  store(LANGUAGE_KEY, code);
+  saveSetting(LANGUAGE_KEY, code);
   location.reload();
 }

@@ -14,9 +14,9 @@ const EARTH_CIRCUMFERENCE_M = 40_075_017;
 /** MapLibre's world at zoom 0. */
 const WORLD_PX = 512;
 /** Points of a stroke nearer to each other than this tell nothing. */
-const LEAST_STEP_PX = 4;
+const MIN_STEP_PX = 4;
 const STEPS_A_WIDTH = 4;
-const MOST_POINTS = 400;
+const MAX_POINTS = 400;
 /** A stroke's end set again nearer than this closes an area by keyboard. */
 const SAME_PX = 2;
 
@@ -74,9 +74,9 @@ export class Painter {
   ) {
     const canvas = map.getCanvasContainer();
     canvas.addEventListener("pointerdown", (event) => this.begin(event), { capture: true });
-    canvas.addEventListener("pointermove", (event) => this.goOn(event), { capture: true });
+    canvas.addEventListener("pointermove", (event) => this.extend(event), { capture: true });
     canvas.addEventListener("pointerup", (event) => this.end(event), { capture: true });
-    canvas.addEventListener("pointercancel", () => this.forget(), { capture: true });
+    canvas.addEventListener("pointercancel", () => this.reset(), { capture: true });
   }
 
   /** Strokes paint with this brush; null: they move the map. */
@@ -89,7 +89,7 @@ export class Painter {
       if (brush === null) handler.enable();
       else handler.disable();
     }
-    if (!isSameStroke) this.forget();
+    if (!isSameStroke) this.reset();
   }
 
   isPainting(): boolean {
@@ -106,14 +106,14 @@ export class Painter {
     const placePx = this.map.project([lng, lat]);
     if (this.brush?.shape === "brush") {
       this.points = [[lng, lat]];
-      this.tell();
+      this.finish();
       return;
     }
     const before = this.points.at(-1);
     if (before !== undefined) {
       const beforePx = this.map.project([before[0], before[1]]);
       if (Math.hypot(beforePx.x - placePx.x, beforePx.y - placePx.y) < SAME_PX) {
-        this.tell();
+        this.finish();
         return;
       }
     }
@@ -124,7 +124,7 @@ export class Painter {
   private begin(event: PointerEvent): void {
     if (this.brush === null || !event.isPrimary || event.button !== 0) {
       // A second finger zooms: that is no stroke.
-      if (this.pointer !== null) this.forget();
+      if (this.pointer !== null) this.reset();
       return;
     }
     this.pointer = event.pointerId;
@@ -135,7 +135,7 @@ export class Painter {
     this.add(event);
   }
 
-  private goOn(event: PointerEvent): void {
+  private extend(event: PointerEvent): void {
     if (event.pointerId !== this.pointer) return;
     if (event.buttons === 0) this.end(event);
     else this.add(event);
@@ -144,7 +144,7 @@ export class Painter {
   private end(event: PointerEvent): void {
     if (event.pointerId !== this.pointer) return;
     this.pointer = null;
-    this.tell();
+    this.finish();
   }
 
   private add(event: PointerEvent): void {
@@ -161,9 +161,9 @@ export class Painter {
 
   /** Points nearer to each other than a good part of the brush tell nothing, and their strokes overlap. */
   private stepPx(): number {
-    if (this.brush?.shape !== "brush") return LEAST_STEP_PX;
+    if (this.brush?.shape !== "brush") return MIN_STEP_PX;
     const widthPx = widthPxAtZoom0(this.brush.radiusM, this.map.getCenter().lat) * 2 ** this.map.getZoom();
-    return Math.max(widthPx / STEPS_A_WIDTH, LEAST_STEP_PX);
+    return Math.max(widthPx / STEPS_A_WIDTH, MIN_STEP_PX);
   }
 
   private area(): PaintedArea | null {
@@ -178,17 +178,17 @@ export class Painter {
   }
 
   /** The stroke is done: its points are told, on one side of the antimeridian and not too many. */
-  private tell(): void {
-    const every = Math.ceil(this.points.length / MOST_POINTS);
-    const kept = this.points.filter((_, i) => i % every === 0);
-    const turns = Math.floor((Math.min(...kept.map(([lon]) => lon)) + 180) / 360);
-    this.points = kept.map(([lon, lat]) => [lon - 360 * turns, lat]);
+  private finish(): void {
+    const every = Math.ceil(this.points.length / MAX_POINTS);
+    const thinned = this.points.filter((_, i) => i % every === 0);
+    const turns = Math.floor((Math.min(...thinned.map(([lon]) => lon)) + 180) / 360);
+    this.points = thinned.map(([lon, lat]) => [lon - 360 * turns, lat]);
     const area = this.area();
-    this.forget();
+    this.reset();
     if (area !== null && (area.shape === "brush" || area.points.length >= 3)) this.painted(area);
   }
 
-  private forget(): void {
+  private reset(): void {
     this.points = [];
     this.lastPx = null;
     this.pointer = null;

@@ -8,7 +8,7 @@ import { IS_STILL } from "./motion.ts";
 import { FIRST_LAYER_ABOVE_TILES } from "./style.ts";
 
 /** A layer as it is to be shown. */
-export interface WantedLayer {
+export interface LayerRequest {
   scene: string;
   query: LayerQuery;
   /** 0..1; 0 is off. */
@@ -17,7 +17,7 @@ export interface WantedLayer {
 
 export type LayerState =
   | { kind: "off" }
-  | { kind: "finding" }
+  | { kind: "loading" }
   | { kind: "shown"; description: TileJson }
   | { kind: "failed"; reason: unknown };
 
@@ -27,7 +27,7 @@ function templates(tiles: readonly string[]): string[] {
 }
 
 export class RasterLayers {
-  private readonly asked = new Map<LayerName, { key: string; controller: AbortController }>();
+  private readonly active = new Map<LayerName, { key: string; controller: AbortController }>();
 
   constructor(
     private readonly map: MapLibreMap,
@@ -36,36 +36,36 @@ export class RasterLayers {
   ) {}
 
   /** Shows a layer as it is wanted; null where there is nothing to show. */
-  want(name: LayerName, wanted: WantedLayer | null): void {
-    const key = wanted === null || wanted.opacity === 0 ? "" : JSON.stringify([wanted.scene, wanted.query]);
-    const before = this.asked.get(name);
-    if (wanted !== null && key !== "" && before?.key === key) {
-      this.setOpacity(name, wanted.opacity);
+  show(name: LayerName, request: LayerRequest | null): void {
+    const key = request === null || request.opacity === 0 ? "" : JSON.stringify([request.scene, request.query]);
+    const before = this.active.get(name);
+    if (request !== null && key !== "" && before?.key === key) {
+      this.setOpacity(name, request.opacity);
       return;
     }
     if (key === "" && before === undefined) return;
     before?.controller.abort();
-    this.asked.delete(name);
+    this.active.delete(name);
     this.remove(name);
-    if (wanted === null || key === "") {
+    if (request === null || key === "") {
       this.changed(name, { kind: "off" });
       return;
     }
     const controller = new AbortController();
-    this.asked.set(name, { key, controller });
-    this.changed(name, { kind: "finding" });
-    this.find(name, wanted, controller.signal).catch((reason: unknown) => {
+    this.active.set(name, { key, controller });
+    this.changed(name, { kind: "loading" });
+    this.load(name, request, controller.signal).catch((reason: unknown) => {
       if (controller.signal.aborted) return;
       // Asked for again, it is a new try.
-      this.asked.delete(name);
+      this.active.delete(name);
       this.changed(name, { kind: "failed", reason });
     });
   }
 
   /** Nothing is wanted any more, and the map may be gone. */
   stop(): void {
-    for (const { controller } of this.asked.values()) controller.abort();
-    this.asked.clear();
+    for (const { controller } of this.active.values()) controller.abort();
+    this.active.clear();
   }
 
   /** The opacity of a layer that is shown, at once. */
@@ -73,7 +73,7 @@ export class RasterLayers {
     if (this.map.getLayer(name) !== undefined) this.map.setPaintProperty(name, "raster-opacity", opacity);
   }
 
-  private async find(name: LayerName, { scene, query, opacity }: WantedLayer, signal: AbortSignal): Promise<void> {
+  private async load(name: LayerName, { scene, query, opacity }: LayerRequest, signal: AbortSignal): Promise<void> {
     const description = await api.layer(scene, name, query, signal);
     await this.styled;
     if (signal.aborted) return;

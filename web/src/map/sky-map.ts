@@ -14,7 +14,7 @@ import { make } from "../ui/dom.ts";
 import { loadBasemap } from "./basemap.ts";
 import { IS_STILL } from "./motion.ts";
 import { type Brush, Painter } from "./painter.ts";
-import { type LayerState, RasterLayers, type WantedLayer } from "./raster-layers.ts";
+import { type LayerRequest, type LayerState, RasterLayers } from "./raster-layers.ts";
 import { reachable } from "./reachable.ts";
 import { nightStyle } from "./style.ts";
 import { Swipe } from "./swipe.ts";
@@ -192,8 +192,8 @@ export class SkyMap {
   }
 
   /** Shows a layer of tiles as it is wanted, and left of the split as it is today; null where there is nothing to show. */
-  showLayer(name: LayerName, wanted: WantedLayer | null, today: WantedLayer | null): void {
-    this.layers.want(name, wanted);
+  showLayer(name: LayerName, wanted: LayerRequest | null, today: LayerRequest | null): void {
+    this.layers.show(name, wanted);
     this.swipe?.showLayer(name, today);
   }
 

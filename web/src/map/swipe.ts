@@ -5,7 +5,7 @@ import type { GeoJSONSource } from "maplibre-gl";
 import { Map as MapLibreMap } from "maplibre-gl";
 import type { LayerName } from "../state.ts";
 import { make } from "../ui/dom.ts";
-import { RasterLayers, type WantedLayer } from "./raster-layers.ts";
+import { type LayerRequest, RasterLayers } from "./raster-layers.ts";
 import { reachable } from "./reachable.ts";
 import { nightStyle } from "./style.ts";
 
@@ -83,8 +83,8 @@ export class Swipe {
     this.map.getSource<GeoJSONSource>(name)?.setData(data);
   }
 
-  showLayer(name: LayerName, wanted: WantedLayer | null): void {
-    this.layers.want(name, wanted);
+  showLayer(name: LayerName, wanted: LayerRequest | null): void {
+    this.layers.show(name, wanted);
   }
 
   /** Today's map reaches this part of the width from the left, 0 to 1. */

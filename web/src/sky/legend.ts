@@ -7,7 +7,7 @@ import { decimal, inUnit } from "../ui/format.ts";
 import { colourGradient, type PictureStyle } from "./colour-maps.ts";
 import { ToneMap } from "./realistic.ts";
 import { SCALE, scalePosition } from "./scale.ts";
-import { type BrightnessUnit, type Mark, marks } from "./units.ts";
+import { type BrightnessUnit, type Tick, ticks } from "./units.ts";
 
 export interface LegendLook {
   colours: PictureStyle;
@@ -57,7 +57,7 @@ export class Legend {
     this.container.dataset.unit = unit;
     this.title.textContent = { magnitude: sky.legend, luminance: sky.legendLuminance, ratio: sky.legendRatio }[unit];
     this.bar.style.background = colours === "realistic" ? greyGradient(exposureEv) : colourGradient(colours);
-    this.ticks.replaceChildren(...marks(unit).map((mark) => tick(mark, unit)));
+    this.ticks.replaceChildren(...ticks(unit).map((mark) => tick(mark, unit)));
   }
 
   /** Marks a brightness on the bar; null takes the mark away. */
@@ -69,7 +69,7 @@ export class Legend {
   }
 }
 
-function tick({ luminanceCdM2, isMinor }: Mark, unit: BrightnessUnit): HTMLElement {
+function tick({ luminanceCdM2, isMinor }: Tick, unit: BrightnessUnit): HTMLElement {
   const mag = brightnessMagArcsec2(luminanceCdM2) ?? SCALE.faintestMagArcsec2;
   const isNatural = Math.abs(mag - NATURAL_SKY_MAG_ARCSEC2) < 1e-6;
   const [value, name] = inUnit(luminanceCdM2, unit);

@@ -4,7 +4,7 @@ import { type ColourMapName, colourTable, type PictureStyle } from "./colour-map
 import type { SkyGrid, SkyKind } from "./grid.ts";
 import type { Projection } from "./projection.ts";
 import { ToneMap } from "./realistic.ts";
-import { logLuminanceEnds, SCALE } from "./scale.ts";
+import { logLuminanceRange, SCALE } from "./scale.ts";
 
 const TABLE_SIZE = 1024;
 const DARKEST_CD_M2 = 1e-9;
@@ -20,7 +20,7 @@ export interface PictureLook {
 }
 
 /** The four samples around a direction in padded rows. */
-interface Taps {
+interface Stencil {
   /** Offsets of the lower row and of the upper one. */
   low: number;
   high: number;
@@ -32,7 +32,7 @@ interface Taps {
   above: number;
 }
 
-type Colourer = (taps: Taps, bytes: Uint8ClampedArray, at: number) => void;
+type Colourer = (stencil: Stencil, bytes: Uint8ClampedArray, at: number) => void;
 
 /** The grid's rows with one added below (the horizon) and one above (the zenith). */
 function padded({ azimuthCount, elevationCount }: SkyGrid, rows: Float32Array): Float32Array {
@@ -47,22 +47,22 @@ function padded({ azimuthCount, elevationCount }: SkyGrid, rows: Float32Array): 
   return values;
 }
 
-function interpolated(values: Float32Array, { low, high, here, next, right, above }: Taps): number {
+function interpolated(values: Float32Array, { low, high, here, next, right, above }: Stencil): number {
   const lower = (1 - right) * (values[low + here] ?? 0) + right * (values[low + next] ?? 0);
   const upper = (1 - right) * (values[high + here] ?? 0) + right * (values[high + next] ?? 0);
   return (1 - above) * lower + above * upper;
 }
 
 function falseColour(grid: SkyGrid, sky: SkyKind, map: ColourMapName): Colourer {
-  const [faintest, brightest] = logLuminanceEnds(SCALE);
+  const [faintest, brightest] = logLuminanceRange(SCALE);
   const logLuminance = grid.logLuminance(sky, DARKEST_CD_M2);
   const values = padded(
     grid,
     logLuminance.map((log) => (log - faintest) / (brightest - faintest)),
   );
   const table = colourTable(map, TABLE_SIZE);
-  return (taps, bytes, at) => {
-    const colour = Math.round(Math.min(Math.max(interpolated(values, taps), 0), 1) * (TABLE_SIZE - 1)) * 3;
+  return (stencil, bytes, at) => {
+    const colour = Math.round(Math.min(Math.max(interpolated(values, stencil), 0), 1) * (TABLE_SIZE - 1)) * 3;
     bytes[at] = table[colour] ?? 0;
     bytes[at + 1] = table[colour + 1] ?? 0;
     bytes[at + 2] = table[colour + 2] ?? 0;
@@ -73,8 +73,8 @@ function realistic(grid: SkyGrid, sky: SkyKind, exposureEv: number): Colourer {
   const [red, green, blue] = grid.radianceWM2Sr(sky);
   const bands = [padded(grid, red), padded(grid, green), padded(grid, blue)] as const;
   const toneMap = new ToneMap(exposureEv);
-  return (taps, bytes, at) =>
-    toneMap.write(bytes, at, interpolated(bands[0], taps), interpolated(bands[1], taps), interpolated(bands[2], taps));
+  return (stencil, bytes, at) =>
+    toneMap.write(bytes, at, interpolated(bands[0], stencil), interpolated(bands[1], stencil), interpolated(bands[2], stencil));
 }
 
 /** Paints the sky into a picture of `pixelsPerCssPx` device pixels a CSS pixel. Outside the sky stays transparent. */
@@ -90,7 +90,7 @@ export function paintSky(
   const lastRow = grid.elevationCount + 1;
   const { data } = picture;
   const hasGround = grid.horizonDeg.some((elevationDeg) => elevationDeg > 0);
-  const taps: Taps = { low: 0, high: 0, here: 0, next: 0, right: 0, above: 0 };
+  const stencil: Stencil = { low: 0, high: 0, here: 0, next: 0, right: 0, above: 0 };
   for (let y = 0; y < picture.height; y++) {
     for (let x = 0; x < picture.width; x++) {
       const at = (y * picture.width + x) * 4;
@@ -110,13 +110,13 @@ export function paintSky(
       );
       const column = Math.floor(across);
       const row = Math.floor(up);
-      taps.low = row * width;
-      taps.high = taps.low + width;
-      taps.here = column % width;
-      taps.next = (column + 1) % width;
-      taps.right = across - column;
-      taps.above = up - row;
-      colour(taps, data, at);
+      stencil.low = row * width;
+      stencil.high = stencil.low + width;
+      stencil.here = column % width;
+      stencil.next = (column + 1) % width;
+      stencil.right = across - column;
+      stencil.above = up - row;
+      colour(stencil, data, at);
       data[at + 3] = 255;
     }
   }

@@ -92,7 +92,7 @@ export function fisheye(plot: Plot): Projection {
 }
 
 /** Directions nearer than this to the side lie outside every picture. */
-const LEAST_FORWARD = 0.05;
+const MIN_FORWARD = 0.05;
 
 /** What one sees looking there: straight lines stay straight. */
 export function perspective(plot: Plot, gaze: Gaze): Projection {
@@ -117,7 +117,7 @@ export function perspective(plot: Plot, gaze: Gaze): Projection {
     pointFromDirection(direction) {
       const [east, north, height] = vectorFromDirection(direction);
       const forward = east * ahead[0] + north * ahead[1] + height * ahead[2];
-      if (forward < LEAST_FORWARD) return { xPx: NaN, yPx: NaN };
+      if (forward < MIN_FORWARD) return { xPx: NaN, yPx: NaN };
       return {
         xPx: x0Px + (focalPx * (east * right[0] + north * right[1])) / forward,
         yPx: y0Px - (focalPx * (east * above[0] + north * above[1] + height * above[2])) / forward,

@@ -7,10 +7,10 @@ export type Region = readonly SkyDirection[];
 
 const RADIANS = Math.PI / 180;
 /** A drawn curve keeps no more corners than this, so that a link stays one. */
-const MOST_CORNERS = 80;
-const FINEST_STEP_DEG = 1;
+const MAX_CORNERS = 80;
+const MIN_STEP_DEG = 1;
 /** Smaller than this is a click, not a curve. */
-const LEAST_EXTENT_DEG = 2;
+const MIN_EXTENT_DEG = 2;
 
 /** The angle between two directions, degrees. */
 export function angleDeg(a: SkyDirection, b: SkyDirection): number {
@@ -23,10 +23,10 @@ export function angleDeg(a: SkyDirection, b: SkyDirection): number {
 /** The corners of a curve that was drawn through these directions; null where it encloses nothing. */
 export function regionFromTrail(trail: Region): Region | null {
   const first = trail[0];
-  if (first === undefined || !trail.some((direction) => angleDeg(first, direction) > LEAST_EXTENT_DEG)) return null;
-  for (let stepDeg = FINEST_STEP_DEG; ; stepDeg *= 1.5) {
+  if (first === undefined || !trail.some((direction) => angleDeg(first, direction) > MIN_EXTENT_DEG)) return null;
+  for (let stepDeg = MIN_STEP_DEG; ; stepDeg *= 1.5) {
     const corners = thinned(trail, stepDeg);
-    if (corners.length > MOST_CORNERS) continue;
+    if (corners.length > MAX_CORNERS) continue;
     return corners.length < 3 ? null : corners.map(rounded);
   }
 }
@@ -72,19 +72,19 @@ export function outline(region: Region, stepDeg = 2): SkyDirection[] {
   const points: SkyDirection[] = [];
   region.forEach((from, i) => {
     const to = region[(i + 1) % region.length] ?? from;
-    const wholeDeg = angleDeg(from, to);
-    const steps = Math.max(Math.ceil(wholeDeg / stepDeg), 1);
-    for (let step = 0; step < steps; step++) points.push(between(from, to, step / steps, wholeDeg));
+    const sideDeg = angleDeg(from, to);
+    const steps = Math.max(Math.ceil(sideDeg / stepDeg), 1);
+    for (let step = 0; step < steps; step++) points.push(between(from, to, step / steps, sideDeg));
   });
   return points.length === 0 ? points : [...points, points[0] as SkyDirection];
 }
 
 /** A direction on the great circle from one to the other. */
-function between(from: SkyDirection, to: SkyDirection, part: number, wholeDeg: number): SkyDirection {
-  const sine = Math.sin(wholeDeg * RADIANS);
+function between(from: SkyDirection, to: SkyDirection, part: number, sideDeg: number): SkyDirection {
+  const sine = Math.sin(sideDeg * RADIANS);
   if (part === 0 || sine < 1e-9) return from;
-  const a = Math.sin((1 - part) * wholeDeg * RADIANS) / sine;
-  const b = Math.sin(part * wholeDeg * RADIANS) / sine;
+  const a = Math.sin((1 - part) * sideDeg * RADIANS) / sine;
+  const b = Math.sin(part * sideDeg * RADIANS) / sine;
   const [ax, ay, az] = vectorFromDirection(from);
   const [bx, by, bz] = vectorFromDirection(to);
   return directionFromVector([a * ax + b * bx, a * ay + b * by, a * az + b * bz]);

@@ -18,7 +18,7 @@ export function scalePosition(scale: BrightnessScale, brightnessMagArcsec2: numb
 }
 
 /** Ends of the scale as log10 luminance [cd m⁻²]: faintest, brightest. */
-export function logLuminanceEnds(scale: BrightnessScale): [number, number] {
+export function logLuminanceRange(scale: BrightnessScale): [number, number] {
   return [
     Math.log10(luminanceFromBrightnessCdM2(scale.faintestMagArcsec2)),
     Math.log10(luminanceFromBrightnessCdM2(scale.brightestMagArcsec2)),

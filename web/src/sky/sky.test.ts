@@ -8,7 +8,7 @@ import { GROUND_RGB, type PictureLook, paintSky } from "./paint.ts";
 import { compassName, equirectangular, fisheye, perspective } from "./projection.ts";
 import { ToneMap } from "./realistic.ts";
 import { SCALE, scalePosition } from "./scale.ts";
-import { marks, UNITS } from "./units.ts";
+import { ticks, UNITS } from "./units.ts";
 
 const PLOT = { leftPx: 10, topPx: 20, widthPx: 400, heightPx: 200 };
 const STEP_DEG = 90 / 64;
@@ -223,7 +223,7 @@ test("the realistic picture shows a millicandela as middle grey, sodium orange, 
 
 test("the scale's marks are round in every unit, ascend, and lie on the scale", () => {
   for (const unit of UNITS) {
-    const luminances = marks(unit).map(({ luminanceCdM2 }) => luminanceCdM2);
+    const luminances = ticks(unit).map(({ luminanceCdM2 }) => luminanceCdM2);
     assert.ok(luminances.length >= 10 && luminances.length <= 14, `${unit} ${luminances.length}`);
     assert.ok(luminances.every((mark, i) => i === 0 || mark > (luminances[i - 1] ?? 0)));
     const positions = luminances.map((mark) => scalePosition(SCALE, -2.5 * Math.log10(mark / 1.08e5)));
@@ -232,5 +232,5 @@ test("the scale's marks are round in every unit, ascend, and lie on the scale", 
       `${unit} ${positions}`,
     );
   }
-  assert.ok(marks("ratio").some(({ luminanceCdM2 }) => Math.abs(luminanceCdM2 / NATURAL_SKY_CD_M2 - 1) < 1e-9));
+  assert.ok(ticks("ratio").some(({ luminanceCdM2 }) => Math.abs(luminanceCdM2 / NATURAL_SKY_CD_M2 - 1) < 1e-9));
 });

@@ -15,7 +15,7 @@ import { wireGroup } from "./group.ts";
 import { emissions, lamps } from "./lamps.ts";
 import { showLayerHint } from "./layers.ts";
 import { setRegionOption } from "./marking.ts";
-import { residentScatterings, SCATTERINGS, scatteringTitle, turbidityEnds } from "./scattering.ts";
+import { residentScatterings, SCATTERINGS, scatteringTitle, turbidityRange } from "./scattering.ts";
 
 export interface ControlEvents {
   scene: (id: string) => void;
@@ -151,15 +151,15 @@ export class Controls {
       );
     }
     this.scattering.disabled = resident.length < 2;
-    const ends = turbidityEnds(atmospheres, scattering);
+    const ends = turbidityRange(atmospheres, scattering);
     if (ends === null) return;
     const [least, most] = ends;
     this.turbidity.min = String(least);
     this.turbidity.max = String(most);
     this.turbidity.disabled = least === most;
     byId("turbidity-ends", HTMLElement).replaceChildren(
-      make("span", "", words().assumptions.leastTurbidity(decimal(least))),
-      make("span", "", words().assumptions.mostTurbidity(decimal(most))),
+      make("span", "", words().assumptions.minTurbidity(decimal(least))),
+      make("span", "", words().assumptions.maxTurbidity(decimal(most))),
     );
     this.showTurbidity();
   }

@@ -1,6 +1,6 @@
 // The panel of the map's layers: what each shows, what its colours mean, and whether it is still being found.
 
-import { plainWords } from "../api/problem.ts";
+import { describeProblem } from "../api/problem.ts";
 import type { TileJson } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { LayerState } from "../map/raster-layers.ts";
@@ -21,9 +21,9 @@ const GRADIENTS: Record<LayerName, string> = {
 };
 
 /** What is said of a layer that is on its way. */
-function finding(name: LayerName): string {
-  const { loading, findingBrightness, findingInfluence } = words().layers;
-  return { elevation: loading, brightness: findingBrightness, radiance: loading, influence: findingInfluence }[name];
+function loadingText(name: LayerName): string {
+  const { loading, loadingBrightness, loadingInfluence } = words().layers;
+  return { elevation: loading, brightness: loadingBrightness, radiance: loading, influence: loadingInfluence }[name];
 }
 
 /** Two digits, which is what an end of a scale needs. */
@@ -45,7 +45,7 @@ export function typeset(unit: string): string {
 }
 
 /** What stands at the dark and the bright end of a layer's colours. */
-export function layerEnds(name: LayerName, { range, unit }: Pick<TileJson, "range" | "unit">): [string, string] {
+export function scaleEnds(name: LayerName, { range, unit }: Pick<TileJson, "range" | "unit">): [string, string] {
   if (range == null) return [words().layers.seaLevel, words().layers.highest];
   const [dark = 0, bright = 0] = range;
   if (name === "brightness") return [ofNatural(dark), words().layers.ofNatural(ofNatural(bright))];
@@ -70,19 +70,19 @@ export function showLayerState(name: LayerName, state: LayerState): void {
     case "off":
       note.replaceChildren();
       break;
-    case "finding":
-      note.replaceChildren(finding(name));
+    case "loading":
+      note.replaceChildren(loadingText(name));
       break;
     case "failed":
       {
-        const { headline, sentences } = plainWords(state.reason);
+        const { headline, sentences } = describeProblem(state.reason);
         note.replaceChildren([headline, ...sentences].join(". "));
       }
       break;
     case "shown": {
       const bar = make("div", "layer-bar");
       bar.style.background = GRADIENTS[name];
-      const ends = layerEnds(name, state.description).map((end) => make("span", "", end));
+      const ends = scaleEnds(name, state.description).map((end) => make("span", "", end));
       note.replaceChildren(bar, make("div", "ends", ...ends));
       note.title = state.description.description;
     }

@@ -4,10 +4,10 @@ import { words } from "../language/words.ts";
 import type { Place } from "../state.ts";
 import { byId } from "./dom.ts";
 
-const LONGEST_WAIT_MS = 20_000;
+const MAX_WAIT_MS = 20_000;
 
 /** By the code of a GeolocationPositionError. */
-function whyNot(code: number): string {
+function locationProblem(code: number): string {
   const { forbidden, unknown, late, silent } = words().locate;
   return { 1: forbidden, 2: unknown, 3: late }[code] ?? silent;
 }
@@ -26,9 +26,9 @@ export function wireLocate(found: (place: Place) => void, failed: (reason: Error
       },
       ({ code }) => {
         button.disabled = false;
-        failed(new Error(whyNot(code)));
+        failed(new Error(locationProblem(code)));
       },
-      { timeout: LONGEST_WAIT_MS, maximumAge: 60_000 },
+      { timeout: MAX_WAIT_MS, maximumAge: 60_000 },
     );
   });
 }

@@ -7,7 +7,7 @@ import type { Place } from "../state.ts";
 import { coordinates } from "./format.ts";
 
 const EARTH_RADIUS_KM = 6371;
-const FARTHEST_KM = 150;
+const MAX_DISTANCE_KM = 150;
 const RADIANS = Math.PI / 180;
 
 /** Great-circle distance [km] and initial bearing [degrees clockwise from north]. */
@@ -30,7 +30,7 @@ export function nearestPlace(
   place: Place,
   places: readonly NamedPlace[],
 ): { name: string; distanceKm: number; bearingDeg: number } | null {
-  let nearest = { distanceKm: FARTHEST_KM, bearingDeg: 0, name: "" };
+  let nearest = { distanceKm: MAX_DISTANCE_KM, bearingDeg: 0, name: "" };
   for (const named of places) {
     const way = distanceAndBearing(named, place);
     if (way.distanceKm < nearest.distanceKm) nearest = { ...way, name: named.name };

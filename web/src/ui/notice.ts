@@ -1,6 +1,6 @@
 // One place for what went wrong, in plain words.
 
-import { plainWords } from "../api/problem.ts";
+import { describeProblem } from "../api/problem.ts";
 import { words } from "../language/words.ts";
 import { make } from "./dom.ts";
 
@@ -8,7 +8,7 @@ export class Notice {
   constructor(private readonly container: HTMLElement) {}
 
   show(reason: unknown): void {
-    const { headline, sentences } = plainWords(reason);
+    const { headline, sentences } = describeProblem(reason);
     const close = make("button", "notice-close", "×") as HTMLButtonElement;
     close.type = "button";
     close.setAttribute("aria-label", words().problems.close);

@@ -3,7 +3,7 @@
 import { urlOf } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { LISTED_PIXELS, type PlanMeasure, type PlanWish } from "../planning.ts";
+import { LISTED_PIXELS, type PlanMeasure, type PlanRequest } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
 import { byId, inEnglish, make } from "./dom.ts";
 import { decimal, fixed, magnitude, whole, withPrefix } from "./format.ts";
@@ -11,7 +11,7 @@ import { nearestPlace, placeName } from "./nearby.ts";
 import { WishForm } from "./wish-form.ts";
 
 export interface PlanCardEvents {
-  find: (wish: PlanWish, keep: boolean) => void;
+  find: (wish: PlanRequest, keep: boolean) => void;
   drop: () => void;
 }
 

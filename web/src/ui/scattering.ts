@@ -20,18 +20,14 @@ export function residentScatterings(packs: readonly Pack[]): ScatteringName[] {
 }
 
 /** Smallest and largest turbidity of a scattering (null: the best); null without packs. */
-export function turbidityEnds(packs: readonly Pack[], scattering: ScatteringName | null): [least: number, most: number] | null {
+export function turbidityRange(packs: readonly Pack[], scattering: ScatteringName | null): [least: number, most: number] | null {
   const wanted = scattering ?? residentScatterings(packs)[0];
   const values = packs.filter((pack) => pack.scattering === wanted).map(({ turbidity }) => turbidity);
   return values.length === 0 ? null : [Math.min(...values), Math.max(...values)];
 }
 
 /** A turbidity that the packs of a scattering reach; null, the server's default, stays so. */
-export function turbidityWithin(
-  packs: readonly Pack[],
-  scattering: ScatteringName | null,
-  turbidity: number | null,
-): number | null {
-  const ends = turbidityEnds(packs, scattering);
+export function clampTurbidity(packs: readonly Pack[], scattering: ScatteringName | null, turbidity: number | null): number | null {
+  const ends = turbidityRange(packs, scattering);
   return turbidity === null || ends === null ? turbidity : Math.min(Math.max(turbidity, ends[0]), ends[1]);
 }

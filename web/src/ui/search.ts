@@ -6,7 +6,7 @@ import type { Place } from "../state.ts";
 import { make } from "./dom.ts";
 import { cardinalNames, coordinates, whole } from "./format.ts";
 
-const LONGEST_LIST = 8;
+const MAX_RESULTS = 8;
 
 function folded(text: string): string {
   return text
@@ -41,7 +41,7 @@ export function matchingPlaces(places: readonly NamedPlace[], text: string): Nam
     .map((place) => ({ place, at: folded(place.name).indexOf(wanted) }))
     .filter(({ at }) => at >= 0)
     .sort((a, b) => Number(a.at > 0) - Number(b.at > 0) || (b.place.population ?? 0) - (a.place.population ?? 0))
-    .slice(0, LONGEST_LIST)
+    .slice(0, MAX_RESULTS)
     .map(({ place }) => place);
 }
 

@@ -4,22 +4,22 @@ import { words } from "../language/words.ts";
 import { byId } from "./dom.ts";
 
 /** How long it is said that the link is copied. */
-const TOLD_MS = 6000;
+const STATUS_MS = 6000;
 
 /** `lasting`: when a link to what is shown will last. */
 export function wireShare(lasting: () => Promise<boolean>): void {
-  const told = byId("share-told", HTMLElement);
+  const status = byId("share-told", HTMLElement);
   const field = byId("share-link", HTMLInputElement);
   byId("share", HTMLButtonElement).addEventListener("click", () => {
     lasting()
       .then(() => share(location.href))
       .then((how) => {
-        told.textContent = how === "copied" ? words().downloads.copied : "";
-        setTimeout(() => (told.textContent = ""), TOLD_MS);
+        status.textContent = how === "copied" ? words().downloads.copied : "";
+        setTimeout(() => (status.textContent = ""), STATUS_MS);
       })
       .catch(() => {
         // Where neither is allowed, the link is there to be copied by hand.
-        told.textContent = words().downloads.copyByHand;
+        status.textContent = words().downloads.copyByHand;
         field.value = location.href;
         field.hidden = false;
         field.focus();
@@ -28,7 +28,7 @@ export function wireShare(lasting: () => Promise<boolean>): void {
   });
   // It is the link of that moment.
   field.addEventListener("blur", () => {
-    told.textContent = "";
+    status.textContent = "";
     field.hidden = true;
   });
 }

@@ -1,6 +1,6 @@
 // What the browser keeps of the viewer from one visit to the next.
 
-export function stored(key: string): string | null {
+export function loadSetting(key: string): string | null {
   try {
     return localStorage.getItem(key);
   } catch {
@@ -8,7 +8,7 @@ export function stored(key: string): string | null {
   }
 }
 
-export function store(key: string, value: string): void {
+export function saveSetting(key: string, value: string): void {
   try {
     localStorage.setItem(key, value);
   } catch {

@@ -2,7 +2,7 @@
 
 import { LANGUAGES, switchLanguage, words } from "../language/words.ts";
 import { byId } from "./dom.ts";
-import { store, stored } from "./storage.ts";
+import { loadSetting, saveSetting } from "./storage.ts";
 
 const RED_LIGHT_KEY = "skyglow.red-light";
 
@@ -29,9 +29,9 @@ const NARROW = "(max-width: 860px)";
 
 export function wireSwitches(resized: () => void): void {
   byId("layers", HTMLDetailsElement).open = !matchMedia(NARROW).matches;
-  wireToggle("red-light", stored(RED_LIGHT_KEY) === "on", (on) => {
+  wireToggle("red-light", loadSetting(RED_LIGHT_KEY) === "on", (on) => {
     document.documentElement.classList.toggle("red-light", on);
-    store(RED_LIGHT_KEY, on ? "on" : "off");
+    saveSetting(RED_LIGHT_KEY, on ? "on" : "off");
   });
   wireToggle("enlarge", false, (on) => {
     document.body.classList.toggle("enlarged", on);

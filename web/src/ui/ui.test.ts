@@ -1,12 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { ApiError, plainWords } from "../api/problem.ts";
+import { ApiError, describeProblem } from "../api/problem.ts";
 import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
 import { coordinates, ratio, withPrefix } from "./format.ts";
-import { layerEnds, typeset } from "./layers.ts";
+import { scaleEnds, typeset } from "./layers.ts";
 import { distanceAndBearing, placeName } from "./nearby.ts";
 import { terrainTitle } from "./numbers.ts";
-import { residentScatterings, scatteringTitle, turbidityEnds, turbidityWithin } from "./scattering.ts";
+import { clampTurbidity, residentScatterings, scatteringTitle, turbidityRange } from "./scattering.ts";
 import { matchingPlaces, placeFromText } from "./search.ts";
 
 const NAIROBI = { name: "Nairobi", latitude_deg: -1.286, longitude_deg: 36.817, population: 4_400_000 };
@@ -67,15 +67,15 @@ test("each scattering has its own turbidities, and the best is the default", () 
     { scattering: "multiple", turbidity: 2 },
   ];
   assert.deepEqual(residentScatterings(packs), ["multiple", "single"]);
-  assert.deepEqual(turbidityEnds(packs, null), [2, 4]);
-  assert.deepEqual(turbidityEnds(packs, "single"), [1.5, 6]);
-  assert.equal(turbidityWithin(packs, null, 5.5), 4);
-  assert.equal(turbidityWithin(packs, "single", 5.5), 5.5);
-  assert.equal(turbidityWithin(packs, "multiple", null), null);
+  assert.deepEqual(turbidityRange(packs, null), [2, 4]);
+  assert.deepEqual(turbidityRange(packs, "single"), [1.5, 6]);
+  assert.equal(clampTurbidity(packs, null, 5.5), 4);
+  assert.equal(clampTurbidity(packs, "single", 5.5), 5.5);
+  assert.equal(clampTurbidity(packs, "multiple", null), null);
   const firstOrder = packs.slice(0, 2);
   assert.deepEqual(residentScatterings(firstOrder), ["single"]);
-  assert.deepEqual(turbidityEnds(firstOrder, null), [1.5, 6]);
-  assert.equal(turbidityEnds(firstOrder, "multiple"), null);
+  assert.deepEqual(turbidityRange(firstOrder, null), [1.5, 6]);
+  assert.equal(turbidityRange(firstOrder, "multiple"), null);
   assert.deepEqual(["multiple", "single"].map(scatteringTitle), ["all orders", "first order alone"]);
 });
 
@@ -105,7 +105,7 @@ test("a problem document becomes a headline and one sentence for each bad parame
     detail: "One parameter is not accepted.",
     errors: [{ parameter: "turbidity", value: "100", allowed: "1.5 to 6", message: "is out of range", code: "out_of_range" }],
   });
-  assert.deepEqual(plainWords(error), {
+  assert.deepEqual(describeProblem(error), {
     headline: "A parameter is out of range",
     sentences: ["One parameter is not accepted.", "turbidity = 100: is out of range. Allowed: 1.5 to 6."],
   });
@@ -124,8 +124,8 @@ test("the ends of a layer's colours are told in units that people read", () => {
   assert.equal(typeset("nW cm-2 sr-1"), "nW/cm²/sr");
   assert.equal(typeset("cd m-2"), "cd/m²");
   assert.equal(typeset("lx"), "lx");
-  assert.deepEqual(layerEnds("radiance", { range: [0.2, 200], unit: "nW cm-2 sr-1" }), ["0.2", "200 nW/cm²/sr"]);
-  assert.deepEqual(layerEnds("brightness", { range: [1.71e-6, 6.84e-3], unit: "cd m-2" }), ["1 %", "40 × the natural sky"]);
-  assert.deepEqual(layerEnds("influence", { range: [2e-10, 2e-6], unit: "cd m-2" }), ["1/10,000", "2.00 µcd/m² a pixel"]);
-  assert.deepEqual(layerEnds("elevation", { range: null, unit: "m" }), ["0 m", "6000 m and more"]);
+  assert.deepEqual(scaleEnds("radiance", { range: [0.2, 200], unit: "nW cm-2 sr-1" }), ["0.2", "200 nW/cm²/sr"]);
+  assert.deepEqual(scaleEnds("brightness", { range: [1.71e-6, 6.84e-3], unit: "cd m-2" }), ["1 %", "40 × the natural sky"]);
+  assert.deepEqual(scaleEnds("influence", { range: [2e-10, 2e-6], unit: "cd m-2" }), ["1/10,000", "2.00 µcd/m² a pixel"]);
+  assert.deepEqual(scaleEnds("elevation", { range: null, unit: "m" }), ["0 m", "6000 m and more"]);
 });

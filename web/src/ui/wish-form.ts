@@ -2,7 +2,7 @@
 
 import type { Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { PLAN_MEASURES, type PlanMethod, type PlanWish } from "../planning.ts";
+import { PLAN_MEASURES, type PlanMethod, type PlanRequest } from "../planning.ts";
 import type { Region } from "../sky/region.ts";
 import { byId, debounced } from "./dom.ts";
 import { decimal } from "./format.ts";
@@ -11,7 +11,7 @@ import { setRegionOption } from "./marking.ts";
 
 export interface WishEvents {
   /** A plan is wanted; without `keep` it is one of many that are only tried. */
-  wished: (wish: PlanWish, keep: boolean) => void;
+  wished: (wish: PlanRequest, keep: boolean) => void;
 }
 
 /** A slider at rest for this long is tried. */
@@ -104,7 +104,7 @@ export class WishForm {
     this.showValues();
   }
 
-  private wish(): PlanWish {
+  private wish(): PlanRequest {
     const measure = PLAN_MEASURES.find((name) => name === this.measure.value) ?? "zenith";
     const about = { measure, region: this.region };
     if (this.method === "target")
@@ -112,8 +112,8 @@ export class WishForm {
     return {
       ...about,
       method: "threshold",
-      leastPercent: Number(this.least.value),
-      mostPercent: Number(this.most.value),
+      lowerPercentile: Number(this.least.value),
+      upperPercentile: Number(this.most.value),
       gamma: Number(this.gamma.value) / 100,
     };
   }
