@@ -5,9 +5,11 @@
 
 pub mod absences;
 pub mod arrows;
+pub mod circles;
 pub mod class_errors;
 pub mod class_scenes;
 pub mod documents;
+mod imports;
 pub mod lit_areas;
 pub mod lobe_sum;
 pub mod lobe_truth;
