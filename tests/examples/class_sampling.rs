@@ -14,7 +14,8 @@ use skyglow_physics::{
 use skyglow_scene::{PolarGrid, ring_distance_m};
 use skyglow_tables::{
     MultipleTable,
-    images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index, images_of},
+    images::images_of,
+    layout::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
 };
 use skyglow_tests::{
     class_scenes::Class,

@@ -86,9 +86,7 @@ const CIRCLES_LEFT: &[(&str, usize)] = &[
     ("server/engine/src", 8),
     ("server/http/src", 2),
     ("server/http/tests/interface", 1),
-    ("server/physics/src", 6),
     ("server/scene/src", 6),
-    ("server/tables/src", 2),
     ("tests/stress", 1),
 ];
 

@@ -20,7 +20,7 @@ fn options(basis_count: usize, extent: Extent) -> BenchOptions {
             training_geometries: 1,
             fit_iterations: 1,
             blocked: None,
-            fit: skyglow_tables::fit::FitConstants::current(),
+            fit: skyglow_tables::fit_constants::FitConstants::current(),
         };
         parameters.manifest(MeasuredError::default(), format!("checksum of {turbidity}"))
     };

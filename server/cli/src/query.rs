@@ -236,7 +236,7 @@ mod tests {
                 training_geometries: 1,
                 fit_iterations: 1,
                 blocked: None,
-                fit: skyglow_tables::fit::FitConstants::current(),
+                fit: skyglow_tables::fit_constants::FitConstants::current(),
             };
             let manifest = parameters.manifest(MeasuredError::default(), String::new());
             let pack = folder.path().join(format!("{turbidity}-{}.skyglow", scattering.name()));

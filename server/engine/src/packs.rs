@@ -150,7 +150,7 @@ mod tests {
             training_geometries: 1,
             fit_iterations: 1,
             blocked: None,
-            fit: skyglow_tables::fit::FitConstants::current(),
+            fit: skyglow_tables::fit_constants::FitConstants::current(),
         };
         parameters.manifest(MeasuredError::default(), String::new())
     }

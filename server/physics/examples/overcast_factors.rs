@@ -14,7 +14,7 @@
 
 use skyglow_physics::{
     Atmosphere, CloudBase, EmissionMix, LampPreset, Turbidity,
-    interpolation::lagrange_taps,
+    interpolation::Stencil,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow},
     photometry::{brightness_mag_arcsec2, luminance_cd_m2},
     quadrature::gauss_legendre,
@@ -62,8 +62,8 @@ impl Zenith {
     }
 
     fn at(&self, distance_m: f64) -> f64 {
-        let taps = lagrange_taps(&self.ln_distance, distance_m.ln(), 4);
-        taps.into_iter().map(|(node, weight)| weight * self.ln_luminance[node]).sum::<f64>().exp()
+        let distances = Stencil::lagrange(&self.ln_distance, distance_m.ln());
+        distances.sum(|node| self.ln_luminance[node]).exp()
     }
 
     /// Over a disc [cd m⁻² for 1 W m⁻²] whose centre is `center_m` away: ring by ring about the observer.

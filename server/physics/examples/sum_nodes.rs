@@ -8,7 +8,7 @@
 
 use skyglow_physics::{
     Atmosphere, Turbidity,
-    interpolation::lagrange_taps,
+    interpolation::Stencil,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting},
 };
 use std::error::Error;
@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             if nodes.contains(&light.altitude_m) || !inside {
                 continue;
             }
-            let taps = lagrange_taps(nodes, light.altitude_m, 4);
+            let taps = Stencil::lagrange(nodes, light.altitude_m);
             let at = |node: usize| lights.iter().find(|light| light.altitude_m == nodes[node]);
             let taps = taps
                 .into_iter()

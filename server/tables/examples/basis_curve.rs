@@ -24,7 +24,8 @@ use skyglow_physics::{
 use skyglow_tables::{
     BasisCount, MultipleTable, PrecomputeOptions, Scattering,
     fit::{dim_factor, sample_weights},
-    images::{HALF_COLUMN_COUNT, PIXEL_COUNT, SourceImages, image_index, images_of},
+    images::{SourceImages, images_of},
+    layout::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index},
 };
 use std::{error::Error, path::Path};
 

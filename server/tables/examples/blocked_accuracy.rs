@@ -15,7 +15,7 @@ use skyglow_physics::{
     photometry::luminance_cd_m2,
     single_source::{SourceGeometry, cut_radiance_per_watt_of},
 };
-use skyglow_tables::{Pack, images::HALF_COLUMN_COUNT};
+use skyglow_tables::{Pack, layout::HALF_COLUMN_COUNT};
 use std::{error::Error, path::Path};
 
 /// Luminance of the natural sky, cd m⁻².

@@ -9,7 +9,8 @@ use skyglow_physics::{Atmosphere, ELEVATION_COUNT, Turbidity, single_source::Sou
 use skyglow_tables::{
     PrecomputeOptions, Scattering,
     fit::{Projector, dim_factor, sample_weights},
-    images::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index, images_of},
+    images::images_of,
+    layout::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index},
     precompute::basis_alone,
 };
 use std::{error::Error, path::Path};

@@ -10,7 +10,7 @@ use skyglow_physics::{
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
-use skyglow_tables::{MultipleAxes, MultipleTable, images::image_index};
+use skyglow_tables::{MultipleAxes, MultipleTable, layout::image_index};
 use std::{error::Error, path::Path, time::Instant};
 
 /// Rows and columns tried of each source.

@@ -12,7 +12,8 @@ use skyglow_physics::{Atmosphere, Turbidity, single_source::SourceGeometry};
 use skyglow_tables::{
     MultipleTable, OffsetAxis, TableAxes,
     bow::log_scale_at,
-    images::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index, images_of},
+    images::images_of,
+    layout::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index},
 };
 use std::{error::Error, path::Path};
 

@@ -9,7 +9,8 @@
 use skyglow_physics::{Atmosphere, LOBE_COUNT, Turbidity, single_source::SourceGeometry};
 use skyglow_tables::{
     Pack,
-    images::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index, images_of},
+    images::images_of,
+    layout::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index},
 };
 use std::{error::Error, path::Path};
 

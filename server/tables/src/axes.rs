@@ -211,8 +211,6 @@ impl TableAxes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-    use skyglow_physics::interpolation::lagrange_taps;
 
     const COUNT: usize = 32;
 
@@ -256,19 +254,6 @@ mod tests {
                 assert!(nodes.windows(2).all(|pair| pair[1] > pair[0]));
                 assert!((nodes[0] + 6_000.0).abs() < 1e-6);
             }
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn lagrange_taps_reproduce_cubics_and_sum_to_one(x in 0.0f64..6_000.0, c in -2.0f64..2.0) {
-            let nodes = TableAxes::full().observer_altitude_m;
-            let cubic = |x: f64| { let t = x / 3_000.0; 1.0 + c * t - t * t + 0.3 * c * t * t * t };
-            let taps = lagrange_taps(&nodes, x, 4);
-            prop_assert_eq!(taps.len(), 4);
-            prop_assert!((taps.iter().map(|t| t.1).sum::<f64>() - 1.0).abs() < 1e-12);
-            let value: f64 = taps.iter().map(|&(j, w)| w * cubic(nodes[j])).sum();
-            prop_assert!((value - cubic(x)).abs() < 1e-9);
         }
     }
 }

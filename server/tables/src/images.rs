@@ -1,19 +1,16 @@
 //! Sky images of single sources: the samples that a basis is fitted to.
 
-use crate::multiple::MultipleTable;
+use crate::{
+    layout::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
+    multiple::MultipleTable,
+};
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, CloudBase, ELEVATION_COUNT, LOBE_COUNT,
+    Atmosphere, CloudBase, ELEVATION_COUNT, LOBE_COUNT,
     panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
     quadrature::gauss_legendre,
     single_source::{OUTPUT_COUNT, SourceGeometry, cut_radiance_per_watt_fixed},
 };
 
-/// Columns computed of an image: azimuths 0..=180° from the source; the other half mirrors them.
-pub const HALF_COLUMN_COUNT: usize = 129;
-/// Samples of an image, `[row][column]`.
-pub const PIXEL_COUNT: usize = ELEVATION_COUNT * HALF_COLUMN_COUNT;
-/// Images of one geometry, `[lobe][band]`.
-pub const IMAGE_COUNT: usize = LOBE_COUNT * BAND_COUNT;
 /// Gauss–Legendre nodes a smooth piece of a ray: 99 % of the samples are within 1e-3 of the converged
 /// integral (half of them within 1e-7).
 pub const NODES_PER_PIECE: usize = 7;
@@ -34,11 +31,6 @@ pub const DARK_LOG_SCALE: f64 = -300.0;
 /// source that stands above the horizon, b diverges as one over the angle, so a mean over all samples would
 /// jump with whether a sample happens to hit it.
 const SCALE_COLUMN: usize = 16;
-
-/// Position of an image in `[lobe][band]` order.
-pub const fn image_index(lobe: usize, band: usize) -> usize {
-    lobe * BAND_COUNT + band
-}
 
 /// Weight of a sample in the scale: its solid angle, mirrored columns counted twice, near the source's azimuth
 /// nothing; sums to 1.
@@ -158,11 +150,11 @@ fn image_row<const N: usize>(radiance: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]
         let end = start + COLUMN_STEP;
         // Mirrored at 180°.
         let beyond = if end == last { start } else { end + COLUMN_STEP };
-        let taps = [row[start - COLUMN_STEP], row[start], row[end], row[beyond]];
+        let stencil = [row[start - COLUMN_STEP], row[start], row[end], row[beyond]];
         // Slot by slot, so that an atmosphere's images do not depend on which others are computed with it.
         let steep: [bool; N] = std::array::from_fn(|n| {
-            let highest = taps.iter().map(|tap| tap[n]).fold(0.0, f64::max);
-            taps.iter().any(|tap| tap[n] < STEEP_RATIO * highest)
+            let highest = stencil.iter().map(|value| value[n]).fold(0.0, f64::max);
+            stencil.iter().any(|value| value[n] < STEEP_RATIO * highest)
         });
         let any_steep = steep.contains(&true);
         for step in 1..COLUMN_STEP {
@@ -174,7 +166,7 @@ fn image_row<const N: usize>(radiance: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]
                 (x + 1.0) * x * (x - 1.0) / 6.0,
             ];
             let between =
-                |n: usize| taps.iter().zip(weights).map(|(tap, weight)| weight * tap[n]).sum::<f64>();
+                |n: usize| stencil.iter().zip(weights).map(|(value, weight)| weight * value[n]).sum::<f64>();
             let computed = if any_steep { exact(start + step) } else { [0.0; N] };
             row[start + step] = std::array::from_fn(|n| if steep[n] { computed[n] } else { between(n) });
         }

@@ -4,7 +4,7 @@ use crate::{
     axes::TableAxes,
     blocked::BlockedAxes,
     clouds::Clouds,
-    fit::{FitConstants, WEIGHT_EXPONENT},
+    fit_constants::{FitConstants, WEIGHT_EXPONENT},
     images::{DARK_LOG_SCALE, NODES_PER_PIECE},
     multiple::MultipleAxes,
     packing::ShapeLayout,

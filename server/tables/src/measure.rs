@@ -4,7 +4,7 @@
 use crate::{
     bow::log_scale_at,
     clouds::held_below_clouds_m,
-    images::{HALF_COLUMN_COUNT, image_index},
+    layout::{HALF_COLUMN_COUNT, image_index},
     manifest::{LobeError, MeasuredError},
     multiple::MultipleTable,
     pack::Pack,
@@ -13,7 +13,7 @@ use crate::{
 use rayon::prelude::*;
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Lobe,
-    interpolation::lagrange_taps,
+    interpolation::Stencil,
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
@@ -21,7 +21,7 @@ use skyglow_physics::{
 /// Coefficients of a source over a basis, scale included, `[band][lobe][basis]`: what the engine's mix and
 /// coefficient passes compute for a source on ring 0.
 fn coefficients(tables: &ResidentTables, observer_altitude_m: f64, offset_m: f64) -> Vec<f64> {
-    let taps = lagrange_taps(&tables.observer_altitude_m, observer_altitude_m, 4);
+    let observers = Stencil::lagrange(&tables.observer_altitude_m, observer_altitude_m);
     let position = tables.offset_axis[0].position(offset_m);
     let low = (position as usize).min(tables.offset_count - 2);
     let t = position - low as f64;
@@ -30,20 +30,16 @@ fn coefficients(tables: &ResidentTables, observer_altitude_m: f64, offset_m: f64
         for lobe in 0..LOBE_COUNT {
             let node = |observer, side| tables.shape_index(observer, lobe, band, 0, low + side);
             let at = |offset: usize| -> f64 {
-                let value =
-                    |&(o, w)| w * f64::from(tables.log_scale[tables.scale_index(o, lobe, band, 0, offset)]);
-                taps.iter().map(value).sum()
+                observers.sum(|o| f64::from(tables.log_scale[tables.scale_index(o, lobe, band, 0, offset)]))
             };
             let log_scale = log_scale_at(&tables.offset_axis[0], position, at);
             for k in 0..tables.basis_count {
-                let shape: f64 = taps
-                    .iter()
-                    .map(|&(o, w)| {
-                        let value =
-                            |side| f64::from(tables.shape[node(o, side) * tables.basis_count + k].to_f32());
-                        w * (value(0) * (1.0 - t) + value(1) * t)
-                    })
-                    .sum();
+                let shape = observers.sum(|observer| {
+                    let value = |side| {
+                        f64::from(tables.shape[node(observer, side) * tables.basis_count + k].to_f32())
+                    };
+                    value(0) * (1.0 - t) + value(1) * t
+                });
                 out.push(log_scale.exp() * shape);
             }
         }

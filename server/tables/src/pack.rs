@@ -17,7 +17,7 @@ use crate::{
 };
 use half::{f16, slice::HalfFloatSliceExt};
 use rayon::prelude::*;
-use skyglow_physics::interpolation::lagrange_taps;
+use skyglow_physics::interpolation::Stencil;
 use std::{
     fs::File,
     io::Write,
@@ -174,23 +174,22 @@ impl Pack {
         let (distances, offsets) = (axes.distance_m.len(), axes.offset_count);
         let count = self.manifest.basis_count;
         let log_distance: Vec<f64> = axes.distance_m.iter().map(|d| d.ln()).collect();
-        let taps: Vec<Vec<(usize, f64)>> =
-            ring_distance_m.iter().map(|d| lagrange_taps(&log_distance, d.ln(), 4)).collect();
+        let stencils: Vec<Stencil> =
+            ring_distance_m.iter().map(|d| Stencil::lagrange(&log_distance, d.ln())).collect();
         let rings = ring_distance_m.len();
         let mut log_scale = vec![0.0f32; self.log_scale.len() / distances * rings];
         log_scale
             .par_chunks_exact_mut(rings * offsets)
             .zip(self.log_scale.par_chunks_exact(distances * offsets))
             .for_each(|(out, table)| {
-                for (ring, taps) in taps.iter().enumerate() {
+                for (ring, stencil) in stencils.iter().enumerate() {
                     for offset in 0..offsets {
-                        let sum: f64 =
-                            taps.iter().map(|&(d, w)| w * f64::from(table[d * offsets + offset])).sum();
+                        let sum = stencil.sum(|distance| f64::from(table[distance * offsets + offset]));
                         out[ring * offsets + offset] = sum as f32;
                     }
                 }
             });
-        let shape = self.shape_on_rings(&taps);
+        let shape = self.shape_on_rings(&stencils);
         let mut tables = ResidentTables {
             turbidity: self.manifest.turbidity,
             scattering: self.manifest.scattering,
@@ -211,8 +210,8 @@ impl Pack {
         tables
     }
 
-    /// Shape coefficients on rings with these taps of the distances, `[ring][offset][observer_altitude][lobe][band][basis]`.
-    fn shape_on_rings(&self, taps: &[Vec<(usize, f64)>]) -> Vec<f16> {
+    /// Shape coefficients on rings with these stencils of distances, `[ring][offset][observer_altitude][lobe][band][basis]`.
+    fn shape_on_rings(&self, stencils: &[Stencil]) -> Vec<f16> {
         let axes = &self.manifest.axes;
         let (offsets, count) = (axes.offset_count, self.manifest.basis_count);
         let row = offsets * count;
@@ -222,12 +221,12 @@ impl Pack {
         wide.par_chunks_mut(table)
             .zip(self.shape.par_chunks(table))
             .for_each(|(wide, table)| table.convert_to_f32_slice(wide));
-        let mut shape = vec![f16::ZERO; images * row * taps.len()];
-        shape.par_chunks_exact_mut(images * row).zip(taps).for_each(|(out, taps)| {
+        let mut shape = vec![f16::ZERO; images * row * stencils.len()];
+        shape.par_chunks_exact_mut(images * row).zip(stencils).for_each(|(out, stencil)| {
             let mut sum = vec![0.0f32; row];
             for (image, table) in wide.chunks_exact(table).enumerate() {
                 sum.fill(0.0);
-                for &(d, w) in taps {
+                for (d, w) in stencil {
                     let w = w as f32;
                     for (sum, value) in sum.iter_mut().zip(&table[d * row..(d + 1) * row]) {
                         *sum += w * value;

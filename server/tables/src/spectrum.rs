@@ -1,7 +1,7 @@
 //! F[B]: the azimuthal spectrum of even functions, real and half as long.
 
 use crate::{
-    images::{HALF_COLUMN_COUNT, PIXEL_COUNT},
+    layout::{HALF_COLUMN_COUNT, PIXEL_COUNT},
     resident::FREQUENCY_COUNT,
 };
 use realfft::RealFftPlanner;

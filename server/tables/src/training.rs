@@ -4,20 +4,14 @@ use crate::{
     axes::{OffsetAxis, TableAxes, held_node},
     clouds::held_geometry,
     fit::{TrainingImage, dim_factor},
-    images::{PIXEL_COUNT, SourceImages, images_of},
+    fit_constants::{ANYWHERE_SHARE_BELOW, EVERYDAY_ALTITUDE_M, OBLIQUE_IMPORTANCE, RAISED_TRAINING},
+    images::{SourceImages, images_of},
+    layout::PIXEL_COUNT,
     multiple::MultipleTable,
-    precompute::PrecomputeOptions,
+    options::PrecomputeOptions,
 };
 use rayon::prelude::*;
 use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, single_source::SourceGeometry};
-
-/// Highest observer and source of the everyday part of the training set, metres.
-pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
-/// Share of its anywhere part below the plane where the sky bends: the axis has more of its nodes there, for the sake of the
-/// line between two of them, and as many training images would take functions from the rest.
-pub(crate) const ANYWHERE_SHARE_BELOW: f64 = 9.0 / 23.0;
-/// Of its raised part: highest observer, nearest and farthest source [m], steepest source [degrees].
-pub(crate) const RAISED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
 
 /// Geometries of the training set, in turn from anywhere on the axes, from everyday places, and raised. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
@@ -117,9 +111,6 @@ pub(crate) fn training_images(
         })
         .collect()
 }
-
-/// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
-pub(crate) const OBLIQUE_IMPORTANCE: f64 = 1.6;
 
 /// The training set of one turbidity: red and blue images, which have green between them.
 pub(crate) fn training_set(

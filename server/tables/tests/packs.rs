@@ -5,8 +5,7 @@
 use skyglow_physics::{Atmosphere, Turbidity};
 use skyglow_tables::{
     BasisCount, Clouds, MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError,
-    images::{image_index, images_of},
-    packs_in, precompute, precompute_together,
+    images::images_of, layout::image_index, packs_in, precompute, precompute_together,
 };
 use std::{
     path::{Path, PathBuf},

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use skyglow_physics::ELEVATION_COUNT;
-use skyglow_tables::{images::IMAGE_COUNT, pack::Pack, resident::FREQUENCY_COUNT};
+use skyglow_tables::{layout::IMAGE_COUNT, pack::Pack, resident::FREQUENCY_COUNT};
 
 /// The description of a pack that comes with the program.
 const MANIFEST: &str = include_str!("../../../precomputed/turbidity-2.50-multiple.json");

@@ -1,10 +1,10 @@
 //! Power counted where light sets out: what of it reaches space. Nothing does through the base of a cloud.
 
 use super::{
-    energy::LogField,
     grid::FieldGrid,
     harmonics::{legendre, pair_index},
     lanes::LANES,
+    log_field::LogField,
     optics::{SlantPath, optical_depths, relative_densities},
     setting::SourceSetting,
     source_function::{Moments, USED_LANES},

@@ -11,9 +11,10 @@ use super::{
     budget::DirectBudget,
     grid::{Between, FieldGrid},
     lanes::{LANES, outputs_from_lanes},
+    log_field::LogField,
+    radiance::Radiance,
     setting::SourceSetting,
     source_function::USED_LANES,
-    transport::Radiance,
 };
 use crate::{
     atmosphere::AEROSOL_ALBEDO, emission::LOBE_COUNT, geometry::EARTH_RADIUS_M,
@@ -90,28 +91,6 @@ impl OrderPower {
             gone += self.at_base_w[lane];
             if self.sent_w[lane] > 0.0 { gone / self.sent_w[lane] - 1.0 } else { 0.0 }
         }))
-    }
-}
-
-/// Interpolates the logarithm of a field between grid points.
-pub(super) struct LogField<'a> {
-    grid: &'a FieldGrid,
-    ln: Vec<[f64; LANES]>,
-}
-
-impl<'a> LogField<'a> {
-    pub(super) fn new(grid: &'a FieldGrid, values: impl Iterator<Item = [f64; LANES]>) -> Self {
-        Self { grid, ln: values.map(|value| value.map(|v| v.max(1e-300).ln())).collect() }
-    }
-
-    pub(super) fn at(&self, ring: Between, layer: Between) -> [f64; LANES] {
-        let first = layer.lower * self.grid.ring_count() + ring.lower;
-        let above = if layer.upper_weight > 0.0 { first + self.grid.ring_count() } else { first };
-        std::array::from_fn(|lane| {
-            let row =
-                |p: usize| self.ln[p][lane] + ring.upper_weight * (self.ln[p + 1][lane] - self.ln[p][lane]);
-            (row(first) + layer.upper_weight * (row(above) - row(first))).exp()
-        })
     }
 }
 

@@ -3,14 +3,16 @@
 use super::{
     budget::{direct_budget, escaping_w},
     energy::{OrderPower, field_power},
-    first_order::{FirstOrder, FirstOrderRule},
+    first_order::FirstOrder,
+    gathering::FirstOrderRule,
     grid::{FieldGrid, TOP_ALTITUDE_M},
     harmonics::pair_count,
     lanes::{LANES, Lanes},
+    radiance::Radiance,
     setting::{Resolution, SourceSetting},
     source_function::{Moments, SourceFunction, USED_LANES},
     surfaces::{BaseFlux, SurfaceRadiance, Surfaces},
-    transport::{Radiance, transport},
+    transport::transport,
 };
 use rayon::prelude::*;
 

@@ -6,10 +6,10 @@
 //! cloud reflects is added by [`super::reflected`].
 
 use super::{
-    LANES, Lanes,
+    LANES,
     direct::direct_light,
+    gathering::{FirstOrderPlace, FirstOrderRule, Gathering, Place},
     grid::FieldGrid,
-    harmonics::{cosines, legendre, pair_count, pair_index},
     optics::{SlantPath, optical_depths, relative_densities},
     reflected::Reflection,
     setting::SourceSetting,
@@ -21,7 +21,6 @@ use crate::{
     emission::LOBE_COUNT,
     geometry::EARTH_RADIUS_M,
     phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
-    quadrature::gauss_legendre,
 };
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -31,102 +30,6 @@ const NEAREST_PLACE_M: f64 = 25.0;
 
 /// Size of the bright part of the sky around a source, metres: it fills this over the distance, in radians.
 const BRIGHT_SIZE_M: f64 = 5_000.0;
-
-/// How finely first-order light is sampled.
-#[derive(Clone, Debug)]
-pub(super) struct FirstOrderRule {
-    /// Nodes in the angle from the source's direction, half of them in the bright part around it.
-    pub(super) polar: Vec<(f64, f64)>,
-    /// Directions around it in a half turn.
-    pub(super) around: usize,
-    /// Nodes in each piece of a ray.
-    along: Vec<(f64, f64)>,
-}
-
-impl FirstOrderRule {
-    pub(super) fn new(polar: usize, around: usize, along: usize) -> Self {
-        Self { polar: gauss_legendre(polar / 2), around, along: gauss_legendre(along) }
-    }
-}
-
-/// First-order light at one place.
-#[derive(Clone, Debug)]
-pub(super) struct FirstOrderPlace {
-    /// Moments of the radiance per watt, m⁻², `[pair][lane]`.
-    pub(super) moments: Vec<Lanes>,
-    /// Flux through the horizontal from above, m⁻².
-    pub(super) down_flux: [f64; LANES],
-    /// Flux through the horizontal from below, m⁻².
-    pub(super) up_flux: [f64; LANES],
-}
-
-/// First-order light at one place as it adds up, direction by direction.
-pub(super) struct Gathering {
-    degree: usize,
-    moments: Vec<[f64; LANES]>,
-    down_flux: [f64; LANES],
-    up_flux: [f64; LANES],
-}
-
-impl Gathering {
-    fn new(degree: usize) -> Self {
-        let moments = vec![[0.0f64; LANES]; pair_count(degree)];
-        Self { degree, moments, down_flux: [0.0; LANES], up_flux: [0.0; LANES] }
-    }
-
-    /// Adds radiance [m⁻² sr⁻¹ per watt] from direction `view` times a solid angle [sr], which holds the mirror image
-    /// on the other side of the source's vertical plane.
-    pub(super) fn add(&mut self, place: &Place, view: DVec3, radiance: &[f64; LANES], solid_angle: f64) {
-        let cos_zenith = view.dot(place.up).clamp(-1.0, 1.0);
-        let horizontal = (1.0 - cos_zenith * cos_zenith).sqrt().max(1e-12);
-        let cos_azimuth = (view.dot(place.outward) / horizontal).clamp(-1.0, 1.0);
-        let polar = legendre(self.degree, cos_zenith);
-        let azimuthal = cosines(self.degree, cos_azimuth);
-        for l in 0..=self.degree {
-            for m in 0..=l {
-                let factor = polar[pair_index(l, m)] * azimuthal[m] * solid_angle;
-                for (sum, value) in self.moments[pair_index(l, m)].iter_mut().zip(radiance) {
-                    *sum += factor * value;
-                }
-            }
-        }
-        for (sum, value) in self.down_flux.iter_mut().zip(radiance) {
-            *sum += value * cos_zenith.max(0.0) * solid_angle;
-        }
-        for (sum, value) in self.up_flux.iter_mut().zip(radiance) {
-            *sum += value * (-cos_zenith).max(0.0) * solid_angle;
-        }
-    }
-
-    fn done(self) -> FirstOrderPlace {
-        FirstOrderPlace {
-            moments: self.moments.iter().map(|moment| moment.map(|value| value as f32)).collect(),
-            down_flux: self.down_flux,
-            up_flux: self.up_flux,
-        }
-    }
-}
-
-/// A place and its local directions in the frame of the Earth's centre with the source on the z axis.
-pub(super) struct Place {
-    pub(super) position: DVec3,
-    pub(super) outward: DVec3,
-    pub(super) up: DVec3,
-    pub(super) altitude_m: f64,
-}
-
-impl Place {
-    fn new(distance_m: f64, altitude_m: f64) -> Self {
-        let (sine, cosine) = (distance_m / EARTH_RADIUS_M).sin_cos();
-        let up = DVec3::new(sine, 0.0, cosine);
-        Self {
-            position: up * (EARTH_RADIUS_M + altitude_m),
-            outward: DVec3::new(cosine, 0.0, -sine),
-            up,
-            altitude_m,
-        }
-    }
-}
 
 /// Everything first-order about one setting that does not depend on the place.
 pub(super) struct FirstOrder<'a> {

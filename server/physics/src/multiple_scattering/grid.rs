@@ -44,7 +44,7 @@ pub(super) struct Between {
 
 /// An altitude among the layers: the two around it, and a cubic over four.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct LayerTaps {
+pub(super) struct LayerStencil {
     pub(super) between: Between,
     /// Layers below, around and above; the nearest one again where there is none.
     pub(super) layers: [usize; 4],
@@ -232,7 +232,7 @@ impl FieldGrid {
 
     /// As [`Self::layer_at`], with a cubic that has at both layers the slope of the parabola through each and its
     /// neighbours; at the ground and the top that of the gap.
-    pub(super) fn layer_taps(&self, altitude_m: f64) -> LayerTaps {
+    pub(super) fn layer_stencil(&self, altitude_m: f64) -> LayerStencil {
         let between = self.layer_at(altitude_m);
         let (k, t) = (between.lower, between.upper_weight);
         let z = &self.layer_m;
@@ -258,7 +258,7 @@ impl FieldGrid {
         } else {
             add(upper_slope_m, 1, of_gap);
         }
-        LayerTaps {
+        LayerStencil {
             between,
             layers: [k.saturating_sub(1), k, k + 1, (k + 2).min(z.len() - 1)],
             weights: weights.map(|weight| weight as f32),
@@ -360,11 +360,11 @@ mod tests {
     }
 
     #[test]
-    fn taps_over_layers_reproduce_parabolas_inside_and_lines_at_the_ends() {
+    fn stencils_over_layers_reproduce_parabolas_inside_and_lines_at_the_ends() {
         let grid = FieldGrid::new(0.0, 0.0, None, 0.2, 1);
         let at = |altitude_m: f64, f: &dyn Fn(f64) -> f64| -> f64 {
-            let taps = grid.layer_taps(altitude_m);
-            taps.layers.iter().zip(taps.weights).map(|(&k, w)| f64::from(w) * f(grid.layer_m[k])).sum()
+            let stencil = grid.layer_stencil(altitude_m);
+            stencil.layers.iter().zip(stencil.weights).map(|(&k, w)| f64::from(w) * f(grid.layer_m[k])).sum()
         };
         for altitude_m in [0.0, 10.0, 30.0, 1_000.0, 1_777.0, 50_000.0, 61_000.0] {
             let line = |z: f64| 3.0 - 1e-3 * z;

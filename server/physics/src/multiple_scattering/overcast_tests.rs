@@ -45,7 +45,7 @@ fn below_a_cloud_light_is_scattered_absorbed_or_kept_by_ground_and_base_and_none
 #[test]
 fn first_order_light_on_the_grid_is_that_of_single_source_below_a_cloud() {
     let resolution = Resolution::table();
-    let rule = first_order::FirstOrderRule::new(
+    let rule = gathering::FirstOrderRule::new(
         resolution.first_polar,
         resolution.first_around,
         resolution.first_along,

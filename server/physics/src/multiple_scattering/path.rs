@@ -5,7 +5,7 @@
 //! A step adds S·(T₀ − T₁): the source function times what the air between lets through of it.
 
 use super::{
-    grid::{Between, FieldGrid, LayerTaps, TOP_ALTITUDE_M},
+    grid::{Between, FieldGrid, LayerStencil, TOP_ALTITUDE_M},
     lanes::{Lanes, arccos, lanes_from_bands},
     optics::{SlantPath, optical_depths},
     setting::SourceSetting,
@@ -22,7 +22,7 @@ const LONGEST_DEPTH: f64 = 0.5;
 pub(super) struct PathStep {
     /// Arc over the ground from the start, metres at radius R.
     pub(super) arc_m: f64,
-    pub(super) layer: LayerTaps,
+    pub(super) layer: LayerStencil,
     /// Cosine of the zenith angle of the ray here.
     pub(super) cos_zenith: f64,
     /// T at the step's start less T at its end.
@@ -120,7 +120,7 @@ impl SteppedPath {
             let [before, after] = let_through;
             PathStep {
                 arc_m: arc_m(0.5 * (from_m + to_m)),
-                layer: grid.layer_taps(middle.altitude_m),
+                layer: grid.layer_stencil(middle.altitude_m),
                 cos_zenith: middle.cos_zenith,
                 weight: lanes_from_bands(std::array::from_fn(|b| (before[b] - after[b]).max(0.0))),
             }

@@ -12,7 +12,7 @@
 use super::{
     LANES,
     direct::direct_light,
-    first_order::{FirstOrderRule, Gathering, Place},
+    gathering::{FirstOrderRule, Gathering, Place},
     optics::{SlantPath, optical_depths, relative_densities},
     setting::SourceSetting,
 };

@@ -6,7 +6,7 @@
 //! in three by lines from layer to layer, 1.3 to 2.5 % by the cubic.)
 
 use super::{
-    grid::{Between, FieldGrid, LayerTaps, set_lines_to_mean},
+    grid::{Between, FieldGrid, LayerStencil, set_lines_to_mean},
     harmonics::{cosines, legendre, pair_count, pair_index},
     lanes::{LANES, Lanes, add_two, exp_lanes},
     path::{PathStep, StepPlace, StepSum},
@@ -168,7 +168,7 @@ impl SourceFunction {
 
     /// ln of the mean over directions at a place between grid points.
     #[inline(always)]
-    pub(super) fn ln_mean_at(&self, grid: &FieldGrid, ring: Between, layer: &LayerTaps) -> Lanes {
+    pub(super) fn ln_mean_at(&self, grid: &FieldGrid, ring: Between, layer: &LayerStencil) -> Lanes {
         let wr = ring.upper_weight as f32;
         let mut ln_mean = [0.0; LANES];
         for (layer, weight) in layer.layers.into_iter().zip(layer.weights) {
@@ -187,7 +187,7 @@ impl SourceFunction {
         table: &DirectionTable,
         grid: &FieldGrid,
         ring: Between,
-        layer: &LayerTaps,
+        layer: &LayerStencil,
         azimuth_rad: f32,
     ) -> Lanes {
         let position = azimuth_rad * (table.intervals as f32 / std::f32::consts::PI);

@@ -10,11 +10,12 @@
 //! At 90° s is 0.
 
 mod by_lobe;
+mod density;
 mod nodes;
 mod open_altitudes;
 mod tables;
 
-use super::{LEAST_BELOW_BASE_M, Resolution, SourceField, SourceSetting, ViewRow};
+use super::{LEAST_BELOW_BASE_M, Resolution, SourceField, SourceSetting};
 use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
@@ -27,31 +28,11 @@ use crate::{
     source_pixel::PointSource,
 };
 pub use by_lobe::KeptFields;
+use density::DARKNESS_PER_M2_SR;
+pub use density::SumDensity;
 use nodes::{ANGLES_DEG, Nodes};
 use rayon::prelude::*;
 use tables::{LogTable, TableAxes};
-
-/// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
-const DARKNESS_PER_M2_SR: f64 = 1e-36;
-
-/// How dense the tables of a sum are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SumDensity {
-    /// Largest step between altitudes of sources, metres.
-    pub altitude_step_m: f64,
-    /// Step between altitudes at which fields are solved behind skylines, in ln(1 + |Δ|/150 m), Δ from the observer's.
-    pub cut_offset_step: f64,
-    /// Distances from 250 m to 300 km, even in the logarithm.
-    pub distances: usize,
-    /// Azimuths of a half turn, crowding at the source's.
-    pub azimuths: usize,
-}
-
-impl Default for SumDensity {
-    fn default() -> Self {
-        Self { altitude_step_m: 300.0, cut_offset_step: 0.7, distances: 72, azimuths: 41 }
-    }
-}
 
 /// The sum over all orders beyond the first for one observer.
 #[derive(Clone, Debug)]
@@ -299,10 +280,10 @@ impl Tables {
         log_sent: f64,
         azimuth_rad: f64,
     ) -> [f64; BAND_COUNT] {
-        let mut log = self.open.log_at(row, &self.nodes.open_taps[index], source, azimuth_rad);
-        let cut_taps = &self.nodes.cut_taps[index];
-        if !cut_taps.is_empty() {
-            let left = self.cut.log_at(row, cut_taps, source, azimuth_rad);
+        let mut log = self.open.log_at(row, &self.nodes.open_weights[index], source, azimuth_rad);
+        let cut_weights = &self.nodes.cut_weights[index];
+        if !cut_weights.is_empty() {
+            let left = self.cut.log_at(row, cut_weights, source, azimuth_rad);
             // A skyline takes light and adds none.
             log.iter_mut().zip(left).for_each(|(log, left)| *log += (left + log_sent).min(0.0));
         }

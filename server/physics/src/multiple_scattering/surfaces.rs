@@ -4,8 +4,8 @@ use super::{
     grid::{Between, FieldGrid},
     lanes::{LANES, Lanes, exp_lanes},
     path::Surface,
+    radiance::Radiance,
     setting::SourceSetting,
-    transport::Radiance,
 };
 use std::f64::consts::PI;
 

@@ -53,7 +53,7 @@ fn first_order_light_on_the_grid_is_that_of_single_source() {
     let setting = setting(2.0, 0.0, 0.0, 0.0);
     let resolution = Resolution::table();
     let grid = grid::FieldGrid::new(0.0, 0.0, None, 0.4, 1);
-    let rule = first_order::FirstOrderRule::new(
+    let rule = gathering::FirstOrderRule::new(
         resolution.first_polar,
         resolution.first_around,
         resolution.first_along,

@@ -5,6 +5,7 @@ use super::{
     harmonics::{cosines, legendre, pair_count, pair_index},
     lanes::{LANES, Lanes},
     path::{SteppedPath, Stride, track},
+    radiance::Radiance,
     setting::{Resolution, SourceSetting},
     source_function::{Along, DirectionTable, Moments, SourceFunction},
     surfaces::Surfaces,
@@ -25,16 +26,6 @@ const OVERCAST_ZENITHS: usize = 2;
 /// First step of paths from places farther from the source than four times this, metres: those of one layer share
 /// their steps.
 const FAR_FIRST_STEP_M: f64 = 600.0;
-
-/// The radiance of one order, `[point]`.
-#[derive(Clone, Debug)]
-pub(super) struct Radiance {
-    pub(super) moments: Moments,
-    /// Flux through the horizontal from above, m⁻² per watt, `[point]`.
-    pub(super) down_flux: Vec<[f64; LANES]>,
-    /// Flux through the horizontal from below, m⁻² per watt, `[point]`.
-    pub(super) up_flux: Vec<[f64; LANES]>,
-}
 
 /// Ends of the first pieces of a hemisphere, as cosines from the horizon: 2, 7 and 24°.
 const PIECE_ENDS: [f64; 3] = [0.04, 0.12, 0.4];
@@ -297,9 +288,7 @@ mod tests {
         LOBE_COUNT, Lobe, Turbidity,
         atmosphere::Atmosphere,
         multiple_scattering::{
-            field::first_radiance,
-            first_order::{FirstOrder, FirstOrderRule},
-            grid::TOP_ALTITUDE_M,
+            field::first_radiance, first_order::FirstOrder, gathering::FirstOrderRule, grid::TOP_ALTITUDE_M,
         },
     };
 

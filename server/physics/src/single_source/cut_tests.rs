@@ -1,6 +1,6 @@
 //! Sources behind a skyline.
 
-use super::*;
+use super::{scattering::Scattering, *};
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
     quadrature::gauss_legendre,

@@ -5,27 +5,15 @@
 //! P is where the ray meets the base, i the zenith angle of the light there. Nothing comes through the base: an
 //! observer at or above it sees nothing of this light, and a source at or above it sends nothing below.
 
-use super::{RayPoint, Scattering, SourceGeometry, SourceRay, relative_densities};
+use super::{
+    RayPoint, SourceGeometry, SourceRay,
+    scattering::{Scattering, relative_densities},
+};
 use crate::{
-    atmosphere::Atmosphere,
     bands::BAND_COUNT,
-    cloud::CloudBase,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
 };
 use std::f64::consts::PI;
-
-/// The cloud over atmospheres that share one geometry; None for a clear sky, and without atmospheres.
-///
-/// # Panics
-/// If they do not lie under the same cloud: rays of one geometry end at one altitude.
-pub(super) fn shared_cloud(atmospheres: &[Atmosphere]) -> Option<CloudBase> {
-    let cloud = atmospheres.first().and_then(Atmosphere::cloud);
-    assert!(
-        atmospheres.iter().all(|atmosphere| atmosphere.cloud() == cloud),
-        "atmospheres that are asked together lie under one cloud"
-    );
-    cloud
-}
 
 /// The light of the air and of the base, if it is seen.
 pub(super) fn with_base<const N: usize>(mut air: [f64; N], base: Option<[f64; N]>) -> [f64; N] {
@@ -33,17 +21,6 @@ pub(super) fn with_base<const N: usize>(mut air: [f64; N], base: Option<[f64; N]
         air.iter_mut().zip(base).for_each(|(sum, value)| *sum += value);
     }
     air
-}
-
-impl SourceRay {
-    /// The same ray below a cloud: it ends at the base. All of it is dark if the observer or the source is not below
-    /// the base. Without a cloud (None) it is the ray itself.
-    pub fn under(self, cloud: Option<CloudBase>) -> Self {
-        let Some(cloud) = cloud else { return self };
-        let highest_m = self.geometry.observer_altitude_m.max(self.geometry.source_altitude_m);
-        let is_below = highest_m < cloud.altitude_m();
-        Self { top_altitude_m: if is_below { cloud.altitude_m() } else { f64::NEG_INFINITY }, ..self }
-    }
 }
 
 impl Scattering<'_> {

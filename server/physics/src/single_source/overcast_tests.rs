@@ -1,12 +1,14 @@
 //! Sources and observers below a closed layer of cloud.
 
-use super::*;
+use super::{scattering::Scattering, *};
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
     cloud::CloudBase,
     emission::{EmissionMix, lobe_intensities_per_sr},
+    geometry::EARTH_RADIUS_M,
     quadrature::gauss_legendre,
 };
+use glam::DVec3;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,6 +1,6 @@
 //! Skyglow of one source whose light does not reach every point of the view ray.
 
-use super::{Scattering, SourceGeometry, overcast::with_base};
+use super::{SourceGeometry, overcast::with_base, scattering::Scattering};
 use crate::{atmosphere::Atmosphere, bands::BAND_COUNT, emission::EmissionMix};
 
 /// As [`mixed_radiance_per_watt`](super::mixed_radiance_per_watt), m⁻² sr⁻¹, `[atmosphere][band]`, counting only

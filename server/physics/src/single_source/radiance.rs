@@ -9,7 +9,7 @@
 //! exactly nothing, and of a source there nothing is seen. Atmospheres that are asked together must lie under the same
 //! cloud: the functions panic if not.
 
-use super::{OUTPUT_COUNT, RadiancePerWatt, Scattering, SourceGeometry, overcast::with_base};
+use super::{OUTPUT_COUNT, RadiancePerWatt, SourceGeometry, overcast::with_base, scattering::Scattering};
 use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
@@ -58,7 +58,7 @@ pub fn cut_radiance_per_watt<const N: usize>(
     with_base(air, scattering.lit_base_point(&ray).map(|p| scattering.reflected_by_lobe(&p)))
 }
 
-/// As [`radiance_per_watt`] with a fixed rule (see [`SourceRay::integrate_fixed`]): about 1e-4 with 10 nodes.
+/// As [`radiance_per_watt`] with a fixed rule (see [`super::SourceRay::integrate_fixed`]): about 1e-4 with 10 nodes.
 pub fn radiance_per_watt_fixed<const N: usize>(
     atmospheres: &[Atmosphere],
     geometry: &SourceGeometry,

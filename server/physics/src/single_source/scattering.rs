@@ -1,6 +1,6 @@
 //! What the air scatters at a point of a view ray: the integrand of b.
 
-use super::{RayPoint, SourceGeometry, overcast::shared_cloud};
+use super::{RayPoint, SourceGeometry};
 use crate::{
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},
     bands::BAND_COUNT,
@@ -24,6 +24,19 @@ pub(super) struct Scattering<'a> {
     observer_column_m: [f64; 2],
     /// The cloud over all the atmospheres.
     pub(super) cloud: Option<CloudBase>,
+}
+
+/// The cloud over atmospheres that share one geometry; None for a clear sky, and without atmospheres.
+///
+/// # Panics
+/// If they do not lie under the same cloud: rays of one geometry end at one altitude.
+fn shared_cloud(atmospheres: &[Atmosphere]) -> Option<CloudBase> {
+    let cloud = atmospheres.first().and_then(Atmosphere::cloud);
+    assert!(
+        atmospheres.iter().all(|atmosphere| atmosphere.cloud() == cloud),
+        "atmospheres that are asked together lie under one cloud"
+    );
+    cloud
 }
 
 /// Densities of molecules and aerosol relative to z = 0.

@@ -1,13 +1,11 @@
 //! One source as a pack has it.
 
-use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, interpolation::lagrange_taps, panorama::azimuth_rad,
-};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, interpolation::Stencil, panorama::azimuth_rad};
 use skyglow_tables::{OffsetAxis, ResidentTables, bow::log_scale_at, resident::FREQUENCY_COUNT};
 
 /// Coefficients of one source on ring 0 over the basis, scale included, lobes mixed, `[band][basis]`.
 fn coefficients(
-    observer_taps: &[(usize, f64)],
+    observers: Stencil,
     axis: &OffsetAxis,
     offset_m: f64,
     basis_count: usize,
@@ -21,13 +19,12 @@ fn coefficients(
     for (band, out) in bands.iter_mut().enumerate() {
         for (lobe, emission) in (0..LOBE_COUNT).zip(lobes).filter(|(_, emission)| *emission > 0.0) {
             // Observers are mixed node by node, then nodes weighed, as an engine does.
-            let at = |offset: usize| -> f64 {
-                observer_taps.iter().map(|&(o, weight)| weight * node(o, lobe, band, offset).0).sum()
-            };
+            let at =
+                |offset: usize| -> f64 { observers.sum(|observer| node(observer, lobe, band, offset).0) };
             let log_scale = log_scale_at(axis, position, at);
             let mut shape = [vec![0.0; basis_count], vec![0.0; basis_count]];
             for (side, shape) in shape.iter_mut().enumerate() {
-                for &(observer, weight) in observer_taps {
+                for (observer, weight) in observers {
                     let (_, coefficients) = node(observer, lobe, band, low + side);
                     for (sum, c) in shape.iter_mut().zip(&coefficients) {
                         *sum += weight * c;
@@ -56,10 +53,10 @@ pub(crate) fn coefficients_at(
     };
     match (&tables.blocked, angle.checked_sub(1)) {
         (Some(blocked), Some(angle)) => {
-            let taps = lagrange_taps(&blocked.observer_altitude_m, observer_m, 4);
+            let observers = Stencil::lagrange(&blocked.observer_altitude_m, observer_m);
             let count = blocked.basis_count;
             coefficients(
-                &taps,
+                observers,
                 &blocked.offset_axis[angle][0],
                 offset_m,
                 count,
@@ -73,10 +70,10 @@ pub(crate) fn coefficients_at(
             )
         }
         _ => {
-            let taps = lagrange_taps(&tables.observer_altitude_m, observer_m, 4);
+            let observers = Stencil::lagrange(&tables.observer_altitude_m, observer_m);
             let count = tables.basis_count;
             coefficients(
-                &taps,
+                observers,
                 &tables.offset_axis[0],
                 offset_m,
                 count,

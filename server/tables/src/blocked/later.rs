@@ -7,19 +7,17 @@ use super::{ANGLE_COUNT, LaterAxes, blocking_deg};
 use crate::{
     clouds::held_below_clouds_m,
     error::TablesError,
-    images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT},
-    multiple::{MultipleAxes, MultipleTable, bent_offset, column_taps, view},
+    layout::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT},
+    multiple::{MultipleAxes, MultipleTable, bent_offset, column_stencils, view},
 };
 use rayon::prelude::*;
 use skyglow_physics::{
     Atmosphere, ELEVATION_COUNT,
-    interpolation::lagrange_taps,
+    interpolation::{MAX_STENCIL, Stencil},
     multiple_scattering::{SourceField, SourceSetting},
     single_source::SourceGeometry,
 };
 
-/// Nodes that an interpolation uses.
-const TAPS: usize = 4;
 /// Smallest ln of a part that is kept.
 const LOWEST_LOG_PART: f32 = -30.0;
 
@@ -30,7 +28,7 @@ pub(super) struct LaterParts {
     distances: usize,
     /// `[ground][angle_index]`, each `[offset][distance][row][column][image]`.
     parts: Vec<Vec<f32>>,
-    column_taps: Vec<Vec<(usize, f64)>>,
+    column_stencils: Vec<Stencil>,
 }
 
 impl LaterAxes {
@@ -104,7 +102,7 @@ impl LaterParts {
             axes: axes.clone(),
             distances: distance_m.len(),
             parts,
-            column_taps: column_taps(&axes.column),
+            column_stencils: column_stencils(&axes.column),
         })
     }
 
@@ -120,12 +118,12 @@ impl LaterParts {
     ) {
         let mut open = vec![0.0; IMAGE_COUNT * PIXEL_COUNT];
         table.add_to(geometry, &mut open);
-        let taps = self.taps(geometry, angle_index);
+        let nodes = self.nodes(geometry, angle_index);
         let columns = self.axes.column.len();
         let mut row_log = vec![0.0f64; columns * IMAGE_COUNT];
         for row in 0..ELEVATION_COUNT {
             row_log.fill(0.0);
-            for &(part, offset, weight) in &taps {
+            for &(part, offset, weight) in &nodes {
                 let start =
                     ((offset * self.distances + distance) * ELEVATION_COUNT + row) * columns * IMAGE_COUNT;
                 let values = &self.parts[part][start..start + columns * IMAGE_COUNT];
@@ -133,10 +131,9 @@ impl LaterParts {
                     *sum += weight * f64::from(value);
                 }
             }
-            for (column, taps) in self.column_taps.iter().enumerate() {
+            for (column, stencil) in self.column_stencils.iter().enumerate() {
                 for image in 0..IMAGE_COUNT {
-                    let log: f64 =
-                        taps.iter().map(|&(node, w)| w * row_log[node * IMAGE_COUNT + image]).sum();
+                    let log = stencil.sum(|node| row_log[node * IMAGE_COUNT + image]);
                     let sample = image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column;
                     images[sample] += open[sample] * log.min(0.0).exp();
                 }
@@ -145,20 +142,20 @@ impl LaterParts {
     }
 
     /// (part, offset node, weight) of a geometry and angle; no weight is zero.
-    fn taps(&self, geometry: &SourceGeometry, angle_index: usize) -> Vec<(usize, usize, f64)> {
+    fn nodes(&self, geometry: &SourceGeometry, angle_index: usize) -> Vec<(usize, usize, f64)> {
         let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
         let offset_m = (geometry.source_altitude_m - geometry.observer_altitude_m).min(0.0);
         let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent_offset(offset_m)).collect();
-        let mut taps = Vec::with_capacity(TAPS * TAPS);
-        for (ground, ground_weight) in lagrange_taps(&self.axes.ground_altitude_m, ground_m, TAPS) {
-            for (offset, offset_weight) in lagrange_taps(&bent_axis, bent_offset(offset_m), TAPS) {
+        let mut nodes = Vec::with_capacity(MAX_STENCIL.pow(2));
+        for (ground, ground_weight) in Stencil::lagrange(&self.axes.ground_altitude_m, ground_m) {
+            for (offset, offset_weight) in Stencil::lagrange(&bent_axis, bent_offset(offset_m)) {
                 let weight = ground_weight * offset_weight;
                 if weight != 0.0 {
-                    taps.push((ground * ANGLE_COUNT + angle_index, offset, weight));
+                    nodes.push((ground * ANGLE_COUNT + angle_index, offset, weight));
                 }
             }
         }
-        taps
+        nodes
     }
 }
 
@@ -210,7 +207,7 @@ mod tests {
                 let (cut, open) = (see(&cut), see(&open));
                 for band in 0..BAND_COUNT {
                     for lobe in 0..LOBE_COUNT {
-                        let sample = crate::images::image_index(lobe, band) * PIXEL_COUNT
+                        let sample = crate::layout::image_index(lobe, band) * PIXEL_COUNT
                             + row * HALF_COLUMN_COUNT
                             + column;
                         let part = (cut[band][lobe] / open[band][lobe]).min(1.0);

@@ -105,7 +105,7 @@ impl BlockedAxes {
     pub(crate) fn node_count(&self) -> usize {
         self.observer_altitude_m.len()
             * ANGLE_COUNT
-            * crate::images::IMAGE_COUNT
+            * crate::layout::IMAGE_COUNT
             * self.distance_m.len()
             * self.offset_count
     }

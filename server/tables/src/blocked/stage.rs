@@ -7,18 +7,19 @@ use crate::{
     clouds::held_geometry,
     error::TablesError,
     fit::{Basis, Projector, check_half_precision, cut_dim_factor, sample_weights},
-    images::{IMAGE_COUNT, PIXEL_COUNT, SourceImages, cloud_over, image_index, images_with},
+    images::{SourceImages, cloud_over, images_with},
+    layout::{IMAGE_COUNT, PIXEL_COUNT, image_index},
     manifest::Scattering,
     multiple::{MultipleAxes, MultipleTable},
     pack::Pack,
-    precompute::Progress,
+    progress::Progress,
     resident::{FREQUENCY_COUNT, ResidentTables},
     spectrum::even_functions,
 };
 use half::f16;
 use rayon::prelude::*;
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, interpolation::lagrange_taps,
+    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, interpolation::Stencil,
     single_source::SourceGeometry,
 };
 
@@ -171,7 +172,7 @@ fn push_differences(
     distance: usize,
     offset_m: f64,
 ) -> Result<(), TablesError> {
-    let taps = lagrange_taps(&open.tables.observer_altitude_m, observer_m, 4);
+    let observers = Stencil::lagrange(&open.tables.observer_altitude_m, observer_m);
     let mut open_shape = vec![0.0f32; job.axes.basis_count];
     for lobe in 0..LOBE_COUNT {
         let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
@@ -180,7 +181,7 @@ fn push_differences(
         let rows = open.projector.project(&sample_weights(shapes[1], dim_factor), &shapes)?;
         for (band, row) in rows.into_iter().enumerate() {
             let image = image_index(lobe, band);
-            let open_log = open_sample(&open.tables, &taps, image, distance, offset_m, &mut open_shape);
+            let open_log = open_sample(&open.tables, observers, image, distance, offset_m, &mut open_shape);
             let log_part = (images.log_scale[image] - open_log).clamp(LOWEST_LOG_PART, 0.0);
             part.push(((log_part / LOG_PART_STEP).round() * LOG_PART_STEP) as f32);
             let less_open: Vec<f64> =
@@ -296,7 +297,7 @@ mod tests {
             let image = image_index(lobe, band);
             let offset_m = blocked.offset_axis[angle][distance].offset_m(offset as f64);
             let mut expected = vec![0.0f32; count];
-            open_sample(&tables, &[(observer, 1.0)], image, distance, offset_m, &mut expected);
+            open_sample(&tables, Stencil::single(observer), image, distance, offset_m, &mut expected);
             let node = angle * IMAGE_COUNT + image;
             let differences =
                 &behind.shape_less_open[((node * distances + distance) * offsets + offset) * count..];

@@ -4,15 +4,13 @@ use super::{ANGLE_COUNT, BlockedAxes, blocking_deg};
 use crate::{
     axes::OffsetAxis,
     bow::log_scale_at,
-    images::IMAGE_COUNT,
+    layout::IMAGE_COUNT,
     resident::{ResidentBlocked, ResidentTables},
 };
 use half::{f16, slice::HalfFloatSliceExt};
 use rayon::prelude::*;
-use skyglow_physics::{BAND_COUNT, interpolation::lagrange_taps};
+use skyglow_physics::{BAND_COUNT, interpolation::Stencil};
 
-/// Nodes that an interpolation uses.
-const TAPS: usize = 4;
 /// Coefficients that are made wide at once.
 const AT_ONCE: usize = 32;
 
@@ -30,38 +28,36 @@ pub(crate) struct BlockedTables {
 /// the first shape coefficients into `shape`.
 pub(super) fn open_sample(
     open: &ResidentTables,
-    observer_taps: &[(usize, f64)],
+    observers: Stencil,
     image: usize,
     ring: usize,
     offset_m: f64,
     shape: &mut [f32],
 ) -> f64 {
     let position = open.offset_axis[ring].position(offset_m);
-    open_shape(open, observer_taps, image, ring, position, shape);
-    open_log_scale(open, observer_taps, image, ring, position)
+    open_shape(open, observers, image, ring, position, shape);
+    open_log_scale(open, observers, image, ring, position)
 }
 
 /// ln of the open scale at a fractional node.
 fn open_log_scale(
     open: &ResidentTables,
-    observer_taps: &[(usize, f64)],
+    observers: Stencil,
     image: usize,
     ring: usize,
     position: f64,
 ) -> f64 {
     let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
     log_scale_at(&open.offset_axis[ring], position, |offset| {
-        let at = |&(observer, weight): &(usize, f64)| {
-            weight * f64::from(open.log_scale[open.scale_index(observer, lobe, band, ring, offset)])
-        };
-        observer_taps.iter().map(at).sum()
+        let at = |observer| open.log_scale[open.scale_index(observer, lobe, band, ring, offset)];
+        observers.sum(|observer| f64::from(at(observer)))
     })
 }
 
 /// The first open shape coefficients at a fractional node.
 fn open_shape(
     open: &ResidentTables,
-    observer_taps: &[(usize, f64)],
+    observers: Stencil,
     image: usize,
     ring: usize,
     position: f64,
@@ -71,7 +67,7 @@ fn open_shape(
     let upper_weight = position - low as f64;
     let (lobe, band) = (image / BAND_COUNT, image % BAND_COUNT);
     shape.fill(0.0);
-    for &(observer, observer_weight) in observer_taps {
+    for (observer, observer_weight) in observers {
         for (side, side_weight) in [(0, 1.0 - upper_weight), (1, upper_weight)] {
             let weight = observer_weight * side_weight;
             if weight == 0.0 {
@@ -98,8 +94,8 @@ impl BlockedTables {
         let (offsets, count) = (axes.offset_count, axes.basis_count);
         let rings = open.ring_distance_m.len();
         let log_distance: Vec<f64> = axes.distance_m.iter().map(|d| d.ln()).collect();
-        let distance_taps: Vec<Vec<(usize, f64)>> =
-            open.ring_distance_m.iter().map(|d| lagrange_taps(&log_distance, d.ln(), TAPS)).collect();
+        let distance_stencils: Vec<Stencil> =
+            open.ring_distance_m.iter().map(|d| Stencil::lagrange(&log_distance, d.ln())).collect();
         let offset_axis: Vec<Vec<OffsetAxis>> = (0..ANGLE_COUNT)
             .map(|angle| {
                 let axis = |&d: &f64| OffsetAxis::behind_skyline(d, blocking_deg(angle), offsets);
@@ -130,11 +126,9 @@ impl BlockedTables {
                 for (node, (log_scale, position)) in log_scale.iter_mut().zip(positions).enumerate() {
                     let ring = node / offsets;
                     let open_log =
-                        open_log_scale(open, &[(observer, 1.0)], rest % IMAGE_COUNT, ring, *position);
-                    let part = |&(distance, weight): &(usize, f64)| {
-                        weight * f64::from(log_part[distance * offsets + node % offsets])
-                    };
-                    let log: f64 = distance_taps[ring].iter().map(part).sum();
+                        open_log_scale(open, Stencil::single(observer), rest % IMAGE_COUNT, ring, *position);
+                    let part = |distance| f64::from(log_part[distance * offsets + node % offsets]);
+                    let log = distance_stencils[ring].sum(part);
                     // Between nodes, too, a skyline takes light and adds none.
                     *log_scale = (open_log + log.min(0.0)) as f32;
                 }
@@ -150,14 +144,14 @@ impl BlockedTables {
                     (slot / node_images, slot / IMAGE_COUNT % observers, slot % IMAGE_COUNT);
                 open_shape(
                     open,
-                    &[(observer, 1.0)],
+                    Stencil::single(observer),
                     image,
                     ring,
                     positions[place * offsets + offset],
                     &mut sum,
                 );
                 let (_, differences) = &differences[(observer * ANGLE_COUNT + angle) * IMAGE_COUNT + image];
-                for &(distance, weight) in &distance_taps[ring] {
+                for (distance, weight) in distance_stencils[ring] {
                     let differences = &differences[(distance * offsets + offset) * count..];
                     for (sum, value) in sum.iter_mut().zip(differences) {
                         *sum += weight as f32 * value;
@@ -182,7 +176,7 @@ impl BlockedTables {
         let nodes = self.axes.distance_m.len() * self.axes.offset_count;
         let count = self.axes.basis_count;
         let (mut log_part, mut differences) = (vec![0.0f32; nodes], vec![0.0f32; nodes * count]);
-        for (observer, weight) in lagrange_taps(&self.axes.observer_altitude_m, observer_m, TAPS) {
+        for (observer, weight) in Stencil::lagrange(&self.axes.observer_altitude_m, observer_m) {
             let (weight, start) = (weight as f32, (observer * ANGLE_COUNT * IMAGE_COUNT + table) * nodes);
             for (sum, value) in log_part.iter_mut().zip(&self.log_part[start..]) {
                 *sum += weight * value;

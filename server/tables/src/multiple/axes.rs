@@ -3,7 +3,7 @@
 use crate::{
     axes::logarithmic,
     clouds::{Clouds, altitudes_below, held_below_clouds_m},
-    images::IMAGE_COUNT,
+    layout::IMAGE_COUNT,
 };
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{CloudBase, ELEVATION_COUNT, multiple_scattering::Resolution};

@@ -12,12 +12,12 @@ mod axes;
 use crate::{
     clouds::held_below_clouds_m,
     error::TablesError,
-    images::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
+    layout::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
 };
 use rayon::prelude::*;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT,
-    interpolation::lagrange_taps,
+    interpolation::{MAX_STENCIL, Stencil},
     multiple_scattering::{SourceField, SourceSetting, ViewRow},
     panorama::{azimuth_rad, elevation_rad},
     single_source::SourceGeometry,
@@ -28,8 +28,6 @@ pub use axes::{FieldResolution, MultipleAxes};
 
 /// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
 const DARKNESS_PER_M2_SR: f64 = 1e-36;
-/// Nodes that an interpolation uses.
-const TAPS: usize = 4;
 /// ln of the radiance of orders two and more [m⁻² sr⁻¹ per watt] around sources in one atmosphere.
 #[derive(Clone, Debug)]
 pub struct MultipleTable {
@@ -40,7 +38,7 @@ pub struct MultipleTable {
     /// `[ground][offset]`, each `[distance][row][column][image]`.
     parts: Vec<Vec<Vec<f32>>>,
     /// For each panorama column the table's columns and their weights.
-    column_taps: Vec<Vec<(usize, f64)>>,
+    column_stencils: Vec<Stencil>,
 }
 
 impl MultipleTable {
@@ -102,7 +100,7 @@ impl MultipleTable {
             log_distance: axes.distance_m.iter().map(|d| d.ln()).collect(),
             bent_offsets: grounds.map(bent).collect(),
             parts,
-            column_taps: column_taps(&axes.column),
+            column_stencils: column_stencils(&axes.column),
         })
     }
 
@@ -110,19 +108,19 @@ impl MultipleTable {
     pub fn add_to(&self, geometry: &SourceGeometry, images: &mut [f64]) {
         let columns = self.axes.column.len();
         let mut row_log = vec![0.0f64; columns * IMAGE_COUNT];
-        let taps = self.taps(geometry);
+        let nodes = self.nodes(geometry);
         for row in 0..ELEVATION_COUNT {
             row_log.fill(0.0);
-            for &(part, distance, weight) in &taps {
+            for &(part, distance, weight) in &nodes {
                 let start = (distance * ELEVATION_COUNT + row) * columns * IMAGE_COUNT;
                 let values = &part[start..start + columns * IMAGE_COUNT];
                 for (sum, &value) in row_log.iter_mut().zip(values) {
                     *sum += weight * f64::from(value);
                 }
             }
-            for (column, taps) in self.column_taps.iter().enumerate() {
+            for (column, stencil) in self.column_stencils.iter().enumerate() {
                 let mut log = [0.0f64; IMAGE_COUNT];
-                for &(node, weight) in taps {
+                for (node, weight) in stencil {
                     for (sum, value) in log.iter_mut().zip(&row_log[node * IMAGE_COUNT..]) {
                         *sum += weight * value;
                     }
@@ -143,8 +141,8 @@ impl MultipleTable {
     ) -> [f64; IMAGE_COUNT] {
         let columns = self.axes.column.len();
         let mut log = [0.0f64; IMAGE_COUNT];
-        for (part, distance, weight) in self.taps(geometry) {
-            for &(node, column_weight) in &self.column_taps[column] {
+        for (part, distance, weight) in self.nodes(geometry) {
+            for (node, column_weight) in &self.column_stencils[column] {
                 let start = ((distance * ELEVATION_COUNT + row) * columns + node) * IMAGE_COUNT;
                 for (sum, &value) in log.iter_mut().zip(&part[start..start + IMAGE_COUNT]) {
                     *sum += weight * column_weight * f64::from(value);
@@ -155,41 +153,38 @@ impl MultipleTable {
     }
 
     /// (part, distance node, weight) of a geometry; no weight is zero.
-    fn taps(&self, geometry: &SourceGeometry) -> Vec<(&[f32], usize, f64)> {
+    fn nodes(&self, geometry: &SourceGeometry) -> Vec<(&[f32], usize, f64)> {
         let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
         let bent = bent_offset(geometry.source_altitude_m - geometry.observer_altitude_m);
-        let distances = lagrange_taps(&self.log_distance, geometry.distance_m.ln(), TAPS);
-        let mut taps = Vec::with_capacity(TAPS * TAPS * TAPS);
+        let distances = Stencil::lagrange(&self.log_distance, geometry.distance_m.ln());
+        let mut nodes = Vec::with_capacity(MAX_STENCIL.pow(3));
         // In altitude itself: in the optical depth above, where a clear path's logarithm is a line, the light that finds
         // its way around through thinner air bends more.
         let grounds_m = &self.axes.ground_altitude_m;
         let first = if bent > 0.0 { grounds_m.partition_point(|&ground_m| ground_m < 0.0) } else { 0 };
-        for (ground, ground_weight) in lagrange_taps(&grounds_m[first..], ground_m, TAPS) {
-            let ground = first + ground;
-            for (offset, offset_weight) in offset_taps(&self.bent_offsets[ground], bent) {
-                for &(distance, distance_weight) in &distances {
+        for (ground, ground_weight) in Stencil::lagrange(&grounds_m[first..], ground_m).shifted(first) {
+            for (offset, offset_weight) in offset_stencil(&self.bent_offsets[ground], bent) {
+                for (distance, distance_weight) in distances {
                     let weight = ground_weight * offset_weight * distance_weight;
                     if weight != 0.0 {
-                        taps.push((self.parts[ground][offset].as_slice(), distance, weight));
+                        nodes.push((self.parts[ground][offset].as_slice(), distance, weight));
                     }
                 }
             }
         }
-        taps
+        nodes
     }
 }
 
-/// Taps in [`bent_offset`] on the source's own side of the observer: where both stand equally high there is a kink, for
+/// The stencil in [`bent_offset`] on the source's own side of the observer: where both stand equally high there is a kink, for
 /// below it the ground is the source's, above it the observer's.
-fn offset_taps(bent_offsets: &[f64], bent: f64) -> Vec<(usize, f64)> {
+fn offset_stencil(bent_offsets: &[f64], bent: f64) -> Stencil {
     let level = bent_offsets.partition_point(|&node| node < 0.0);
     if bent <= 0.0 {
-        return lagrange_taps(&bent_offsets[..(level + 1).min(bent_offsets.len())], bent, TAPS);
+        return Stencil::lagrange(&bent_offsets[..(level + 1).min(bent_offsets.len())], bent);
     }
     let first = level.min(bent_offsets.len() - 1);
-    let mut taps = lagrange_taps(&bent_offsets[first..], bent, TAPS);
-    taps.iter_mut().for_each(|(node, _)| *node += first);
-    taps
+    Stencil::lagrange(&bent_offsets[first..], bent).shifted(first)
 }
 
 /// The field that serves an offset over a ground.
@@ -206,9 +201,9 @@ fn solved_field(
 }
 
 /// For each panorama column the table's columns around it and their weights, in azimuth.
-pub(crate) fn column_taps(columns: &[usize]) -> Vec<Vec<(usize, f64)>> {
+pub(crate) fn column_stencils(columns: &[usize]) -> Vec<Stencil> {
     let nodes: Vec<f64> = columns.iter().map(|&column| column as f64).collect();
-    (0..HALF_COLUMN_COUNT).map(|column| lagrange_taps(&nodes, column as f64, TAPS)).collect()
+    (0..HALF_COLUMN_COUNT).map(|column| Stencil::lagrange(&nodes, column as f64)).collect()
 }
 
 /// What an observer sees of a field at panorama columns, `[distance][row][column][image]`, ln(m⁻² sr⁻¹).
@@ -309,10 +304,10 @@ mod tests {
         assert!(haze.windows(2).all(|pair| pair[0] < pair[1]));
         let level = haze.partition_point(|&node| node < 0.0);
         for (offset_m, sides) in [(-30.0, 0..=level), (0.0, 0..=level), (20.0, level..=haze.len() - 1)] {
-            let taps = offset_taps(&haze, bent_offset(offset_m));
-            assert!(taps.iter().all(|(node, _)| sides.contains(node)), "{offset_m}: {taps:?}");
-            assert!((taps.iter().map(|tap| tap.1).sum::<f64>() - 1.0).abs() < 1e-12);
-            let position: f64 = taps.iter().map(|&(node, weight)| weight * haze[node]).sum();
+            let stencil = offset_stencil(&haze, bent_offset(offset_m));
+            assert!(stencil.nodes().all(|node| sides.contains(&node)), "{offset_m}: {stencil:?}");
+            assert!((stencil.weights().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let position = stencil.sum(|node| haze[node]);
             assert!((position - bent_offset(offset_m)).abs() < 1e-9, "{offset_m}");
         }
         let clouds = Clouds::new(1_000, 0.5).unwrap();
@@ -324,16 +319,16 @@ mod tests {
             let ceiling_m = clouds.ceiling_m() - below.ground_altitude_m[ground];
             assert!(offsets_m.iter().all(|offset_m| offset_m.abs() <= ceiling_m + 1e-9), "{offsets_m:?}");
         }
-        let raised: Vec<usize> = offset_taps(&[-3.0, 0.0], 1.0).into_iter().map(|tap| tap.0).collect();
-        assert_eq!(raised, [1], "without offsets above the observer its own stands for them");
+        let raised = offset_stencil(&[-3.0, 0.0], 1.0).nodes();
+        assert_eq!(raised, 1..2, "without offsets above the observer its own stands for them");
     }
 
     #[test]
     fn the_columns_of_every_table_reach_from_the_source_to_its_back_and_sum_to_one() {
         for axes in [MultipleAxes::full(0.15), MultipleAxes::coarse(0.15)] {
             assert_eq!((axes.column[0], axes.column[axes.column.len() - 1]), (0, HALF_COLUMN_COUNT - 1));
-            for taps in column_taps(&axes.column) {
-                assert!((taps.iter().map(|tap| tap.1).sum::<f64>() - 1.0).abs() < 1e-12);
+            for stencil in column_stencils(&axes.column) {
+                assert!((stencil.weights().iter().sum::<f64>() - 1.0).abs() < 1e-12);
             }
         }
     }

@@ -5,7 +5,7 @@ use super::{HASH_LEN, MAGIC, Pack};
 use crate::{
     blocked::{BlockedAxes, BlockedTables},
     error::TablesError,
-    images::IMAGE_COUNT,
+    layout::IMAGE_COUNT,
     manifest::{FORMAT_VERSION, MODEL_VERSION, Manifest, Versions},
     packing::{from_distance_differences, from_steps, unshuffle},
     resident::FREQUENCY_COUNT,

@@ -1,15 +1,23 @@
 //! Where a flight of light crosses the surface that a view ray sweeps out about the source's vertical.
 
-use super::{
-    super::{
-        optics::{SlantPath, optical_depths},
-        setting::SourceSetting,
-    },
-    Detector,
+use super::super::{
+    optics::{SlantPath, optical_depths},
+    setting::SourceSetting,
 };
-use crate::geometry::EARTH_RADIUS_M;
+use crate::{geometry::EARTH_RADIUS_M, single_source::SourceGeometry};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
+
+/// A view ray that catches light: where the observer is, and where it looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detector {
+    /// Observer and source; the source altitude must be the tracer's.
+    pub geometry: SourceGeometry,
+    /// Azimuth from the source's, radians.
+    pub relative_azimuth_rad: f64,
+    /// Elevation, radians, 0..=π/2. Rays that are horizontal at the source's place (within 1e-4) catch nothing.
+    pub elevation_rad: f64,
+}
 
 /// A view ray in the frame of the source: z is the source's vertical, the origin the source.
 pub(super) struct Ray {

@@ -19,7 +19,7 @@ use super::{
         setting::SourceSetting,
     },
     Estimate, TOLD_ORDERS,
-    crossing::Ray,
+    crossing::{Detector, Ray},
     draws::{Random, lambertian_direction, mixed_phase, path_of_depth_m, scattered_direction},
 };
 use crate::{
@@ -29,7 +29,6 @@ use crate::{
     cone::sin_blocking,
     emission::{LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
-    single_source::SourceGeometry,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -41,17 +40,6 @@ const TOP_ALTITUDE_M: f64 = 100_000.0;
 const LEAST_WEIGHT: f64 = 0.05;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
 const STREAM_PATHS: u64 = 4_096;
-
-/// A view ray that catches light: where the observer is, and where it looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Detector {
-    /// Observer and source; the source altitude must be the tracer's.
-    pub geometry: SourceGeometry,
-    /// Azimuth from the source's, radians.
-    pub relative_azimuth_rad: f64,
-    /// Elevation, radians, 0..=π/2. Rays that are horizontal at the source's place (within 1e-4) catch nothing.
-    pub elevation_rad: f64,
-}
 
 /// A tracer of one setting and band.
 #[derive(Clone, Debug)]

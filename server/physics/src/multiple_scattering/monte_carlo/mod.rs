@@ -11,7 +11,8 @@ mod forward;
 
 use crate::emission::LOBE_COUNT;
 pub use backward::Tracer;
-pub use forward::{Detector, ForwardTracer};
+pub use crossing::Detector;
+pub use forward::ForwardTracer;
 
 /// Orders that are told apart.
 pub const TOLD_ORDERS: usize = 12;

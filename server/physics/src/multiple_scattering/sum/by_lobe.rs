@@ -2,9 +2,9 @@
 //! observer do not depend on the observer and are solved once.
 
 use super::{
-    DARKNESS_PER_M2_SR, SumDensity,
+    density::{DARKNESS_PER_M2_SR, SumDensity},
     open_altitudes::OpenAltitudes,
-    tables::{LogTable, TableAxes},
+    tables::{FieldWeights, LogTable, TableAxes},
 };
 use crate::{
     atmosphere::Atmosphere,
@@ -82,14 +82,15 @@ impl KeptFields {
             };
             table.enter(place, field, observer_altitude_m, &rows, log_of)?;
         }
-        let taps: Vec<_> = sources.iter().map(|source| nodes.taps(source.altitude_m)).collect();
+        let weights: Vec<FieldWeights> =
+            sources.iter().map(|source| nodes.stencil(source.altitude_m).iter().collect()).collect();
         Ok(directions
             .par_iter()
             .map(|direction| {
                 let row = rows.partition_point(|&elevation| elevation < direction.elevation_rad);
                 let mut sum = [[0.0; LOBE_COUNT]; BAND_COUNT];
-                for (source, taps) in sources.iter().zip(&taps) {
-                    let log = table.log_at(row, taps, source, direction.azimuth_rad);
+                for (source, weights) in sources.iter().zip(&weights) {
+                    let log = table.log_at(row, weights, source, direction.azimuth_rad);
                     for (sum, log) in sum.as_flattened_mut().iter_mut().zip(log) {
                         *sum += source.flux_dnb_w * log.exp();
                     }

@@ -4,8 +4,7 @@
 //! ground below it. So the altitudes below the observer and those above are interpolated apart, with a node at the
 //! observer's own, and they crowd above it.
 
-use super::nodes::{TAPS, Taps};
-use crate::interpolation::lagrange_taps;
+use crate::interpolation::{MAX_STENCIL, Stencil};
 
 /// Distances of the lowest nodes above the observer, in steps; then even ones.
 const CROWDED: [f64; 3] = [0.0, 1.0 / 6.0, 0.5];
@@ -13,7 +12,7 @@ const CROWDED: [f64; 3] = [0.0, 1.0 / 6.0, 0.5];
 /// 1 between farther ones. So no gap is wider than a step and this.
 const TOO_CLOSE: f64 = 0.2;
 
-/// Where sources span less than the steps that [`TAPS`] nodes take, steps are halved, at most so many times. Seen from 302 m
+/// Where sources span less than the steps that [`MAX_STENCIL`] nodes take, steps are halved, at most so many times. Seen from 302 m
 /// at turbidity 6, lights evenly from 0 to 300 m are 2 to 18 % too dark in the lowest row if their logarithm is a line between
 /// fields at both ends, and up to 0.7 % at the zenith; three nodes 150 m apart are within 0.2 % of five, 2 % within 1.5 km.
 #[derive(Clone, Copy)]
@@ -32,7 +31,7 @@ impl Narrow {
 }
 
 /// Below the observer nodes are even.
-const BELOW: Narrow = Narrow { steps: (TAPS - 1) as f64, most_halvings: 3 };
+const BELOW: Narrow = Narrow { steps: (MAX_STENCIL - 1) as f64, most_halvings: 3 };
 /// Above, three lie within the first half of a step.
 const ABOVE: Narrow = Narrow { steps: CROWDED[2] + TOO_CLOSE, most_halvings: 1 };
 
@@ -87,13 +86,12 @@ impl OpenAltitudes {
     }
 
     /// Nodes around a source and their weights.
-    pub(super) fn taps(&self, altitude_m: f64) -> Taps {
+    pub(super) fn stencil(&self, altitude_m: f64) -> Stencil {
         if altitude_m <= self.observer_altitude_m {
-            return lagrange_taps(&self.altitude_m[..self.below], altitude_m, TAPS);
+            return Stencil::lagrange(&self.altitude_m[..self.below], altitude_m);
         }
-        let mut taps = lagrange_taps(&self.altitude_m[self.first_above..], altitude_m, TAPS);
-        taps.iter_mut().for_each(|(node, _)| *node += self.first_above);
-        taps
+        let above = Stencil::lagrange(&self.altitude_m[self.first_above..], altitude_m);
+        above.shifted(self.first_above)
     }
 }
 
@@ -143,15 +141,15 @@ mod tests {
         let expected = [0.0, 150.0, 300.0, 450.0, 500.0, 550.0, 650.0, 950.0, 1_300.0];
         assert_eq!(around.altitude_m, expected);
         for &altitude_m in &many {
-            let taps = around.taps(altitude_m);
-            let at: f64 = taps.iter().map(|&(node, weight)| weight * around.altitude_m[node]).sum();
-            assert!((at - altitude_m).abs() < 1e-9, "{altitude_m} {taps:?}");
+            let stencil = around.stencil(altitude_m);
+            let at = stencil.sum(|node| around.altitude_m[node]);
+            assert!((at - altitude_m).abs() < 1e-9, "{altitude_m} {stencil:?}");
             // No source takes anything from the other side; the observer's own altitude is of both.
             let is_of_side = |node: usize| {
                 let node_m = around.altitude_m[node];
                 if altitude_m <= 500.0 { node_m <= 500.0 } else { node_m >= 500.0 }
             };
-            assert!(taps.iter().all(|&(node, weight)| weight == 0.0 || is_of_side(node)), "{altitude_m}");
+            assert!(stencil.iter().all(|(node, weight)| weight == 0.0 || is_of_side(node)), "{altitude_m}");
         }
     }
 
@@ -165,7 +163,7 @@ mod tests {
             altitudes_m.push(observer_m - 0.01);
             let around = nodes(&altitudes_m, observer_m);
             for &altitude_m in &altitudes_m {
-                most = most.max(around.taps(altitude_m).iter().map(|tap| tap.1.abs()).sum());
+                most = most.max(around.stencil(altitude_m).weights().iter().map(|weight| weight.abs()).sum());
             }
             let gaps_m = around.altitude_m.windows(2).map(|pair| pair[1] - pair[0]);
             assert!(gaps_m.clone().all(|gap_m| gap_m <= 360.0 + 1e-9), "{:?}", around.altitude_m);
@@ -180,9 +178,9 @@ mod tests {
         for feet_m in [0.0, 1.5, 2.0] {
             altitudes_m[0] = feet_m;
             let around = nodes(&altitudes_m, 2.0);
-            let taps = around.taps(feet_m);
-            let at = |&(node, weight): &(usize, f64)| weight * around.altitude_m[node];
-            assert!((taps.iter().map(at).sum::<f64>() - feet_m).abs() < 1e-12, "{feet_m}: {taps:?}");
+            let stencil = around.stencil(feet_m);
+            let at = stencil.sum(|node| around.altitude_m[node]);
+            assert!((at - feet_m).abs() < 1e-12, "{feet_m}: {stencil:?}");
             assert!(around.altitude_m.contains(&feet_m));
             assert_eq!(around.altitude_m.iter().filter(|&&node_m| node_m == 2.0).count(), 1);
         }
@@ -196,9 +194,9 @@ mod tests {
                 let altitudes_m: Vec<f64> = many.iter().map(|above_m| low_m + above_m).collect();
                 let around = nodes(&altitudes_m, eye_m);
                 let sides = [around.below, around.altitude_m.len() - around.first_above];
-                assert!(sides.iter().all(|&side| side <= 1 || side >= TAPS), "{span_m} {around:?}");
+                assert!(sides.iter().all(|&side| side <= 1 || side >= MAX_STENCIL), "{span_m} {around:?}");
                 // No more than twice as many as needed.
-                assert!(sides.iter().all(|&side| side <= 2 * TAPS + 1), "{span_m} {around:?}");
+                assert!(sides.iter().all(|&side| side <= 2 * MAX_STENCIL + 1), "{span_m} {around:?}");
             }
         }
         assert_eq!(nodes(&[0.0, 1.0, 2.0, 2.5], 900.0).altitude_m, [0.0, 2.5]);

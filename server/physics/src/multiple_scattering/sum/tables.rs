@@ -1,9 +1,12 @@
 //! What the observer of a sum sees of single sources, tabulated over distance and azimuth for each field.
 
-use super::{SourceField, SumDensity, ViewRow, nodes::TAPS};
+use super::{
+    super::{SourceField, ViewRow},
+    density::SumDensity,
+};
 use crate::{
     error::PhysicsError,
-    interpolation::lagrange_taps,
+    interpolation::Stencil,
     single_source::RadiancePerWatt,
     source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M, PointSource},
 };
@@ -12,6 +15,9 @@ use std::f64::consts::PI;
 
 /// Azimuth nodes are this power of an even share of the half turn.
 const AZIMUTH_CROWDING: f64 = 1.7;
+
+/// Places of fields in a table and the weights with which they count.
+pub(super) type FieldWeights = Vec<(usize, f64)>;
 
 /// Distances and azimuths of a table.
 #[derive(Clone, Debug)]
@@ -111,13 +117,13 @@ impl<const N: usize> LogTable<N> {
     ) -> [f64; N] {
         // Azimuth from the source's, folded to 0..=π: the sky is even.
         let turn = (azimuth_rad - source.azimuth_rad).rem_euclid(2.0 * PI);
-        let azimuths = lagrange_taps(&self.axes.azimuth_rad, turn.min(2.0 * PI - turn), TAPS);
-        let distances = lagrange_taps(&self.axes.log_distance, source.distance_m.ln(), TAPS);
+        let azimuths = Stencil::lagrange(&self.axes.azimuth_rad, turn.min(2.0 * PI - turn));
+        let distances = Stencil::lagrange(&self.axes.log_distance, source.distance_m.ln());
         let mut sum = [0.0; N];
         for &(field, field_weight) in fields {
-            for &(distance, distance_weight) in &distances {
+            for (distance, distance_weight) in distances {
                 let start = self.part(row, field).start + distance * self.axes.azimuth_rad.len();
-                for &(azimuth, azimuth_weight) in &azimuths {
+                for (azimuth, azimuth_weight) in azimuths {
                     let weight = field_weight * distance_weight * azimuth_weight;
                     for (sum, &log) in sum.iter_mut().zip(&self.log[start + azimuth]) {
                         *sum += weight * f64::from(log);

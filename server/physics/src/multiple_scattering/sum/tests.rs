@@ -1,4 +1,4 @@
-use super::*;
+use super::{super::ViewRow, *};
 use crate::{
     Turbidity,
     panorama::{azimuth_rad, elevation_rad},
@@ -187,8 +187,8 @@ fn over_altitudes_between_those_solved_a_skyline_leaves_what_a_field_of_that_alt
         // The lowest and the highest altitude are solved themselves.
         let between = 3..12;
         let at = |index: usize, row: usize| {
-            let (taps, source) = (&tables.nodes.cut_taps[index], &sources[index].source);
-            tables.cut.log_at(row, taps, source, looks()[row].azimuth_rad)[1] + log_sent
+            let (weights, source) = (&tables.nodes.cut_weights[index], &sources[index].source);
+            tables.cut.log_at(row, weights, source, looks()[row].azimuth_rad)[1] + log_sent
         };
         between
             .flat_map(|index| (0..rows.len()).map(move |row| (index, row)))

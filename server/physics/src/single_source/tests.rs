@@ -1,8 +1,10 @@
 use super::*;
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
+    geometry::EARTH_RADIUS_M,
     phase::{henyey_greenstein_per_sr, rayleigh_per_sr},
 };
+use glam::DVec3;
 use proptest::prelude::*;
 
 fn atmosphere(turbidity: f64) -> Atmosphere {

@@ -1,0 +1,18 @@
+//! Watching the work on a pack.
+
+/// Watches a precompute.
+pub trait Progress: Sync {
+    /// A stage begins, with this many steps.
+    fn begin(&self, stage: &str, steps: u64);
+    /// Some steps are done.
+    fn advance(&self, steps: u64);
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _stage: &str, _steps: u64) {}
+    fn advance(&self, _steps: u64) {}
+}
