@@ -1,4 +1,4 @@
-// Lobe shares, the logarithm of the mixed scale and the bow of that of every node in use, in all bands.
+// Lobe shares, the logarithm of the mixed scale and the curvature of that of every node in use, in all bands.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> requests: array<Request, MAX_BATCH>;
@@ -9,11 +9,11 @@
 @group(0) @binding(4) var<storage, read> blocked_log_scale: array<f32>;
 // The list of (node, band): shares and logarithm.
 @group(0) @binding(5) var scales: texture_storage_2d<rgba32float, write>;
-// Two texels a node: the logarithms alone and their bows, both in R, G, B.
+// Two texels a node: the logarithms alone and their curvatures, both in R, G, B.
 @group(0) @binding(6) var log_scales: texture_storage_2d<rgba32float, write>;
 
-// The middle one of the three nodes that give the bow at a node: derivation in server/tables/src/bow.rs.
-fn bow_node(offset: u32, bend_node: u32, offset_count: u32) -> u32 {
+// The middle one of the three nodes that give the curvature at a node: derivation in server/tables/src/curvature.rs.
+fn curvature_node(offset: u32, bend_node: u32, offset_count: u32) -> u32 {
   return clamp(select(offset, offset + 1u, offset == bend_node), 1u, offset_count - 2u);
 }
 
@@ -72,13 +72,13 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   }
   let node = nodes[node_index];
   let is_open = node.blocking == 0u;
-  let middle = bow_node(
+  let middle = curvature_node(
     node.offset,
     select(frame.blocked_bend_node, frame.bend_node, is_open),
     select(frame.blocked_offset_count, frame.offset_count, is_open),
   );
   var log_sums = vec4<f32>(0.0);
-  var bows = vec4<f32>(0.0);
+  var curvatures = vec4<f32>(0.0);
   for (var band = 0u; band < BAND_COUNT; band++) {
     let lobes = mixed_lobes(node, band, middle);
     let beside = select(lobes.below, lobes.above, node.offset > middle);
@@ -86,8 +86,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let shares = lobe_shares(requests[node.request].emission, own);
     textureStore(scales, list_texel(BAND_COUNT * node_index + band), shares);
     log_sums[band] = shares.w;
-    bows[band] = mixed_bow(shares.xyz, lobes.below, lobes.at, lobes.above);
+    curvatures[band] = mixed_curvature(shares.xyz, lobes.below, lobes.at, lobes.above);
   }
   textureStore(log_scales, list_texel(2u * node_index), log_sums);
-  textureStore(log_scales, list_texel(2u * node_index + 1u), bows);
+  textureStore(log_scales, list_texel(2u * node_index + 1u), curvatures);
 }

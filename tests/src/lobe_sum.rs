@@ -4,7 +4,7 @@ use crate::lobe_truth::{LobeTruth, seven_digits};
 use skyglow_physics::{
     Atmosphere, PhysicsError, PointSource, Turbidity,
     direct_sum::{GridSample, direct_sum_by_lobe, grid_direction},
-    multiple_scattering::{DEFAULT_GROUND_ALBEDO, KeptFields, Resolution, SumDensity},
+    multiple_scattering::{DEFAULT_GROUND_ALBEDO, FieldCache, Resolution, SumDensity},
     single_source::OUTPUT_COUNT,
 };
 use std::time::Instant;
@@ -28,9 +28,9 @@ pub struct AskedSky<'a> {
 }
 
 /// Fields for one turbidity: finer over distance and azimuth than whole skies need.
-pub fn fields(turbidity: Turbidity) -> KeptFields {
+pub fn fields(turbidity: Turbidity) -> FieldCache {
     let density = SumDensity { distances: 107, azimuths: 61, ..SumDensity::default() };
-    KeptFields::new(Atmosphere::new(turbidity), DEFAULT_GROUND_ALBEDO, Resolution::table(), density)
+    FieldCache::new(Atmosphere::new(turbidity), DEFAULT_GROUND_ALBEDO, Resolution::table(), density)
 }
 
 /// The truth at some directions; says on stdout how long it took. `fields` are those of [`fields`] for the turbidity. The first
@@ -42,7 +42,7 @@ pub fn truth(
     sky: &AskedSky<'_>,
     turbidity: Turbidity,
     samples: &[GridSample],
-    fields: &mut KeptFields,
+    fields: &mut FieldCache,
     before: Option<LobeTruth>,
 ) -> Result<LobeTruth, PhysicsError> {
     let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();

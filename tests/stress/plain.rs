@@ -23,7 +23,7 @@ pub(crate) fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
         scattering: Scattering::Single,
         clouds: None,
         checksum: format!("plain-{:016x}", turbidity.to_bits() ^ basis_count as u64),
-        is_made_up: true,
+        is_synthetic: true,
         observer_altitude_m: ALTITUDES_M.to_vec(),
         offset_count: OFFSET_COUNT,
         offset_axis: ring_distance_m

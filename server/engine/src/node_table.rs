@@ -7,7 +7,7 @@ use crate::{
 use half::f16;
 use skyglow_tables::resident::{ResidentBlocked, ResidentTables};
 
-/// Nodes that give a bow.
+/// Nodes that give a curvature.
 pub(crate) const WINDOW: usize = 3;
 
 /// The table that a node is in, and its place there.
@@ -38,7 +38,7 @@ impl<'a> NodeTable<'a> {
             None => &tables.offset_axis[ring],
             Some((behind, angle_index)) => &behind.offset_axis[angle_index][ring],
         };
-        let place_in_window = offset + 1 - axis.bow_node(offset);
+        let place_in_window = offset + 1 - axis.curvature_node(offset);
         match blocked {
             None => Self {
                 taps: &request.altitude_taps,
@@ -70,7 +70,7 @@ impl<'a> NodeTable<'a> {
         self.blocked.is_some()
     }
 
-    /// ln of the scale at the three nodes that give the bow: [`skyglow_tables::bow`].
+    /// ln of the scale at the three nodes that give the curvature: [`skyglow_tables::curvature`].
     #[inline(always)]
     pub(crate) fn window(&self, observer_altitude: usize, lobe: usize, band: usize) -> [f32; WINDOW] {
         let first = self.scale_index(observer_altitude, lobe, band) - self.place_in_window;

@@ -122,7 +122,7 @@ impl Prepared {
             emission: request.emission.weights().map(|weight| weight as f32),
             flux_per_dnb_flux,
             basis_count,
-            near: NearLights::of(request).filter(|_| !set.is_made_up()),
+            near: NearLights::of(request).filter(|_| !set.is_synthetic()),
         };
         if flux_per_dnb_flux.iter().any(|flux| *flux > 0.0) {
             let axes = NodeAxes { set, hides_lights: packs.hides_lights };

@@ -8,7 +8,7 @@ use crate::{
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
 use skyglow_tables::{
-    bow::{log_scale_between, mixed_bow},
+    curvature::{log_scale_between, mixed_curvature},
     resident::{FREQUENCY_COUNT, ResidentTables},
 };
 
@@ -94,8 +94,8 @@ fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> V
 pub struct ExactNode {
     /// ln of the scale, m⁻² sr⁻¹ per watt.
     pub log_scale: f64,
-    /// How that bends over the offset: [`skyglow_tables::bow`].
-    pub bow: f64,
+    /// How that bends over the offset: [`skyglow_tables::curvature`].
+    pub curvature: f64,
     /// Shape coefficients.
     pub shape: Vec<f64>,
 }
@@ -103,7 +103,7 @@ pub struct ExactNode {
 impl ExactNode {
     /// ln of the scale between this node and the one above, at `upper_weight` 0..1.
     pub fn log_scale_between(&self, upper: &Self, upper_weight: f64) -> f64 {
-        log_scale_between([self.log_scale, upper.log_scale], [self.bow, upper.bow], upper_weight)
+        log_scale_between([self.log_scale, upper.log_scale], [self.curvature, upper.curvature], upper_weight)
     }
 }
 
@@ -131,7 +131,7 @@ pub fn mixed_node(
     let largest = log_scale.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let amounts = log_scale.map(|log| (log - largest).exp());
     let sum: f64 = amounts.iter().sum();
-    let bow = mixed_bow(amounts.map(|amount| amount / sum), windows);
+    let curvature = mixed_curvature(amounts.map(|amount| amount / sum), windows);
     let shape = (0..basis_count)
         .map(|k| {
             (0..LOBE_COUNT)
@@ -146,7 +146,7 @@ pub fn mixed_node(
                 .sum()
         })
         .collect();
-    ExactNode { log_scale: largest + sum.ln(), bow, shape }
+    ExactNode { log_scale: largest + sum.ln(), curvature, shape }
 }
 
 /// The basis itself, `[function][row][column]`, from its spectrum; column 0 looks at the source.

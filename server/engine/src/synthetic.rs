@@ -140,7 +140,7 @@ pub fn tables(turbidity: f64, basis_count: usize) -> ResidentTables {
         scattering: Scattering::Single,
         clouds: None,
         checksum: format!("{:016x}", turbidity.to_bits() ^ basis_count as u64),
-        is_made_up: true,
+        is_synthetic: true,
         observer_altitude_m,
         offset_count: OFFSET_COUNT,
         offset_axis: ring_distances_m

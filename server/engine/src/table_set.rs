@@ -92,8 +92,8 @@ impl TableSet {
     }
 
     /// Whether it has packs that are no skies of the model.
-    pub(crate) fn is_made_up(&self) -> bool {
-        self.tables.iter().any(|tables| tables.is_made_up)
+    pub(crate) fn is_synthetic(&self) -> bool {
+        self.tables.iter().any(|tables| tables.is_synthetic)
     }
 
     /// The packs, by kind, then ascending in turbidity.
@@ -230,7 +230,7 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
     pack.blocked.as_ref().map_or(Ok(()), |blocked| check_blocked(pack, blocked))
 }
 
-/// Whether an axis has `count` nodes, enough for a bow, and bends where another does.
+/// Whether an axis has `count` nodes, enough for a curvature, and bends where another does.
 fn is_alike(axis: &OffsetAxis, other: &OffsetAxis, count: usize) -> bool {
     axis.count == count && count >= 3 && axis.bend_node == other.bend_node
 }

@@ -8,7 +8,7 @@ use skyglow_engine::{
     DeviceChoice, EngineError, InfluenceRequest, Level, Limit, Measure, Observatory, PlanMethod, PlanOutcome,
     PlanRequest, SkyRequest, TargetSite,
 };
-use skyglow_physics::{EmissionMix, Kept, Lamp, LampChange, LampPreset, Panorama};
+use skyglow_physics::{EmissionMix, Lamp, LampChange, LampPreset, Panorama, PreservedFlux};
 use skyglow_scene::{Area, Boundary, Change, ChangeId, ChangeStore, Edit, Scenario, Scene, StoredPlan};
 use std::path::Path;
 
@@ -69,7 +69,7 @@ fn lights_with_other_lamps_and_shades_shine_as_if_the_sky_were_asked_with_those(
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let request = sky(2.5, -1.43, 36.93);
-    let lamp = LampChange { from: None, to: LampPreset::PcAmber.lamp(), kept: Kept::LuminousFlux };
+    let lamp = LampChange { from: None, to: LampPreset::PcAmber.lamp(), kept: PreservedFlux::LuminousFlux };
     let shade = EmissionMix::lambert();
     let fitted = painted(&observatory, None, vec![alter(west(), 1.0, Some(lamp), Some(shade))]);
     let [only_west, only_east] =
@@ -100,8 +100,11 @@ fn lights_with_other_lamps_and_shades_shine_as_if_the_sky_were_asked_with_those(
 fn influences_of_a_changed_scene_add_up_to_its_sky() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
-    let lamp =
-        LampChange { from: Some(LampPreset::Hps), to: LampPreset::Led4000k.lamp(), kept: Kept::DnbFlux };
+    let lamp = LampChange {
+        from: Some(LampPreset::Hps),
+        to: LampPreset::Led4000k.lamp(),
+        kept: PreservedFlux::DnbFlux,
+    };
     let new = Change::Add { radiance_nw_cm2_sr: 30.0, lamp: Some(LampPreset::Lps.lamp()), emission: None };
     let brush = Area::Brush { points: vec![[36.9, -1.5], [37.0, -1.5]], radius_m: 3_000.0 };
     let edits = vec![alter(west(), 0.5, Some(lamp), None), Edit { area: brush, change: new }];

@@ -190,7 +190,7 @@ fn atmosphere(manifest: &Manifest) -> AtmosphereAnswer {
         cloud_albedo: manifest.clouds.map(Clouds::albedo),
         bands_nm: manifest.bands_nm.clone(),
         observer_altitude_m: below_clouds_m(manifest, ends(&manifest.axes.observer_altitude_m)),
-        source_altitude_m: below_clouds_m(manifest, (0.0, skyglow_tables::axes::HIGHEST_ALTITUDE_M)),
+        source_altitude_m: below_clouds_m(manifest, (0.0, skyglow_tables::axes::MAX_ALTITUDE_M)),
         distance_m: ends(&manifest.axes.distance_m).into(),
         basis_count: manifest.basis_count,
         checksum: manifest.checksum.clone(),

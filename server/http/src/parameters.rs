@@ -342,7 +342,7 @@ mod tests {
         assert_eq!(FOV.default.parse(), Ok(skyglow_display::options::DEFAULT_FOV_DEG));
         assert_eq!(ELEVATION.default.parse(), Ok(skyglow_display::options::DEFAULT_ELEVATION_DEG));
         assert_eq!(TURBIDITY.default.parse(), Ok(skyglow_physics::Turbidity::default().value()));
-        let (lowest_m, highest_m) = (CloudBase::LOWEST_M, CloudBase::HIGHEST_M);
+        let (lowest_m, highest_m) = (CloudBase::MIN_ALTITUDE_M, CloudBase::MAX_ALTITUDE_M);
         assert!(CLOUDS.allowed().contains(&format!("from {lowest_m} to {highest_m} m")));
     }
 }

@@ -46,7 +46,7 @@ fn main() {
         later_degree: 8,
         polar_per_hemisphere: 8,
         azimuths: 12,
-        most_orders: 8,
+        max_orders: 8,
         ..Resolution::table()
     };
     let observer_m = 200.0;

@@ -187,7 +187,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         polar_per_hemisphere: whole("polar_per_hemisphere", named.polar_per_hemisphere)?,
         azimuths: whole("azimuths", named.azimuths)?,
         tolerance: options.number("tolerance", named.tolerance)?,
-        most_orders: whole("most_orders", named.most_orders)?,
+        max_orders: whole("max_orders", named.max_orders)?,
     };
     let bands = options.names("band", "R,G,B", &[("R", Band::R), ("G", Band::G), ("B", Band::B)])?;
     let lobes = options.names(

@@ -15,16 +15,16 @@ impl CloudBase {
     /// Albedo from below unless another is asked for.
     pub const DEFAULT_ALBEDO: f64 = 0.5;
     /// Lowest base, metres above the sphere.
-    pub const LOWEST_M: f64 = 200.0;
+    pub const MIN_ALTITUDE_M: f64 = 200.0;
     /// Highest base, metres above the sphere.
-    pub const HIGHEST_M: f64 = 12_000.0;
+    pub const MAX_ALTITUDE_M: f64 = 12_000.0;
 
     /// Checks the ranges: altitude in metres above the sphere, 200..=12 000; albedo 0..=1.
     ///
     /// # Errors
     /// [`PhysicsError::OutOfRange`] naming `cloud_base` or `cloud_albedo`.
     pub fn new(altitude_m: f64, albedo: f64) -> Result<Self, PhysicsError> {
-        check_range("cloud_base", altitude_m, Self::LOWEST_M, Self::HIGHEST_M, "m")?;
+        check_range("cloud_base", altitude_m, Self::MIN_ALTITUDE_M, Self::MAX_ALTITUDE_M, "m")?;
         check_range("cloud_albedo", albedo, 0.0, 1.0, "")?;
         Ok(Self { altitude_m, albedo })
     }

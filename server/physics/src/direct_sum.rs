@@ -1,4 +1,4 @@
-//! The truth: the sum over every point source, each by converged quadrature (paper Eq. 3).
+//! The reference: the sum over every point source, each by converged quadrature (paper Eq. 3).
 //!
 //! L(θ, φ) = Σ_i Φ_i · b(θ − θ_i, φ; r_i, h_i, h_o). Slow and plain on purpose: nothing is skipped, merged or
 //! tabulated but the optical columns (good to 1e-9). Every fast path is measured against it.
@@ -14,8 +14,8 @@ use crate::{
 };
 use rayon::prelude::*;
 
-/// Relative tolerance of every integral of the truth.
-pub const TRUTH_TOLERANCE: f64 = 1e-6;
+/// Relative tolerance of every integral of the reference.
+pub const REFERENCE_TOLERANCE: f64 = 1e-6;
 
 /// Sky radiance [W m⁻² sr⁻¹] at each direction, `[direction][atmosphere × band]`, every source under an open sky.
 ///
@@ -62,7 +62,7 @@ pub fn cut_direct_sum<const N: usize>(
                     *blocking_rad,
                     direction.azimuth_rad - source.azimuth_rad,
                     direction.elevation_rad,
-                    TRUTH_TOLERANCE,
+                    REFERENCE_TOLERANCE,
                 );
                 for (slot, value) in per_watt.into_iter().enumerate() {
                     sum[slot] += source.flux_dnb_w * flux_per_dnb_flux[slot % BAND_COUNT] * value;

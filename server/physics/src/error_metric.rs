@@ -9,11 +9,11 @@ pub const LUMINANCE_FLOOR_CD_M2: f64 = 1.7e-6;
 pub const BAND_FLOOR_W_M2_SR: f64 = 3e-9;
 
 /// |L − L_truth| / max(L_truth, L₀), the worst of the luminance and the three bands; radiances W m⁻² sr⁻¹.
-pub fn relative_error(radiance: [f64; BAND_COUNT], truth: [f64; BAND_COUNT]) -> f64 {
-    let error = |value: f64, truth: f64, floor: f64| (value - truth).abs() / truth.max(floor);
-    let mut worst = error(luminance_cd_m2(radiance), luminance_cd_m2(truth), LUMINANCE_FLOOR_CD_M2);
+pub fn relative_error(radiance: [f64; BAND_COUNT], reference: [f64; BAND_COUNT]) -> f64 {
+    let error = |value: f64, reference: f64, floor: f64| (value - reference).abs() / reference.max(floor);
+    let mut worst = error(luminance_cd_m2(radiance), luminance_cd_m2(reference), LUMINANCE_FLOOR_CD_M2);
     for band in 0..BAND_COUNT {
-        worst = worst.max(error(radiance[band], truth[band], BAND_FLOOR_W_M2_SR));
+        worst = worst.max(error(radiance[band], reference[band], BAND_FLOOR_W_M2_SR));
     }
     worst
 }

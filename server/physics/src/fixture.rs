@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// What stays the same when a lamp is replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kept {
+pub enum PreservedFlux {
     /// Σ_b K_b·Φ_b, the luminous flux: streets stay as bright as they were.
     #[default]
     LuminousFlux,
@@ -18,15 +18,15 @@ pub enum Kept {
     DnbFlux,
 }
 
-impl Kept {
+impl PreservedFlux {
     /// Both, in the order of the interface.
     pub const ALL: [Self; 2] = [Self::LuminousFlux, Self::DnbFlux];
 
     /// The name used in requests, answers and files.
     pub const fn name(self) -> &'static str {
         match self {
-            Kept::LuminousFlux => "luminous_flux",
-            Kept::DnbFlux => "dnb_flux",
+            PreservedFlux::LuminousFlux => "luminous_flux",
+            PreservedFlux::DnbFlux => "dnb_flux",
         }
     }
 }
@@ -39,7 +39,7 @@ pub struct LampChange {
     /// The new ones.
     pub to: Lamp,
     /// What stays the same.
-    pub kept: Kept,
+    pub kept: PreservedFlux,
 }
 
 /// How some lights differ from those that a sky is asked with.
@@ -94,10 +94,10 @@ impl Mixture {
         let gone = if all { self.flux_per_dnb_flux } else { self.flux_of(is_replaced) };
         let new = change.to.flux_per_dnb_flux;
         let dnb_after = match change.kept {
-            Kept::DnbFlux => dnb,
+            PreservedFlux::DnbFlux => dnb,
             // A lamp of no lumens cannot stand in for one that has some.
-            Kept::LuminousFlux if lumens(new) > 0.0 => lumens(gone) / lumens(new),
-            Kept::LuminousFlux => 0.0,
+            PreservedFlux::LuminousFlux if lumens(new) > 0.0 => lumens(gone) / lumens(new),
+            PreservedFlux::LuminousFlux => 0.0,
         };
         for band in 0..BAND_COUNT {
             let left = if all { 0.0 } else { (self.flux_per_dnb_flux[band] - gone[band]).max(0.0) };
@@ -129,7 +129,7 @@ impl Mixture {
 
 impl Fixture {
     /// Whether nothing differs.
-    pub fn is_as_asked(&self) -> bool {
+    pub fn is_unchanged(&self) -> bool {
         self.lamps.is_empty() && self.emission.is_none()
     }
 
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn change(from: Option<LampPreset>, to: LampPreset, kept: Kept) -> LampChange {
+    fn change(from: Option<LampPreset>, to: LampPreset, kept: PreservedFlux) -> LampChange {
         LampChange { from, to: to.lamp(), kept }
     }
 
@@ -191,7 +191,7 @@ mod tests {
         fn at_equal_luminous_flux_the_lumens_stay_whatever_is_replaced(
             asked in preset(), from in prop::option::of(preset()), to in preset(), again in preset(),
         ) {
-            let lamps = [change(from, to, Kept::LuminousFlux), change(Some(to), again, Kept::LuminousFlux)];
+            let lamps = [change(from, to, PreservedFlux::LuminousFlux), change(Some(to), again, PreservedFlux::LuminousFlux)];
             let before = lumens(asked.lamp().flux_per_dnb_flux);
             let after = lumens(fixture(&lamps).flux_per_dnb_flux(&asked.lamp()));
             // The table of lamps is rounded to a thousandth.
@@ -202,7 +202,7 @@ mod tests {
         fn what_is_forgotten_makes_no_difference(
             asked in preset(), changes in prop::collection::vec((prop::option::of(preset()), preset(), any::<bool>()), 1..5),
         ) {
-            let kept = |dnb: bool| if dnb { Kept::DnbFlux } else { Kept::LuminousFlux };
+            let kept = |dnb: bool| if dnb { PreservedFlux::DnbFlux } else { PreservedFlux::LuminousFlux };
             let lamps: Vec<LampChange> =
                 changes.into_iter().map(|(from, to, dnb)| change(from, to, kept(dnb))).collect();
             let mut short = Fixture::default();
@@ -218,7 +218,7 @@ mod tests {
 
         #[test]
         fn all_lamps_replaced_at_equal_dnb_flux_are_the_new_ones(asked in preset(), to in preset()) {
-            let after = fixture(&[change(None, to, Kept::DnbFlux)]).flux_per_dnb_flux(&asked.lamp());
+            let after = fixture(&[change(None, to, PreservedFlux::DnbFlux)]).flux_per_dnb_flux(&asked.lamp());
             for (after, new) in after.iter().zip(to.lamp().flux_per_dnb_flux) {
                 prop_assert!((after - new).abs() < 1e-12);
             }
@@ -227,7 +227,7 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_not_replaced() {
-        let lamps = [change(Some(LampPreset::Mercury), LampPreset::PcAmber, Kept::LuminousFlux)];
+        let lamps = [change(Some(LampPreset::Mercury), LampPreset::PcAmber, PreservedFlux::LuminousFlux)];
         let asked = LampPreset::Mixed.lamp();
         assert_eq!(fixture(&lamps).flux_per_dnb_flux(&asked), asked.flux_per_dnb_flux);
         let custom = Lamp::custom([0.4, 0.5, 0.6]).unwrap();
@@ -236,27 +236,27 @@ mod tests {
 
     #[test]
     fn lamps_to_be_replaced_that_are_not_there_are_named() {
-        let to_led = change(Some(LampPreset::Hps), LampPreset::Led4000k, Kept::LuminousFlux);
+        let to_led = change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::LuminousFlux);
         let not_met = |lamps: &[LampChange], asked: LampPreset| fixture(lamps).lamps_not_met(&asked.lamp());
         assert_eq!(not_met(&[to_led], LampPreset::Mixed), []);
         assert_eq!(not_met(&[to_led], LampPreset::Led3000k), [LampPreset::Hps]);
         // None are left the second time, and all that there is has always been met.
         assert_eq!(not_met(&[to_led, to_led], LampPreset::Hps), [LampPreset::Hps]);
         assert_eq!(
-            not_met(&[change(None, LampPreset::Hps, Kept::DnbFlux), to_led], LampPreset::Led3000k),
+            not_met(&[change(None, LampPreset::Hps, PreservedFlux::DnbFlux), to_led], LampPreset::Led3000k),
             []
         );
     }
 
     #[test]
     fn of_the_mixed_lamps_the_sodium_half_alone_is_replaced() {
-        let lamps = [change(Some(LampPreset::Hps), LampPreset::Led4000k, Kept::DnbFlux)];
+        let lamps = [change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::DnbFlux)];
         let after = fixture(&lamps).flux_per_dnb_flux(&LampPreset::Mixed.lamp());
         for (after, led) in after.iter().zip(LampPreset::Led4000k.lamp().flux_per_dnb_flux) {
             assert!((after - led).abs() < 1e-3, "{after} {led}");
         }
         // White lamps at as many lumens are bluer: what people see stays, what the sky scatters does not.
-        let lamps = [change(None, LampPreset::Led4000k, Kept::LuminousFlux)];
+        let lamps = [change(None, LampPreset::Led4000k, PreservedFlux::LuminousFlux)];
         let sodium = LampPreset::Hps.lamp();
         assert!(fixture(&lamps).flux_per_dnb_flux(&sodium)[2] > 3.0 * sodium.flux_per_dnb_flux[2]);
     }
@@ -265,7 +265,7 @@ mod tests {
     fn nothing_differs_by_default() {
         let (lamp, mix) = (Lamp::default(), EmissionMix::garstang());
         let plain = Fixture::default();
-        assert!(plain.is_as_asked());
+        assert!(plain.is_unchanged());
         assert_eq!(plain.flux_per_dnb_flux(&lamp), lamp.flux_per_dnb_flux);
         assert_eq!(plain.emission(mix), mix);
         assert_eq!(

@@ -41,7 +41,7 @@ pub use blocked_source::BlockedSource;
 pub use cloud::CloudBase;
 pub use emission::{EmissionMix, LOBE_COUNT, Lobe};
 pub use error::PhysicsError;
-pub use fixture::{Fixture, Kept, LampChange};
+pub use fixture::{Fixture, LampChange, PreservedFlux};
 pub use geometry::{EARTH_RADIUS_M, GeoPoint};
 pub use horizon::Horizon;
 pub use lamp::{Lamp, LampPreset};

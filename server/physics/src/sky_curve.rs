@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Most corners of a curve.
-pub const MOST_CORNERS: usize = 1_000;
+pub const MAX_CORNERS: usize = 1_000;
 
 /// Corners nearer than this are the same, radians.
 const SAME_CORNER_RAD: f64 = 1e-9;
@@ -36,12 +36,12 @@ impl SkyCurve {
     ///
     /// # Errors
     /// [`PhysicsError`] naming `region`: an angle that is no number, an elevation below 0 or above 90°, fewer than three
-    /// different corners, more than [`MOST_CORNERS`], or neighbours on opposite sides of the horizon, between which no arc
+    /// different corners, more than [`MAX_CORNERS`], or neighbours on opposite sides of the horizon, between which no arc
     /// is the shortest.
     pub fn new(corners: Vec<Direction>) -> Result<Self, PhysicsError> {
         let refuse = |reason: String| Err(PhysicsError::Invalid { parameter: "region", reason });
-        if corners.len() > MOST_CORNERS {
-            return refuse(format!("{} corners, at most {MOST_CORNERS} are taken", corners.len()));
+        if corners.len() > MAX_CORNERS {
+            return refuse(format!("{} corners, at most {MAX_CORNERS} are taken", corners.len()));
         }
         let mut lowest_rad = FRAC_PI_2;
         for corner in &corners {
@@ -153,7 +153,7 @@ mod tests {
         assert!(refused(vec![at(0.0, 10.0), at(f64::NAN, 10.0), at(5.0, 20.0)]).contains("no number"));
         assert!(refused(vec![at(0.0, -1.0), at(9.0, 10.0), at(5.0, 20.0)]).contains("region"));
         assert!(refused(vec![at(0.0, 0.0), at(180.0, 0.0), at(5.0, 20.0)]).contains("opposite"));
-        assert!(refused(vec![at(0.0, 5.0); MOST_CORNERS + 1]).contains("at most"));
+        assert!(refused(vec![at(0.0, 5.0); MAX_CORNERS + 1]).contains("at most"));
     }
 
     proptest! {

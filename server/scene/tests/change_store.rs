@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 
-use skyglow_physics::{EmissionMix, Kept, LampChange, LampPreset};
+use skyglow_physics::{EmissionMix, LampChange, LampPreset, PreservedFlux};
 use skyglow_scene::{
     Area, Change, ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, Edit,
     PixelFactors, Scenario, SceneId, StoredPlan,
@@ -15,8 +15,11 @@ fn scene() -> SceneId {
 }
 
 fn scenario(factor: f64, base: Option<ChangeId>) -> Scenario {
-    let lamp =
-        LampChange { from: Some(LampPreset::Hps), to: LampPreset::Led3000k.lamp(), kept: Kept::LuminousFlux };
+    let lamp = LampChange {
+        from: Some(LampPreset::Hps),
+        to: LampPreset::Led3000k.lamp(),
+        kept: PreservedFlux::LuminousFlux,
+    };
     let change = Change::Alter { factor, lamp: Some(lamp), emission: Some(EmissionMix::garstang()) };
     let area = Area::Brush { points: vec![[7.1, 46.3], [0.1 + 0.2, 1.0 / 3.0]], radius_m: 250.0 };
     Scenario { scene: scene(), title: Some("new lamps".to_owned()), base, edits: vec![Edit { area, change }] }

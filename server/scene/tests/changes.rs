@@ -6,7 +6,7 @@ mod common;
 
 use common::{Bench, STEP, TestRaster, place};
 use proptest::prelude::*;
-use skyglow_physics::{EmissionMix, GeoPoint, Kept, LampChange, LampPreset};
+use skyglow_physics::{EmissionMix, GeoPoint, LampChange, LampPreset, PreservedFlux};
 use skyglow_scene::{Area, Change, ChangeError, ChangeStep, Edit, PixelFactors, PolarGrid, Scene, TileLayer};
 use std::sync::OnceLock;
 
@@ -163,7 +163,8 @@ fn pixels_are_dimmed_one_by_one_and_those_at_nothing_are_gone() {
 fn other_lamps_are_lights_of_their_own_where_the_others_were() {
     let (_, scene) = world();
     let area = rectangle([20, 90], [30, 100]);
-    let to_led = LampChange { from: None, to: LampPreset::Led4000k.lamp(), kept: Kept::LuminousFlux };
+    let to_led =
+        LampChange { from: None, to: LampPreset::Led4000k.lamp(), kept: PreservedFlux::LuminousFlux };
     let lamps = Edit {
         area: area.clone(),
         change: Change::Alter { factor: 1.0, lamp: Some(to_led), emission: None },
@@ -177,7 +178,7 @@ fn other_lamps_are_lights_of_their_own_where_the_others_were() {
     let observer = place(-1.2, 37.3);
     let grids = changed.polar_grids(observer, false);
     assert_eq!(grids.len(), 2);
-    assert!(grids[0].0.is_as_asked());
+    assert!(grids[0].0.is_unchanged());
     assert_eq!((grids[1].0.lamps.as_slice(), grids[1].0.emission), ([to_led].as_slice(), Some(shield)));
     let whole = scene.polar_grid(observer, false).flux_dnb_w;
     let dark = painted(scene, vec![alter(area, 0.0)]).polar_grid(observer, false).flux_dnb_w;
@@ -250,7 +251,7 @@ fn what_cannot_be_painted_is_refused_by_the_number_of_its_edit() {
 fn strokes_of_one_lamp_are_one_kind_and_too_many_kinds_are_refused() {
     let (_, scene) = world();
     let with = |lamp: LampPreset, area: Area| {
-        let lamp = LampChange { from: None, to: lamp.lamp(), kept: Kept::LuminousFlux };
+        let lamp = LampChange { from: None, to: lamp.lamp(), kept: PreservedFlux::LuminousFlux };
         Edit { area, change: Change::Alter { factor: 1.0, lamp: Some(lamp), emission: None } }
     };
     // Over each other, in turns.

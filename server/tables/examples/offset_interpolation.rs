@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use skyglow_physics::{Atmosphere, Turbidity, single_source::SourceGeometry};
 use skyglow_tables::{
     MultipleTable, OffsetAxis, TableAxes,
-    bow::log_scale_at,
+    curvature::log_scale_at,
     images::images_of,
     layout::{HALF_COLUMN_COUNT, PIXEL_COUNT, image_index},
 };

@@ -12,7 +12,7 @@
 //! at most, and the second from 100 km on, where the lowest row looks so far above the ground that the shadow's edge is no kink
 //! any more. Behind a skyline it is where the skyline's cone meets the observer.
 
-use crate::clouds::{Clouds, altitudes_below, held_geometry};
+use crate::clouds::{Clouds, altitudes_below, clamped_geometry};
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{
     CloudBase,
@@ -22,14 +22,14 @@ use skyglow_physics::{
 };
 
 /// Highest observer and source altitude of a pack, metres.
-pub const HIGHEST_ALTITUDE_M: f64 = 6_000.0;
+pub const MAX_ALTITUDE_M: f64 = 6_000.0;
 /// Lowest source of a node, metres: the model has none below 0, but a cubic over offsets reaches two nodes further down.
-const LOWEST_SOURCE_M: f64 = -2_000.0;
+const MIN_SOURCE_M: f64 = -2_000.0;
 
 /// The edge of the Earth's shadow is followed down to about this offset, metres; below, hardly any source is.
-const LOWEST_EDGE_M: f64 = -3_000.0;
+const MIN_EDGE_M: f64 = -3_000.0;
 /// The same behind a skyline: a source that far below the observer whose light still passes beneath is rare.
-const LOWEST_CUT_EDGE_M: f64 = -1_500.0;
+const MIN_CUT_EDGE_M: f64 = -1_500.0;
 /// At this distance an open axis bends halfway between the edge of the shadow and level with the observer, metres; the exponent
 /// says how soon it goes from one to the other. 70 km away the lowest rows of the first order still need the edge.
 const LEVEL_FROM_M: f64 = 90_000.0;
@@ -41,7 +41,7 @@ const OPEN: Density = Density { share_below: 0.58, distance_per_scale: 20.0 };
 /// The same behind a skyline, which hides the light close to the ground.
 const CUT: Density = Density { share_below: 0.4, distance_per_scale: 4.0 };
 /// Largest L below the bend, metres.
-const LARGEST_SCALE_BELOW_M: f64 = 1_500.0;
+const MAX_SCALE_BELOW_M: f64 = 1_500.0;
 
 /// How close the nodes of an offset axis lie below its bend.
 #[derive(Clone, Copy)]
@@ -94,7 +94,7 @@ pub struct OffsetAxis {
 impl OffsetAxis {
     /// The axis of sources under the open sky at a distance, with `count` ≥ 3 nodes, more of them below the bend than above.
     pub fn at_distance(distance_m: f64, count: usize) -> Self {
-        let edge_m = shadow_edge_m(distance_m, 0.0, LOWEST_EDGE_M);
+        let edge_m = shadow_edge_m(distance_m, 0.0, MIN_EDGE_M);
         let bend_m = edge_m / (1.0 + (distance_m / LEVEL_FROM_M).powi(LEVEL_EXPONENT));
         Self::about(bend_m, edge_m, distance_m, OPEN, count)
     }
@@ -102,27 +102,27 @@ impl OffsetAxis {
     /// The same about the edge of the Earth's shadow, −r²/2R, held above −3 000 m, where the first order bends: training
     /// geometries are spread on it, which serves the functions best (`precomputed/README.md`).
     pub(crate) fn about_shadow_edge(distance_m: f64, count: usize) -> Self {
-        let edge_m = shadow_edge_m(distance_m, 0.0, LOWEST_EDGE_M);
+        let edge_m = shadow_edge_m(distance_m, 0.0, MIN_EDGE_M);
         Self::about(edge_m, edge_m, distance_m, OPEN, count)
     }
 
     /// The axis of a source behind a skyline of `blocking_deg` > 0: the sky bends where the cone of that elevation
     /// meets the observer, Δ_e = −(r²/2R + r tan e).
     pub fn behind_skyline(distance_m: f64, blocking_deg: f64, count: usize) -> Self {
-        let edge_m = shadow_edge_m(distance_m, blocking_deg, LOWEST_CUT_EDGE_M);
+        let edge_m = shadow_edge_m(distance_m, blocking_deg, MIN_CUT_EDGE_M);
         Self::about(edge_m, edge_m, distance_m, CUT, count)
     }
 
     fn about(bend_m: f64, edge_m: f64, distance_m: f64, density: Density, count: usize) -> Self {
-        let scale_below_m = 1.0 / (density.distance_per_scale / distance_m + 1.0 / LARGEST_SCALE_BELOW_M);
-        let scale_above_m = (1.0 - edge_m / 500.0) / (16.0 / distance_m + 4.0 / LARGEST_SCALE_BELOW_M);
-        let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / HIGHEST_ALTITUDE_M);
+        let scale_below_m = 1.0 / (density.distance_per_scale / distance_m + 1.0 / MAX_SCALE_BELOW_M);
+        let scale_above_m = (1.0 - edge_m / 500.0) / (16.0 / distance_m + 4.0 / MAX_SCALE_BELOW_M);
+        let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / MAX_ALTITUDE_M);
         let bend_node = (((count - 1) as f64 * density.share_below).round() as usize).max(1);
         Self {
             bend_m,
             scale_below_m,
             scale_above_m,
-            step_below: ((HIGHEST_ALTITUDE_M + bend_m) / scale_below_m).asinh() / bend_node as f64,
+            step_below: ((MAX_ALTITUDE_M + bend_m) / scale_below_m).asinh() / bend_node as f64,
             step_above: ((highest_m - bend_m) / scale_above_m).asinh() / (count - 1 - bend_node) as f64,
             bend_node,
             count,
@@ -154,9 +154,8 @@ impl OffsetAxis {
 
 /// A source seen from an altitude, as nodes have it: held between −2 000 and 7 500 m (nodes outside repeat the last one inside;
 /// no source of the model lies there, but interpolation reaches a little beyond 0 and 6 000 m).
-pub(crate) fn held_node(distance_m: f64, observer_altitude_m: f64, offset_m: f64) -> SourceGeometry {
-    let source_altitude_m =
-        (observer_altitude_m + offset_m).clamp(LOWEST_SOURCE_M, HIGHEST_ALTITUDE_M + 1_500.0);
+pub(crate) fn clamped_node(distance_m: f64, observer_altitude_m: f64, offset_m: f64) -> SourceGeometry {
+    let source_altitude_m = (observer_altitude_m + offset_m).clamp(MIN_SOURCE_M, MAX_ALTITUDE_M + 1_500.0);
     SourceGeometry { distance_m, source_altitude_m, observer_altitude_m }
 }
 
@@ -199,7 +198,10 @@ impl TableAxes {
     ) -> SourceGeometry {
         let distance_m = self.distance_m[distance];
         let offset_m = OffsetAxis::at_distance(distance_m, self.offset_count).offset_m(offset as f64);
-        held_geometry(held_node(distance_m, self.observer_altitude_m[observer_altitude], offset_m), cloud)
+        clamped_geometry(
+            clamped_node(distance_m, self.observer_altitude_m[observer_altitude], offset_m),
+            cloud,
+        )
     }
 
     /// Number of (distance, offset) nodes: images of one observer altitude, each of all bands and lobes.
@@ -237,7 +239,7 @@ mod tests {
         for distance_m in [150e3, 200e3, 300e3] {
             assert!(OffsetAxis::at_distance(distance_m, COUNT).bend_m > -5.0);
             let edge_m = OffsetAxis::about_shadow_edge(distance_m, COUNT).bend_m;
-            assert!((LOWEST_EDGE_M..-1_500.0).contains(&edge_m), "{edge_m}");
+            assert!((MIN_EDGE_M..-1_500.0).contains(&edge_m), "{edge_m}");
         }
     }
 
@@ -249,7 +251,7 @@ mod tests {
         for distance_m in [250.0, 3_000.0, 300_000.0] {
             for blocking_deg in [0.5, 8.0, 32.0] {
                 let axis = OffsetAxis::behind_skyline(distance_m, blocking_deg, 9);
-                assert!(axis.bend_m >= LOWEST_CUT_EDGE_M && axis.bend_m < -distance_m * 1e-4);
+                assert!(axis.bend_m >= MIN_CUT_EDGE_M && axis.bend_m < -distance_m * 1e-4);
                 let nodes: Vec<f64> = (0..9).map(|node| axis.offset_m(f64::from(node))).collect();
                 assert!(nodes.windows(2).all(|pair| pair[1] > pair[0]));
                 assert!((nodes[0] + 6_000.0).abs() < 1e-6);

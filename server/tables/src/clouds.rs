@@ -9,7 +9,7 @@ use skyglow_physics::{CloudBase, PhysicsError, single_source::SourceGeometry};
 
 /// Room that observers and sources have below the base at least, metres: nearer, a point of light is a spot on the
 /// cloud that no table resolves.
-const CLOUD_ROOM_M: f64 = 100.0;
+const CLOUD_CLEARANCE_M: f64 = 100.0;
 
 /// A layer of cloud as packs and requests name it: its base in whole metres above sea level, within the ranges of
 /// [`CloudBase::new`].
@@ -40,7 +40,7 @@ impl From<Clouds> for WrittenClouds {
 
 /// Highest observer and source that tables know under clouds with a base at this altitude, metres above sea level.
 pub fn ceiling_m(base_m: f64) -> f64 {
-    base_m - CLOUD_ROOM_M
+    base_m - CLOUD_CLEARANCE_M
 }
 
 impl Clouds {
@@ -89,13 +89,16 @@ impl Clouds {
 }
 
 /// An altitude as tables below a layer of cloud know it, metres.
-pub(crate) fn held_below_clouds_m(altitude_m: f64, cloud: Option<CloudBase>) -> f64 {
+pub(crate) fn clamped_below_clouds_m(altitude_m: f64, cloud: Option<CloudBase>) -> f64 {
     cloud.map_or(altitude_m, |base| altitude_m.min(ceiling_m(base.altitude_m())))
 }
 
 /// A node's geometry below a layer of cloud: the source held below it.
-pub(crate) fn held_geometry(geometry: SourceGeometry, cloud: Option<CloudBase>) -> SourceGeometry {
-    SourceGeometry { source_altitude_m: held_below_clouds_m(geometry.source_altitude_m, cloud), ..geometry }
+pub(crate) fn clamped_geometry(geometry: SourceGeometry, cloud: Option<CloudBase>) -> SourceGeometry {
+    SourceGeometry {
+        source_altitude_m: clamped_below_clouds_m(geometry.source_altitude_m, cloud),
+        ..geometry
+    }
 }
 
 /// Widest step between sample altitudes that lie this far below a base, metres.
@@ -149,9 +152,9 @@ mod tests {
             observer_altitude_m,
         };
         let cloud = Some(Clouds::new(1_000, 0.5).unwrap().base());
-        assert_eq!(held_geometry(node(300.0, 500.0), cloud), node(300.0, 500.0));
-        assert_eq!(held_geometry(node(300.0, 1_500.0), cloud), node(300.0, 900.0));
-        assert_eq!(held_geometry(node(1_900.0, 1_500.0), None), node(1_900.0, 1_500.0));
+        assert_eq!(clamped_geometry(node(300.0, 500.0), cloud), node(300.0, 500.0));
+        assert_eq!(clamped_geometry(node(300.0, 1_500.0), cloud), node(300.0, 900.0));
+        assert_eq!(clamped_geometry(node(1_900.0, 1_500.0), None), node(1_900.0, 1_500.0));
     }
 
     #[test]

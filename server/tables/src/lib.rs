@@ -5,9 +5,9 @@
 
 pub mod axes;
 mod blocked;
-pub mod bow;
 mod checkpoint;
 pub mod clouds;
+pub mod curvature;
 pub mod error;
 pub mod fit;
 pub mod fit_constants;

@@ -2,8 +2,8 @@
 //! engine would, against the converged integral.
 
 use crate::{
-    bow::log_scale_at,
-    clouds::held_below_clouds_m,
+    clouds::clamped_below_clouds_m,
+    curvature::log_scale_at,
     layout::{HALF_COLUMN_COUNT, image_index},
     manifest::{LobeError, MeasuredError},
     multiple::MultipleTable,
@@ -137,7 +137,7 @@ fn source_errors(
 ) -> SourceErrors {
     let spread = |ratio: f64| (i as f64 * ratio).fract();
     let distance_m = 250.0 * 1_200f64.powf(spread(0.819_172_5));
-    let ceiling_m = held_below_clouds_m(6_000.0, atmosphere.cloud());
+    let ceiling_m = clamped_below_clouds_m(6_000.0, atmosphere.cloud());
     let observer_altitude_m = ceiling_m * spread(0.671_043_6).powi(2);
     let highest_m = (0.5 * distance_m).min(ceiling_m - observer_altitude_m);
     let offset_m = -observer_altitude_m + (observer_altitude_m + highest_m) * spread(0.549_700_5);
@@ -152,26 +152,26 @@ fn source_errors(
             (row, (d * 53 + i * 31) % HALF_COLUMN_COUNT)
         })
         .collect();
-    let truth: Vec<_> = directions
+    let reference: Vec<_> = directions
         .iter()
         .map(|&(row, column)| {
             let (azimuth, elevation) = (azimuth_rad(column), elevation_rad(row));
-            let mut truth = radiance_per_watt_of(atmosphere, &geometry, azimuth, elevation, 1e-6);
+            let mut reference = radiance_per_watt_of(atmosphere, &geometry, azimuth, elevation, 1e-6);
             if let Some(table) = multiple {
                 let more = table.radiance_per_watt(&geometry, row, column);
-                for (band, lobes) in truth.iter_mut().enumerate() {
+                for (band, lobes) in reference.iter_mut().enumerate() {
                     for (lobe, value) in lobes.iter_mut().enumerate() {
                         *value += more[image_index(lobe, band)];
                     }
                 }
             }
-            truth
+            reference
         })
         .collect();
     let mut errors: SourceErrors = Default::default();
     for band in 0..BAND_COUNT {
         for lobe in 0..LOBE_COUNT {
-            let mean = truth.iter().map(|t| t[band][lobe]).sum::<f64>() / DIRECTION_COUNT as f64;
+            let mean = reference.iter().map(|t| t[band][lobe]).sum::<f64>() / DIRECTION_COUNT as f64;
             if mean < INVISIBLE_PER_M2_SR {
                 continue;
             }
@@ -180,7 +180,7 @@ fn source_errors(
                 let value: f64 = (0..tables.basis_count)
                     .map(|k| c[start + k] * basis_sample(&tables, k, row, column))
                     .sum();
-                let exact = truth[d][band][lobe];
+                let exact = reference[d][band][lobe];
                 let error = (value.max(0.0) - exact).abs() / exact.max(FLOOR_OVER_MEAN * mean);
                 let (away, at) = &mut errors[lobe];
                 if d < ZENITH_DIRECTIONS { at.push(error) } else { away.push(error) }

@@ -195,7 +195,7 @@ impl Pack {
             scattering: self.manifest.scattering,
             clouds: self.manifest.clouds,
             checksum: self.manifest.checksum.clone(),
-            is_made_up: false,
+            is_synthetic: false,
             observer_altitude_m: axes.observer_altitude_m.clone(),
             offset_count: offsets,
             offset_axis: ring_distance_m.iter().map(|&d| OffsetAxis::at_distance(d, offsets)).collect(),

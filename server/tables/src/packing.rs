@@ -52,16 +52,16 @@ pub(crate) fn from_distance_differences(mut bits: Vec<u16>, distances: usize, re
 /// A node's largest coefficient is at most two to the power of this in steps.
 const STEP_BITS: i32 = 13;
 /// Power of two of the smallest step: half precision has none smaller.
-const LEAST_EXPONENT: i32 = -24;
+const MIN_EXPONENT: i32 = -24;
 /// Largest number of steps that one is expected to be from those before it.
-const LARGEST_EXPECTED: i64 = 1 << STEP_BITS;
+const MAX_EXPECTED: i64 = 1 << STEP_BITS;
 
 /// Power of two of the step of a node with these coefficients.
 fn step_exponent(node: &[f16]) -> i32 {
     let largest = node.iter().fold(0.0, |largest: f32, value| largest.max(value.to_f32().abs()));
     // The power of two at or above it: no half-precision number is subnormal in single precision.
     let (above, is_power) = (largest.to_bits() >> 23, largest.to_bits() << 9 == 0);
-    (above as i32 - 127 + i32::from(!is_power) - STEP_BITS).max(LEAST_EXPONENT)
+    (above as i32 - 127 + i32::from(!is_power) - STEP_BITS).max(MIN_EXPONENT)
 }
 
 /// Rounds the coefficients of nodes, `[node][basis]`, to whole steps of a power of two, 2⁻¹³ of the one at or above the
@@ -127,7 +127,7 @@ fn along_distances(
                     2 * in_other_steps(steps[at - row], nearer) - in_other_steps(steps[at - 2 * row], farther)
                 }
             };
-            steps[at] = visit(at, line.clamp(-LARGEST_EXPECTED, LARGEST_EXPECTED) as i32);
+            steps[at] = visit(at, line.clamp(-MAX_EXPECTED, MAX_EXPECTED) as i32);
         }
     }
 }

@@ -21,13 +21,13 @@ pub struct ResidentTables {
     /// Checksum of the pack file, hexadecimal.
     pub checksum: String,
     /// Whether it is no sky of the model: for tests. Nothing of the model is then added to what comes of it.
-    pub is_made_up: bool,
+    pub is_synthetic: bool,
     /// Observer altitudes of the table, metres, ascending.
     pub observer_altitude_m: Vec<f64>,
     /// Number of nodes of the offset axis Δ = source altitude − observer altitude (see [`crate::axes`]).
     pub offset_count: usize,
     /// The offset axis on every ring: fractional node = `offset_axis[ring].position(Δ)`. Between nodes shapes are linear and
-    /// scales as in [`crate::bow`].
+    /// scales as in [`crate::curvature`].
     pub offset_axis: Vec<OffsetAxis>,
     /// Ring distances, metres, ascending: the rings of the polar grid.
     pub ring_distance_m: Vec<f64>,

@@ -1,8 +1,8 @@
 //! The training set of a basis: which sample points it is fitted on, their images, and what each weighs.
 
 use crate::{
-    axes::{OffsetAxis, TableAxes, held_node},
-    clouds::held_geometry,
+    axes::{OffsetAxis, TableAxes, clamped_node},
+    clouds::clamped_geometry,
     fit::{TrainingImage, dim_factor},
     fit_constants::{ANYWHERE_SHARE_BELOW, EVERYDAY_ALTITUDE_M, OBLIQUE_IMPORTANCE, RAISED_TRAINING},
     images::{SourceImages, images_of},
@@ -30,7 +30,7 @@ pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeom
         let geometry = geometry_of(axes, node);
         let (offset_m, distance_m) = offset_and_distance_m(&geometry);
         let steepest_m = (0.7 * distance_m + 50.0).min(3_500.0);
-        let is_below_clouds = held_geometry(geometry, cloud) == geometry;
+        let is_below_clouds = clamped_geometry(geometry, cloud) == geometry;
         if (-600.0..=6_500.0).contains(&geometry.source_altitude_m)
             && offset_m <= steepest_m
             && is_below_clouds
@@ -48,7 +48,7 @@ pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeom
 fn geometry_of(axes: &TableAxes, (observer, distance, offset): (usize, usize, usize)) -> SourceGeometry {
     let distance_m = axes.distance_m[distance];
     let offset_m = OffsetAxis::about_shadow_edge(distance_m, axes.offset_count).offset_m(offset as f64);
-    held_node(distance_m, axes.observer_altitude_m[observer], offset_m)
+    clamped_node(distance_m, axes.observer_altitude_m[observer], offset_m)
 }
 
 /// A node from numbers 0..1, all observers and distances alike, and offsets alike on each side of the bend.

@@ -63,7 +63,11 @@ fn weigh_body<const FUSED: bool>(
             let [lower, upper] = [cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]);
             for (band, scale) in scale.iter_mut().enumerate() {
                 let log_scale = [lower.log_scale[band], upper.log_scale[band]];
-                *scale = log_scale_between(log_scale, [lower.bow[band], upper.bow[band]], cell.upper_weight);
+                *scale = log_scale_between(
+                    log_scale,
+                    [lower.curvature[band], upper.curvature[band]],
+                    cell.upper_weight,
+                );
             }
         }
         for scale in scale.as_flattened_mut() {

@@ -8,7 +8,7 @@ use crate::{
     node_table::{NodeTable, WINDOW},
     prepare::Prepared,
     taps::Taps,
-    twin::{lobe_shares, mixed_bow},
+    twin::{lobe_shares, mixed_curvature},
 };
 use half::f16;
 use skyglow_physics::{BAND_COUNT, LOBE_COUNT};
@@ -25,13 +25,13 @@ const NODES_AHEAD: usize = 2;
 #[cfg(target_arch = "x86_64")]
 const LINE: usize = 32;
 
-/// Shares of the lobes at a node, the logarithm of its mixed scale and that one's bow: [`lobe_shares`], [`mixed_bow`].
+/// Shares of the lobes at a node, the logarithm of its mixed scale and that one's curvature: [`lobe_shares`], [`mixed_curvature`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct NodeScales {
     /// ln of the mixed scale in every band, and a 0 that makes it a vector.
     pub(crate) log_scale: [f32; 4],
-    /// How that bends over the offset, as long: [`skyglow_tables::bow`].
-    pub(crate) bow: [f32; 4],
+    /// How that bends over the offset, as long: [`skyglow_tables::curvature`].
+    pub(crate) curvature: [f32; 4],
     /// `[band][lobe]`, summing to 1.
     pub(crate) shares: [[f32; LOBE_COUNT]; BAND_COUNT],
 }
@@ -72,7 +72,7 @@ pub(crate) fn mix_scale(
             mix_lobes(request.emission, windows, &mut mixed);
             for (lane, scales) in scales.iter_mut().enumerate() {
                 scales.shares[band] = [mixed[0][lane], mixed[1][lane], mixed[2][lane]];
-                (scales.log_scale[band], scales.bow[band]) = (mixed[3][lane], mixed[4][lane]);
+                (scales.log_scale[band], scales.curvature[band]) = (mixed[3][lane], mixed[4][lane]);
             }
         }
     });
@@ -83,7 +83,7 @@ pub(crate) fn mix_scale(
 pub(crate) struct NodeWindows {
     /// At the nodes themselves, `[lobe][node]`.
     at: [[f32; NODES_PER_TASK]; LOBE_COUNT],
-    /// At the three that give the bow, `[place][lobe][node]`.
+    /// At the three that give the curvature, `[place][lobe][node]`.
     around: [[[f32; NODES_PER_TASK]; LOBE_COUNT]; WINDOW],
 }
 
@@ -95,7 +95,7 @@ impl Default for NodeWindows {
 }
 
 dispatch_wide!(
-    /// [`lobe_shares`] and [`mixed_bow`] of many nodes, `[value][node]`.
+    /// [`lobe_shares`] and [`mixed_curvature`] of many nodes, `[value][node]`.
     mix_lobes, mix_lobes_wide, mix_lobes_body,
     (
         emission: [f32; LOBE_COUNT],
@@ -116,8 +116,8 @@ fn mix_lobes_body<const FUSED: bool>(
         };
         let [first, second, third, log_sum] = lobe_shares(emission, lobes(&windows.at));
         let [below, at, above] = &windows.around;
-        let bow = mixed_bow([first, second, third], [lobes(below), lobes(at), lobes(above)]);
-        for (out, value) in mixed.iter_mut().zip([first, second, third, log_sum, bow]) {
+        let curvature = mixed_curvature([first, second, third], [lobes(below), lobes(at), lobes(above)]);
+        for (out, value) in mixed.iter_mut().zip([first, second, third, log_sum, curvature]) {
             out[lane] = value;
         }
     }

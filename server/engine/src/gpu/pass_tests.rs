@@ -129,8 +129,11 @@ impl Rig {
         let (first, count) = (self.first(request).0, self.batch[request].nodes.len());
         let scales = |node: usize| {
             let bands = &shares[BAND_COUNT * node..][..BAND_COUNT];
-            let mut scales =
-                NodeScales { log_scale: logs[2 * node], bow: logs[2 * node + 1], ..NodeScales::default() };
+            let mut scales = NodeScales {
+                log_scale: logs[2 * node],
+                curvature: logs[2 * node + 1],
+                ..NodeScales::default()
+            };
             for (band, [a, b, c, log_scale]) in bands.iter().enumerate() {
                 scales.shares[band] = [*a, *b, *c];
                 assert_eq!(*log_scale, logs[2 * node][band]);
@@ -249,9 +252,10 @@ fn each_pass_agrees_with_the_cpu_on_the_same_input() {
             scales.iter().flat_map(values).collect()
         };
         assert_close("mix_scale", &flat(&scales), &flat(&expected), 3e-7);
-        let bows = |scales: &[NodeScales]| scales.iter().flat_map(|s| s.bow).collect::<Vec<f32>>();
-        // A difference of logarithms around 30: the rounding of those over a bow of a tenth.
-        assert_close("bows", &bows(&scales), &bows(&expected), 1e-4);
+        let curvatures =
+            |scales: &[NodeScales]| scales.iter().flat_map(|s| s.curvature).collect::<Vec<f32>>();
+        // A difference of logarithms around 30: the rounding of those over a curvature of a tenth.
+        assert_close("curvatures", &curvatures(&scales), &curvatures(&expected), 1e-4);
 
         let mut expected = Vec::new();
         mix::mix_shape(tables, prepared, &scales, true, &mut expected);

@@ -39,8 +39,8 @@ impl CellScales<'_> {
 
     fn log_scale(&self, band: usize, upper_weight: f32) -> f32 {
         let log_scale = self.0.map(|scales| scales.log_scale[band]);
-        let bow = self.0.map(|scales| scales.bow[band]);
-        log_scale_between(log_scale, bow, upper_weight)
+        let curvature = self.0.map(|scales| scales.curvature[band]);
+        log_scale_between(log_scale, curvature, upper_weight)
     }
 
     /// s_b·scale of every band at a weight of the upper node, W m⁻² sr⁻¹ per DNB watt.

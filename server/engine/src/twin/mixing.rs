@@ -2,7 +2,7 @@
 
 use super::elementary::{natural_exp, natural_log};
 use skyglow_physics::LOBE_COUNT;
-use skyglow_tables::bow::LARGEST_BOW;
+use skyglow_tables::curvature::MAX_CURVATURE;
 
 /// Shares of the lobes in one node's scale, and the logarithm of the mixed scale:
 /// `[share_0, share_1, share_2, ln Σ a_l]` with a_l = e_l·exp(log_scale_l), share_l = a_l / Σ a.
@@ -21,9 +21,9 @@ pub fn lobe_shares(emission: [f32; LOBE_COUNT], log_scale: [f32; LOBE_COUNT]) ->
     [amounts[0] / sum, amounts[1] / sum, amounts[2] / sum, largest + natural_log(sum)]
 }
 
-/// [`skyglow_tables::bow::mixed_bow`] of lobes with `shares`, from ln of their scales `[node][lobe]` below, at and above.
+/// [`skyglow_tables::curvature::mixed_curvature`] of lobes with `shares`, from ln of their scales `[node][lobe]` below, at and above.
 #[inline(always)]
-pub fn mixed_bow(shares: [f32; LOBE_COUNT], log_scale: [[f32; LOBE_COUNT]; 3]) -> f32 {
+pub fn mixed_curvature(shares: [f32; LOBE_COUNT], log_scale: [[f32; LOBE_COUNT]; 3]) -> f32 {
     let [below, at, above] = log_scale;
     let slope = |lobe: usize| 0.5 * (above[lobe] - below[lobe]);
     let mean_slope = shares[0] * slope(0) + shares[1] * slope(1) + shares[2] * slope(2);
@@ -31,25 +31,26 @@ pub fn mixed_bow(shares: [f32; LOBE_COUNT], log_scale: [[f32; LOBE_COUNT]; 3]) -
         let apart = slope(lobe) - mean_slope;
         shares[lobe] * ((below[lobe] - at[lobe]) + (above[lobe] - at[lobe]) + apart * apart)
     };
-    (curved(0) + curved(1) + curved(2)).max(-LARGEST_BOW as f32).min(LARGEST_BOW as f32)
+    (curved(0) + curved(1) + curved(2)).max(-MAX_CURVATURE as f32).min(MAX_CURVATURE as f32)
 }
 
 const SIXTH: f32 = 1.0 / 6.0;
 
-/// [`skyglow_tables::bow::log_scale_between`] of a cell's nodes.
+/// [`skyglow_tables::curvature::log_scale_between`] of a cell's nodes.
 #[inline(always)]
-pub fn log_scale_between(log_scale: [f32; 2], bow: [f32; 2], upper_weight: f32) -> f32 {
-    let bow = bow[0] + bow[1] + bow[0] * (1.0 - upper_weight) + bow[1] * upper_weight;
+pub fn log_scale_between(log_scale: [f32; 2], curvature: [f32; 2], upper_weight: f32) -> f32 {
+    let curvature =
+        curvature[0] + curvature[1] + curvature[0] * (1.0 - upper_weight) + curvature[1] * upper_weight;
     log_scale[0] + (log_scale[1] - log_scale[0]) * upper_weight
-        - upper_weight * (1.0 - upper_weight) * bow * SIXTH
+        - upper_weight * (1.0 - upper_weight) * curvature * SIXTH
 }
 
 /// Weights of a cell's lower and upper node: flux · exp(ln of the scale between them), divided between them.
 ///
 /// `flux_w` is the cell's flux in one band; the answer is in the unit of flux × scale, W m⁻² sr⁻¹.
 #[inline(always)]
-pub fn cell_weights(flux_w: f32, log_scale: [f32; 2], bow: [f32; 2], upper_weight: f32) -> [f32; 2] {
-    let scale = flux_w * natural_exp(log_scale_between(log_scale, bow, upper_weight));
+pub fn cell_weights(flux_w: f32, log_scale: [f32; 2], curvature: [f32; 2], upper_weight: f32) -> [f32; 2] {
+    let scale = flux_w * natural_exp(log_scale_between(log_scale, curvature, upper_weight));
     [scale * (1.0 - upper_weight), scale * upper_weight]
 }
 

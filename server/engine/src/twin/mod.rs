@@ -14,4 +14,4 @@ pub use fft::{
     transform_16, transform_256, twiddle, twiddle_index,
 };
 pub use indexing::{blocked_layer, cell_texel, list_texel, mixed_texel, shape_texel};
-pub use mixing::{cell_weights, lobe_shares, log_scale_between, mixed_bow};
+pub use mixing::{cell_weights, lobe_shares, log_scale_between, mixed_curvature};

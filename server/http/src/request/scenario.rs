@@ -16,7 +16,7 @@ use serde::{
     Deserialize, Deserializer,
     de::{Error as _, SeqAccess, Visitor},
 };
-use skyglow_physics::{EmissionMix, Kept, Lamp, LampChange, LampPreset};
+use skyglow_physics::{EmissionMix, Lamp, LampChange, LampPreset, PreservedFlux};
 use skyglow_scene::{Area, Change, ChangeId, Edit, MOST_EDITS, Position, Scenario, SceneId};
 use utoipa::ToSchema;
 
@@ -270,7 +270,7 @@ fn read_alteration(
         let allowed = "`factor`, `lamp`, `emission` or `add_radiance_nw_cm2_sr`";
         reader.fail_part(&name("factor"), "the edit changes nothing", allowed, Mistake::Missing);
     }
-    let all = |to| LampChange { from: None, to, kept: Kept::LuminousFlux };
+    let all = |to| LampChange { from: None, to, kept: PreservedFlux::LuminousFlux };
     let lamp = match &body.lamp {
         None => None,
         Some(LampBody::All(lamp)) => Some(all(read_lamp(reader, &name("lamp"), lamp)?)),
@@ -286,9 +286,9 @@ fn read_alteration(
                     return None;
                 }
             };
-            let keep = replace.keep.as_deref().unwrap_or(Kept::LuminousFlux.name());
-            let Some(kept) = Kept::ALL.into_iter().find(|kept| kept.name() == keep) else {
-                let allowed = Kept::ALL.map(Kept::name).join(", ");
+            let keep = replace.keep.as_deref().unwrap_or(PreservedFlux::LuminousFlux.name());
+            let Some(kept) = PreservedFlux::ALL.into_iter().find(|kept| kept.name() == keep) else {
+                let allowed = PreservedFlux::ALL.map(PreservedFlux::name).join(", ");
                 reader.fail_part(&name("lamp.keep"), "is not allowed", &allowed, Mistake::NotAllowed);
                 return None;
             };
@@ -341,7 +341,7 @@ mod tests {
         let change = LampChange {
             from: Some(LampPreset::Hps),
             to: LampPreset::Led4000k.lamp(),
-            kept: Kept::LuminousFlux,
+            kept: PreservedFlux::LuminousFlux,
         };
         assert_eq!(lamps[2], Change::Alter { factor: 1.0, lamp: Some(change), emission: None });
         assert!(matches!(lamps[4], Change::Add { radiance_nw_cm2_sr: 20.0, lamp: Some(_), emission: None }));

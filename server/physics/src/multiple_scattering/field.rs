@@ -17,9 +17,9 @@ use super::{
 use rayon::prelude::*;
 
 /// Farthest place that decides whether enough orders are summed, metres.
-const JUDGED_WITHIN_M: f64 = 300_000.0;
+const CONVERGED_WITHIN_M: f64 = 300_000.0;
 /// Steepest geometric series that is trusted for the orders left out.
-const STEEPEST_TAIL: f64 = 0.9;
+const MAX_TAIL_RATIO: f64 = 0.9;
 
 /// Light of orders two and more around one source of 1 W: what every place of the air sends into every
 /// direction, for all bands and lobes, light that the ground and the base of a cloud sent back included.
@@ -79,7 +79,7 @@ impl SourceField {
         let mut base_flux = setting.atmosphere.cloud().map(|cloud| (cloud, BaseFlux::dark(&grid)));
         let mut total: Option<Moments> = None;
         let mut before: Option<Moments> = None;
-        for order in 1..=resolution.most_orders {
+        for order in 1..=resolution.max_orders {
             let power = field_power(&setting, &grid, &radiance, order, sent_w, returned_w, escaped_w);
             (sent_w, returned_w) = (power.scattered_on_w, power.returned_w);
             powers.push(power);
@@ -100,7 +100,7 @@ impl SourceField {
                 }
             };
             changes.push(change);
-            let last = change < resolution.tolerance || order == resolution.most_orders;
+            let last = change < resolution.tolerance || order == resolution.max_orders;
             if last {
                 if let (Some(total), Some(before)) = (&mut total, &before) {
                     add_tail(total, before, &scattered);
@@ -115,7 +115,7 @@ impl SourceField {
         }
         let followed = SourceFunction::new(&total.unwrap_or_else(|| Moments::dark(&grid, 0)));
         let source = smooth(&followed, &grid).with_lines_at_mean(&grid);
-        let base = base_flux.map(|(cloud, flux)| flux.radiance(cloud.albedo(), STEEPEST_TAIL));
+        let base = base_flux.map(|(cloud, flux)| flux.radiance(cloud.albedo(), MAX_TAIL_RATIO));
         Self { setting, grid, source, base, powers, changes }
     }
 
@@ -154,7 +154,7 @@ pub(super) fn first_radiance(first: &FirstOrder<'_>, grid: &FieldGrid, degree: u
 /// Largest share of `part` in `total`, mean over directions, over all judged places and lanes.
 fn largest_share(grid: &FieldGrid, part: &Moments, total: &Moments) -> f64 {
     let mut largest: f64 = 0.0;
-    for point in (0..grid.point_count()).filter(|&p| grid.place_m(p).0 <= JUDGED_WITHIN_M) {
+    for point in (0..grid.point_count()).filter(|&p| grid.place_m(p).0 <= CONVERGED_WITHIN_M) {
         let (part, total) = (part.mean(point), total.mean(point));
         for lane in 0..USED_LANES {
             if total[lane] > 0.0 {
@@ -173,7 +173,7 @@ fn add_tail(total: &mut Moments, before: &Moments, last: &Moments) {
             if before[lane] <= 0.0 {
                 return 0.0;
             }
-            let ratio = (last[lane] / before[lane]).clamp(0.0, STEEPEST_TAIL);
+            let ratio = (last[lane] / before[lane]).clamp(0.0, MAX_TAIL_RATIO);
             (ratio / (1.0 - ratio)) as f32
         };
         let factors: Lanes = std::array::from_fn(tail);

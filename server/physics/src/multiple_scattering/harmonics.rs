@@ -18,10 +18,10 @@ pub(super) const fn pair_index(l: usize, m: usize) -> usize {
 }
 
 /// More than the degree of any field, which is 36 at most.
-const KEPT_DEGREE: usize = 40;
-/// [`factors`] of every pair up to [`KEPT_DEGREE`]: roots and quotients took a thirtieth of a field's time.
+const STORED_DEGREE: usize = 40;
+/// [`factors`] of every pair up to [`STORED_DEGREE`]: roots and quotients took a thirtieth of a field's time.
 static FACTORS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
-    (0..=KEPT_DEGREE)
+    (0..=STORED_DEGREE)
         .flat_map(|l| (0..=l).map(move |m| if m < l { factors(l, m) } else { (0.0, 0.0) }))
         .collect()
 });

@@ -36,8 +36,8 @@ mod wide;
 pub use energy::OrderPower;
 pub use field::SourceField;
 use lanes::{LANES, Lanes};
-pub use setting::{DEFAULT_GROUND_ALBEDO, LEAST_BELOW_BASE_M, Resolution, SourceSetting};
-pub use sum::{KeptFields, MultipleSum, SumDensity};
+pub use setting::{DEFAULT_GROUND_ALBEDO, MIN_BELOW_BASE_M, Resolution, SourceSetting};
+pub use sum::{FieldCache, MultipleSum, SumDensity};
 pub use view::ViewRow;
 
 #[cfg(test)]

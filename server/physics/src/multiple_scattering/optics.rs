@@ -136,15 +136,15 @@ mod tests {
         ] {
             let ray = SlantPath::new(altitude_m, mu);
             let r0 = EARTH_RADIUS_M + altitude_m;
-            let truth = integrate_adaptive(0.0, path_m, 1e-10, 0.0, |u| {
+            let reference = integrate_adaptive(0.0, path_m, 1e-10, 0.0, |u| {
                 let z = (r0 * r0 + 2.0 * r0 * mu * u + u * u).sqrt() - EARTH_RADIUS_M;
                 relative_densities(z)
             });
             let got = ray.point(path_m).columns_m;
             for s in 0..2 {
                 assert!(
-                    (got[s] / truth[s] - 1.0).abs() < 1e-5,
-                    "{altitude_m} {mu} {path_m}: {got:?} {truth:?}"
+                    (got[s] / reference[s] - 1.0).abs() < 1e-5,
+                    "{altitude_m} {mu} {path_m}: {got:?} {reference:?}"
                 );
             }
         }

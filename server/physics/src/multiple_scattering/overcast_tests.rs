@@ -138,11 +138,11 @@ fn an_observer_at_or_above_the_base_sees_nothing_and_a_source_there_is_refused_b
     }
     let below = SourceGeometry { observer_altitude_m: BASE_M - 1.0, ..at(3e3) };
     assert!(FIELD.radiance_per_watt(&below, 0.2, 0.4).unwrap()[1][0] > 0.0);
-    for source_m in [BASE_M, 1_500.0, BASE_M - 0.5 * LEAST_BELOW_BASE_M] {
+    for source_m in [BASE_M, 1_500.0, BASE_M - 0.5 * MIN_BELOW_BASE_M] {
         let error = SourceSetting::new(air(BASE_M, 0.5), source_m, 0.0, 0.15).unwrap_err().to_string();
         assert!(error.contains("source_altitude") && error.contains("975"), "{error}");
     }
-    assert!(SourceSetting::new(air(BASE_M, 0.5), BASE_M - LEAST_BELOW_BASE_M, 0.0, 0.15).is_ok());
+    assert!(SourceSetting::new(air(BASE_M, 0.5), BASE_M - MIN_BELOW_BASE_M, 0.0, 0.15).is_ok());
     assert!(SourceSetting::new(air(BASE_M, 0.5).under(None), 1_500.0, 0.0, 0.15).is_ok());
 }
 

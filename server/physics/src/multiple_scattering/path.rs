@@ -13,9 +13,9 @@ use super::{
 use crate::{bands::BAND_COUNT, geometry::EARTH_RADIUS_M};
 
 /// Rays end where less than this is let through in every band.
-const LEAST_TRANSMISSION: f64 = 1e-4;
+const MIN_TRANSMISSION: f64 = 1e-4;
 /// Longest step in optical depth of the thickest band.
-const LONGEST_DEPTH: f64 = 0.5;
+const MAX_DEPTH: f64 = 0.5;
 
 /// One step, at its middle.
 #[derive(Clone, Copy, Debug)]
@@ -139,7 +139,7 @@ impl SteppedPath {
             }
             let climb_m = 0.4 * height_m + 120.0;
             let step_m = (stride.growth * from_m + stride.first_m)
-                .min(LONGEST_DEPTH / extinction)
+                .min(MAX_DEPTH / extinction)
                 .min(climb_m / here.cos_zenith.abs().max(1e-6));
             // No crumbs at the end.
             let to_m = if from_m + 1.3 * step_m >= end_m { end_m } else { from_m + step_m };
@@ -159,7 +159,7 @@ impl SteppedPath {
                 }
             }
             (from_m, before, here) = (to_m, after, next);
-            if before.iter().all(|&t| t < LEAST_TRANSMISSION) {
+            if before.iter().all(|&t| t < MIN_TRANSMISSION) {
                 return Self { steps, stretches, parts, end: None };
             }
         }

@@ -26,7 +26,7 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
 
 /// Nearest points of the base that count as beams' ends, metres: one nearer is the place itself.
-const LEAST_DISTANCE_M: f64 = 1e-3;
+const MIN_DISTANCE_M: f64 = 1e-3;
 
 /// Light of the source that meets the base: where, and what it sends back.
 struct Beam {
@@ -142,7 +142,7 @@ impl<'a> Reflection<'a> {
             let to_beam = beam.end - place.position;
             let distance2 = to_beam.length_squared();
             let distance_m = distance2.sqrt();
-            if distance_m < LEAST_DISTANCE_M {
+            if distance_m < MIN_DISTANCE_M {
                 continue;
             }
             let view = to_beam / distance_m;

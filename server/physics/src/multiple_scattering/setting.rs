@@ -9,9 +9,9 @@ use crate::{
 pub const DEFAULT_GROUND_ALBEDO: f64 = 0.15;
 /// A field is solved for sources at least so far below the base of a cloud, metres: nearer, the spot that they light is
 /// smaller than the field's rings.
-pub const LEAST_BELOW_BASE_M: f64 = 25.0;
+pub const MIN_BELOW_BASE_M: f64 = 25.0;
 /// Highest source, metres.
-const HIGHEST_SOURCE_M: f64 = 10_000.0;
+const MAX_SOURCE_M: f64 = 10_000.0;
 
 /// One source in its air above its ground.
 ///
@@ -22,7 +22,7 @@ const HIGHEST_SOURCE_M: f64 = 10_000.0;
 pub struct SourceSetting {
     /// The air, and the cloud over it, if any.
     pub atmosphere: Atmosphere,
-    /// Altitude of the source, metres, −2 000..=10 000, and [`LEAST_BELOW_BASE_M`] and more below the base of a cloud.
+    /// Altitude of the source, metres, −2 000..=10 000, and [`MIN_BELOW_BASE_M`] and more below the base of a cloud.
     pub source_altitude_m: f64,
     /// Altitude of the ground, metres, −2 000..=source_altitude_m.
     pub ground_altitude_m: f64,
@@ -34,7 +34,7 @@ pub struct SourceSetting {
 }
 
 impl SourceSetting {
-    /// Checks the ranges; the sky is open. Under a cloud a source at the base or less than [`LEAST_BELOW_BASE_M`] below
+    /// Checks the ranges; the sky is open. Under a cloud a source at the base or less than [`MIN_BELOW_BASE_M`] below
     /// it is refused.
     ///
     /// # Errors
@@ -47,8 +47,8 @@ impl SourceSetting {
     ) -> Result<Self, PhysicsError> {
         let highest_m = atmosphere
             .cloud()
-            .map_or(f64::INFINITY, |cloud| cloud.altitude_m() - LEAST_BELOW_BASE_M)
-            .min(HIGHEST_SOURCE_M);
+            .map_or(f64::INFINITY, |cloud| cloud.altitude_m() - MIN_BELOW_BASE_M)
+            .min(MAX_SOURCE_M);
         check_range("source_altitude", source_altitude_m, -2_000.0, highest_m, "m")?;
         check_range("ground_altitude", ground_altitude_m, -2_000.0, source_altitude_m, "m")?;
         check_range("ground_albedo", ground_albedo, 0.0, 1.0, "")?;
@@ -106,7 +106,7 @@ pub struct Resolution {
     /// at 50 km.
     pub tolerance: f64,
     /// No more orders than this; the rest is summed as a geometric series.
-    pub most_orders: usize,
+    pub max_orders: usize,
 }
 
 impl Resolution {
@@ -123,11 +123,11 @@ impl Resolution {
             polar_per_hemisphere: 16,
             azimuths: 18,
             tolerance: 0.05,
-            most_orders: 16,
+            max_orders: 16,
         }
     }
 
-    /// For the truth: a minute or so a field.
+    /// For the reference: a minute or so a field.
     pub fn reference() -> Self {
         Self {
             ring_step: 0.11,
@@ -140,7 +140,7 @@ impl Resolution {
             polar_per_hemisphere: 24,
             azimuths: 28,
             tolerance: 1e-3,
-            most_orders: 20,
+            max_orders: 20,
         }
     }
 
@@ -156,7 +156,7 @@ impl Resolution {
             later_degree: 6,
             polar_per_hemisphere: 6,
             azimuths: 10,
-            most_orders: 6,
+            max_orders: 6,
             ..Self::table()
         }
     }

@@ -56,7 +56,7 @@ struct SmoothLight {
 }
 
 /// What a curve is raised by at most, and what the light around a ring may be over it: beside the edge of a shadow no curve is one.
-const MOST_RAISED: f64 = 0.5;
+const MAX_RAISED: f64 = 0.5;
 const OVER: [f64; 2] = [0.5, 2.0];
 
 impl<'a> Curves<'a> {
@@ -113,7 +113,7 @@ impl<'a> Curves<'a> {
                 let excess =
                     |ring: usize| f64::from(over[ring][lane] - 1.0 - (ln[ring][lane] - curve[ring][lane]));
                 let mean = around.map(excess).sum::<f64>() / self.weights.len() as f64;
-                curve[ring][lane] + (share * mean.min(MOST_RAISED).ln_1p()) as f32
+                curve[ring][lane] + (share * mean.min(MAX_RAISED).ln_1p()) as f32
             })
         };
         SmoothLight { ln: rings().map(raised).collect(), over, mean_over }
@@ -225,7 +225,7 @@ mod tests {
     fn in_thick_haze_the_zenith_falls_evenly_with_the_distance() {
         let atmosphere = Atmosphere::new(Turbidity::new(6.0).unwrap());
         let setting = SourceSetting::new(atmosphere, 0.0, 0.0, 0.15).unwrap();
-        let resolution = Resolution { most_orders: 3, ..Resolution::table() };
+        let resolution = Resolution { max_orders: 3, ..Resolution::table() };
         let followed = zenith(&SourceField::as_followed(setting, &resolution));
         let smooth = zenith(&SourceField::solve(setting, &resolution));
         let rough = [roughness(&followed), roughness(&smooth)];

@@ -61,13 +61,13 @@ pub(super) fn detectors(distances_m: &[f64], directions: &[(f64, f64)]) -> Vec<D
 }
 
 /// All orders of the `lambert` lobe in green are what light traced forward gives, within `tolerance` and four times the
-/// tracer's own standard error, which is `most_noise` at most; the first order alone would not be.
+/// tracer's own standard error, which is `max_noise` at most; the first order alone would not be.
 pub(super) fn check_against_traced_light(
     field: &SourceField,
     detectors: &[Detector],
     paths: u64,
     tolerance: f64,
-    most_noise: f64,
+    max_noise: f64,
 ) {
     let traced = ForwardTracer::new(*field.setting(), Band::G).estimate(detectors, paths, 7);
     for (detector, traced) in detectors.iter().zip(&traced) {
@@ -78,7 +78,7 @@ pub(super) fn check_against_traced_light(
         let total = first + traced.radiance_per_m2_sr[0];
         let noise = traced.standard_error_per_m2_sr[0] / total;
         let error = (first + more) / total - 1.0;
-        assert!(noise < most_noise, "{detector:?}: {noise}");
+        assert!(noise < max_noise, "{detector:?}: {noise}");
         assert!(error.abs() < tolerance + 4.0 * noise, "{detector:?}: {error} with noise {noise}");
         // The tracer's own first order against the quadrature.
         let check = traced.by_order_per_m2_sr[0][0] / first - 1.0;
@@ -88,14 +88,14 @@ pub(super) fn check_against_traced_light(
     }
 }
 
-/// Light traced backward and forward in a direction (relative azimuth, elevation) [rad] agrees in every lobe within four standard errors, which are at most `most_noise`
+/// Light traced backward and forward in a direction (relative azimuth, elevation) [rad] agrees in every lobe within four standard errors, which are at most `max_noise`
 /// of the radiance; both estimates are returned.
 pub(super) fn check_both_tracers(
     setting: SourceSetting,
     geometry: SourceGeometry,
     (relative_azimuth_rad, elevation_rad): (f64, f64),
     backward_paths: u64,
-    most_noise: f64,
+    max_noise: f64,
 ) -> [Estimate; 2] {
     let detector = Detector { geometry, relative_azimuth_rad, elevation_rad };
     let tracer = Tracer::new(setting, Band::G, &geometry);
@@ -105,7 +105,7 @@ pub(super) fn check_both_tracers(
         let difference = b.radiance_per_m2_sr[lobe] - f.radiance_per_m2_sr[lobe];
         let noise = b.standard_error_per_m2_sr[lobe].hypot(f.standard_error_per_m2_sr[lobe]);
         assert!(difference.abs() < 4.0 * noise, "lobe {lobe}: {b:?} {f:?}");
-        assert!(noise < most_noise * b.radiance_per_m2_sr[lobe], "lobe {lobe}: {b:?} {f:?}");
+        assert!(noise < max_noise * b.radiance_per_m2_sr[lobe], "lobe {lobe}: {b:?} {f:?}");
     }
     [b, f]
 }

@@ -15,7 +15,7 @@ mod nodes;
 mod open_altitudes;
 mod tables;
 
-use super::{LEAST_BELOW_BASE_M, Resolution, SourceField, SourceSetting};
+use super::{MIN_BELOW_BASE_M, Resolution, SourceField, SourceSetting};
 use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
@@ -27,7 +27,7 @@ use crate::{
     single_source::RadiancePerWatt,
     source_pixel::PointSource,
 };
-pub use by_lobe::KeptFields;
+pub use by_lobe::FieldCache;
 use density::DARKNESS_PER_M2_SR;
 pub use density::SumDensity;
 use nodes::{ANGLES_DEG, Nodes};
@@ -202,7 +202,7 @@ impl MultipleSum {
         }
         let is_below = |blocked: &&BlockedSource| blocked.source.altitude_m < base_m;
         let held = |blocked: &BlockedSource| {
-            let altitude_m = blocked.source.altitude_m.min(base_m - LEAST_BELOW_BASE_M);
+            let altitude_m = blocked.source.altitude_m.min(base_m - MIN_BELOW_BASE_M);
             BlockedSource { source: PointSource { altitude_m, ..blocked.source }, ..*blocked }
         };
         sources.iter().filter(is_below).map(held).collect()

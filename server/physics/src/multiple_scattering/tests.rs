@@ -37,7 +37,7 @@ fn orders_converge_one_by_one() {
     let changes = FIELD.changes();
     assert_eq!(changes[0], 1.0);
     assert!(changes.windows(2).all(|pair| pair[1] < pair[0]), "{changes:?}");
-    let few = Resolution { most_orders: 3, ..Resolution::coarse() };
+    let few = Resolution { max_orders: 3, ..Resolution::coarse() };
     let short = SourceField::solve(setting(2.0, 0.0, 0.0, DEFAULT_GROUND_ALBEDO), &few);
     // The geometric tail already makes up for most of what three orders leave out.
     let (long, short) = (

@@ -30,12 +30,12 @@ const FAR_FIRST_STEP_M: f64 = 600.0;
 /// Ends of the first pieces of a hemisphere, as cosines from the horizon: 2, 7 and 24°.
 const PIECE_ENDS: [f64; 3] = [0.04, 0.12, 0.4];
 /// Fewest zenith angles of a hemisphere that are shared out over pieces, four in each.
-const FEWEST_IN_PIECES: usize = 16;
+const MIN_IN_PIECES: usize = 16;
 
 /// Cosines of zenith angles with weights summing to 2, above and below the horizon of a ground, whose zenith angle has
 /// the cosine `horizon` ≤ 0: there radiance jumps. The haze over a far source glows in a strip of a degree or two, somewhere
 /// within some degrees of the horizon, so nodes are close there: Gauss's in each of four pieces. Fewer than
-/// [`FEWEST_IN_PIECES`] crowd at the horizon itself, μ = horizon ± x².
+/// [`MIN_IN_PIECES`] crowd at the horizon itself, μ = horizon ± x².
 ///
 /// At the zenith 20 to 160 km from a source in thick haze (turbidity 6) fields with 12 nodes μ = horizon ± x² are +1.6, +3.2,
 /// +9.5 and −5.1 % off those with 50 in five pieces, with 24 still −2, −3, −2, −2 %; 16 in four −1.6, +0.4, −3.9, −1.5 %. At turbidity
@@ -50,7 +50,7 @@ pub(super) fn zenith_nodes(per_hemisphere: usize, horizon: f64) -> Vec<(f64, f64
 /// Nodes and weights over cosines 0..`size` from the horizon.
 fn hemisphere_nodes(count: usize, size: f64) -> Vec<(f64, f64)> {
     let pieces = PIECE_ENDS.len() + 1;
-    if count < FEWEST_IN_PIECES || !count.is_multiple_of(pieces) {
+    if count < MIN_IN_PIECES || !count.is_multiple_of(pieces) {
         let squared = |(x, weight): (f64, f64)| (size * x * x, 2.0 * size * x * weight);
         return gauss_legendre(count).into_iter().map(squared).collect();
     }

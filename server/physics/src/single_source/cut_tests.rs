@@ -152,8 +152,8 @@ fn the_fixed_rule_agrees_with_the_adaptive_one_behind_a_skyline() {
                         1e-9,
                         0.0,
                     );
-                    errors.extend(fixed.iter().zip(fine).map(|(got, truth)| {
-                        if truth > 1e-30 { (got / truth - 1.0).abs() } else { got - truth }
+                    errors.extend(fixed.iter().zip(fine).map(|(got, reference)| {
+                        if reference > 1e-30 { (got / reference - 1.0).abs() } else { got - reference }
                     }));
                 }
             }

@@ -197,10 +197,10 @@ fn all_ways_of_asking_agree_under_a_cloud() {
             mixed_radiance_per_watt(&air, &geometry, mix, azimuth, elevation, 1e-8);
         for band in 0..BAND_COUNT {
             for lobe in 0..LOBE_COUNT {
-                let (got, truth) = (fixed[band * LOBE_COUNT + lobe], fine[band][lobe]);
+                let (got, reference) = (fixed[band * LOBE_COUNT + lobe], fine[band][lobe]);
                 assert!(
-                    (got - truth).abs() <= 1e-3 * truth,
-                    "{geometry:?} {azimuth} {elevation}: {got:e} {truth:e}"
+                    (got - reference).abs() <= 1e-3 * reference,
+                    "{geometry:?} {azimuth} {elevation}: {got:e} {reference:e}"
                 );
             }
             let sum: f64 = fine[band].iter().zip(mix.weights()).map(|(value, weight)| value * weight).sum();

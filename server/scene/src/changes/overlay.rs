@@ -13,7 +13,7 @@ use crate::skylines::{Skyline, Skylines};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use skyglow_physics::source_pixel::upward_flux_dnb_w;
-use skyglow_physics::{Fixture, GeoPoint, Kept, LampChange};
+use skyglow_physics::{Fixture, GeoPoint, LampChange, PreservedFlux};
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, OnceLock};
 use thiserror::Error;
@@ -170,7 +170,7 @@ impl<'a> Canvas<'a> {
                 codes.len()
             }
             Change::Add { radiance_nw_cm2_sr, lamp, emission } => {
-                let lamps = lamp.map(|to| LampChange { from: None, to, kept: Kept::DnbFlux });
+                let lamps = lamp.map(|to| LampChange { from: None, to, kept: PreservedFlux::DnbFlux });
                 let fixture = Fixture { lamps: lamps.into_iter().collect(), emission: *emission };
                 let of = self.fixture(number, fixture)?;
                 let mut lit = 0;

@@ -1,7 +1,7 @@
 //! One source as a pack has it.
 
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, interpolation::Stencil, panorama::azimuth_rad};
-use skyglow_tables::{OffsetAxis, ResidentTables, bow::log_scale_at, resident::FREQUENCY_COUNT};
+use skyglow_tables::{OffsetAxis, ResidentTables, curvature::log_scale_at, resident::FREQUENCY_COUNT};
 
 /// Coefficients of one source on ring 0 over the basis, scale included, lobes mixed, `[band][basis]`.
 fn coefficients(

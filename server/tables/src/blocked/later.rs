@@ -5,10 +5,10 @@
 
 use super::{ANGLE_COUNT, LaterAxes, blocking_deg};
 use crate::{
-    clouds::held_below_clouds_m,
+    clouds::clamped_below_clouds_m,
     error::TablesError,
     layout::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT},
-    multiple::{MultipleAxes, MultipleTable, bent_offset, column_stencils, view},
+    multiple::{MultipleAxes, MultipleTable, column_stencils, stretched_offset, view},
 };
 use rayon::prelude::*;
 use skyglow_physics::{
@@ -19,7 +19,7 @@ use skyglow_physics::{
 };
 
 /// Smallest ln of a part that is kept.
-const LOWEST_LOG_PART: f32 = -30.0;
+const MIN_LOG_PART: f32 = -30.0;
 
 /// ln of the part that skylines leave of orders two and more, in one atmosphere.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ impl LaterAxes {
     fn views(&self, field: &SourceField, ground_m: f64, distance_m: &[f64]) -> Result<Vec<f32>, TablesError> {
         let mut views = Vec::with_capacity(self.part_len(distance_m.len()));
         for offset_m in &self.offset_m {
-            let observer_m = held_below_clouds_m(ground_m - offset_m, field.setting().atmosphere.cloud());
+            let observer_m = clamped_below_clouds_m(ground_m - offset_m, field.setting().atmosphere.cloud());
             views.extend(view(field, &self.column, distance_m, observer_m)?);
         }
         Ok(views)
@@ -92,7 +92,7 @@ impl LaterParts {
                 let mut part = look(setting(ground)?.behind(blocking_deg(angle).to_radians())?, ground)?;
                 for (cut, open) in part.iter_mut().zip(&open[ground]) {
                     // A skyline takes light and adds none; where both are dark nothing is known and nothing matters.
-                    *cut = (*cut - open).clamp(LOWEST_LOG_PART, 0.0);
+                    *cut = (*cut - open).clamp(MIN_LOG_PART, 0.0);
                 }
                 made(ground, angle, &part)?;
                 Ok(part)
@@ -145,10 +145,11 @@ impl LaterParts {
     fn nodes(&self, geometry: &SourceGeometry, angle_index: usize) -> Vec<(usize, usize, f64)> {
         let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
         let offset_m = (geometry.source_altitude_m - geometry.observer_altitude_m).min(0.0);
-        let bent_axis: Vec<f64> = self.axes.offset_m.iter().map(|&offset_m| bent_offset(offset_m)).collect();
+        let stretched_axis: Vec<f64> =
+            self.axes.offset_m.iter().map(|&offset_m| stretched_offset(offset_m)).collect();
         let mut nodes = Vec::with_capacity(MAX_STENCIL.pow(2));
         for (ground, ground_weight) in Stencil::lagrange(&self.axes.ground_altitude_m, ground_m) {
-            for (offset, offset_weight) in Stencil::lagrange(&bent_axis, bent_offset(offset_m)) {
+            for (offset, offset_weight) in Stencil::lagrange(&stretched_axis, stretched_offset(offset_m)) {
                 let weight = ground_weight * offset_weight;
                 if weight != 0.0 {
                     nodes.push((ground * ANGLE_COUNT + angle_index, offset, weight));

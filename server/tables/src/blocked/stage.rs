@@ -2,9 +2,9 @@
 
 use super::{ANGLE_COUNT, BlockedAxes, BlockedTables, blocking_deg, later::LaterParts, tables::open_sample};
 use crate::{
-    axes::{OffsetAxis, held_node},
+    axes::{OffsetAxis, clamped_node},
     checkpoint::Checkpoint,
-    clouds::held_geometry,
+    clouds::clamped_geometry,
     error::TablesError,
     fit::{Basis, Projector, check_half_precision, cut_dim_factor, sample_weights},
     images::{SourceImages, cloud_over, images_with},
@@ -24,7 +24,7 @@ use skyglow_physics::{
 };
 
 /// Smallest ln of a cut scale over the open one: nothing is left.
-const LOWEST_LOG_PART: f64 = -60.0;
+const MIN_LOG_PART: f64 = -60.0;
 /// Scales over the open ones are kept to this step in their logarithm, which costs 5e-4 at most and packs well.
 const LOG_PART_STEP: f64 = 1.0 / 1024.0;
 
@@ -139,7 +139,7 @@ fn make_part(
         for node in 0..job.axes.offset_count {
             let offset_m = axis.offset_m(node as f64);
             let geometry =
-                held_geometry(held_node(distance_m, observer_m, offset_m), cloud_over(job.atmospheres));
+                clamped_geometry(clamped_node(distance_m, observer_m, offset_m), cloud_over(job.atmospheres));
             let add_later = |atmosphere: usize, images: &mut [f64]| {
                 if let (Some(later), Some(table)) = (later.get(atmosphere), job.multiple.get(atmosphere)) {
                     later.add_to(table, &geometry, angle, distance, images);
@@ -150,8 +150,9 @@ fn make_part(
                 Some((shown, images)) if shown == geometry => images,
                 _ => images_with(job.atmospheres, &geometry, blocking_deg(angle).to_radians(), &add_later),
             };
-            let held_offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
-            let dim_factor = cut_dim_factor(job.scattering, held_offset_m, distance_m, blocking_deg(angle));
+            let clamped_offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
+            let dim_factor =
+                cut_dim_factor(job.scattering, clamped_offset_m, distance_m, blocking_deg(angle));
             for ((part, open), images) in parts.iter_mut().zip(open).zip(&images) {
                 push_differences(part, job, open, images, dim_factor, observer_m, distance, offset_m)?;
             }
@@ -182,7 +183,7 @@ fn push_differences(
         for (band, row) in rows.into_iter().enumerate() {
             let image = image_index(lobe, band);
             let open_log = open_sample(&open.tables, observers, image, distance, offset_m, &mut open_shape);
-            let log_part = (images.log_scale[image] - open_log).clamp(LOWEST_LOG_PART, 0.0);
+            let log_part = (images.log_scale[image] - open_log).clamp(MIN_LOG_PART, 0.0);
             part.push(((log_part / LOG_PART_STEP).round() * LOG_PART_STEP) as f32);
             let less_open: Vec<f64> =
                 row.iter().zip(&open_shape).map(|(c, open)| c - f64::from(*open)).collect();
@@ -236,7 +237,7 @@ mod tests {
         let distance = 1;
         for (angle, offset) in [(0, 1), (4, 2), (6, 1)] {
             let offset_m = blocked.offset_axis[angle][distance].offset_m(offset as f64);
-            let geometry = held_node(axes.distance_m[distance], 0.0, offset_m);
+            let geometry = clamped_node(axes.distance_m[distance], 0.0, offset_m);
             let scales = |blocking_deg: f64| {
                 let air = [Atmosphere::new(turbidity)];
                 images_with(&air, &geometry, blocking_deg.to_radians(), &|_, _| ())[0].log_scale

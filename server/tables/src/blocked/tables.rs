@@ -3,7 +3,7 @@
 use super::{ANGLE_COUNT, BlockedAxes, blocking_deg};
 use crate::{
     axes::OffsetAxis,
-    bow::log_scale_at,
+    curvature::log_scale_at,
     layout::IMAGE_COUNT,
     resident::{ResidentBlocked, ResidentTables},
 };

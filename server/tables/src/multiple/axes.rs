@@ -2,7 +2,7 @@
 
 use crate::{
     axes::logarithmic,
-    clouds::{Clouds, altitudes_below, held_below_clouds_m},
+    clouds::{Clouds, altitudes_below, clamped_below_clouds_m},
     layout::IMAGE_COUNT,
 };
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ const OFFSET_SCALE_M: f64 = 150.0;
 const FIELD_VERSION: u32 = 5;
 
 /// What offsets are interpolated in.
-pub(crate) fn bent_offset(offset_m: f64) -> f64 {
+pub(crate) fn stretched_offset(offset_m: f64) -> f64 {
     (offset_m / OFFSET_SCALE_M).asinh()
 }
 
@@ -122,7 +122,7 @@ impl MultipleAxes {
             offsets.sort_by(f64::total_cmp);
         }
         for offset_m in &mut offsets {
-            let higher_m = held_below_clouds_m(ground_m + offset_m.abs(), cloud);
+            let higher_m = clamped_below_clouds_m(ground_m + offset_m.abs(), cloud);
             *offset_m = offset_m.signum() * (higher_m - ground_m).min(offset_m.abs());
         }
         offsets.dedup();

@@ -10,7 +10,7 @@
 mod axes;
 
 use crate::{
-    clouds::held_below_clouds_m,
+    clouds::clamped_below_clouds_m,
     error::TablesError,
     layout::{HALF_COLUMN_COUNT, IMAGE_COUNT, PIXEL_COUNT, image_index},
 };
@@ -23,7 +23,7 @@ use skyglow_physics::{
     single_source::SourceGeometry,
 };
 
-pub(crate) use axes::bent_offset;
+pub(crate) use axes::stretched_offset;
 pub use axes::{FieldResolution, MultipleAxes};
 
 /// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
@@ -33,8 +33,8 @@ const DARKNESS_PER_M2_SR: f64 = 1e-36;
 pub struct MultipleTable {
     axes: MultipleAxes,
     log_distance: Vec<f64>,
-    /// [`bent_offset`] of the offsets over each ground.
-    bent_offsets: Vec<Vec<f64>>,
+    /// [`stretched_offset`] of the offsets over each ground.
+    stretched_offsets: Vec<Vec<f64>>,
     /// `[ground][offset]`, each `[distance][row][column][image]`.
     parts: Vec<Vec<Vec<f32>>>,
     /// For each panorama column the table's columns and their weights.
@@ -55,9 +55,9 @@ impl MultipleTable {
         kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
         made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
-        let held_m = |altitude_m| held_below_clouds_m(altitude_m, atmosphere.cloud());
+        let clamped_m = |altitude_m| clamped_below_clouds_m(altitude_m, atmosphere.cloud());
         let view_part = |field: &SourceField, ground: usize, offset: usize, offset_m: f64| {
-            let observer_m = held_m(axes.ground_altitude_m[ground] - offset_m.min(0.0));
+            let observer_m = clamped_m(axes.ground_altitude_m[ground] - offset_m.min(0.0));
             let part = view(field, &axes.column, &axes.distance_m, observer_m)?;
             made(ground, offset, &part)?;
             Ok(part)
@@ -93,12 +93,13 @@ impl MultipleTable {
         for ((ground, _), solved) in pieces.into_iter().zip(solved) {
             parts[ground].extend(solved);
         }
-        let bent =
-            |ground| axes.offsets_over_m(ground, atmosphere.cloud()).into_iter().map(bent_offset).collect();
+        let stretched = |ground| {
+            axes.offsets_over_m(ground, atmosphere.cloud()).into_iter().map(stretched_offset).collect()
+        };
         Ok(Self {
             axes: axes.clone(),
             log_distance: axes.distance_m.iter().map(|d| d.ln()).collect(),
-            bent_offsets: grounds.map(bent).collect(),
+            stretched_offsets: grounds.map(stretched).collect(),
             parts,
             column_stencils: column_stencils(&axes.column),
         })
@@ -155,15 +156,15 @@ impl MultipleTable {
     /// (part, distance node, weight) of a geometry; no weight is zero.
     fn nodes(&self, geometry: &SourceGeometry) -> Vec<(&[f32], usize, f64)> {
         let ground_m = geometry.source_altitude_m.min(geometry.observer_altitude_m);
-        let bent = bent_offset(geometry.source_altitude_m - geometry.observer_altitude_m);
+        let stretched = stretched_offset(geometry.source_altitude_m - geometry.observer_altitude_m);
         let distances = Stencil::lagrange(&self.log_distance, geometry.distance_m.ln());
         let mut nodes = Vec::with_capacity(MAX_STENCIL.pow(3));
         // In altitude itself: in the optical depth above, where a clear path's logarithm is a line, the light that finds
         // its way around through thinner air bends more.
         let grounds_m = &self.axes.ground_altitude_m;
-        let first = if bent > 0.0 { grounds_m.partition_point(|&ground_m| ground_m < 0.0) } else { 0 };
+        let first = if stretched > 0.0 { grounds_m.partition_point(|&ground_m| ground_m < 0.0) } else { 0 };
         for (ground, ground_weight) in Stencil::lagrange(&grounds_m[first..], ground_m).shifted(first) {
-            for (offset, offset_weight) in offset_stencil(&self.bent_offsets[ground], bent) {
+            for (offset, offset_weight) in offset_stencil(&self.stretched_offsets[ground], stretched) {
                 for (distance, distance_weight) in distances {
                     let weight = ground_weight * offset_weight * distance_weight;
                     if weight != 0.0 {
@@ -176,15 +177,15 @@ impl MultipleTable {
     }
 }
 
-/// The stencil in [`bent_offset`] on the source's own side of the observer: where both stand equally high there is a kink, for
+/// The stencil in [`stretched_offset`] on the source's own side of the observer: where both stand equally high there is a kink, for
 /// below it the ground is the source's, above it the observer's.
-fn offset_stencil(bent_offsets: &[f64], bent: f64) -> Stencil {
-    let level = bent_offsets.partition_point(|&node| node < 0.0);
-    if bent <= 0.0 {
-        return Stencil::lagrange(&bent_offsets[..(level + 1).min(bent_offsets.len())], bent);
+fn offset_stencil(stretched_offsets: &[f64], stretched: f64) -> Stencil {
+    let level = stretched_offsets.partition_point(|&node| node < 0.0);
+    if stretched <= 0.0 {
+        return Stencil::lagrange(&stretched_offsets[..(level + 1).min(stretched_offsets.len())], stretched);
     }
-    let first = level.min(bent_offsets.len() - 1);
-    Stencil::lagrange(&bent_offsets[first..], bent).shifted(first)
+    let first = level.min(stretched_offsets.len() - 1);
+    Stencil::lagrange(&stretched_offsets[first..], stretched).shifted(first)
 }
 
 /// The field that serves an offset over a ground.
@@ -195,7 +196,7 @@ fn solved_field(
     offset_m: f64,
 ) -> Result<SourceField, TablesError> {
     let ground_m = axes.ground_altitude_m[ground];
-    let source_m = held_below_clouds_m(ground_m + offset_m.max(0.0), atmosphere.cloud());
+    let source_m = clamped_below_clouds_m(ground_m + offset_m.max(0.0), atmosphere.cloud());
     let setting = SourceSetting::new(atmosphere, source_m, ground_m, axes.ground_albedo)?;
     Ok(SourceField::solve(setting, &axes.field_resolution.resolution()))
 }
@@ -276,14 +277,14 @@ mod tests {
         let mut images = vec![0.0; IMAGE_COUNT * PIXEL_COUNT];
         table.add_to(&geometry, &mut images);
         for (row, column) in [(0, 0), (10, 64), (63, 128), (30, 16)] {
-            let truth = ViewRow::new(field, geometry.observer_altitude_m, elevation_rad(row))
+            let reference = ViewRow::new(field, geometry.observer_altitude_m, elevation_rad(row))
                 .unwrap()
                 .radiance_per_watt(30_000.0, azimuth_rad(column));
             let got = table.radiance_per_watt(&geometry, row, column);
-            for (slot, &truth) in truth.as_flattened().iter().enumerate() {
+            for (slot, &reference) in reference.as_flattened().iter().enumerate() {
                 // `[band][lobe]`
                 let image = image_index(slot % LOBE_COUNT, slot / LOBE_COUNT);
-                assert!((got[image] / truth - 1.0).abs() < 1e-4, "{row} {column} {slot}");
+                assert!((got[image] / reference - 1.0).abs() < 1e-4, "{row} {column} {slot}");
                 let sample = images[image * PIXEL_COUNT + row * HALF_COLUMN_COUNT + column];
                 assert!((sample / got[image] - 1.0).abs() < 1e-9);
             }
@@ -297,18 +298,18 @@ mod tests {
     #[test]
     fn offsets_are_interpolated_on_their_own_side_of_the_observer_and_haze_has_more_of_them() {
         let axes = MultipleAxes::full(0.15);
-        let bent =
-            |ground| axes.offsets_over_m(ground, None).into_iter().map(bent_offset).collect::<Vec<_>>();
-        let (haze, clear) = (bent(3), bent(8));
+        let stretched =
+            |ground| axes.offsets_over_m(ground, None).into_iter().map(stretched_offset).collect::<Vec<_>>();
+        let (haze, clear) = (stretched(3), stretched(8));
         assert!(haze.len() == clear.len() + axes.haze_offset_m.len());
         assert!(haze.windows(2).all(|pair| pair[0] < pair[1]));
         let level = haze.partition_point(|&node| node < 0.0);
         for (offset_m, sides) in [(-30.0, 0..=level), (0.0, 0..=level), (20.0, level..=haze.len() - 1)] {
-            let stencil = offset_stencil(&haze, bent_offset(offset_m));
+            let stencil = offset_stencil(&haze, stretched_offset(offset_m));
             assert!(stencil.nodes().all(|node| sides.contains(&node)), "{offset_m}: {stencil:?}");
             assert!((stencil.weights().iter().sum::<f64>() - 1.0).abs() < 1e-12);
             let position = stencil.sum(|node| haze[node]);
-            assert!((position - bent_offset(offset_m)).abs() < 1e-9, "{offset_m}");
+            assert!((position - stretched_offset(offset_m)).abs() < 1e-9, "{offset_m}");
         }
         let clouds = Clouds::new(1_000, 0.5).unwrap();
         let below = MultipleAxes::full(0.15).below(clouds);

@@ -14,11 +14,11 @@ use skyglow_physics::ELEVATION_COUNT;
 use std::path::Path;
 
 /// Points of an axis at most.
-const LONGEST_AXIS: usize = 4096;
+const MAX_AXIS: usize = 4096;
 /// Bytes of a section at most.
-const LARGEST_SECTION: usize = 1 << 30;
+const MAX_SECTION: usize = 1 << 30;
 /// Times its packed length that a section can be at most: a few bytes do not make room for everything.
-const GREATEST_RATIO: usize = 1 << 12;
+const MAX_RATIO: usize = 1 << 12;
 
 impl Pack {
     /// Reads and checks a pack: magic, format, checksum, manifest, lengths, finite values.
@@ -102,10 +102,10 @@ impl<'a> Parts<'a> {
         let expected = counts
             .iter()
             .try_fold(width, |bytes, count| bytes.checked_mul(*count))
-            .filter(|bytes| *bytes <= LARGEST_SECTION)
+            .filter(|bytes| *bytes <= MAX_SECTION)
             .ok_or_else(|| format!("{what} would be larger than a section can be"))?;
         let packed = self.take(what)?;
-        if expected > GREATEST_RATIO * packed.len() {
+        if expected > MAX_RATIO * packed.len() {
             return Err(format!("{what} is {} bytes, too few for {expected}", packed.len()));
         }
         // How many they say is asked before room is made.
@@ -142,7 +142,7 @@ fn read_manifest(json: &[u8]) -> Result<Manifest, String> {
     let points = [&axes.distance_m, &axes.observer_altitude_m]
         .into_iter()
         .chain(blocked.into_iter().flat_map(|axes| [&axes.distance_m, &axes.observer_altitude_m]));
-    let is_counted = |count: usize| (1..=LONGEST_AXIS).contains(&count);
+    let is_counted = |count: usize| (1..=MAX_AXIS).contains(&count);
     if !counts.chain(points.clone().map(Vec::len)).all(is_counted)
         || axes.offset_count < 3
         || blocked.is_some_and(|axes| axes.basis_count > manifest.basis_count || axes.offset_count < 3)

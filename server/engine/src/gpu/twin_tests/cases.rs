@@ -86,11 +86,11 @@ pub(super) fn cases() -> Vec<Case> {
             1e-6,
         ),
         case(
-            "mixed_bow",
+            "mixed_curvature",
             mixing,
             &[Vector(3, 0.0, 0.4), Vector(3, -42.0, -40.0), Vector(3, -42.0, -40.0), Vector(3, -42.0, -40.0)],
             Answer::Real,
-            |w| bits([twin::mixed_bow(reals(w), [reals(&w[3..]), reals(&w[6..]), reals(&w[9..])])]),
+            |w| bits([twin::mixed_curvature(reals(w), [reals(&w[3..]), reals(&w[6..]), reals(&w[9..])])]),
             ulps,
             // A sum of terms of a few units, which a GPU may contract.
             if tested_device() == ExecutorKind::Gpu { 1.0 } else { 1e-6 },

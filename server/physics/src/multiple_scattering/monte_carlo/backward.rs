@@ -11,7 +11,7 @@ use super::{
         optics::{SlantPath, columns_to_space_m, optical_depths, relative_densities},
         setting::SourceSetting,
     },
-    Estimate, TOLD_ORDERS,
+    Estimate, SEPARATE_ORDERS,
     draws::{Random, lambertian_direction, mixed_phase, path_of_depth_m, scattered_direction, turned},
 };
 use crate::{
@@ -32,7 +32,7 @@ const TOP_ALTITUDE_M: f64 = 100_000.0;
 /// From this order on a path survives with this probability a vertex.
 const ROULETTE_FROM: usize = 6;
 const SURVIVAL: f64 = 0.7;
-const LONGEST_PATH: usize = 400;
+const MAX_VERTICES: usize = 400;
 /// Paths go on so far below the base of a cloud, metres.
 const OFF_BASE_M: f64 = 1e-4;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
@@ -102,7 +102,7 @@ impl Tracer {
             .into_par_iter()
             .map(|stream| {
                 let mut random = Random::new(seed, stream);
-                let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+                let mut orders = [[0.0; LOBE_COUNT]; SEPARATE_ORDERS];
                 let mut squares = [0.0; LOBE_COUNT];
                 for _ in 0..STREAM_PATHS {
                     let path = self.trace(view, &mut random);
@@ -119,11 +119,11 @@ impl Tracer {
             })
             .collect();
         let count = (streams * STREAM_PATHS) as f64;
-        let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+        let mut orders = [[0.0; LOBE_COUNT]; SEPARATE_ORDERS];
         let mut squares = [0.0; LOBE_COUNT];
         for (stream_orders, stream_squares) in &sums {
             for lobe in 0..LOBE_COUNT {
-                for order in 0..TOLD_ORDERS {
+                for order in 0..SEPARATE_ORDERS {
                     orders[order][lobe] += stream_orders[order][lobe] / count;
                 }
                 squares[lobe] += stream_squares[lobe] / count;
@@ -133,10 +133,10 @@ impl Tracer {
     }
 
     /// One path: its contribution to each order and lobe.
-    fn trace(&self, view: DVec3, random: &mut Random) -> [[f64; LOBE_COUNT]; TOLD_ORDERS] {
-        let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+    fn trace(&self, view: DVec3, random: &mut Random) -> [[f64; LOBE_COUNT]; SEPARATE_ORDERS] {
+        let mut orders = [[0.0; LOBE_COUNT]; SEPARATE_ORDERS];
         let (mut position, mut direction, mut weight) = (self.observer, view, 1.0);
-        for vertex in 0..LONGEST_PATH {
+        for vertex in 0..MAX_VERTICES {
             let Some(hit) = self.draw_point(position, direction, random) else { break };
             position += direction * hit.path_m;
             let normal = position.normalize() * hit.surface.map_or(1.0, |wall| wall.side);
@@ -148,7 +148,7 @@ impl Tracer {
                     Some(wall) => wall.albedo / PI * (-from_source.dot(normal)).max(0.0),
                     None => mixed_phase(scatterers, -from_source.dot(direction)),
                 };
-                let order = vertex.min(TOLD_ORDERS - 1);
+                let order = vertex.min(SEPARATE_ORDERS - 1);
                 for lobe in 0..LOBE_COUNT {
                     orders[order][lobe] += weight * response * light[lobe];
                 }

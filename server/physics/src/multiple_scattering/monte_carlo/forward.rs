@@ -18,7 +18,7 @@ use super::{
         optics::{SlantPath, optical_depths},
         setting::SourceSetting,
     },
-    Estimate, TOLD_ORDERS,
+    Estimate, SEPARATE_ORDERS,
     crossing::{Detector, Ray},
     draws::{Random, lambertian_direction, mixed_phase, path_of_depth_m, scattered_direction},
 };
@@ -37,7 +37,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Where the air ends for flights, metres.
 const TOP_ALTITUDE_M: f64 = 100_000.0;
 /// Light weaker than this survives by chance only.
-const LEAST_WEIGHT: f64 = 0.05;
+const MIN_WEIGHT: f64 = 0.05;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
 const STREAM_PATHS: u64 = 4_096;
 
@@ -59,7 +59,7 @@ struct Flight {
     order: usize,
 }
 
-type Tally = [[f64; LOBE_COUNT]; TOLD_ORDERS];
+type Tally = [[f64; LOBE_COUNT]; SEPARATE_ORDERS];
 
 impl ForwardTracer {
     /// A tracer of a band of a setting.
@@ -100,7 +100,7 @@ impl ForwardTracer {
             .into_par_iter()
             .map(|stream| {
                 let mut random = Random::new(seed, stream);
-                let mut tallies: Vec<Tally> = vec![[[0.0; LOBE_COUNT]; TOLD_ORDERS]; rays.len()];
+                let mut tallies: Vec<Tally> = vec![[[0.0; LOBE_COUNT]; SEPARATE_ORDERS]; rays.len()];
                 let mut squares = vec![[0.0; LOBE_COUNT]; rays.len()];
                 let mut caught = vec![[0.0; LOBE_COUNT]; rays.len()];
                 for _ in 0..STREAM_PATHS {
@@ -118,11 +118,11 @@ impl ForwardTracer {
         let count = (streams * STREAM_PATHS) as f64;
         (0..rays.len())
             .map(|ray| {
-                let mut orders = [[0.0; LOBE_COUNT]; TOLD_ORDERS];
+                let mut orders = [[0.0; LOBE_COUNT]; SEPARATE_ORDERS];
                 let mut squares = [0.0; LOBE_COUNT];
                 for (tallies, stream_squares) in &sums {
                     for lobe in 0..LOBE_COUNT {
-                        for order in 0..TOLD_ORDERS {
+                        for order in 0..SEPARATE_ORDERS {
                             orders[order][lobe] += tallies[ray][order][lobe] / count;
                         }
                         squares[lobe] += stream_squares[ray][lobe] / count;
@@ -201,11 +201,11 @@ impl ForwardTracer {
             }
             flight.order += 1;
             let most = flight.weight.iter().fold(0.0f64, |a, &b| a.max(b));
-            if most < LEAST_WEIGHT {
-                if random.unit() * LEAST_WEIGHT >= most {
+            if most < MIN_WEIGHT {
+                if random.unit() * MIN_WEIGHT >= most {
                     return;
                 }
-                flight.weight = flight.weight.map(|w| w * LEAST_WEIGHT / most);
+                flight.weight = flight.weight.map(|w| w * MIN_WEIGHT / most);
             }
         }
     }
@@ -241,7 +241,7 @@ impl ForwardTracer {
         }
         for lobe in 0..LOBE_COUNT {
             let value = per_weight * flight.weight[lobe];
-            tally[flight.order.min(TOLD_ORDERS - 1)][lobe] += value;
+            tally[flight.order.min(SEPARATE_ORDERS - 1)][lobe] += value;
             if flight.order > 0 {
                 caught[lobe] += value;
             }

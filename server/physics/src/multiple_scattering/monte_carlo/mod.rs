@@ -15,7 +15,7 @@ pub use crossing::Detector;
 pub use forward::ForwardTracer;
 
 /// Orders that are told apart.
-pub const TOLD_ORDERS: usize = 12;
+pub const SEPARATE_ORDERS: usize = 12;
 
 /// Radiance of orders two and more with its standard error, per lobe, m⁻² sr⁻¹ per watt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,12 +26,16 @@ pub struct Estimate {
     pub standard_error_per_m2_sr: [f64; LOBE_COUNT],
     /// Mean of order `i + 1` alone (the last one holds all later ones), `[order][lobe]`. Order 1 is a check
     /// against `single_source` and is not part of the mean.
-    pub by_order_per_m2_sr: [[f64; LOBE_COUNT]; TOLD_ORDERS],
+    pub by_order_per_m2_sr: [[f64; LOBE_COUNT]; SEPARATE_ORDERS],
 }
 
 impl Estimate {
     /// From means over `count` paths: of every order, and of the squares of orders two and more together.
-    fn from_sums(orders: [[f64; LOBE_COUNT]; TOLD_ORDERS], squares: [f64; LOBE_COUNT], count: f64) -> Self {
+    fn from_sums(
+        orders: [[f64; LOBE_COUNT]; SEPARATE_ORDERS],
+        squares: [f64; LOBE_COUNT],
+        count: f64,
+    ) -> Self {
         let mean: [f64; LOBE_COUNT] =
             std::array::from_fn(|lobe| orders[1..].iter().map(|order| order[lobe]).sum());
         Self {

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 
 /// Fields in one air over one kind of ground, some tens of megabytes each.
 #[derive(Clone, Debug)]
-pub struct KeptFields {
+pub struct FieldCache {
     atmosphere: Atmosphere,
     ground_albedo: f64,
     resolution: Resolution,
@@ -31,7 +31,7 @@ pub struct KeptFields {
     solved_count: usize,
 }
 
-impl KeptFields {
+impl FieldCache {
     /// None yet, in air without clouds: below a base sources would have to be held. `density` is that of
     /// [`super::MultipleSum`].
     pub fn new(
@@ -141,7 +141,7 @@ mod tests {
         let sources =
             [source(0.3, 4_000.0, 150.0), source(2.0, 40_000.0, 150.0), source(5.0, 9_000.0, 620.0)];
         let directions = [(0, 10), (9, 200), (63, 0)].map(grid_direction);
-        let mut kept = KeptFields::new(atmosphere, 0.15, resolution, density);
+        let mut kept = FieldCache::new(atmosphere, 0.15, resolution, density);
         let mut by_lobe = |observer_altitude_m: f64| {
             kept.radiance_by_lobe_w_m2_sr(&sources, observer_altitude_m, &directions).unwrap()
         };

@@ -9,24 +9,24 @@ use std::collections::BTreeMap;
 /// `garstang` source 1 to 250 km away comes out 0.02 to 0.7 % wrong in the mean to 10°, 1.6 % at 22°, 3.7 % at 40°, a
 /// fifth at 70°, where 2 % are left.
 pub(super) const ANGLES_DEG: [f64; 8] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0];
-/// The angle at which [`bent_angle`] turns from linear to logarithmic, degrees.
-const BENT_AT_DEG: f64 = 2.0;
-/// The same for [`bent_offset`], metres.
-const BENT_AT_M: f64 = 150.0;
+/// The angle at which [`stretched_angle`] turns from linear to logarithmic, degrees.
+const STRETCHED_AT_DEG: f64 = 2.0;
+/// The same for [`stretched_offset`], metres.
+const STRETCHED_AT_M: f64 = 150.0;
 /// Sources this near the observer's altitude count as at it where skylines hide them, metres.
 const SAME_ALTITUDE_M: f64 = 5.0;
 /// Nodes beyond this share of the way to the farthest altitude give way to it.
 const NEARLY_FARTHEST: f64 = 0.75;
 
 /// Axis of angles on which what a skyline leaves is smooth.
-fn bent_angle(angle_deg: f64) -> f64 {
-    (1.0 + angle_deg / BENT_AT_DEG).ln()
+fn stretched_angle(angle_deg: f64) -> f64 {
+    (1.0 + angle_deg / STRETCHED_AT_DEG).ln()
 }
 
 /// Axis of distances in altitude from the observer on which what a skyline leaves is smooth, above and below apart:
 /// where the source stands as high as the observer, the air between them leaves its cone, and there is a kink.
-fn bent_offset(offset_m: f64) -> f64 {
-    (1.0 + offset_m / BENT_AT_M).ln()
+fn stretched_offset(offset_m: f64) -> f64 {
+    (1.0 + offset_m / STRETCHED_AT_M).ln()
 }
 
 /// Fields behind skylines over one altitude.
@@ -65,8 +65,9 @@ impl Nodes {
             ),
             offset_nodes(hidden().fold(0.0, |far: f64, offset_m| far.max(offset_m)), density.cut_offset_step),
         ];
-        let bent_sides = sides_m.clone().map(|side| side.into_iter().map(bent_offset).collect::<Vec<_>>());
-        let bent_angles = ANGLES_DEG.map(bent_angle);
+        let stretched_sides =
+            sides_m.clone().map(|side| side.into_iter().map(stretched_offset).collect::<Vec<_>>());
+        let stretched_angles = ANGLES_DEG.map(stretched_angle);
         // By offset, so that altitudes come out in order: below the observer negative, 0 shared by both sides.
         let mut places: BTreeMap<(i64, usize), usize> = BTreeMap::new();
         let mut keys: Vec<Vec<((i64, usize), f64)>> = Vec::with_capacity(sources.len());
@@ -75,8 +76,11 @@ impl Nodes {
             if blocked.blocking_rad > 0.0 {
                 let offset_m = offset_m(blocked);
                 let (side, sign) = if offset_m < 0.0 { (0, -1) } else { (1, 1) };
-                let angles = Stencil::lagrange(&bent_angles, bent_angle(blocked.blocking_rad.to_degrees()));
-                for (step, step_weight) in Stencil::lagrange(&bent_sides[side], bent_offset(offset_m.abs())) {
+                let angles =
+                    Stencil::lagrange(&stretched_angles, stretched_angle(blocked.blocking_rad.to_degrees()));
+                for (step, step_weight) in
+                    Stencil::lagrange(&stretched_sides[side], stretched_offset(offset_m.abs()))
+                {
                     // At the first angle, the open sky, a skyline leaves all.
                     for (angle, angle_weight) in angles.iter().filter(|(angle, _)| *angle > 0) {
                         let weight = step_weight * angle_weight;
@@ -124,9 +128,9 @@ impl Nodes {
     }
 }
 
-/// Distances in altitude from the observer, metres, from 0 to the farthest, even in [`bent_offset`] but for the last.
+/// Distances in altitude from the observer, metres, from 0 to the farthest, even in [`stretched_offset`] but for the last.
 fn offset_nodes(farthest_m: f64, step: f64) -> Vec<f64> {
-    let nodes = (0..).map(|k: i32| BENT_AT_M * ((f64::from(k) * step).exp() - 1.0));
+    let nodes = (0..).map(|k: i32| STRETCHED_AT_M * ((f64::from(k) * step).exp() - 1.0));
     let mut nodes: Vec<f64> =
         nodes.take_while(|&offset_m| offset_m <= 0.0 || offset_m < NEARLY_FARTHEST * farthest_m).collect();
     if farthest_m > SAME_ALTITUDE_M {

@@ -10,7 +10,7 @@ use crate::interpolation::{MAX_STENCIL, Stencil};
 const CROWDED: [f64; 3] = [0.0, 1.0 / 6.0, 0.5];
 /// A node that another follows this closely gives way to it, in steps: neighbours so near would have weights of many times
 /// 1 between farther ones. So no gap is wider than a step and this.
-const TOO_CLOSE: f64 = 0.2;
+const MIN_GAP: f64 = 0.2;
 
 /// Where sources span less than the steps that [`MAX_STENCIL`] nodes take, steps are halved, at most so many times. Seen from 302 m
 /// at turbidity 6, lights evenly from 0 to 300 m are 2 to 18 % too dark in the lowest row if their logarithm is a line between
@@ -18,7 +18,7 @@ const TOO_CLOSE: f64 = 0.2;
 #[derive(Clone, Copy)]
 struct Narrow {
     steps: f64,
-    most_halvings: u32,
+    max_halvings: u32,
 }
 
 impl Narrow {
@@ -26,14 +26,14 @@ impl Narrow {
     fn step_m(self, span_m: f64, step_m: f64) -> f64 {
         let halved = |times: u32| step_m / f64::from(1u32 << times);
         let has_room = |step_m: &f64| span_m >= self.steps * step_m;
-        (0..self.most_halvings).map(halved).find(has_room).unwrap_or(halved(self.most_halvings))
+        (0..self.max_halvings).map(halved).find(has_room).unwrap_or(halved(self.max_halvings))
     }
 }
 
 /// Below the observer nodes are even.
-const BELOW: Narrow = Narrow { steps: (MAX_STENCIL - 1) as f64, most_halvings: 3 };
+const BELOW: Narrow = Narrow { steps: (MAX_STENCIL - 1) as f64, max_halvings: 3 };
 /// Above, three lie within the first half of a step.
-const ABOVE: Narrow = Narrow { steps: CROWDED[2] + TOO_CLOSE, most_halvings: 1 };
+const ABOVE: Narrow = Narrow { steps: CROWDED[2] + MIN_GAP, max_halvings: 1 };
 
 /// Altitudes of fields, and how sources lie between them.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +75,7 @@ impl OpenAltitudes {
         if above_nodes.first() == Some(&observer_altitude_m) {
             // That node is of both sides. Where every altitude below has its own, only an equal one gives way: all the lamps may
             // stand at the observer's feet.
-            let too_close_m = if altitude_m == low { 0.0 } else { TOO_CLOSE * step_below_m };
+            let too_close_m = if altitude_m == low { 0.0 } else { MIN_GAP * step_below_m };
             altitude_m.retain(|&node_m| node_m < observer_altitude_m - too_close_m);
         }
         altitude_m.extend(above_nodes);
@@ -101,7 +101,7 @@ fn nodes_below_m(lowest_m: f64, highest_m: f64, step_m: f64) -> Vec<f64> {
     let first = (lowest_m / step_m).floor() as i64;
     let mut nodes = vec![(first as f64 * step_m).max(lowest_m.min(0.0))];
     let others = (first + 1..).map(|k| k as f64 * step_m);
-    nodes.extend(others.take_while(|&node_m| node_m <= highest_m - TOO_CLOSE * step_m));
+    nodes.extend(others.take_while(|&node_m| node_m <= highest_m - MIN_GAP * step_m));
     nodes.push(highest_m);
     nodes
 }
@@ -111,7 +111,7 @@ fn nodes_above_m(observer_altitude_m: f64, highest_m: f64, step_m: f64) -> Vec<f
     let even = (1..).map(|k| CROWDED[CROWDED.len() - 1] + f64::from(k));
     let offsets_m = CROWDED.into_iter().chain(even).map(|steps| steps * step_m);
     let span_m = highest_m - observer_altitude_m;
-    let too_close_m = TOO_CLOSE * span_m.min(step_m);
+    let too_close_m = MIN_GAP * span_m.min(step_m);
     let mut nodes: Vec<f64> = offsets_m
         .take_while(|&offset_m| offset_m <= span_m - too_close_m)
         .map(|offset_m| observer_altitude_m + offset_m)

@@ -1,6 +1,6 @@
 //! Between two nodes of the offset axis ln of the scale is no straight line but bends, in haze so much that the line is
-//! 1–8 % too dark. Its curvature at a node is its *bow*, the second difference of ln of the scale over the node and the two
-//! beside it; between two nodes with bows c₀ and c₁, at t of the way,
+//! 1–8 % too dark. Its curvature at a node is its *curvature*, the second difference of ln of the scale over the node and the two
+//! beside it; between two nodes with curvatures c₀ and c₁, at t of the way,
 //!
 //! `ln s(t) = (1 − t)·ln s₀ + t·ln s₁ − t(1 − t)/6·((2 − t)·c₀ + (1 + t)·c₁)`,
 //!
@@ -8,51 +8,51 @@
 
 use crate::axes::OffsetAxis;
 
-/// Largest bow in use: where the sky ends at a shadow, ln of the scale falls by any amount from one node to the next, and no
-/// cubic follows. A bow of 1 at both nodes changes the scale by an eighth midway.
-pub const LARGEST_BOW: f64 = 1.0;
+/// Largest curvature in use: where the sky ends at a shadow, ln of the scale falls by any amount from one node to the next, and no
+/// cubic follows. A curvature of 1 at both nodes changes the scale by an eighth midway.
+pub const MAX_CURVATURE: f64 = 1.0;
 
 impl OffsetAxis {
-    /// The middle one of the three nodes that give the bow at a node: the node itself, but at either end the next one
+    /// The middle one of the three nodes that give the curvature at a node: the node itself, but at either end the next one
     /// inside, and at the bend the next one above, for a difference across it would be that of two curves.
-    pub fn bow_node(&self, node: usize) -> usize {
+    pub fn curvature_node(&self, node: usize) -> usize {
         let inside = if node == self.bend_node { node + 1 } else { node };
         inside.clamp(1, self.count - 2)
     }
 }
 
-/// The bow of a mix of lobes, from ln of each lobe's scale at the three nodes of [`OffsetAxis::bow_node`], `[lobe][node]`,
+/// The curvature of a mix of lobes, from ln of each lobe's scale at the three nodes of [`OffsetAxis::curvature_node`], `[lobe][node]`,
 /// and the lobes' shares of the mixed scale at the node itself: the second difference of ln Σ e^{ln s_l}, which is the
 /// shares' mean of the lobes' own second differences and the variance of their slopes.
-pub fn mixed_bow<const N: usize>(shares: [f64; N], log_scale: [[f64; 3]; N]) -> f64 {
+pub fn mixed_curvature<const N: usize>(shares: [f64; N], log_scale: [[f64; 3]; N]) -> f64 {
     let slope = log_scale.map(|[below, _, above]| 0.5 * (above - below));
     let mean_slope: f64 = shares.iter().zip(slope).map(|(share, slope)| share * slope).sum();
     let curved = |(share, (slope, [below, at, above])): (f64, (f64, [f64; 3]))| {
         share * (below - 2.0 * at + above + (slope - mean_slope).powi(2))
     };
-    let bow: f64 = shares.into_iter().zip(slope.into_iter().zip(log_scale)).map(curved).sum();
-    bow.clamp(-LARGEST_BOW, LARGEST_BOW)
+    let curvature: f64 = shares.into_iter().zip(slope.into_iter().zip(log_scale)).map(curved).sum();
+    curvature.clamp(-MAX_CURVATURE, MAX_CURVATURE)
 }
 
-/// ln of the scale at `upper_weight` (0..1) of the way from a node to the next, from those of both and their bows.
-pub fn log_scale_between(log_scale: [f64; 2], bow: [f64; 2], upper_weight: f64) -> f64 {
+/// ln of the scale at `upper_weight` (0..1) of the way from a node to the next, from those of both and their curvatures.
+pub fn log_scale_between(log_scale: [f64; 2], curvature: [f64; 2], upper_weight: f64) -> f64 {
     let lower_weight = 1.0 - upper_weight;
-    let bow = (1.0 + lower_weight) * bow[0] + (1.0 + upper_weight) * bow[1];
-    lower_weight * log_scale[0] + upper_weight * log_scale[1] - lower_weight * upper_weight * bow / 6.0
+    let curvature = (1.0 + lower_weight) * curvature[0] + (1.0 + upper_weight) * curvature[1];
+    lower_weight * log_scale[0] + upper_weight * log_scale[1] - lower_weight * upper_weight * curvature / 6.0
 }
 
 /// ln of the scale of one lobe at a fractional node of an axis, `at` giving it at whole ones.
 pub fn log_scale_at(axis: &OffsetAxis, position: f64, at: impl Fn(usize) -> f64) -> f64 {
     let low = (position as usize).min(axis.count - 2);
-    let bow = |node: usize| {
-        let middle = axis.bow_node(node);
-        mixed_bow([1.0], [[at(middle - 1), at(middle), at(middle + 1)]])
+    let curvature = |node: usize| {
+        let middle = axis.curvature_node(node);
+        mixed_curvature([1.0], [[at(middle - 1), at(middle), at(middle + 1)]])
     };
     let t = position - low as f64;
     if t == 0.0 {
         return at(low);
     }
-    log_scale_between([at(low), at(low + 1)], [bow(low), bow(low + 1)], t)
+    log_scale_between([at(low), at(low + 1)], [curvature(low), curvature(low + 1)], t)
 }
 
 #[cfg(test)]
@@ -77,14 +77,14 @@ mod tests {
             prop_assert!((between(&axis, &parabola, position) - parabola(position)).abs() < 1e-10);
             let whole = |x: f64| parabola(x) + cubic * (x - 7.0).powi(3);
             let low = position.floor() as usize;
-            let even = |node: usize| axis.bow_node(node) == node
-                && (2.0 * curved + 6.0 * cubic * (node as f64 - 7.0)).abs() <= LARGEST_BOW;
+            let even = |node: usize| axis.curvature_node(node) == node
+                && (2.0 * curved + 6.0 * cubic * (node as f64 - 7.0)).abs() <= MAX_CURVATURE;
             prop_assume!(even(low) && even(low + 1));
             prop_assert!((between(&axis, &whole, position) - whole(position)).abs() < 1e-10);
         }
 
         #[test]
-        fn the_bow_of_a_mix_is_the_curvature_of_its_logarithm(
+        fn the_curvature_of_a_mix_is_the_curvature_of_its_logarithm(
             share in 0.01..0.99f64,
             slopes in prop::array::uniform2(-0.03..0.03f64),
             curved in prop::array::uniform2(-1e-3..1e-3f64),
@@ -93,20 +93,20 @@ mod tests {
             let at = |l: usize| [-1.0, 0.0, 1.0].map(|x| lobe(l, x));
             let mixed = [-1.0, 0.0, 1.0].map(|x| (lobe(0, x).exp() + lobe(1, x).exp()).ln());
             let exact = mixed[0] - 2.0 * mixed[1] + mixed[2];
-            let bow = mixed_bow([share, 1.0 - share], [at(0), at(1)]);
+            let curvature = mixed_curvature([share, 1.0 - share], [at(0), at(1)]);
             // What is left is of the third order in such small slopes.
-            prop_assert!((bow - exact).abs() < 1e-5, "{bow} {exact}");
+            prop_assert!((curvature - exact).abs() < 1e-5, "{curvature} {exact}");
         }
     }
 
     #[test]
     fn a_bend_stays_a_bend() {
-        // Two lines that meet at the bend: no bow on either side of it.
+        // Two lines that meet at the bend: no curvature on either side of it.
         let axis = OffsetAxis::at_distance(20_000.0, COUNT);
-        let bent =
+        let stretched =
             |x: f64| -30.0 + (x - axis.bend_node as f64) * if x < axis.bend_node as f64 { 1.2 } else { 0.1 };
         for position in [12.0, 13.0, 13.5, 14.5, 21.9] {
-            assert!((between(&axis, &bent, position) - bent(position)).abs() < 1e-12, "{position}");
+            assert!((between(&axis, &stretched, position) - stretched(position)).abs() < 1e-12, "{position}");
         }
     }
 
