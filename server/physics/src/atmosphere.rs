@@ -114,8 +114,9 @@ impl Atmosphere {
 mod tests {
     use super::*;
 
+    /// Turbidity is the ratio of vertical optical depths at 550 nm.
     #[test]
-    fn turbidity_is_the_ratio_of_vertical_optical_depths_at_550_nm() {
+    fn turbidity_is_a_ratio_of_optical_depths() {
         for t in [1.0, 1.5, 2.5, 6.0] {
             let depth = Atmosphere::new(Turbidity::new(t).unwrap()).vertical_optical_depth(0.0)[1];
             let clean = Atmosphere::new(Turbidity::new(1.0).unwrap()).vertical_optical_depth(0.0)[1];
@@ -123,14 +124,16 @@ mod tests {
         }
     }
 
+    /// A clear night costs 0.29 magnitudes at the zenith.
     #[test]
-    fn a_clear_night_costs_0_29_magnitudes_at_the_zenith() {
+    fn clear_zenith_extinction_is_0_29_mag() {
         let depth = Atmosphere::new(Turbidity::default()).vertical_optical_depth(0.0)[1];
         assert!((depth * 1.0857 - 0.29).abs() < 0.006, "{}", depth * 1.0857);
     }
 
+    /// Turbidities 0 and 100 are refused with the range.
     #[test]
-    fn turbidity_0_and_100_are_refused_with_the_range() {
+    fn turbidity_out_of_range_is_refused() {
         for bad in [0.0, 100.0, f64::NAN] {
             let message = Turbidity::new(bad).unwrap_err().to_string();
             assert!(message.contains("turbidity is") && message.contains("1 to 20"), "{message}");

@@ -32,8 +32,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Nodes are found exactly, and angles outside count as the nearest one.
     #[test]
-    fn nodes_are_themselves_and_what_is_outside_is_the_nearest() {
+    fn nodes_are_exact_and_ends_are_clamped() {
         for (node, angle_deg) in BLOCKING_ANGLES_DEG.into_iter().enumerate() {
             assert_eq!(blocking_position(angle_deg), (node, 0.0));
         }

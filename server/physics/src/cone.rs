@@ -72,8 +72,10 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        /// The lit part of a ray ends where the elevation at the source falls to the blocking
+        /// angle, and nothing outside it is lit.
         #[test]
-        fn the_lit_part_ends_where_the_elevation_does_and_nothing_beside_it_is_lit(
+        fn lit_part_ends_at_the_blocking_angle(
             x in -5e4f64..5e4, z in -3e3f64..3e3, azimuth in 0.0f64..6.2, elevation in -1.5f64..1.57,
             blocking_deg in 0.1f64..80.0,
         ) {

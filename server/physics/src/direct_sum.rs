@@ -191,8 +191,9 @@ mod tests {
 
     const LOOK: Direction = Direction { azimuth_rad: 0.9, elevation_rad: 0.4 };
 
+    /// Skylines of no height change no bit, and higher ones leave less, down to darkness.
     #[test]
-    fn skylines_of_no_height_change_no_bit_and_higher_ones_leave_less_down_to_darkness() {
+    fn higher_skylines_leave_less() {
         let sources = [source(0.2, 9_000.0, 5e6), source(2.0, 60_000.0, 4e7)];
         let looks = [LOOK, Direction { azimuth_rad: 3.0, elevation_rad: 0.05 }];
         let behind = |skylines_deg: [f64; 2]| -> Vec<[f64; 3]> {
@@ -260,8 +261,9 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
+        /// The sum is linear in the sources and turns with them.
         #[test]
-        fn the_sum_is_linear_in_the_sources_and_turns_with_them(
+        fn sum_is_linear_and_turns_with_the_sources(
             a1 in 0.0f64..6.2, a2 in 0.0f64..6.2, r1 in 250.0f64..3e5, r2 in 250.0f64..3e5, turn in 0.0f64..6.2,
         ) {
             let (one, two) = (source(a1, r1, 1e6), source(a2, r2, 3e7));
@@ -279,8 +281,9 @@ mod tests {
         }
     }
 
+    /// The interpolated sky equals the samples where they are and is close to a smooth sky elsewhere.
     #[test]
-    fn the_sky_between_samples_is_theirs_where_they_are_and_close_to_a_smooth_one_elsewhere() {
+    fn interpolated_sky_is_exact_at_samples() {
         let glow = |sample: GridSample| {
             let direction = grid_direction(sample);
             let value = 1e-6 * (-2.0 * direction.elevation_rad).exp() * (1.5 + direction.azimuth_rad.cos());
@@ -304,8 +307,9 @@ mod tests {
         assert!(panorama_between(&[], &[]).samples().iter().all(|&value| value == 0.0));
     }
 
+    /// Stratified samples contain the horizon and the zenith and never repeat.
     #[test]
-    fn stratified_samples_hold_horizon_and_zenith_and_never_repeat() {
+    fn stratified_samples_never_repeat() {
         for count in [1, 16, 500, 20_000] {
             let samples = stratified_samples(count);
             assert!(samples.len() >= count.min(AZIMUTH_COUNT * ELEVATION_COUNT));

@@ -194,8 +194,9 @@ mod tests {
         }
     }
 
+    /// The share emitted above a skyline is the integral over the directions that it leaves.
     #[test]
-    fn what_is_emitted_above_a_skyline_is_the_integral_over_what_it_leaves() {
+    fn emitted_share_is_the_integral_above() {
         for blocking_deg in [0.5f64, 8.0, 29.0, 31.0, 60.0] {
             let blocking_rad = blocking_deg.to_radians();
             let n = 100_000;
@@ -218,8 +219,9 @@ mod tests {
         assert!(emitted_shares(0.5f64.to_radians())[1] < 0.98);
     }
 
+    /// No lobe emits downwards, and the oblique lobe ends at 60 degrees.
     #[test]
-    fn no_lobe_shines_downwards_and_the_oblique_one_stops_at_60_degrees() {
+    fn lobes_end_at_their_edges() {
         for lobe in Lobe::ALL {
             assert_eq!(lobe.intensity_per_sr(-1e-12), 0.0);
         }

@@ -51,8 +51,9 @@ impl ErrorStatistics {
 mod tests {
     use super::*;
 
+    /// The worst band counts, and errors below the floor of visibility do not.
     #[test]
-    fn the_worst_band_counts_and_the_floor_hides_what_is_invisible() {
+    fn worst_band_counts_above_the_floor() {
         assert!((relative_error([1e-6, 1e-6, 1.3e-6], [1e-6; 3]) - 0.3).abs() < 1e-12);
         assert!((relative_error([3e-10, 0.0, 0.0], [0.0; 3]) - 0.1).abs() < 1e-12);
     }

@@ -187,8 +187,9 @@ mod tests {
     }
 
     proptest! {
+        /// At equal luminous flux the lumens stay, whatever is replaced.
         #[test]
-        fn at_equal_luminous_flux_the_lumens_stay_whatever_is_replaced(
+        fn equal_luminous_flux_keeps_lumens(
             asked in preset(), from in prop::option::of(preset()), to in preset(), again in preset(),
         ) {
             let lamps = [change(from, to, PreservedFlux::LuminousFlux), change(Some(to), again, PreservedFlux::LuminousFlux)];
@@ -216,8 +217,9 @@ mod tests {
             }
         }
 
+        /// All lamps replaced at equal DNB flux have the spectrum of the new ones.
         #[test]
-        fn all_lamps_replaced_at_equal_dnb_flux_are_the_new_ones(asked in preset(), to in preset()) {
+        fn equal_dnb_flux_gives_the_new_lamp(asked in preset(), to in preset()) {
             let after = fixture(&[change(None, to, PreservedFlux::DnbFlux)]).flux_per_dnb_flux(&asked.lamp());
             for (after, new) in after.iter().zip(to.lamp().flux_per_dnb_flux) {
                 prop_assert!((after - new).abs() < 1e-12);
@@ -234,8 +236,9 @@ mod tests {
         assert_eq!(fixture(&lamps).flux_per_dnb_flux(&custom), custom.flux_per_dnb_flux);
     }
 
+    /// Lamps that are to be replaced and are not there are named.
     #[test]
-    fn lamps_to_be_replaced_that_are_not_there_are_named() {
+    fn absent_lamps_are_named() {
         let to_led = change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::LuminousFlux);
         let not_met = |lamps: &[LampChange], asked: LampPreset| fixture(lamps).lamps_not_met(&asked.lamp());
         assert_eq!(not_met(&[to_led], LampPreset::Mixed), []);
@@ -248,8 +251,9 @@ mod tests {
         );
     }
 
+    /// Of the mixed lamps the sodium half alone is replaced.
     #[test]
-    fn of_the_mixed_lamps_the_sodium_half_alone_is_replaced() {
+    fn sodium_half_of_mixed_is_replaced() {
         let lamps = [change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::DnbFlux)];
         let after = fixture(&lamps).flux_per_dnb_flux(&LampPreset::Mixed.lamp());
         for (after, led) in after.iter().zip(LampPreset::Led4000k.lamp().flux_per_dnb_flux) {

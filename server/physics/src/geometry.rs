@@ -153,8 +153,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Mount Kenya is 138 km north-east of Nairobi.
     #[test]
-    fn nairobi_to_mount_kenya_is_138_km_to_the_north_east() {
+    fn nairobi_to_mount_kenya() {
         let nairobi = GeoPoint::from_deg(-1.2864, 36.8172).unwrap();
         let mount_kenya = GeoPoint::from_deg(-0.1521, 37.3084).unwrap();
         let bearing = LocalFrame::at(nairobi).bearing_to(mount_kenya.unit_vector());
@@ -174,8 +175,9 @@ mod tests {
         assert!((whole / expected - 1.0).abs() < 1e-14);
     }
 
+    /// A small cell has the same area by both formulas.
     #[test]
-    fn a_small_cell_has_the_same_area_by_both_formulas() {
+    fn both_area_formulas_agree() {
         let (south, north, west, east) = (0.7f64, 0.7 + 7.3e-5, 0.1f64, 0.1 + 7.3e-5);
         let corner = |lat, lon| GeoPoint::from_rad_unchecked(lat, lon).unit_vector();
         let quad = spherical_quadrilateral_area_m2([
@@ -196,8 +198,9 @@ mod tests {
     }
 
     proptest! {
+        /// The bearing to a destination has the distance and the azimuth that led there.
         #[test]
-        fn going_there_and_measuring_gives_the_same_distance_and_azimuth(
+        fn destination_and_bearing_are_inverse(
             lat in -89.0f64..89.0, lon in -180.0f64..180.0, azimuth in 0.0f64..6.2, distance in 1.0f64..1e6,
         ) {
             let start = GeoPoint::from_deg(lat, lon).unwrap();

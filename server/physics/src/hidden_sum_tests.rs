@@ -95,8 +95,9 @@ fn without_terrain_it_is_the_plain_sum() {
     assert!(hidden_sum(&atmosphere(), &sum, &|_, _| true).iter().flatten().all(|value| *value == 0.0));
 }
 
+/// Below a cloud all sums agree, and what hides a source from the base counts.
 #[test]
-fn below_a_cloud_all_sums_agree_and_what_hides_a_source_from_the_base_counts() {
+fn sums_agree_below_a_cloud() {
     let cloudy = atmosphere().under(Some(CloudBase::new(1_500.0, 0.5).unwrap()));
     let high = PointSource { altitude_m: 1_600.0, ..source(3_000.0) };
     let (sources, directions) = ([source(3_000.0), source(9_000.0), high], looks());
@@ -113,8 +114,9 @@ fn below_a_cloud_all_sums_agree_and_what_hides_a_source_from_the_base_counts() {
     assert!(lidded[zenith][1] > 0.0 && lidded[zenith][1] < 0.5 * open[zenith][1], "{lidded:?} {open:?}");
 }
 
+/// A wall around a source cuts its lobe at the elevation of the wall's top.
 #[test]
-fn a_wall_around_a_source_cuts_its_lobe_at_the_angle_of_its_top() {
+fn a_ring_wall_is_a_cut_lobe() {
     let (sources, directions) = ([source(20_000.0)], looks());
     let sum = sky(&sources, &directions);
     let open = hidden_sum(&atmosphere(), &sum, &|_, _| false);
@@ -134,8 +136,9 @@ fn a_wall_around_a_source_cuts_its_lobe_at_the_angle_of_its_top() {
     }
 }
 
+/// Over a ridge the zenith is lit from where the light clears the ridge.
 #[test]
-fn over_a_ridge_the_zenith_is_lit_from_where_the_light_clears_it() {
+fn the_zenith_is_lit_above_a_ridge() {
     // In the vertical plane through source and observer the light that clears the ridge meets the vertical above the
     // observer at a height that plane geometry gives; below it nothing is lit.
     let (distance_m, ridge_m, ridge_height_m) = (10_000.0, 4_000.0, 900.0);
@@ -170,8 +173,9 @@ fn over_a_ridge_the_zenith_is_lit_from_where_the_light_clears_it() {
     assert!(worst_difference(&over_ridge, &[lit_from(1.2 * clear_m)]) > 0.05);
 }
 
+/// A ridge on one side hides nothing on the other.
 #[test]
-fn a_ridge_on_one_side_hides_nothing_on_the_other() {
+fn a_ridge_hides_on_its_own_side_only() {
     let (sources, directions) = ([source(20_000.0)], looks());
     let sum = sky(&sources, &directions);
     let wall = ring_wall(500.0, 260.0);
@@ -190,8 +194,9 @@ fn a_ridge_on_one_side_hides_nothing_on_the_other() {
     assert!(one_side[0][1] > 1.005 * all_around[0][1], "{} {}", one_side[0][1], all_around[0][1]);
 }
 
+/// A wall below the curve of the Earth hides nothing.
 #[test]
-fn a_wall_below_the_curve_of_the_earth_hides_nothing() {
+fn a_wall_below_the_horizon_hides_nothing() {
     let (sources, directions) = ([source(80_000.0)], looks());
     let sum = sky(&sources, &directions);
     let open = hidden_sum(&atmosphere(), &sum, &|_, _| false);

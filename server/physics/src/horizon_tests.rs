@@ -19,8 +19,9 @@ fn uniform(radiance_w_m2_sr: f32) -> Panorama {
     Panorama::from_samples(vec![radiance_w_m2_sr; Panorama::LEN]).unwrap()
 }
 
+/// A wall rises by its angle less the curvature of the Earth.
 #[test]
-fn a_wall_rises_by_its_angle_less_the_curve_of_the_earth() {
+fn a_wall_is_lowered_by_earth_curvature() {
     // 1000 m at 10 km: atan(0.1) less d/2R of drop.
     let tangent = terrain_elevation_tangent(0.0, 1000.0, 10_000.0);
     assert!((tangent - (0.1 - 10_000.0 / (2.0 * EARTH_RADIUS_M))).abs() < 3e-5, "{tangent}");
@@ -29,8 +30,9 @@ fn a_wall_rises_by_its_angle_less_the_curve_of_the_earth() {
     assert!(terrain_elevation_tangent(0.0, 3_300.0, 200_000.0) > 0.0);
 }
 
+/// Terrain no higher than the eye is never above its horizontal plane.
 #[test]
-fn terrain_no_higher_than_the_eye_is_never_above_its_horizontal_plane() {
+fn lower_terrain_is_below_the_horizontal() {
     assert_eq!(farthest_terrain_m(1000.0, 1000.0), 0.0);
     assert_eq!(farthest_terrain_m(1000.0, 10.0), 0.0);
     assert!(
@@ -40,8 +42,9 @@ fn terrain_no_higher_than_the_eye_is_never_above_its_horizontal_plane() {
     );
 }
 
+/// Wrong numbers of elevations and angles outside the sky are refused by name.
 #[test]
-fn wrong_numbers_of_elevations_and_angles_off_the_sky_are_refused_by_name() {
+fn invalid_horizons_are_refused() {
     for bad in
         [vec![0.0; 255], vec![-0.1; AZIMUTH_COUNT], vec![f64::NAN; AZIMUTH_COUNT], vec![1.6; AZIMUTH_COUNT]]
     {
@@ -50,8 +53,9 @@ fn wrong_numbers_of_elevations_and_angles_off_the_sky_are_refused_by_name() {
     assert!(Horizon::flat().is_flat() && !Horizon::new(vec![0.1; AZIMUTH_COUNT]).unwrap().is_flat());
 }
 
+/// Between columns the horizon is linear, and it wraps around north.
 #[test]
-fn between_columns_the_horizon_is_linear_and_wraps() {
+fn the_horizon_is_linear_between_columns() {
     let mut elevations = vec![0.0; AZIMUTH_COUNT];
     (elevations[255], elevations[0]) = (0.2, 0.4);
     let horizon = Horizon::new(elevations).unwrap();
@@ -69,8 +73,9 @@ fn a_flat_horizon_changes_no_bit() {
     assert_eq!(SkyQuantities::of(&panorama), SkyQuantities::of_visible(&panorama, &Horizon::flat()));
 }
 
+/// A wall of 45 degrees all around leaves half of the light on the ground and all of the mean.
 #[test]
-fn a_wall_of_45_degrees_all_around_leaves_half_of_the_light_on_the_ground_and_all_of_the_mean() {
+fn a_45_degree_wall_halves_illuminance() {
     let horizon = Horizon::new(vec![std::f64::consts::FRAC_PI_4; AZIMUTH_COUNT]).unwrap();
     let mut panorama = uniform(1e-6);
     let open = SkyQuantities::of(&panorama);
@@ -86,8 +91,9 @@ fn a_wall_of_45_degrees_all_around_leaves_half_of_the_light_on_the_ground_and_al
     assert!(walled.brightest_elevation_deg > 45.0);
 }
 
+/// A sky hidden altogether has finite quantities without light.
 #[test]
-fn a_sky_hidden_altogether_has_numbers_without_light() {
+fn a_fully_hidden_sky_is_finite() {
     let horizon = Horizon::new(vec![FRAC_PI_2; AZIMUTH_COUNT]).unwrap();
     let mut panorama = uniform(1e-6);
     horizon.darken(&mut panorama);
@@ -104,8 +110,9 @@ fn any_horizon() -> impl Strategy<Value = Horizon> {
 }
 
 proptest! {
+    /// The elevation of a terrain point is that of the straight line to it.
     #[test]
-    fn the_elevation_of_a_terrain_point_is_that_of_the_line_to_it(
+    fn terrain_elevation_is_that_of_the_line(
         eye in 0.0f64..6000.0, terrain in 0.0f64..9000.0, distance in 1.0f64..400_000.0,
     ) {
         let tangent = terrain_elevation_tangent(eye, terrain, distance);
@@ -114,8 +121,9 @@ proptest! {
         prop_assert!((tangent.atan() - expected).abs() < 1e-8 + 1e-8 / distance, "{} {}", tangent.atan(), expected);
     }
 
+    /// Elevation rises with height and, above the eye, falls with distance.
     #[test]
-    fn higher_is_higher_and_above_the_eye_farther_is_lower(
+    fn elevation_rises_with_height(
         eye in 0.0f64..6000.0, above in 0.0f64..4000.0, more in 0.1f64..500.0,
         distance in 1.0f64..300_000.0, farther in 1.01f64..2.0,
     ) {
@@ -128,8 +136,9 @@ proptest! {
         prop_assert!(above < 1.0 || at(eye + above, end_m * 0.999) > 0.0);
     }
 
+    /// The mask makes nothing brighter and leaves what is visible.
     #[test]
-    fn the_mask_makes_nothing_brighter_and_leaves_what_is_visible(horizon in any_horizon(), seed in 0u32..1000) {
+    fn masking_only_darkens_hidden_samples(horizon in any_horizon(), seed in 0u32..1000) {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * ((i as u32 ^ seed) % 977) as f32).collect();
         let open = Panorama::from_samples(samples).unwrap();
         let mut masked = open.clone();

@@ -158,8 +158,9 @@ impl Default for Lamp {
 mod tests {
     use super::*;
 
+    /// The mixed lamp is half sodium and half LED within the rounding of the table.
     #[test]
-    fn mixed_is_half_sodium_and_half_led_within_the_rounding_of_the_table() {
+    fn mixed_is_half_sodium_and_half_led() {
         let (hps, led, mixed) =
             (LampPreset::Hps.lamp(), LampPreset::Led4000k.lamp(), LampPreset::Mixed.lamp());
         for band in 0..BAND_COUNT {

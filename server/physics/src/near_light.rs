@@ -196,8 +196,9 @@ mod tests {
         }
     }
 
+    /// Light that only goes up is seen above a source and not beside it.
     #[test]
-    fn light_that_only_goes_up_is_seen_above_a_source_and_not_beside_it() {
+    fn upward_light_is_seen_above_the_source() {
         let table = NearScattering::of(EmissionMix::only(Lobe::Oblique));
         // Above it: n·ŝ = 1; beside it, with a level view: nothing leaves within 30° of the horizon.
         let aerosol = |across: f32, along: f32| table.at(&[across], &[along])[1][0];

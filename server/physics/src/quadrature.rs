@@ -160,8 +160,9 @@ pub fn integrate_pieces<const N: usize>(
 mod tests {
     use super::*;
 
+    /// Gauss–Legendre rules integrate polynomials of twice their order.
     #[test]
-    fn gauss_legendre_integrates_polynomials_of_twice_its_order() {
+    fn gauss_legendre_integrates_polynomials() {
         for n in [1, 2, 5, 12, 24, 40] {
             let nodes = gauss_legendre(n);
             assert!((nodes.iter().map(|node| node.1).sum::<f64>() - 1.0).abs() < 1e-13);
@@ -171,8 +172,9 @@ mod tests {
         }
     }
 
+    /// The adaptive rule reaches its tolerance on a sharp peak and a root.
     #[test]
-    fn the_adaptive_rule_reaches_its_tolerance_on_a_sharp_peak_and_a_root() {
+    fn adaptive_rule_reaches_its_tolerance() {
         let exact = 2.0 * (1.0f64 / 1e-4).atan() / 1e-4;
         let got = integrate_adaptive(-1.0, 1.0, 1e-9, 0.0, |x| [1.0 / (x * x + 1e-8), x.abs().sqrt()]);
         assert!((got[0] / exact - 1.0).abs() < 1e-9);

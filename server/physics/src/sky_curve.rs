@@ -107,8 +107,9 @@ mod tests {
         SkyCurve::new(corners_deg.iter().map(|&(a, e)| at(a, e)).collect()).unwrap()
     }
 
+    /// A curve that passes north contains what lies north.
     #[test]
-    fn a_curve_that_passes_north_holds_what_lies_north() {
+    fn a_curve_through_north_contains_north() {
         let north = curve(&[(350.0, 10.0), (10.0, 10.0), (10.0, 40.0), (350.0, 40.0)]);
         assert!(north.holds(at(0.0, 20.0)) && north.holds(at(355.0, 30.0)) && north.holds(at(5.0, 30.0)));
         assert!(!north.holds(at(20.0, 20.0)) && !north.holds(at(180.0, 20.0)) && !north.holds(at(0.0, 50.0)));
@@ -119,8 +120,9 @@ mod tests {
         );
     }
 
+    /// A curve around the zenith contains it, and one that touches it is a sector.
     #[test]
-    fn a_curve_around_the_zenith_holds_it_and_one_that_touches_it_is_a_sector() {
+    fn a_curve_around_the_zenith_contains_it() {
         let cap: Vec<(f64, f64)> = (0..36).map(|k| (10.0 * f64::from(k), 60.0)).collect();
         let inside = curve(&cap).directions_inside();
         let rows = |inside: &[bool], row: usize| {
@@ -134,8 +136,9 @@ mod tests {
         assert!((63..=65).contains(&rows(&sector.directions_inside(), 60)));
     }
 
+    /// Both loops of an eight are inside, whichever way it is drawn.
     #[test]
-    fn both_loops_of_an_eight_are_inside_whichever_way_it_is_drawn() {
+    fn both_loops_of_an_eight_are_inside() {
         let eight = [(0.0, 20.0), (40.0, 40.0), (40.0, 20.0), (0.0, 40.0)];
         let mut backwards = eight;
         backwards.reverse();

@@ -205,8 +205,9 @@ mod tests {
         Panorama::from_samples(vec![radiance; Panorama::LEN]).unwrap()
     }
 
+    /// A uniform sky gives πL on the ground and half of it on a wall.
     #[test]
-    fn a_uniform_sky_gives_pi_l_on_the_ground_and_half_of_it_on_a_wall() {
+    fn a_uniform_sky_gives_pi_l() {
         let panorama = uniform(1e-6);
         let luminance = luminance_cd_m2([f64::from(1e-6f32); 3]);
         let quantities = SkyQuantities::of(&panorama);
@@ -222,8 +223,9 @@ mod tests {
         }
     }
 
+    /// A dark sky is natural and has no artificial magnitude.
     #[test]
-    fn a_dark_sky_is_natural_and_has_no_artificial_magnitude() {
+    fn a_dark_sky_is_natural() {
         let quantities = SkyQuantities::of(&Panorama::dark());
         assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
         assert!((quantities.zenith_total_brightness_mag_arcsec2.unwrap() - 22.0).abs() < 1e-9);
@@ -231,8 +233,9 @@ mod tests {
         assert!((quantities.naked_eye_limit_mag.unwrap() - 6.27).abs() < 0.01);
     }
 
+    /// Under clouds totals are artificial light alone, and there are no stars.
     #[test]
-    fn under_clouds_totals_are_artificial_light_alone_and_there_are_no_stars() {
+    fn overcast_totals_are_artificial_light() {
         let (panorama, open) = (uniform(1e-6), Horizon::flat());
         let (clear, cloudy) =
             (SkyQuantities::of(&panorama), SkyQuantities::under(SkyCover::Overcast, &panorama, &open));

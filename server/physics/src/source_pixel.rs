@@ -139,15 +139,17 @@ mod tests {
         }
     }
 
+    /// A far pixel is one point, and one beyond 300 km is none.
     #[test]
-    fn a_far_pixel_is_one_point_and_one_beyond_300_km_is_none() {
+    fn far_pixels_are_points_up_to_300_km() {
         let here = GeoPoint::from_deg(10.0, 179.9).unwrap();
         assert_eq!(point_sources(here, &[square_pixel(here.destination(1.0, 2e5), 463.0)]).len(), 1);
         assert_eq!(point_sources(here, &[square_pixel(here.destination(1.0, 3.01e5), 463.0)]).len(), 0);
     }
 
+    /// Ten nanowatt (per cm² and sr) over a square kilometre are 314 watts.
     #[test]
-    fn ten_nanowatt_over_a_square_kilometre_is_314_watts() {
+    fn radiance_to_upward_flux() {
         assert!((upward_flux_dnb_w(10.0, 1e6) - 314.159).abs() < 1e-3);
     }
 }

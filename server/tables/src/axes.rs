@@ -216,8 +216,9 @@ mod tests {
 
     const COUNT: usize = 32;
 
+    /// The offset axis spans its range and has a node at the bend at every distance.
     #[test]
-    fn the_offset_axis_spans_its_range_and_has_a_node_at_the_bend_at_every_distance() {
+    fn the_offset_axis_has_a_node_at_the_bend() {
         for distance_m in [250.0, 3_000.0, 50_000.0, 300_000.0] {
             let axis = OffsetAxis::at_distance(distance_m, COUNT);
             assert!((axis.offset_m(0.0) + 6_000.0).abs() < 1e-6);
@@ -229,8 +230,9 @@ mod tests {
         }
     }
 
+    /// The bend goes from the edge of the Earth's shadow to level with the observer.
     #[test]
-    fn the_bend_goes_from_the_edge_of_the_earths_shadow_to_level_with_the_observer() {
+    fn the_bend_rises_from_shadow_edge_to_level() {
         // At 50 km the plane through the source falls 196 m below the sphere's tangent.
         assert!((OffsetAxis::at_distance(50_000.0, COUNT).bend_m + 196.2).abs() < 0.5);
         assert!((OffsetAxis::about_shadow_edge(50_000.0, COUNT).bend_m + 196.2).abs() < 0.1);
@@ -243,8 +245,9 @@ mod tests {
         }
     }
 
+    /// Behind a skyline the bend lies where the cone meets the observer.
     #[test]
-    fn behind_a_skyline_the_bend_lies_where_the_cone_meets_the_observer() {
+    fn the_bend_behind_a_skyline_is_its_cone() {
         // 10 km · tan 4° and 7.8 m of curvature.
         let axis = OffsetAxis::behind_skyline(10_000.0, 4.0, 9);
         assert!((axis.bend_m + 707.1).abs() < 10.0, "{}", axis.bend_m);

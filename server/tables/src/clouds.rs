@@ -144,8 +144,9 @@ pub(crate) fn altitudes_below(clear_m: &[f64], clouds: Clouds) -> Vec<f64> {
 mod tests {
     use super::*;
 
+    /// Sources of nodes above a layer of cloud are clamped below it.
     #[test]
-    fn sources_of_nodes_above_a_layer_of_cloud_are_held_below_it() {
+    fn sources_are_clamped_below_clouds() {
         let node = |observer_altitude_m, source_altitude_m| SourceGeometry {
             distance_m: 5_000.0,
             source_altitude_m,
@@ -157,8 +158,9 @@ mod tests {
         assert_eq!(clamped_geometry(node(1_900.0, 1_500.0), None), node(1_900.0, 1_500.0));
     }
 
+    /// Sample altitudes end at the highest that there can be and are closest at the base.
     #[test]
-    fn sample_altitudes_end_at_the_highest_that_there_can_be_and_are_closest_at_the_base() {
+    fn altitudes_below_clouds_end_at_the_ceiling() {
         let clear_m = [0.0, 300.0, 700.0, 1_200.0, 1_900.0, 2_900.0, 4_200.0, 6_000.0];
         for base_m in [200, 500, 1_000, 2_500, 5_000, 8_000] {
             let clouds = Clouds::new(base_m, 0.5).unwrap();
@@ -190,8 +192,9 @@ mod tests {
         }
     }
 
+    /// Clouds are read as they were written, and impossible ones are refused by name.
     #[test]
-    fn clouds_are_read_as_they_were_written_and_impossible_ones_are_refused_by_name() {
+    fn clouds_round_trip_and_bad_ones_are_refused() {
         let clouds = Clouds::new(1_500, 0.6).unwrap();
         let text = serde_json::to_string(&clouds).unwrap();
         assert_eq!(text, r#"{"base_m":1500,"albedo":0.6}"#);

@@ -68,8 +68,9 @@ mod tests {
     }
 
     proptest! {
+        /// A parabola is reproduced everywhere, and a cubic away from the ends and the bend.
         #[test]
-        fn a_parabola_is_met_everywhere_and_a_cubic_away_from_ends_and_bend(
+        fn parabolas_and_inner_cubics_are_reproduced(
             position in 0.0..22.0f64, slope in -2.0..2.0f64, curved in -0.4..0.4f64, cubic in -0.01..0.01f64,
         ) {
             let axis = OffsetAxis::at_distance(20_000.0, COUNT);
@@ -83,8 +84,9 @@ mod tests {
             prop_assert!((between(&axis, &whole, position) - whole(position)).abs() < 1e-10);
         }
 
+        /// The curvature of a mix is the second difference of the logarithm of its scale.
         #[test]
-        fn the_curvature_of_a_mix_is_the_curvature_of_its_logarithm(
+        fn mixed_curvature_is_that_of_the_logarithm(
             share in 0.01..0.99f64,
             slopes in prop::array::uniform2(-0.03..0.03f64),
             curved in prop::array::uniform2(-1e-3..1e-3f64),
@@ -111,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shadow_bows_no_scale_by_more_than_an_eighth() {
+    fn a_shadow_curves_a_scale_by_at_most_an_eighth() {
         let axis = OffsetAxis::at_distance(20_000.0, COUNT);
         let cut = |x: f64| if x < 12.5 { -40.0 } else { -300.0 };
         for step in 0..=220 {

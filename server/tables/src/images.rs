@@ -227,8 +227,9 @@ mod tests {
     use super::*;
     use skyglow_physics::{Turbidity, single_source::radiance_per_watt_fixed};
 
+    /// An image over its mean has mean one and is brightest towards its source.
     #[test]
-    fn an_image_over_its_mean_has_mean_one_and_is_brightest_towards_its_source() {
+    fn shapes_have_mean_one() {
         let atmosphere = Atmosphere::new(Turbidity::default());
         let geometry =
             SourceGeometry { distance_m: 20_000.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
@@ -250,8 +251,9 @@ mod tests {
         assert!(images.shape[low_row] > 10.0 * images.shape[low_row + HALF_COLUMN_COUNT - 1]);
     }
 
+    /// Columns between those computed are the integrals to five per mille.
     #[test]
-    fn columns_between_those_computed_are_the_integrals_to_five_per_mille() {
+    fn interpolated_columns_agree_with_integrals() {
         let atmospheres = [Atmosphere::new(Turbidity::new(6.0).unwrap())];
         let nodes = gauss_legendre(NODES_PER_PIECE);
         for (distance_m, source_altitude_m, observer_altitude_m) in

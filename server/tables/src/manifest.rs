@@ -273,8 +273,9 @@ impl PackParameters {
 mod tests {
     use super::*;
 
+    /// Packs of this format and model are read and no others.
     #[test]
-    fn packs_of_this_format_and_model_are_read_and_no_others() {
+    fn only_this_format_and_model_are_read() {
         let read = |format_version, model_version| Versions { format_version, model_version }.are_read();
         assert!(read(FORMAT_VERSION, MODEL_VERSION));
         assert!(!read(FORMAT_VERSION, MODEL_VERSION + 1) && !read(FORMAT_VERSION, MODEL_VERSION - 1));

@@ -205,8 +205,9 @@ mod tests {
     const LAYOUT: ShapeLayout = ShapeLayout { distances: 5, offsets: 3, basis: 4 };
 
     proptest! {
+        /// Steps come back bit for bit and are fine beside the largest value.
         #[test]
-        fn steps_come_back_bit_for_bit_and_are_fine_beside_the_largest(
+        fn steps_round_trip_and_are_fine(
             values in prop::collection::vec(
                 prop_oneof![-2.0f32..2.0, -1e-3f32..1e-3, -3e-7f32..3e-7, -6e4f32..6e4, Just(0.0f32)],
                 2 * 5 * 3 * 4,
@@ -240,8 +241,9 @@ mod tests {
         }
     }
 
+    /// What lies on a line along the distance is packed as zeros.
     #[test]
-    fn what_lies_on_a_line_along_the_distance_is_packed_as_nothing() {
+    fn lines_along_distance_pack_to_zeros() {
         let layout = ShapeLayout { distances: 6, offsets: 1, basis: 2 };
         // 1 and 0.5 + d/16: the step is that of numbers up to 1.
         let mut values: Vec<f16> =

@@ -64,8 +64,9 @@ mod tests {
         }
     }
 
+    /// A cosine has one spectral line, and a constant only the zeroth.
     #[test]
-    fn a_cosine_has_one_line_and_a_constant_only_the_zeroth() {
+    fn a_cosine_has_one_spectral_line() {
         let mut functions = vec![0.0f32; PIXEL_COUNT];
         for (i, sample) in functions.iter_mut().enumerate() {
             let azimuth = (i % HALF_COLUMN_COUNT) as f64 * std::f64::consts::TAU / 256.0;

@@ -66,8 +66,9 @@ impl Progress for StopAfter {
     }
 }
 
+/// A killed run resumes and ends with the same bytes on any number of threads.
 #[test]
-fn a_killed_run_goes_on_and_ends_with_the_same_bytes_on_any_number_of_threads() {
+fn a_killed_run_resumes_with_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     // 12 training images + 2 fit steps, then some of the 20 parts.
     let stopped =
@@ -100,8 +101,9 @@ fn a_killed_run_goes_on_and_ends_with_the_same_bytes_on_any_number_of_threads() 
     assert!(!partial.exists());
 }
 
+/// Packs made together are those made alone, and clean air may have more functions.
 #[test]
-fn packs_made_together_are_those_made_alone_and_clean_air_may_have_more_functions() {
+fn packs_made_together_equal_those_made_alone() {
     let options =
         PrecomputeOptions { basis_count: BasisCount { clean: 16, hazy: 12 }, error_sources: 1, ..options() };
     let [clean, hazy] = [2.0, 2.5].map(|turbidity| Turbidity::new(turbidity).unwrap());
@@ -117,8 +119,9 @@ fn packs_made_together_are_those_made_alone_and_clean_air_may_have_more_function
     }
 }
 
+/// A training set too small for its functions is refused instead of written.
 #[test]
-fn a_training_set_too_small_for_its_functions_is_refused_instead_of_written() {
+fn too_small_a_training_set_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let options =
         PrecomputeOptions { basis_count: BasisCount::same(64), training_geometries: 11, ..options() };
@@ -127,8 +130,9 @@ fn a_training_set_too_small_for_its_functions_is_refused_instead_of_written() {
     assert_eq!(packs_in(folder.path()).unwrap(), Vec::<PathBuf>::new());
 }
 
+/// A pack of all orders is brighter than the first alone and states its ground albedo.
 #[test]
-fn a_pack_of_all_orders_is_brighter_than_the_first_alone_and_says_over_which_ground() {
+fn all_orders_are_brighter_than_the_first() {
     let folder = tempfile::tempdir().unwrap();
     let options = PrecomputeOptions {
         scattering: Scattering::Multiple,
@@ -163,8 +167,9 @@ fn refusal(bytes: &[u8]) -> String {
     }
 }
 
+/// Truncated, altered and foreign packs are refused by name.
 #[test]
-fn truncated_altered_and_foreign_packs_are_refused_by_name() {
+fn damaged_and_foreign_packs_are_refused() {
     let (pack, _) = pack_bytes();
     for length in [0, 5, 40, pack.len() / 2, pack.len() - 1] {
         assert!(refusal(&pack[..length]).contains("turbidity-2.00-single.skyglow"));
@@ -180,8 +185,9 @@ fn truncated_altered_and_foreign_packs_are_refused_by_name() {
     );
 }
 
+/// A manifest beside a pack that is not its own is refused.
 #[test]
-fn a_manifest_beside_a_pack_that_is_not_its_own_is_refused() {
+fn a_manifest_of_another_pack_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (pack, manifest) = pack_bytes();
     let path = place(folder.path(), pack);
@@ -191,8 +197,9 @@ fn a_manifest_beside_a_pack_that_is_not_its_own_is_refused() {
     assert!(Pack::open(&path).unwrap_err().to_string().contains("another pack"));
 }
 
+/// A turbidity that would take another's file name is refused before any work.
 #[test]
-fn a_turbidity_that_would_take_anothers_name_is_refused_before_any_work() {
+fn turbidities_of_three_decimals_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let error =
         precompute(&PrecomputeOptions::coarse(Turbidity::new(2.004).unwrap()), folder.path(), &Silent)
@@ -202,8 +209,9 @@ fn a_turbidity_that_would_take_anothers_name_is_refused_before_any_work() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+/// A pack without skylines states null, and one with them comes back bit for bit.
 #[test]
-fn a_pack_without_skylines_says_null_and_one_with_them_comes_back_bit_for_bit() {
+fn skyline_tables_round_trip() {
     let folder = tempfile::tempdir().unwrap();
     let open_alone = PrecomputeOptions { blocked: None, ..options() };
     let path = precompute(&open_alone, folder.path(), &Silent).unwrap();
@@ -252,8 +260,9 @@ fn a_killed_run_goes_on_among_the_skylines_too() {
     assert!(std::fs::read(path).unwrap() == std::fs::read(whole).unwrap(), "the packs differ");
 }
 
+/// A pack under clouds contains the light that they reflect and ends below them.
 #[test]
-fn a_pack_under_clouds_holds_the_light_that_they_send_back_and_ends_below_them() {
+fn a_cloud_pack_ends_below_its_clouds() {
     let turbidity = Turbidity::new(2.0).unwrap();
     let clouds = Clouds::new(1_500, 0.6).unwrap();
     let folder = tempfile::tempdir().unwrap();

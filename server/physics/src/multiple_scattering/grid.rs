@@ -298,8 +298,9 @@ impl FieldGrid {
 mod tests {
     use super::*;
 
+    /// Layers start at the ground, include the source and end at the top.
     #[test]
-    fn layers_start_at_the_ground_hold_the_source_and_end_at_the_top() {
+    fn layers_span_ground_to_top() {
         for (source, ground) in [(0.0, 0.0), (1_700.0, 1_700.0), (2_000.0, 300.0), (420.0, 400.0)] {
             let grid = FieldGrid::new(source, ground, None, 0.2, 1);
             assert_eq!(grid.layer_m[0], ground);
@@ -310,8 +311,9 @@ mod tests {
         }
     }
 
+    /// Lines along a curve that bends have its mean, and edges stay.
     #[test]
-    fn lines_along_a_curve_that_bends_have_its_mean_and_edges_stay() {
+    fn lines_at_mean_keep_the_mean() {
         let curve = |x: f64| -1.3 * x - 0.03 * x * x;
         let values: Vec<Lanes> = (0..12).map(|ring| [curve(f64::from(ring)) as f32; LANES]).collect();
         let mean_of_lines = |ln: &[Lanes]| -> f64 {
@@ -331,8 +333,9 @@ mod tests {
         assert!(moved < 1e-3, "{moved}");
     }
 
+    /// Layers far above a low source are those of the ground.
     #[test]
-    fn layers_far_above_a_low_source_are_those_of_the_ground() {
+    fn high_layers_do_not_depend_on_low_sources() {
         let high = |source_m: f64| -> Vec<f64> {
             FieldGrid::new(source_m, 0.0, None, 0.2, 1).layer_m.into_iter().filter(|&z| z > 800.0).collect()
         };
@@ -342,8 +345,9 @@ mod tests {
         assert_ne!(high(1_200.0), high(0.0), "a high source has its own");
     }
 
+    /// The base of a cloud is the top layer, and layers are close below it.
     #[test]
-    fn the_base_of_a_cloud_is_the_top_layer_and_layers_are_close_below_it() {
+    fn the_cloud_base_is_the_top_layer() {
         for (source, ground, base) in
             [(0.0, 0.0, 200.0), (0.0, 0.0, 1_000.0), (900.0, 300.0, 950.0), (0.0, 0.0, 12_000.0)]
         {
@@ -359,8 +363,9 @@ mod tests {
         }
     }
 
+    /// Stencils over layers reproduce parabolas inside and lines at the ends.
     #[test]
-    fn stencils_over_layers_reproduce_parabolas_inside_and_lines_at_the_ends() {
+    fn layer_stencils_reproduce_parabolas() {
         let grid = FieldGrid::new(0.0, 0.0, None, 0.2, 1);
         let at = |altitude_m: f64, f: &dyn Fn(f64) -> f64| -> f64 {
             let stencil = grid.layer_stencil(altitude_m);

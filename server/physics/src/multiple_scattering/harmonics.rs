@@ -98,8 +98,9 @@ mod tests {
         }
     }
 
+    /// A beam scattered through its moments is the phase function.
     #[test]
-    fn a_beam_scattered_through_its_moments_is_the_phase_function() {
+    fn a_scattered_beam_is_the_phase_function() {
         // Both directions in the plane φ = 0, where the odd half is zero.
         let (degree, g) = (60, 0.8f64);
         let (first, second) = (0.3f64, -0.5f64);

@@ -125,8 +125,9 @@ mod tests {
     use super::*;
     use crate::quadrature::integrate_adaptive;
 
+    /// Columns up, down and through a lowest point agree with quadrature.
     #[test]
-    fn columns_up_down_and_through_a_lowest_point_agree_with_quadrature() {
+    fn columns_agree_with_quadrature() {
         for (altitude_m, mu, path_m) in [
             (0.0, 0.3, 20_000.0),
             (3_000.0, -0.4, 6_000.0),
@@ -150,8 +151,9 @@ mod tests {
         }
     }
 
+    /// Rays meet the ground and the top where they should.
     #[test]
-    fn rays_meet_the_ground_and_the_top_where_they_should() {
+    fn rays_meet_the_ground_and_the_top() {
         let ray = SlantPath::new(1_000.0, -0.5);
         let path_m = ray.path_down_to_m(200.0).unwrap();
         assert!((ray.point(path_m).altitude_m - 200.0).abs() < 1e-6);

@@ -29,8 +29,9 @@ fn setting(base_m: f64, albedo: f64) -> SourceSetting {
 static FIELD: LazyLock<SourceField> =
     LazyLock::new(|| SourceField::solve(setting(BASE_M, 0.5), &Resolution::coarse()));
 
+/// Below a cloud light is scattered, absorbed or retained by ground and base, and none escapes.
 #[test]
-fn below_a_cloud_light_is_scattered_absorbed_or_kept_by_ground_and_base_and_none_escapes() {
+fn energy_balances_below_a_cloud() {
     check_balance(&FIELD);
     let powers = FIELD.powers();
     assert!(powers.iter().all(|power| power.escaped_w() == [[0.0; 3]; 3]));
@@ -42,8 +43,9 @@ fn below_a_cloud_light_is_scattered_absorbed_or_kept_by_ground_and_base_and_none
     assert!((powers[1].sent_w()[1][0] / sent - 1.0).abs() < 1e-6);
 }
 
+/// First-order light on the grid is that of `single_source` below a cloud.
 #[test]
-fn first_order_light_on_the_grid_is_that_of_single_source_below_a_cloud() {
+fn first_order_agrees_below_a_cloud() {
     let resolution = Resolution::table();
     let rule = gathering::FirstOrderRule::new(
         resolution.first_polar,
@@ -78,13 +80,15 @@ fn first_order_light_on_the_grid_is_that_of_single_source_below_a_cloud() {
     }
 }
 
+/// A row agrees with the sum of moments below a cloud.
 #[test]
-fn a_row_agrees_with_the_sum_of_moments_below_a_cloud() {
+fn a_row_is_the_sum_of_moments_below_a_cloud() {
     check_rows(&FIELD, [(400.0, 0.4), (7e3, 1.7), (30e3, 2.8)]);
 }
 
+/// The solver agrees with light traced forward below a cloud.
 #[test]
-fn the_solver_agrees_with_light_traced_forward_below_a_cloud() {
+fn solver_agrees_with_tracer_below_a_cloud() {
     let detectors = detectors(&[1e3, 5e3], &[(0.0, 1.57), (0.0, 0.2), (1.6, 0.5), (3.1, 0.8)]);
     check_against_traced_light(&FIELD, &detectors, 100_000, 0.03, 0.04);
 }
@@ -104,8 +108,9 @@ fn both_tracers_agree_below_a_cloud() {
     }
 }
 
+/// More albedo is brighter everywhere, and a black base is darker than the clear sky.
 #[test]
-fn more_albedo_is_brighter_everywhere_and_a_black_base_darker_than_the_clear_sky() {
+fn more_albedo_is_brighter_everywhere() {
     let solve = |atmosphere: Atmosphere| {
         let setting = SourceSetting::new(atmosphere, 0.0, 0.0, DEFAULT_GROUND_ALBEDO).unwrap();
         SourceField::solve(setting, &Resolution::coarse())
@@ -128,8 +133,9 @@ fn more_albedo_is_brighter_everywhere_and_a_black_base_darker_than_the_clear_sky
     }
 }
 
+/// An observer at or above the base sees nothing, and a source there is refused by name.
 #[test]
-fn an_observer_at_or_above_the_base_sees_nothing_and_a_source_there_is_refused_by_name() {
+fn nothing_is_seen_from_above_the_base() {
     for observer_altitude_m in [BASE_M, 1_700.0] {
         let row = ViewRow::new(&FIELD, observer_altitude_m, 0.4).unwrap();
         assert_eq!(row.radiance_per_watt(3e3, 0.2), [[0.0; 3]; 3]);

@@ -176,8 +176,9 @@ mod tests {
         assert!(kept(1) == 1.0 && kept(4) < 0.51 && kept(7) < 0.4);
     }
 
+    /// Rings near the source and the outermost ring stay, and others lose what only one ring has.
     #[test]
-    fn rings_near_the_source_and_the_outermost_stay_and_others_lose_what_only_one_has() {
+    fn smoothing_removes_single_rings() {
         let grid = FieldGrid::new(0.0, 0.0, None, 0.2, 1);
         let (rings, degree) = (grid.ring_count(), 1);
         let pairs = pair_count(degree);
@@ -221,8 +222,9 @@ mod tests {
         (third / (20 * (values.len() - 3)) as f64).sqrt()
     }
 
+    /// In thick haze the zenith falls evenly with the distance.
     #[test]
-    fn in_thick_haze_the_zenith_falls_evenly_with_the_distance() {
+    fn zenith_falls_evenly_in_thick_haze() {
         let atmosphere = Atmosphere::new(Turbidity::new(6.0).unwrap());
         let setting = SourceSetting::new(atmosphere, 0.0, 0.0, 0.15).unwrap();
         let resolution = Resolution { max_orders: 3, ..Resolution::table() };

@@ -22,8 +22,9 @@ static FIELD: LazyLock<SourceField> = LazyLock::new(|| {
     SourceField::solve(setting(2.0, 0.0, 0.0, DEFAULT_GROUND_ALBEDO), &Resolution::coarse())
 });
 
+/// What is scattered out of the beams is scattered in, absorbed or escapes.
 #[test]
-fn what_is_scattered_out_of_the_beams_is_scattered_in_absorbed_or_escapes() {
+fn energy_balances_in_every_order() {
     check_balance(&FIELD);
     let powers = FIELD.powers();
     // The check can fail: without what escapes nothing balances.
@@ -47,8 +48,9 @@ fn orders_converge_one_by_one() {
     assert!((short[1][0] / long[1][0] - 1.0).abs() < 0.02, "{short:?} {long:?}");
 }
 
+/// First-order light on the grid is that of `single_source`.
 #[test]
-fn first_order_light_on_the_grid_is_that_of_single_source() {
+fn first_order_agrees_with_single_source() {
     // The flux from above at the ground, ∫ L sin φ dΩ over the sky of `single_source`.
     let setting = setting(2.0, 0.0, 0.0, 0.0);
     let resolution = Resolution::table();
@@ -77,13 +79,15 @@ fn first_order_light_on_the_grid_is_that_of_single_source() {
     }
 }
 
+/// The sky is mirror symmetric, and a row agrees with the sum of moments.
 #[test]
-fn the_sky_is_mirror_symmetric_and_a_row_agrees_with_the_sum_of_moments() {
+fn a_row_is_the_sum_of_moments() {
     check_rows(&FIELD, [(400.0, 0.4), (7e3, 1.7), (60e3, 2.8)]);
 }
 
+/// The later orders brighten the zenith as much as was measured before.
 #[test]
-fn the_zenith_is_brightened_as_was_measured_before() {
+fn zenith_brightening_is_unchanged() {
     // Total over first order at turbidity 2, from an earlier Monte Carlo: 1.3 at 2 km, 2.2 at 50 km.
     for (distance_m, low, high) in [(2e3, 1.2, 1.45), (50e3, 1.9, 3.0)] {
         let first = radiance_per_watt_of(&FIELD.setting().atmosphere, &at(distance_m), 0.0, 0.5 * PI, 1e-6);
@@ -111,8 +115,9 @@ fn the_solver_agrees_with_light_traced_forward() {
     check_against_traced_light(&FIELD, &detectors, 240_000, 0.05, 0.08);
 }
 
+/// Both tracers agree, and their results are the same on any number of threads.
 #[test]
-fn both_tracers_agree_and_are_the_same_on_any_number_of_threads() {
+fn tracers_agree_on_any_number_of_threads() {
     let setting = setting(2.0, 1_000.0, 300.0, 0.5);
     let geometry = SourceGeometry { distance_m: 4e3, source_altitude_m: 1_000.0, observer_altitude_m: 300.0 };
     let run = || check_both_tracers(setting, geometry, (1.0, 0.7), 20_000, 0.2);
@@ -147,8 +152,9 @@ fn a_disc_of_light_is_the_mean_of_its_points() {
     assert!((traced(0.0) / mean - 1.0).abs() > 0.15, "{:e} {mean:e}", traced(0.0));
 }
 
+/// Invalid settings and observers are refused by name.
 #[test]
-fn wrong_settings_and_observers_are_refused_by_name() {
+fn invalid_settings_are_refused_by_name() {
     let atmosphere = Atmosphere::new(Turbidity::default());
     let ground = SourceSetting::new(atmosphere, 100.0, 200.0, 0.15).unwrap_err().to_string();
     assert!(ground.contains("ground_altitude"), "{ground}");
@@ -168,8 +174,9 @@ static CUT_FIELD: LazyLock<SourceField> = LazyLock::new(|| {
     SourceField::solve(setting, &Resolution::coarse())
 });
 
+/// The power of a source behind a skyline balances and is what the skyline leaves.
 #[test]
-fn the_power_of_a_source_behind_a_skyline_balances_and_is_what_the_skyline_leaves() {
+fn energy_balances_behind_a_skyline() {
     let emitted = crate::emission::emitted_shares(8f64.to_radians());
     for power in CUT_FIELD.powers() {
         let tolerance = if power.order == 0 { 1e-4 } else { 0.03 };
@@ -189,8 +196,9 @@ fn the_power_of_a_source_behind_a_skyline_balances_and_is_what_the_skyline_leave
     assert!(scattered(&CUT_FIELD) < 0.5 * scattered(&FIELD));
 }
 
+/// The solver agrees with light traced forward behind a skyline.
 #[test]
-fn the_solver_agrees_with_light_traced_forward_behind_a_skyline() {
+fn solver_agrees_with_tracer_behind_a_skyline() {
     let mut looks = detectors(&[2e3], &[(0.0, 1.57), (1.6, 0.5)]);
     looks.extend(detectors(&[10e3], &[(0.0, 0.5), (3.1, 0.08)]));
     let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&looks, 60_000, 7);

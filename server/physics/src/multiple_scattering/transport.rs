@@ -295,7 +295,7 @@ mod tests {
     /// Rays from far places meet the glow over the source in steps of kilometres: how finely those next to it are cut must
     /// not show in what a place gathers, and whole steps do show.
     #[test]
-    fn light_gathered_far_away_does_not_depend_on_how_steps_over_the_source_are_cut() {
+    fn far_light_does_not_depend_on_step_cuts() {
         let atmosphere = Atmosphere::new(Turbidity::new(6.0).unwrap());
         let setting = SourceSetting::new(atmosphere, 0.0, 0.0, 0.15).unwrap();
         let resolution = Resolution::coarse();
@@ -326,8 +326,9 @@ mod tests {
         assert!(four < 0.01 && whole > 4.0 * four, "{whole} with whole steps, {four} with {FAR_PARTS} parts");
     }
 
+    /// Zenith angles integrate polynomials over both sides of any horizon.
     #[test]
-    fn zenith_angles_integrate_polynomials_over_both_sides_of_any_horizon() {
+    fn zenith_nodes_integrate_polynomials() {
         for per_hemisphere in [6, 12, 16, 18, 24] {
             for horizon in [0.0, -0.02, -0.14] {
                 let nodes = zenith_nodes(per_hemisphere, horizon);
@@ -343,8 +344,9 @@ mod tests {
         }
     }
 
+    /// A strip of haze a degree high is sampled wherever it glows near the horizon.
     #[test]
-    fn a_strip_of_haze_a_degree_high_is_met_wherever_it_glows_near_the_horizon() {
+    fn zenith_nodes_resolve_a_low_haze_strip() {
         let worst = |per_hemisphere: usize| {
             let errors = (0..40).map(|step| {
                 let middle = 0.003 * f64::from(step);

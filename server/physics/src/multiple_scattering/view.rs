@@ -194,7 +194,7 @@ mod tests {
     /// A ray low over a far lamp meets a peak that is narrower than its steps there: what it sees must not
     /// depend on where their middles lie.
     #[test]
-    fn light_over_a_far_source_falls_evenly_with_its_distance() {
+    fn far_zenith_light_falls_evenly() {
         let atmosphere = Atmosphere::new(Turbidity::new(2.5).unwrap());
         let setting = SourceSetting::new(atmosphere, 0.0, 0.0, 0.15).unwrap();
         let field = SourceField::solve(setting, &Resolution::coarse());

@@ -43,8 +43,9 @@ fn an_open_skyline_changes_no_bit() {
     }
 }
 
+/// Away from a source and below its skyline there is exactly nothing.
 #[test]
-fn looking_away_from_a_source_below_its_skyline_there_is_exactly_nothing() {
+fn away_below_the_skyline_all_is_dark() {
     let blocking_rad = 10f64.to_radians();
     let cut = |elevation_deg: f64, azimuth: f64| {
         cut_radiance_per_watt_of(
@@ -103,8 +104,9 @@ fn by_plain_steps(geometry: &SourceGeometry, blocking_rad: f64, azimuth: f64, el
     sum
 }
 
+/// The cut integral is that of plain steps above the skyline.
 #[test]
-fn the_cut_integral_is_that_of_plain_steps_above_the_skyline() {
+fn cut_integral_agrees_with_plain_steps() {
     for (distance_m, blocking_deg, azimuth, elevation) in [
         (3_000.0, 4.0f64, 0.5, 0.8f64),
         (3_000.0, 16.0, 3.0, 0.4),
@@ -125,8 +127,9 @@ fn the_cut_integral_is_that_of_plain_steps_above_the_skyline() {
     }
 }
 
+/// The fixed rule agrees with the adaptive one behind a skyline.
 #[test]
-fn the_fixed_rule_agrees_with_the_adaptive_one_behind_a_skyline() {
+fn fixed_rule_agrees_behind_a_skyline() {
     let nodes = gauss_legendre(10);
     let mut errors = Vec::new();
     for distance_m in [400.0, 6_000.0, 60_000.0] {

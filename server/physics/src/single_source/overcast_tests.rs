@@ -55,8 +55,9 @@ fn the_base_beside_a_source_is_lit_as_by_hand() {
     assert!((got / (by_hand / cosine) - 1.0).abs() > 0.1);
 }
 
+/// What the base adds is its irradiance, attenuated by the air.
 #[test]
-fn what_the_base_adds_is_its_irradiance_through_the_air() {
+fn base_light_is_its_irradiance_attenuated() {
     // Radiance is linear in the albedo, so the difference of two skies is the light of the base alone. By plain
     // vectors and sums, on the sphere.
     for (geometry, azimuth, elevation) in sample() {
@@ -123,8 +124,9 @@ fn a_black_base_leaves_the_clear_sky_below_it() {
     }
 }
 
+/// A black base far above nearly leaves the clear sky; a low one takes what it would have scattered.
 #[test]
-fn a_base_out_of_reach_is_a_clear_sky_to_what_lies_above_it() {
+fn a_high_black_base_leaves_the_clear_sky() {
     // At 12 km a fifth of the molecules and none of the haze are left.
     let geometry = at(300.0);
     let (open, black) =
@@ -209,16 +211,18 @@ fn all_ways_of_asking_agree_under_a_cloud() {
     }
 }
 
+/// Atmospheres under different clouds are not evaluated together.
 #[test]
 #[should_panic(expected = "under one cloud")]
-fn atmospheres_under_different_clouds_are_not_asked_together() {
+fn different_clouds_together_panic() {
     let air = [under(2.0, 1_000.0, 0.5), clear(2.0)];
     let _: [f64; 2 * OUTPUT_COUNT] = radiance_per_watt(&air, &at(1_000.0), 0.0, 0.5, 1e-6, 0.0);
 }
 
 proptest! {
+    /// More albedo is brighter everywhere, and a black base is darker than the clear sky.
     #[test]
-    fn more_albedo_is_brighter_everywhere_and_a_black_base_darker_than_the_clear_sky(
+    fn more_albedo_is_brighter_everywhere(
         log_distance in 0.0f64..1.0, azimuth in 0.0f64..3.1, elevation in 0.005f64..1.57,
         base_m in 250.0f64..6e3, albedo in 0.05f64..0.9, turbidity in 1.0f64..6.0,
     ) {

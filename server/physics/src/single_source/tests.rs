@@ -20,8 +20,9 @@ fn zenith(turbidity: f64, distance_m: f64) -> f64 {
         [0]
 }
 
+/// Flat-Earth integrals agree with the closed form.
 #[test]
-fn flat_earth_integrals_agree_with_the_closed_form() {
+fn flat_earth_agrees_with_closed_form() {
     // ∫e^{−h/H}/(D²+h²)dh and the same with 1 + h²/(D²+h²), km⁻¹, H = 8 km.
     let cases = [
         (1.0, 1.2468470482, 1.7656051940),
@@ -47,8 +48,9 @@ fn flat_earth_integrals_agree_with_the_closed_form() {
     }
 }
 
+/// More turbidity brightens the zenith of a near source and dims that of a far one.
 #[test]
-fn more_turbidity_brightens_the_zenith_of_a_near_source_and_dims_that_of_a_far_one() {
+fn turbidity_brightens_near_and_dims_far() {
     for distance_m in [250.0, 500.0, 750.0, 1_000.0] {
         assert!(zenith(2.0, distance_m) > zenith(1.0, distance_m), "{distance_m}");
     }
@@ -58,22 +60,25 @@ fn more_turbidity_brightens_the_zenith_of_a_near_source_and_dims_that_of_a_far_o
     }
 }
 
+/// Near 20 km the zenith falls about as the distance to the power of −2.5 (Walker 1977).
 #[test]
-fn near_20_km_the_zenith_falls_about_as_the_distance_to_the_minus_two_and_a_half() {
+fn walkers_law_near_20_km() {
     let slope = (zenith(2.0, 25_000.0) / zenith(2.0, 16_000.0)).ln() / (25.0f64 / 16.0).ln();
     assert!((-3.2..=-2.2).contains(&slope), "{slope}");
 }
 
+/// In the Earth's shadow there is exactly nothing.
 #[test]
-fn behind_the_earths_shadow_there_is_exactly_nothing() {
+fn the_earths_shadow_is_exactly_dark() {
     let dark = radiance_per_watt_of(&atmosphere(2.0), &at(300_000.0), std::f64::consts::PI, 0.012, 1e-6);
     assert_eq!(dark, [[0.0; 3]; 3]);
     let lit = radiance_per_watt_of(&atmosphere(2.0), &at(300_000.0), std::f64::consts::PI, 0.3, 1e-6);
     assert!(lit[1][0] > 0.0);
 }
 
+/// A tighter tolerance changes nothing by more than 1e-6.
 #[test]
-fn a_tighter_tolerance_moves_nothing_by_more_than_1e_6() {
+fn the_integral_has_converged() {
     // Converged to 1e-6 means: the value at the working tolerance is within 1e-6 of a much tighter one,
     // for every band and lobe, also near the horizon, through the source's vertical and at high turbidity.
     let mut worst: f64 = 0.0;
@@ -156,8 +161,9 @@ fn brute_force(atmosphere: &Atmosphere, geometry: &SourceGeometry, azimuth: f64,
     sum
 }
 
+/// The integral agrees with plain steps along the ray.
 #[test]
-fn the_integral_agrees_with_plain_steps_along_the_ray() {
+fn integral_agrees_with_plain_steps() {
     let atmosphere = atmosphere(2.5);
     for (distance_m, source_altitude_m, observer_altitude_m, azimuth, elevation) in [
         (3_000.0, 0.0, 0.0, 0.5, 0.8f64),
@@ -172,8 +178,9 @@ fn the_integral_agrees_with_plain_steps_along_the_ray() {
 }
 
 proptest! {
+    /// The sky of a source is mirror symmetric and never negative.
     #[test]
-    fn the_sky_of_a_source_is_mirror_symmetric_and_never_negative(
+    fn sky_is_symmetric_and_never_negative(
         log_distance in 0.0f64..1.0, source_altitude_m in 0.0f64..6e3, observer_altitude_m in 0.0f64..6e3,
         azimuth in 0.0f64..3.1, elevation in 0.005f64..1.57, turbidity in 1.0f64..6.0,
     ) {

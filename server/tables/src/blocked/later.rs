@@ -170,8 +170,9 @@ mod tests {
         panorama::{azimuth_rad, elevation_rad},
     };
 
+    /// At its nodes the part is that of a cut field, and it multiplies the open table.
     #[test]
-    fn at_its_nodes_the_part_is_that_of_a_cut_field_and_multiplies_the_open_table() {
+    fn parts_at_nodes_are_those_of_cut_fields() {
         let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
         let distance_m = [2_000.0, 30_000.0];
         let multiple = MultipleAxes { distance_m: distance_m.to_vec(), ..MultipleAxes::coarse(0.15) };

@@ -224,8 +224,9 @@ mod tests {
     use crate::{PrecomputeOptions, Silent, precompute};
     use skyglow_physics::Turbidity;
 
+    /// At the nodes scales are those of the cut images, and higher skylines leave less.
     #[test]
-    fn at_the_nodes_scales_are_those_of_the_cut_images_and_higher_skylines_leave_less() {
+    fn scales_at_nodes_are_those_of_cut_images() {
         let turbidity = Turbidity::new(2.0).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let options = PrecomputeOptions::coarse(turbidity);

@@ -258,8 +258,9 @@ mod tests {
         (atmosphere, MultipleTable::solve(atmosphere, &axes, |_, _| None, |_, _, _| Ok(())).unwrap())
     }
 
+    /// At its nodes the table is the field, and images are what single directions are.
     #[test]
-    fn at_its_nodes_the_table_is_the_field_and_images_are_what_single_directions_are() {
+    fn the_table_is_the_field_at_its_nodes() {
         let distance_m = [2_000.0, 30_000.0];
         let (atmosphere, table) = table(&distance_m);
         for (source_m, observer_m) in [(3_000.0, 5_000.0), (400.0, 0.0)] {
@@ -295,8 +296,9 @@ mod tests {
         assert!(ratio > 1.2, "{ratio}");
     }
 
+    /// Offsets are interpolated on their own side of the observer, and haze has more of them.
     #[test]
-    fn offsets_are_interpolated_on_their_own_side_of_the_observer_and_haze_has_more_of_them() {
+    fn offsets_are_interpolated_on_their_own_side() {
         let axes = MultipleAxes::full(0.15);
         let stretched =
             |ground| axes.offsets_over_m(ground, None).into_iter().map(stretched_offset).collect::<Vec<_>>();
@@ -324,8 +326,9 @@ mod tests {
         assert_eq!(raised, 1..2, "without offsets above the observer its own stands for them");
     }
 
+    /// The columns of every table reach from the source to its opposite, and their weights sum to one.
     #[test]
-    fn the_columns_of_every_table_reach_from_the_source_to_its_back_and_sum_to_one() {
+    fn column_stencils_span_the_half_turn() {
         for axes in [MultipleAxes::full(0.15), MultipleAxes::coarse(0.15)] {
             assert_eq!((axes.column[0], axes.column[axes.column.len() - 1]), (0, HALF_COLUMN_COUNT - 1));
             for stencil in column_stencils(&axes.column) {

@@ -128,8 +128,9 @@ mod tests {
     use super::{super::MultipleSum, *};
     use crate::{EmissionMix, Lobe, Turbidity, direct_sum::grid_direction};
 
+    /// Separate lobes are those of the sum, and fields below observers are solved once.
     #[test]
-    fn lobes_apart_are_those_of_the_sum_and_fields_below_observers_are_solved_once() {
+    fn separate_lobes_add_up_and_fields_are_reused() {
         let atmosphere = Atmosphere::new(Turbidity::new(2.0).unwrap());
         let (resolution, density) = (Resolution::coarse(), SumDensity::default());
         let source = |azimuth_rad: f64, distance_m: f64, altitude_m: f64| PointSource {

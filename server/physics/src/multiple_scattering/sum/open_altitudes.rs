@@ -128,8 +128,9 @@ mod tests {
         OpenAltitudes::new(altitudes_m.iter().copied(), observer_m, 300.0)
     }
 
+    /// Few altitudes are their own nodes, and many lie between nodes on their side of the observer.
     #[test]
-    fn few_altitudes_are_their_own_nodes_and_many_lie_between_nodes_of_their_side_of_the_observer() {
+    fn many_altitudes_lie_between_nodes() {
         assert_eq!(nodes(&[40.0, 40.0], 900.0).altitude_m, [40.0]);
         assert_eq!(nodes(&[100.0, 400.0], 200.0).altitude_m, [100.0, 400.0]);
         // Under a plain and a hill, and above an eye at the sea: a line between two nodes was 300 m long there.
@@ -153,8 +154,9 @@ mod tests {
         }
     }
 
+    /// No two nodes are so close that weights explode, and no gap is wider than stated.
     #[test]
-    fn no_two_nodes_are_so_close_that_weights_explode_and_no_gap_is_wider_than_said() {
+    fn weights_and_gaps_are_bounded() {
         let mut most: f64 = 0.0;
         for (observer_m, highest_m) in [(300.0, 2_500.0), (200.0, 4_200.0), (700.0, 1_300.0), (650.0, 700.0)]
         {
@@ -172,8 +174,9 @@ mod tests {
         assert!(most > 1.1 && most < 3.0, "{most}");
     }
 
+    /// Lamps at the observer's feet have a field of their own.
     #[test]
-    fn lamps_at_the_observers_feet_keep_a_field_of_their_own() {
+    fn lamps_at_the_observers_feet_have_a_node() {
         let mut altitudes_m: Vec<f64> = (0..=100).map(|k| 13.0 * f64::from(k)).collect();
         for feet_m in [0.0, 1.5, 2.0] {
             altitudes_m[0] = feet_m;
@@ -186,8 +189,9 @@ mod tests {
         }
     }
 
+    /// Narrow sides have as many nodes as a stencil, unless those were a few metres apart.
     #[test]
-    fn narrow_sides_have_as_many_nodes_as_interpolation_takes_unless_those_were_a_few_metres_apart() {
+    fn narrow_sides_have_full_stencils() {
         for span_m in [120.0, 200.0, 299.0, 300.0, 600.0, 899.0, 900.0] {
             let many: Vec<f64> = (0..=200).map(|k| span_m * f64::from(k) / 200.0).collect();
             for [low_m, eye_m] in [[0.0, 2_000.0], [40.0, 2_000.0], [100.0, 40.0], [100.0, 100.0]] {

@@ -36,8 +36,9 @@ fn cut(sources: &[BlockedSource]) -> Vec<[f64; BAND_COUNT]> {
     settled(&SumDensity::default()).cut_radiance(sources, [1.0; BAND_COUNT], &looks(), &|| ()).unwrap()
 }
 
+/// The light of each source adds up to that of all.
 #[test]
-fn the_light_of_each_source_adds_up_to_that_of_all() {
+fn sources_add_up() {
     let sources: Vec<PointSource> = [(100.0, 2_000.0), (700.0, 9_000.0), (1_500.0, 40_000.0)]
         .map(|(altitude_m, distance_m)| behind(0.0, altitude_m, distance_m).source)
         .to_vec();
@@ -93,8 +94,10 @@ fn a_sky_without_sources_is_dark() {
     assert_eq!(sum(&SumDensity::default(), &[], &directions), [[0.0; BAND_COUNT]]);
 }
 
+/// Sources behind skylines leave open ones unchanged bit for bit, and cost fields only at their own
+/// altitudes.
 #[test]
-fn sources_behind_skylines_leave_open_ones_as_they_are_bit_for_bit_and_cost_fields_only_where_they_are() {
+fn skylines_do_not_change_open_sources() {
     let open = [behind(0.0, 100.0, 9_000.0), behind(0.0, 400.0, 50_000.0)];
     let density = SumDensity::default();
     let alone: Vec<PointSource> = open.iter().map(|blocked| blocked.source).collect();
@@ -122,8 +125,9 @@ fn sources_behind_skylines_leave_open_ones_as_they_are_bit_for_bit_and_cost_fiel
     assert_eq!(solved.into_inner(), 3);
 }
 
+/// A skyline between the angles leaves what a field solved behind it shows, and higher ones leave less.
 #[test]
-fn a_skyline_between_angles_leaves_what_a_field_solved_behind_it_shows_and_higher_ones_leave_less() {
+fn interpolated_skylines_agree_with_fields() {
     let distance_m = [1_000.0, 6_000.0, 25_000.0, 90_000.0];
     // Degrees, and the largest mean error there: what coarse fields of neighbouring angles differ by on their own is a
     // per cent from 8° on.
@@ -169,8 +173,9 @@ fn a_skyline_between_angles_leaves_what_a_field_solved_behind_it_shows_and_highe
     }
 }
 
+/// At altitudes between those solved, a skyline leaves what a field of that altitude shows.
 #[test]
-fn over_altitudes_between_those_solved_a_skyline_leaves_what_a_field_of_that_altitude_shows() {
+fn interpolated_altitudes_agree_with_fields() {
     let distance_m = [2_000.0, 8_000.0, 40_000.0];
     // From 700 m below the observer to 1500 m above.
     let altitudes_m = [100.0, 550.0, 720.0, 1_050.0, 2_300.0];
