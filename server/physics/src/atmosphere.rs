@@ -1,4 +1,5 @@
-//! The model atmosphere: two exponential species above the sphere.
+//! The model atmosphere: molecules and aerosol, each exponential in altitude (Garstang 1986), the aerosol by turbidity
+//! (Preetham et al. 1999).
 
 use crate::{
     bands::{BAND_COUNT, Band},

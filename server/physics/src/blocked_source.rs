@@ -1,4 +1,4 @@
-//! A source behind the skyline that hides its low light from one observer.
+//! A source behind the skyline that blocks its low light towards one observer.
 
 use crate::source_pixel::PointSource;
 

@@ -1,4 +1,4 @@
-//! Skylines that hide a source's low light: the blocking angle and the angles that tables are made for.
+//! Skylines that block a source's low light: the blocking angle, and the angles that tables are computed for.
 //!
 //! Of a source's light, what leaves below the skyline in the vertical plane from source to observer, as seen from the
 //! source, does not count in any order (`model.md`, section 4). In the tables that plane stands for all azimuths: the

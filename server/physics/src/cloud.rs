@@ -1,10 +1,10 @@
-//! The base of an overcast sky (`model.md`, section 4, "Overcast").
+//! The base of an overcast sky: a Lambertian surface (`model.md`, section 4, "Overcast").
 
 use crate::error::{PhysicsError, check_range};
 
 /// A closed layer of cloud seen from below: a Lambertian surface at one altitude everywhere.
 ///
-/// It sends back [`Self::albedo`] of the light that reaches it from below and lets none through from above.
+/// It reflects [`Self::albedo`] of the light that reaches it from below and lets none through from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudBase {
     altitude_m: f64,
@@ -12,7 +12,7 @@ pub struct CloudBase {
 }
 
 impl CloudBase {
-    /// Albedo from below unless another is asked for.
+    /// Default albedo from below.
     pub const DEFAULT_ALBEDO: f64 = 0.5;
     /// Lowest base, metres above the sphere.
     pub const MIN_ALTITUDE_M: f64 = 200.0;

@@ -1,4 +1,4 @@
-//! The part of a straight ray that a source's light cut at a skyline can reach.
+//! Ray–cone intersection: the part of a straight ray that is lit by a source whose light is cut at a skyline.
 //!
 //! A source whose skyline stands at elevation e all around lights the solid cone of elevations above e. The cone is
 //! convex, so a ray meets it in one interval, between roots of (ŝ·w)² = sin²e·|w|², w = w₀ + u·v.
@@ -92,7 +92,7 @@ mod tests {
                 let path_m = 100.0 * (f64::from(k) + 0.5);
                 let within = lit.is_some_and(|(low, high)| path_m > low && path_m < high);
                 let sin_elevation = ray.sin_elevation(path_m);
-                // At the very edge rounding decides.
+                // At the edge itself rounding decides.
                 prop_assert!(within == (sin_elevation > sine) || (sin_elevation - sine).abs() < 1e-9);
             }
         }

@@ -1,6 +1,6 @@
-//! The reference: the sum over every point source, each by converged quadrature (paper Eq. 3).
+//! The reference solution, first order: the sum over every point source, each by converged quadrature (paper Eq. 3).
 //!
-//! L(θ, φ) = Σ_i Φ_i · b(θ − θ_i, φ; r_i, h_i, h_o). Slow and plain on purpose: nothing is skipped, merged or
+//! L(θ, φ) = Σ_i Φ_i · b(θ − θ_i, φ; r_i, h_i, h_o). Slow and simple on purpose: nothing is skipped, merged or
 //! tabulated but the optical columns (good to 1e-9). Every fast path is measured against it.
 
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
 };
 use rayon::prelude::*;
 
-/// Relative tolerance of every integral of the reference.
+/// Relative tolerance of every integral of the reference solution.
 pub const REFERENCE_TOLERANCE: f64 = 1e-6;
 
 /// Sky radiance [W m⁻² sr⁻¹] at each direction, `[direction][atmosphere × band]`, every source under an open sky.
@@ -35,7 +35,7 @@ pub fn direct_sum<const N: usize>(
     cut_direct_sum(atmospheres, &open, observer_altitude_m, emission, flux_per_dnb_flux, directions, advance)
 }
 
-/// As [`direct_sum`], each source's lobe cut all around at its own skyline. With all angles 0 it is that very sum.
+/// As [`direct_sum`], each source's lobe cut all around at its own skyline. With all angles 0 it equals that sum.
 pub fn cut_direct_sum<const N: usize>(
     atmospheres: &[Atmosphere],
     sources: &[BlockedSource],
@@ -130,7 +130,7 @@ pub fn stratified_samples(count: usize) -> Vec<GridSample> {
     };
     row_samples(0, (count / 8).max(1));
     row_samples(ELEVATION_COUNT - 1, (count / 16).max(1));
-    // The R₂ sequence fills the rest evenly however many there are.
+    // The R₂ sequence (Roberts 2018) fills the rest evenly for any count.
     let mut i = 0u32;
     while chosen.len() < count {
         i += 1;
@@ -144,7 +144,7 @@ pub fn stratified_samples(count: usize) -> Vec<GridSample> {
 }
 
 /// The whole sky from the radiance [W m⁻² sr⁻¹] at some grid samples: exact there, between them the mean weighted
-/// by 1 / γ⁴, γ being (nearly) the angle to the sample. Dark without samples.
+/// by 1 / γ⁴ (Shepard 1968), γ being (nearly) the angle to the sample. Dark without samples.
 pub fn panorama_between(samples: &[GridSample], radiance_w_m2_sr: &[[f64; BAND_COUNT]]) -> Panorama {
     let known: Vec<_> =
         samples.iter().map(|&sample| grid_direction(sample).enu()).zip(radiance_w_m2_sr).collect();
@@ -216,7 +216,7 @@ mod tests {
         let steps = [0.0, 0.3, 2.0, 9.0, 40.0, 89.0].map(|angle_deg| behind([angle_deg; 2]));
         for pair in steps.windows(2) {
             for (lower, higher) in pair[0].iter().flatten().zip(pair[1].iter().flatten()) {
-                // Low looks away from the sources see nothing of what is sent steeply up.
+                // Low directions away from the sources show nothing of what is emitted steeply upwards.
                 assert!(higher < lower || *higher == 0.0, "{lower} {higher}");
             }
         }

@@ -1,4 +1,4 @@
-//! Emission lobes: how a source's upward flux is spread over zenith angle ψ.
+//! Emission lobes: upward flux over zenith angle ψ (Garstang 1986; Falchi et al. 2016).
 //!
 //! Each lobe integrates to 1 over the upper hemisphere and is zero at and below the horizon.
 
@@ -70,8 +70,8 @@ pub fn lobe_intensities_per_sr(cos_zenith: f64) -> [f64; LOBE_COUNT] {
     [c / PI, HORIZON_NORM / TAU * psi2 * psi2, oblique.max(0.0)]
 }
 
-/// ∫ f dΩ of each lobe over elevations above `blocking_rad` at the source: the power that a source of 1 W still sends
-/// out behind a skyline, W. Exactly 1 for the open sky (0 and below), 0 at π/2.
+/// ∫ f dΩ of each lobe over elevations above `blocking_rad` at the source: the power that a source of 1 W still
+/// emits behind a skyline, W. Exactly 1 for the open sky (0 and below), 0 at π/2.
 pub fn emitted_shares(blocking_rad: f64) -> [f64; LOBE_COUNT] {
     // NaN is an open sky too.
     if blocking_rad.is_nan() || blocking_rad <= 0.0 {

@@ -1,4 +1,4 @@
-//! How wrong a fast answer is: relative error with a floor at what nobody can see.
+//! Relative error of a fast answer, with a floor below what can be seen.
 
 use crate::{bands::BAND_COUNT, photometry::luminance_cd_m2};
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ pub const LUMINANCE_FLOOR_CD_M2: f64 = 1.7e-6;
 /// Floor L₀ of the error in a band, W m⁻² sr⁻¹.
 pub const BAND_FLOOR_W_M2_SR: f64 = 3e-9;
 
-/// |L − L_truth| / max(L_truth, L₀), the worst of the luminance and the three bands; radiances W m⁻² sr⁻¹.
+/// |L − L_ref| / max(L_ref, L₀), the worst of the luminance and the three bands; radiances W m⁻² sr⁻¹.
 pub fn relative_error(radiance: [f64; BAND_COUNT], reference: [f64; BAND_COUNT]) -> f64 {
     let error = |value: f64, reference: f64, floor: f64| (value - reference).abs() / reference.max(floor);
     let mut worst = error(luminance_cd_m2(radiance), luminance_cd_m2(reference), LUMINANCE_FLOOR_CD_M2);

@@ -1,4 +1,4 @@
-//! Lights with other lamps and other shades than those that a sky is asked with.
+//! Sources whose lamps or emission differ from those of the request.
 
 use crate::{
     bands::{BAND_COUNT, Band},
@@ -14,7 +14,7 @@ pub enum PreservedFlux {
     /// Σ_b K_b·Φ_b, the luminous flux: streets stay as bright as they were.
     #[default]
     LuminousFlux,
-    /// The flux that a satellite sees.
+    /// The flux that the satellite sees.
     DnbFlux,
 }
 
@@ -42,12 +42,12 @@ pub struct LampChange {
     pub kept: PreservedFlux,
 }
 
-/// How some lights differ from those that a sky is asked with.
+/// How some sources differ from those of the request.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fixture {
     /// Lamps replaced, one change after the other.
     pub lamps: Vec<LampChange>,
-    /// Where they send their light; None for as it is asked.
+    /// Their emission; None for that of the request.
     pub emission: Option<EmissionMix>,
 }
 
@@ -133,8 +133,8 @@ impl Fixture {
         self.lamps.is_empty() && self.emission.is_none()
     }
 
-    /// Replaces lamps. Changes before that make no difference any more are forgotten: those before all lamps are replaced by the
-    /// same rule, and the same change again.
+    /// Replaces lamps. Earlier changes without effect are dropped: those before all lamps are replaced by the same
+    /// rule, and a repetition of the last one.
     pub fn replace(&mut self, change: LampChange) {
         if change.from.is_none() && self.lamps.iter().all(|before| before.kept == change.kept) {
             self.lamps.clear();
@@ -144,17 +144,17 @@ impl Fixture {
         }
     }
 
-    /// s_b: flux in R, G, B per DNB flux that the satellite saw of these lights before their lamps were replaced, where a
-    /// sky is asked with `asked`.
-    pub fn flux_per_dnb_flux(&self, asked: &Lamp) -> [f64; BAND_COUNT] {
-        let mut mixture = Mixture::of(asked);
+    /// s_b: flux in R, G, B per DNB flux that the satellite saw of these sources before their lamps were replaced; the
+    /// lamp of the request is `requested`.
+    pub fn flux_per_dnb_flux(&self, requested: &Lamp) -> [f64; BAND_COUNT] {
+        let mut mixture = Mixture::of(requested);
         self.lamps.iter().for_each(|change| mixture.replace(change));
         mixture.flux_per_dnb_flux
     }
 
-    /// Lamps that are to be replaced where there are none of them by then, where a sky is asked with `asked`.
-    pub fn lamps_not_met(&self, asked: &Lamp) -> Vec<LampPreset> {
-        let mut mixture = Mixture::of(asked);
+    /// Lamps that a change replaces although none are left by then; the lamp of the request is `requested`.
+    pub fn lamps_not_met(&self, requested: &Lamp) -> Vec<LampPreset> {
+        let mut mixture = Mixture::of(requested);
         let mut not_met = Vec::new();
         for change in &self.lamps {
             not_met.extend(change.from.filter(|_| !mixture.meets(change)));
@@ -163,9 +163,9 @@ impl Fixture {
         not_met
     }
 
-    /// Where these lights send their light.
-    pub fn emission(&self, asked: EmissionMix) -> EmissionMix {
-        self.emission.unwrap_or(asked)
+    /// The emission of these sources, given that of the request.
+    pub fn emission(&self, requested: EmissionMix) -> EmissionMix {
+        self.emission.unwrap_or(requested)
     }
 }
 
@@ -190,18 +190,18 @@ mod tests {
         /// At equal luminous flux the lumens stay, whatever is replaced.
         #[test]
         fn equal_luminous_flux_keeps_lumens(
-            asked in preset(), from in prop::option::of(preset()), to in preset(), again in preset(),
+            requested in preset(), from in prop::option::of(preset()), to in preset(), again in preset(),
         ) {
             let lamps = [change(from, to, PreservedFlux::LuminousFlux), change(Some(to), again, PreservedFlux::LuminousFlux)];
-            let before = lumens(asked.lamp().flux_per_dnb_flux);
-            let after = lumens(fixture(&lamps).flux_per_dnb_flux(&asked.lamp()));
+            let before = lumens(requested.lamp().flux_per_dnb_flux);
+            let after = lumens(fixture(&lamps).flux_per_dnb_flux(&requested.lamp()));
             // The table of lamps is rounded to a thousandth.
             prop_assert!((after / before - 1.0).abs() < 2e-3, "{} {}", before, after);
         }
 
         #[test]
         fn what_is_forgotten_makes_no_difference(
-            asked in preset(), changes in prop::collection::vec((prop::option::of(preset()), preset(), any::<bool>()), 1..5),
+            requested in preset(), changes in prop::collection::vec((prop::option::of(preset()), preset(), any::<bool>()), 1..5),
         ) {
             let kept = |dnb: bool| if dnb { PreservedFlux::DnbFlux } else { PreservedFlux::LuminousFlux };
             let lamps: Vec<LampChange> =
@@ -210,7 +210,7 @@ mod tests {
             lamps.iter().for_each(|change| short.replace(*change));
             prop_assert!(short.lamps.len() <= lamps.len());
             let (short, long) =
-                (short.flux_per_dnb_flux(&asked.lamp()), fixture(&lamps).flux_per_dnb_flux(&asked.lamp()));
+                (short.flux_per_dnb_flux(&requested.lamp()), fixture(&lamps).flux_per_dnb_flux(&requested.lamp()));
             for (short, long) in short.iter().zip(long) {
                 // The table of lamps is rounded to a thousandth.
                 prop_assert!((short - long).abs() < 4e-3 * long.max(0.05), "{} {}", short, long);
@@ -219,8 +219,8 @@ mod tests {
 
         /// All lamps replaced at equal DNB flux have the spectrum of the new ones.
         #[test]
-        fn equal_dnb_flux_gives_the_new_lamp(asked in preset(), to in preset()) {
-            let after = fixture(&[change(None, to, PreservedFlux::DnbFlux)]).flux_per_dnb_flux(&asked.lamp());
+        fn equal_dnb_flux_gives_the_new_lamp(requested in preset(), to in preset()) {
+            let after = fixture(&[change(None, to, PreservedFlux::DnbFlux)]).flux_per_dnb_flux(&requested.lamp());
             for (after, new) in after.iter().zip(to.lamp().flux_per_dnb_flux) {
                 prop_assert!((after - new).abs() < 1e-12);
             }
@@ -230,8 +230,8 @@ mod tests {
     #[test]
     fn what_is_not_there_is_not_replaced() {
         let lamps = [change(Some(LampPreset::Mercury), LampPreset::PcAmber, PreservedFlux::LuminousFlux)];
-        let asked = LampPreset::Mixed.lamp();
-        assert_eq!(fixture(&lamps).flux_per_dnb_flux(&asked), asked.flux_per_dnb_flux);
+        let requested = LampPreset::Mixed.lamp();
+        assert_eq!(fixture(&lamps).flux_per_dnb_flux(&requested), requested.flux_per_dnb_flux);
         let custom = Lamp::custom([0.4, 0.5, 0.6]).unwrap();
         assert_eq!(fixture(&lamps).flux_per_dnb_flux(&custom), custom.flux_per_dnb_flux);
     }
@@ -240,7 +240,8 @@ mod tests {
     #[test]
     fn absent_lamps_are_named() {
         let to_led = change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::LuminousFlux);
-        let not_met = |lamps: &[LampChange], asked: LampPreset| fixture(lamps).lamps_not_met(&asked.lamp());
+        let not_met =
+            |lamps: &[LampChange], requested: LampPreset| fixture(lamps).lamps_not_met(&requested.lamp());
         assert_eq!(not_met(&[to_led], LampPreset::Mixed), []);
         assert_eq!(not_met(&[to_led], LampPreset::Led3000k), [LampPreset::Hps]);
         // None are left the second time, and all that there is has always been met.

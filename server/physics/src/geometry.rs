@@ -1,4 +1,4 @@
-//! The spherical Earth: great circles, azimuths, local frames.
+//! Spherical geometry of the Earth: great circles, azimuths, local frames, areas.
 //!
 //! Altitudes are metres above the sphere of radius [`EARTH_RADIUS_M`]; distances are great-circle arcs at
 //! that radius, metres; azimuths are radians clockwise from true north.
@@ -136,7 +136,7 @@ pub fn geographic_cell_area_m2(south_rad: f64, north_rad: f64, longitude_width_r
 }
 
 /// Area on the sphere of the quadrilateral with great-circle edges through four unit vectors, m².
-/// Corners in either orientation; solid angle by van Oosterom–Strackee, two triangles.
+/// Corners in either orientation; solid angle of two triangles (van Oosterom and Strackee 1983).
 pub fn spherical_quadrilateral_area_m2(corners: [DVec3; 4]) -> f64 {
     let triangle = |a: DVec3, b: DVec3, c: DVec3| {
         // Differences first: for cells of metres the triple product of unit vectors loses all digits.

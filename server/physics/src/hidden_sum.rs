@@ -1,8 +1,8 @@
-//! The truth for lights that terrain hides: first-order light, each segment from a source to a point of the view ray
-//! tested against the ground (`model.md`, section 4, "Terrain that hides").
+//! The reference solution for sources behind terrain: first-order light, each segment from a source to a point of the
+//! view ray tested against the ground (`model.md`, section 4, "Terrain that hides").
 //!
-//! Slow and plain on purpose. What the ground is, is not known here: whoever calls tells whether it hides one point
-//! from another. Beside it stands the definition that the tables follow, each source's lobe cut at one blocking angle
+//! Slow and simple on purpose. The ground is the caller's: a function tells whether it hides one point from another.
+//! Beside it is the definition that the tables follow, each source's lobe cut at one blocking angle
 //! all around ([`cut_sum`]), summed by the same rule, so that the two differ by the definition alone.
 
 use crate::{
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 /// Points on each of the half dozen pieces of a view ray: some hundreds a ray.
 const NODES_PER_PIECE: usize = 96;
 
-/// Who looks, and at what: what the two sums share.
+/// Observer, sources and directions: the input of both sums.
 #[derive(Clone, Copy, Debug)]
 pub struct SkySum<'a> {
     /// The observer's place.
@@ -30,11 +30,11 @@ pub struct SkySum<'a> {
     pub observer_altitude_m: f64,
     /// Point sources as that observer sees them.
     pub sources: &'a [PointSource],
-    /// How each source's light leaves it.
+    /// Emission of every source.
     pub emission: EmissionMix,
     /// The lamp's s_b.
     pub flux_per_dnb_flux: [f64; BAND_COUNT],
-    /// Where to look.
+    /// View directions.
     pub directions: &'a [Direction],
 }
 

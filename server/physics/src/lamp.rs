@@ -1,4 +1,4 @@
-//! Lamps: how much flux a source sends into each band per flux seen by the satellite.
+//! Lamps: flux of a source in each band per flux seen by the satellite.
 
 use crate::{
     bands::BAND_COUNT,

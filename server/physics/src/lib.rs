@@ -1,10 +1,11 @@
 //! The physical model of skyglow: pure functions in f64, no files, no GPU, no global state.
 //!
 //! Everything here follows Dobashi, Ishikawa, Iwasaki, *Efficient Visualization of Light Pollution for the
-//! Night Sky*, ACM TOG 42(6) 219 (2023), "the paper", and goes on where it stops: spherical Earth, three
+//! Night Sky*, ACM TOG 42(6) 219 (2023), "the paper", and extends it: spherical Earth, three
 //! emission lobes, altitudes of source and observer.
 //!
-//! This crate is the judge: every fast path is measured against [`direct_sum`].
+//! It holds the reference solution: every fast path is measured against [`direct_sum`] and
+//! [`multiple_scattering::MultipleSum`].
 
 pub mod atmosphere;
 pub mod bands;

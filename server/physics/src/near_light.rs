@@ -1,4 +1,4 @@
-//! First-order radiance next to the direction of a near source, where the sky has a peak.
+//! First-order radiance next to the direction of a near source, where the sky has a peak: an asymptotic form, tabulated.
 //!
 //! Let a view ray pass the source at the distance D, n be the unit vector from the source to the ray's nearest point, v the
 //! view, ŝ the vertical at the source, and α the angle at the source from that nearest point: u = u_c + D·tan α, so that

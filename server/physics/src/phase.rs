@@ -1,4 +1,5 @@
-//! Phase functions, per steradian, normalised to 1 over the sphere. γ is the angle by which light turns.
+//! Phase functions (Rayleigh 1871; Henyey and Greenstein 1941), per steradian, normalised to 1 over the sphere. γ is the
+//! scattering angle.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! From radiance to what people see: luminance, magnitudes, naked-eye limit, Bortle class.
+//! Photometry: luminance, magnitudes, naked-eye limit (Crumey 2014), Bortle class (Bortle 2001).
 
 use crate::bands::{BAND_COUNT, Band};
 

@@ -1,4 +1,5 @@
-//! Quadrature: Gauss–Legendre nodes, and an adaptive Gauss–Kronrod rule for several integrals at once.
+//! Quadrature: Gauss–Legendre nodes (Gauss 1814), and adaptive Gauss–Kronrod for several integrals at once (Kronrod 1965;
+//! QUADPACK, Piessens et al. 1983).
 
 /// Nodes on 0..1 and weights summing to 1 of the n-point Gauss–Legendre rule.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {

@@ -1,4 +1,4 @@
-//! A closed curve drawn on the sky, and the directions inside it.
+//! A closed curve on the sky and the directions inside it, by the winding number.
 //!
 //! Its sides are arcs of great circles, the shortest between corners. A direction p is inside where the curve winds around it,
 //! with Δ the angle at p from one corner to the next, turning left or right by less than a half turn,

@@ -1,4 +1,4 @@
-//! Raster pixels as sources, and the point sources an observer sees them as.
+//! Raster pixels as sources, and their recursive subdivision into point sources for one observer.
 
 use crate::geometry::{EARTH_RADIUS_M, GeoPoint, LocalFrame};
 use glam::DVec3;
@@ -51,10 +51,10 @@ impl SourcePixel {
         (self.corners[0] + self.corners[1] + self.corners[2] + self.corners[3]).normalize()
     }
 
-    /// Calls `visit` with the point sources that this pixel is to an observer: one at its centre, or, when
+    /// Calls `visit` with the point sources of this pixel for an observer: one at its centre, or, when
     /// the centre is nearer than [`SPLIT_WITHIN_M`], pieces each smaller than [`SPLIT_RATIO`] of its
     /// distance. Nothing where the centre is farther than [`FARTHEST_SOURCE_M`].
-    /// The flux of the pieces sums to the pixel's. This one rule serves the reference and the fast path.
+    /// The flux of the pieces sums to the pixel's. The same rule serves the reference solution and the fast path.
     pub fn for_each_point_source(&self, observer: &LocalFrame, visit: &mut impl FnMut(PointSource)) {
         let bearing = observer.bearing_to(self.center());
         if bearing.distance_m > FARTHEST_SOURCE_M {

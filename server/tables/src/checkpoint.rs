@@ -1,4 +1,4 @@
-//! Work in progress of a precompute: parts on disk, so that a killed run goes on where it stopped.
+//! Checkpoints of a precompute: finished parts on disk, so that a killed run resumes where it stopped.
 
 use crate::{error::TablesError, manifest::PackParameters, pack::write_atomically};
 use std::path::{Path, PathBuf};

@@ -1,13 +1,13 @@
-//! The layer of cloud that a pack was made under, and what its sample points become below it.
+//! The layer of cloud that a pack was computed under, and its sample points below it.
 //!
 //! The observers of such packs end at [`Clouds::ceiling_m`], and lie closer together the nearer they are to the base,
-//! where the lit cloud above changes its place in the sky fastest. Sources of nodes higher than that are held there: no
-//! light so high is ever asked for, but interpolation reaches for the next node up.
+//! where the lit cloud above changes its place in the sky fastest. Sources of nodes higher than that are clamped there: no
+//! source is that high, but interpolation uses the next node up.
 
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{CloudBase, PhysicsError, single_source::SourceGeometry};
 
-/// Room that observers and sources have below the base at least, metres: nearer, a point of light is a spot on the
+/// Least distance of observers and sources below the base, metres: nearer, a point of light is a spot on the
 /// cloud that no table resolves.
 const CLOUD_CLEARANCE_M: f64 = 100.0;
 
@@ -38,7 +38,7 @@ impl From<Clouds> for WrittenClouds {
     }
 }
 
-/// Highest observer and source that tables know under clouds with a base at this altitude, metres above sea level.
+/// Highest observer and source of tables under clouds with a base at this altitude, metres above sea level.
 pub fn ceiling_m(base_m: f64) -> f64 {
     base_m - CLOUD_CLEARANCE_M
 }
@@ -67,7 +67,7 @@ impl Clouds {
         self.0
     }
 
-    /// Highest observer and source that tables under these clouds know, metres above sea level.
+    /// Highest observer and source of tables under these clouds, metres above sea level.
     pub fn ceiling_m(self) -> f64 {
         ceiling_m(self.0.altitude_m())
     }
@@ -82,7 +82,7 @@ impl Clouds {
         }
     }
 
-    /// What file names say of it.
+    /// Its part of file names.
     pub(crate) fn file_name_part(clouds: Option<Self>) -> String {
         clouds.map_or_else(String::new, |clouds| format!("-clouds-{}", clouds.base_m()))
     }
@@ -93,7 +93,7 @@ pub(crate) fn clamped_below_clouds_m(altitude_m: f64, cloud: Option<CloudBase>) 
     cloud.map_or(altitude_m, |base| altitude_m.min(ceiling_m(base.altitude_m())))
 }
 
-/// A node's geometry below a layer of cloud: the source held below it.
+/// A node's geometry below a layer of cloud: the source clamped below it.
 pub(crate) fn clamped_geometry(geometry: SourceGeometry, cloud: Option<CloudBase>) -> SourceGeometry {
     SourceGeometry {
         source_altitude_m: clamped_below_clouds_m(geometry.source_altitude_m, cloud),

@@ -1,6 +1,7 @@
-//! Between two nodes of the offset axis ln of the scale is no straight line but bends, in haze so much that the line is
-//! 1–8 % too dark. Its curvature at a node is its *curvature*, the second difference of ln of the scale over the node and the two
-//! beside it; between two nodes with curvatures c₀ and c₁, at t of the way,
+//! Interpolation of ln of the scale between two nodes of the offset axis, by Everett's formula (Everett 1900).
+//!
+//! A straight line would be 1–8 % too dark in haze. The *curvature* at a node is the second difference of ln of the scale
+//! over the node and the two beside it; between two nodes with curvatures c₀ and c₁, at t of the way,
 //!
 //! `ln s(t) = (1 − t)·ln s₀ + t·ln s₁ − t(1 − t)/6·((2 − t)·c₀ + (1 + t)·c₁)`,
 //!

@@ -1,4 +1,4 @@
-//! The basis: a low-rank fit in which every sample counts relative to itself.
+//! The basis: weighted low-rank approximation by alternating least squares (Gabriel and Zamir 1979).
 //!
 //! Plain PCA (the paper's Eq. 4) minimises absolute error and is wrong by 70–700 % for a dark place near a
 //! city. Here image n at direction p weighs w = max(x, δ)^−q, x the image over its mean, δ a thousandth of

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Exponent q of the weights: 1 would be pure relative error; slightly less keeps the bright part honest. At 0.85 the lowest
+/// Exponent q of the weights: 1 would be pure relative error; slightly less serves the bright part. At 0.85 the lowest
 /// row opposite a city 40 km away, 300 times dimmer than towards it, was twice as wrong; at 1 lights on ridges are.
 pub const WEIGHT_EXPONENT: f64 = 0.93;
 /// δ over the image's zenith value.
@@ -31,7 +31,7 @@ pub(crate) const NEAR_SOURCE_OF_FUNCTIONS: [f64; 3] = [16.0, 8.5, 6.0];
 /// The same when an image's coefficients are sought: the functions being there, less weight next to the source spoils less
 /// of the sky away from it.
 pub(crate) const NEAR_SOURCE_OF_COEFFICIENTS: [f64; 3] = [4.0, 10.0, 3.0];
-/// How much more samples overhead weigh: all sources add up there, and what the sky is judged by first is its zenith.
+/// How much more samples overhead weigh: all sources add up there, and the zenith is the first measure of a sky.
 pub(crate) const ZENITH_BOOST: f64 = 3.0;
 /// Rows from the zenith at which that is 1/e.
 pub(crate) const ZENITH_ROW_COUNT: f64 = 6.0;
@@ -47,8 +47,8 @@ pub(crate) const RAISED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
 pub(crate) const OBLIQUE_IMPORTANCE: f64 = 1.6;
 
-/// What decides a fit beside the number of functions, geometries and iterations: kept in manifests, and in the key of
-/// work in progress, so that nothing made with other constants is gone on from.
+/// What decides a fit beside the number of functions, geometries and iterations: stored in manifests, and in the key of
+/// checkpoints, so that no run resumes from parts of other constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitConstants {
     /// Exponent q of the weights.

@@ -27,8 +27,8 @@ pub struct SourceImages {
 /// Log scale that stands for no light at all; e⁻³⁰⁰ is zero for every purpose and safe in f32.
 pub const DARK_LOG_SCALE: f64 = -300.0;
 
-/// Columns that count for an image's scale: azimuths of 22.5° and more from the source. Looking straight at a
-/// source that stands above the horizon, b diverges as one over the angle, so a mean over all samples would
+/// Columns that count for an image's scale: azimuths of 22.5° and more from the source. Straight towards a
+/// source above the horizon b diverges as one over the angle, so a mean over all samples would
 /// jump with whether a sample happens to hit it.
 const SCALE_COLUMN: usize = 16;
 
@@ -47,7 +47,7 @@ fn scale_weights() -> Vec<f64> {
     weights
 }
 
-/// Most turbidities computed together.
+/// Largest number of turbidities computed together.
 pub const MAX_TOGETHER: usize = 6;
 
 /// The layer of cloud over atmospheres that are computed together, which is the same over all.

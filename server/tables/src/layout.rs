@@ -1,4 +1,4 @@
-//! How images of single sources lie in memory.
+//! Memory layout of images of single sources.
 
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 

@@ -1,4 +1,4 @@
-//! Table packs: axes, precompute, basis fit, pack format.
+//! Table packs: axes, precompute, basis fit (weighted PCA), pack format.
 //!
 //! A pack holds, for one turbidity, the sky images of single sources (paper Eq. 4) as coefficients over a
 //! basis: `b(θ, φ; r, h_c, h_o, lobe, band) ≈ exp(log_scale) · Σ_k shape_k · B_k(θ, φ)`.

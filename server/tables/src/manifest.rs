@@ -40,7 +40,7 @@ impl Versions {
 pub enum Scattering {
     /// First order alone.
     Single,
-    /// All orders, with light that a Lambertian ground sends back.
+    /// All orders, with light that a Lambertian ground reflects.
     Multiple,
 }
 
@@ -128,7 +128,7 @@ pub struct Manifest {
     pub sections: Vec<String>,
     /// Parameters of the computation.
     pub parameters: Parameters,
-    /// Error against the f64 reference.
+    /// Error against the f64 oracle.
     pub measured_error: MeasuredError,
     /// BLAKE3 of the sections, hexadecimal.
     pub checksum: String,

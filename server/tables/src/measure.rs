@@ -1,5 +1,5 @@
-//! The error of a pack, measured when it is made: single sources between the sample points, evaluated as an
-//! engine would, against the converged integral.
+//! The error of a pack, measured when it is computed: single sources between the sample points, evaluated as the
+//! renderer does, against the f64 oracle (the converged integral).
 
 use crate::{
     clouds::clamped_below_clouds_m,
@@ -18,7 +18,7 @@ use skyglow_physics::{
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
 
-/// Coefficients of a source over a basis, scale included, `[band][lobe][basis]`: what the engine's mix and
+/// Coefficients of a source over a basis, scale included, `[band][lobe][basis]`: what the renderer's mix and
 /// coefficient passes compute for a source on ring 0.
 fn coefficients(tables: &ResidentTables, observer_altitude_m: f64, offset_m: f64) -> Vec<f64> {
     let observers = Stencil::lagrange(&tables.observer_altitude_m, observer_altitude_m);
@@ -76,7 +76,7 @@ type SourceErrors = [(Vec<f64>, Vec<f64>); LOBE_COUNT];
 /// Measures a pack of an atmosphere on `sources` single sources, each in 40 directions, all bands and lobes that carry
 /// light.
 ///
-/// The truth is the converged first order and, where scattering is multiple, the table of the orders after it.
+/// The f64 oracle is the converged first order and, where scattering is multiple, the table of the orders after it.
 pub(crate) fn measure_error(
     pack: &Pack,
     atmosphere: &Atmosphere,

@@ -1,4 +1,4 @@
-//! What a pack is made of: options of a precompute.
+//! Options of a precompute: what a pack contains.
 
 use crate::{
     axes::TableAxes,
@@ -106,7 +106,7 @@ impl PrecomputeOptions {
         }
     }
 
-    /// The layer of cloud as the physics has it.
+    /// The layer of cloud as a boundary of the air.
     pub(crate) fn cloud_base(&self) -> Option<CloudBase> {
         self.clouds.map(Clouds::base)
     }

@@ -1,5 +1,5 @@
-//! What makes sections small: bytes in another order, and differences along the distance. All of it is lossless but for
-//! [`round_to_steps`], which is done before anything is packed.
+//! Compression filters of sections: byte shuffle and linear prediction along the distance. All are lossless but
+//! [`round_to_steps`], which is applied before anything is packed.
 
 use half::{f16, slice::HalfFloatSliceExt};
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
-//! Making a pack: training images → basis → every node's images projected on it → the same for sources behind skylines
+//! Computes a pack: training images → basis → every node's images projected on it → the same for sources behind skylines
 //! → file.
 //!
-//! Images are not kept: each (observer altitude, distance) part is computed, projected and stored, so memory
-//! stays small, a killed run goes on, and the result does not depend on threads or interruptions (every part
+//! Images are temporary: each (observer altitude, distance) part is computed, projected and stored, so memory
+//! stays small, a killed run resumes, and the result does not depend on threads or interruptions (every part
 //! is computed by one thread in a fixed order).
 
 use crate::{
@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Turbidity};
 use std::path::{Path, PathBuf};
 
-/// Makes a pack in `out` and returns its path; goes on from what an earlier, killed run left there.
+/// Makes a pack in `out` and returns its path; resumes from what an earlier, killed run left there.
 ///
 /// # Errors
 /// [`TablesError`] naming the file or the step.
@@ -151,7 +151,7 @@ fn finish(
     Ok(paths)
 }
 
-/// The basis that a pack of one turbidity would have, without its tables: to judge what the fit can do.
+/// The basis that a pack of one turbidity would have, without its tables: to measure the accuracy of the fit.
 ///
 /// # Errors
 /// [`TablesError::Fit`] when a least-squares step breaks down.
@@ -178,17 +178,17 @@ fn make_multiple(
         .iter()
         .zip(checkpoints)
         .map(|(&atmosphere, checkpoint)| {
-            let kept = |ground, offset| {
+            let stored = |ground, offset| {
                 let part =
                     checkpoint.load(&name(ground, offset)).filter(|part| part.len() == axes.part_len())?;
                 progress.advance(1);
                 Some(part)
             };
-            let made = |ground, offset, part: &[f32]| {
+            let store = |ground, offset, part: &[f32]| {
                 progress.advance(1);
                 checkpoint.store(&name(ground, offset), part)
             };
-            MultipleTable::solve(atmosphere, axes, kept, made)
+            MultipleTable::solve(atmosphere, axes, stored, store)
         })
         .collect()
 }

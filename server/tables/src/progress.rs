@@ -1,6 +1,6 @@
-//! Watching the work on a pack.
+//! Progress of the work on a pack.
 
-/// Watches a precompute.
+/// Receives the progress of a precompute.
 pub trait Progress: Sync {
     /// A stage begins, with this many steps.
     fn begin(&self, stage: &str, steps: u64);
@@ -8,7 +8,7 @@ pub trait Progress: Sync {
     fn advance(&self, steps: u64);
 }
 
-/// Watches nothing.
+/// Ignores it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

@@ -4,11 +4,11 @@ use crate::{axes::OffsetAxis, clouds::Clouds, manifest::Scattering};
 use half::f16;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
 
-/// Azimuthal frequencies kept of a real row of 256 samples: 0..=128.
+/// Azimuthal frequencies stored of a real row of 256 samples: 0..=128.
 pub const FREQUENCY_COUNT: usize = 129;
 
-/// One turbidity's tables on the rings of a polar grid. Everything an executor needs, nothing it must look up
-/// elsewhere. Interpolation over observer altitude goes at constant offset Δ. Model (paper Eq. 4–9, with scale and shape apart):
+/// One turbidity's tables on the rings of a polar grid. All that an executor
+/// needs. Interpolation over observer altitude goes at constant offset Δ. Model (paper Eq. 4–9, with scale and shape apart):
 /// `b(θ, φ) ≈ exp(log_scale) · Σ_k shape_k · B_k(θ, φ)`  [m⁻² sr⁻¹].
 #[derive(Clone, Debug)]
 pub struct ResidentTables {
@@ -20,7 +20,7 @@ pub struct ResidentTables {
     pub clouds: Option<Clouds>,
     /// Checksum of the pack file, hexadecimal.
     pub checksum: String,
-    /// Whether it is no sky of the model: for tests. Nothing of the model is then added to what comes of it.
+    /// Whether the data are synthetic, for tests: nothing of the model is then added to their sky.
     pub is_synthetic: bool,
     /// Observer altitudes of the table, metres, ascending.
     pub observer_altitude_m: Vec<f64>,

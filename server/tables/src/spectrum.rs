@@ -1,4 +1,5 @@
-//! F[B]: the azimuthal spectrum of even functions, real and half as long.
+//! F[B]: the azimuthal spectrum of even functions, real and half as long, by the fast Fourier transform (Cooley and Tukey
+//! 1965).
 
 use crate::{
     layout::{HALF_COLUMN_COUNT, PIXEL_COUNT},

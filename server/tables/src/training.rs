@@ -1,4 +1,4 @@
-//! The training set of a basis: which sample points it is fitted on, their images, and what each weighs.
+//! The training set of a basis: sample points by a low-discrepancy sequence (R₃, Roberts 2018), their images and weights.
 
 use crate::{
     axes::{OffsetAxis, TableAxes, clamped_node},
@@ -20,7 +20,7 @@ pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeom
     let (axes, cloud) = (&options.axes, options.cloud_base());
     let mut geometries = Vec::with_capacity(options.training_geometries);
     for i in 1..100 * options.training_geometries {
-        // Powers of 1/1.2207…, the three-dimensional golden ratio: an additive recurrence spreads evenly.
+        // Powers of 1/1.2207…, the three-dimensional golden ratio: R₃, an additive recurrence.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
         let node = match geometries.len() % 3 {
             0 => node_anywhere(axes, spread),

@@ -145,7 +145,7 @@ fn all_orders_are_brighter_than_the_first() {
     assert_eq!(pack.manifest().scattering, Scattering::Multiple);
     assert_eq!(pack.manifest().ground_albedo, Some(0.3));
     assert!(pack.manifest().command.contains("--scattering multiple --ground-albedo 0.3"));
-    // Interpolated light of later orders is in the truth that errors are measured against, too.
+    // Interpolated light of later orders is in the f64 oracle that errors are measured against, too.
     assert!(pack.manifest().measured_error.lobes[0].median < 0.5);
     let alone = Pack::open(&place(folder.path(), &pack_bytes().0)).unwrap();
     assert_eq!(alone.manifest().ground_albedo, None);

@@ -1,4 +1,4 @@
-//! Power counted where light sets out: what of it reaches space. Nothing does through the base of a cloud.
+//! Energy budget at emission: the power of direct and scattered light that reaches space. None does through a cloud.
 
 use super::{
     grid::FieldGrid,
@@ -19,21 +19,21 @@ use crate::{
 };
 use std::f64::consts::{PI, TAU};
 
-/// End of the air for what escapes, metres.
+/// Top of the atmosphere for escaping light, metres.
 const SPACE_ALTITUDE_M: f64 = 200_000.0;
 /// Zenith angles a hemisphere for escape.
 const ESCAPE_ZENITHS: usize = 16;
 
-/// Where direct light goes, W per watt of the source.
+/// Budget of direct light, W per watt of the source.
 #[derive(Clone, Debug)]
 pub(super) struct DirectBudget {
     pub(super) scattered_w: [f64; LANES],
     pub(super) absorbed_w: [f64; LANES],
     pub(super) escaped_w: [f64; LANES],
-    /// What arrives at the base of a cloud, and what of it the base sends back.
+    /// What arrives at the base of a cloud, and what of it the base reflects.
     pub(super) at_base_w: [f64; LANES],
     pub(super) returned_w: [f64; LANES],
-    /// What the source sends out above its skyline; 1 under an open sky.
+    /// What the source emits above its skyline; 1 under an open sky.
     pub(super) emitted_w: [f64; LANES],
     /// What of the light scattered once escapes without another event.
     pub(super) once_scattered_escaped_w: [f64; LANES],
@@ -52,7 +52,7 @@ fn to_space(setting: &SourceSetting, altitude_m: f64, cos_zenith: f64) -> [f64; 
     optical_depths(&setting.atmosphere, columns_m).map(|depth| (-depth).exp())
 }
 
-/// Where direct light goes, by quadrature over zenith angle and path.
+/// Budget of direct light, by quadrature over zenith angle and path.
 pub(super) fn direct_budget(setting: &SourceSetting) -> DirectBudget {
     let emitted = emitted_shares(setting.blocking_rad);
     let last = 0.5 * PI - setting.blocking_rad;
@@ -134,7 +134,7 @@ fn add_ray(
     }
 }
 
-/// Share of light that escapes after a turn, `[species][band]`; it came along a ray with `cos_zenith`.
+/// Share of light that escapes after a scattering, `[species][band]`; it came along a ray with `cos_zenith`.
 fn escape_after_turn(setting: &SourceSetting, altitude_m: f64, cos_zenith: f64) -> [[f64; BAND_COUNT]; 2] {
     let mut share = [[0.0; BAND_COUNT]; 2];
     let sine = (1.0 - cos_zenith * cos_zenith).max(0.0).sqrt();
@@ -157,7 +157,7 @@ fn escape_after_turn(setting: &SourceSetting, altitude_m: f64, cos_zenith: f64) 
     share
 }
 
-/// Power of the next order that escapes: what the air of the grid sends out, and what the ground sends back
+/// Power of the next order that escapes: what the air of the grid emits, and what the ground reflects
 /// (`returned_w`), each without another event. Nothing under a cloud.
 pub(super) fn escaping_w(
     setting: &SourceSetting,
@@ -170,7 +170,7 @@ pub(super) fn escaping_w(
     }
     let nodes = zenith_nodes(ESCAPE_ZENITHS, 0.0);
     let polar: Vec<Vec<f64>> = nodes.iter().map(|&(mu, _)| legendre(source.degree, mu)).collect();
-    // A ray seen in a direction sets out against it.
+    // Light travels against the view direction.
     let through: Vec<Vec<[f64; BAND_COUNT]>> = grid
         .layer_m()
         .iter()

@@ -1,4 +1,4 @@
-//! Direct light: what reaches a point of the air without a turn.
+//! Direct light: what reaches a point of the air unscattered.
 
 use super::{optics::columns_to_space_m, setting::SourceSetting};
 use crate::{

@@ -1,11 +1,11 @@
-//! Where the power of each order goes: the ledger that must balance.
+//! Energy balance of each order of scattering.
 //!
-//! What is scattered (and sent back by the ground and the base of a cloud) as light of one order is extinguished in
+//! What is scattered (and reflected by the ground and the base of a cloud) as light of one order is extinguished in
 //! the air, arrives at the ground or at the base of a cloud, or leaves through the top, which a cloud closes. Of what is
 //! extinguished a part is scattered on as the next order.
 //!
-//! Extinction and arrival are counted where light arrives (from radiance on the grid), escape where it sets out
-//! (from the source function): the balance ties both ends of the transport together.
+//! Extinction and arrival are counted where light arrives (from radiance on the grid), escape where it is
+//! emitted (from the source function): the balance checks both ends of the transport.
 
 use super::{
     budget::DirectBudget,
@@ -22,24 +22,24 @@ use crate::{
 };
 use std::f64::consts::PI;
 
-/// Power of the light of one order, W per watt of the source (which sends out less than that behind a skyline). Light
+/// Power of the light of one order, W per watt of the source (which emits less than that behind a skyline). Light
 /// that goes beyond 420 km from the source is in none of the sums but the first two.
 #[derive(Clone, Debug)]
 pub struct OrderPower {
-    /// Number of times this light was scattered or sent back by the ground or the base of a cloud; 0 is direct light.
+    /// Number of times this light was scattered or reflected by the ground or the base of a cloud; 0 is direct light.
     pub order: usize,
     pub(super) sent_w: [f64; LANES],
     pub(super) extinguished_w: [f64; LANES],
     pub(super) scattered_on_w: [f64; LANES],
     pub(super) at_ground_w: [f64; LANES],
     pub(super) at_base_w: [f64; LANES],
-    /// What ground and base send back.
+    /// What ground and base reflect.
     pub(super) returned_w: [f64; LANES],
     pub(super) escaped_w: [f64; LANES],
 }
 
 impl OrderPower {
-    /// The ledger of direct light.
+    /// The balance of direct light.
     pub(super) fn of_direct(budget: &DirectBudget) -> Self {
         Self {
             order: 0,
@@ -53,7 +53,7 @@ impl OrderPower {
         }
     }
 
-    /// What became light of this order: scattered in the air and sent back by the ground and the base of a cloud,
+    /// What became light of this order: scattered in the air and reflected by the ground and the base of a cloud,
     /// `[band][lobe]`.
     pub fn sent_w(&self) -> RadiancePerWatt {
         outputs_from_lanes(&self.sent_w)
@@ -94,7 +94,7 @@ impl OrderPower {
     }
 }
 
-/// The ledger of one order from its radiance on the grid.
+/// The balance of one order from its radiance on the grid.
 pub(super) fn field_power(
     setting: &SourceSetting,
     grid: &FieldGrid,

@@ -1,4 +1,4 @@
-//! The field of multiply scattered light around one source: solved order by order.
+//! The field of multiply scattered light around one source, by successive orders of scattering (van de Hulst 1948).
 
 use super::{
     budget::{direct_budget, escaping_w},
@@ -16,19 +16,19 @@ use super::{
 };
 use rayon::prelude::*;
 
-/// Farthest place that decides whether enough orders are summed, metres.
+/// Convergence is tested at places up to this distance, metres.
 const CONVERGED_WITHIN_M: f64 = 300_000.0;
-/// Steepest geometric series that is trusted for the orders left out.
+/// Largest ratio of the geometric series for the orders left out.
 const MAX_TAIL_RATIO: f64 = 0.9;
 
-/// Light of orders two and more around one source of 1 W: what every place of the air sends into every
-/// direction, for all bands and lobes, light that the ground and the base of a cloud sent back included.
+/// Light of orders two and more around one source of 1 W: what every place of the air emits into every
+/// direction, for all bands and lobes, including light reflected by the ground and the base of a cloud.
 #[derive(Clone, Debug)]
 pub struct SourceField {
     pub(super) setting: SourceSetting,
     pub(super) grid: FieldGrid,
     pub(super) source: SourceFunction,
-    /// What the base of a cloud sends back of the light of all orders, itself of orders two and more; None under a
+    /// What the base of a cloud reflects of the light of all orders, itself of orders two and more; None under a
     /// clear sky.
     pub(super) base: Option<SurfaceRadiance>,
     powers: Vec<OrderPower>,
@@ -46,7 +46,7 @@ impl SourceField {
         Self::solve_with(setting, resolution, SourceFunction::smooth_over_rings)
     }
 
-    /// As [`Self::solve`], with what the directions happened to make of every ring.
+    /// As [`Self::solve`], without smoothing over rings.
     #[cfg(test)]
     pub(super) fn as_followed(setting: SourceSetting, resolution: &Resolution) -> Self {
         Self::solve_with(setting, resolution, |source, _| source.clone())
@@ -124,7 +124,7 @@ impl SourceField {
         &self.setting
     }
 
-    /// Where the power of each order went, from the direct light (order 0) on.
+    /// Energy balance of each order, from the direct light (order 0) on.
     pub fn powers(&self) -> &[OrderPower] {
         &self.powers
     }
@@ -151,7 +151,7 @@ pub(super) fn first_radiance(first: &FirstOrder<'_>, grid: &FieldGrid, degree: u
     }
 }
 
-/// Largest share of `part` in `total`, mean over directions, over all judged places and lanes.
+/// Largest share of `part` in `total`, mean over directions, over all places within [`CONVERGED_WITHIN_M`] and lanes.
 fn largest_share(grid: &FieldGrid, part: &Moments, total: &Moments) -> f64 {
     let mut largest: f64 = 0.0;
     for point in (0..grid.point_count()).filter(|&p| grid.place_m(p).0 <= CONVERGED_WITHIN_M) {

@@ -1,4 +1,4 @@
-//! Light scattered once, arriving at every place of the grid: its moments, exactly.
+//! Moments of light scattered once, arriving at every place of the grid, by direct quadrature.
 //!
 //! At a place P the directions form a polar grid about the direction to the source: the radiance grows like
 //! 1/θ towards the source, and the factor sin θ of the solid angle takes that away. Along each direction the

@@ -1,4 +1,4 @@
-//! What a place gathers of first-order light, direction by direction: its moments over spherical harmonics, and fluxes.
+//! First-order light at a place, summed over directions: moments over spherical harmonics, and fluxes.
 
 use super::{
     LANES, Lanes,
@@ -35,7 +35,7 @@ pub(super) struct FirstOrderPlace {
     pub(super) up_flux: [f64; LANES],
 }
 
-/// First-order light at one place as it adds up, direction by direction.
+/// The sum over directions of first-order light at one place.
 pub(super) struct Gathering {
     degree: usize,
     moments: Vec<[f64; LANES]>,

@@ -1,4 +1,4 @@
-//! The grid of places around a source: distance from its vertical by altitude.
+//! The grid of places around a source: rings of distance from its vertical by layers of altitude.
 
 use super::lanes::{LANES, Lanes, quick_ln};
 use crate::{cloud::CloudBase, geometry::EARTH_RADIUS_M};

@@ -1,9 +1,8 @@
-//! Real spherical harmonics that are even in azimuth: N_lm·P_lm(μ)·cos mφ, orthonormal over the sphere.
+//! Real spherical harmonics (Laplace 1782) that are even in azimuth: N_lm·P_lm(μ)·cos mφ, orthonormal over the sphere.
 //!
 //! The light of one source is mirror symmetric about the vertical plane through the source, so the odd half
 //! (sin mφ) never occurs. A phase function Σ (2l + 1)/4π·χ_l·P_l turns the moments L_lm of the incoming
-//! radiance into those of the scattered one, χ_l·L_lm, whatever the direction: that is why radiance is kept in
-//! moments here.
+//! radiance into those of the scattered one, χ_l·L_lm (Funk–Hecke theorem), so radiance is stored as moments here.
 
 use std::{f64::consts::PI, sync::LazyLock};
 

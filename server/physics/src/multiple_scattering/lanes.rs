@@ -1,7 +1,7 @@
 //! Nine outputs side by side: three bands by three lobes, padded to twelve floats for the vector unit.
 //!
 //! f32 holds them: relative rounding of 1e-7 a step against errors of 1e-3 and more of everything around it;
-//! amplitudes are kept as logarithms, so nothing under- or overflows.
+//! amplitudes are stored as logarithms, so nothing under- or overflows.
 
 use crate::{bands::BAND_COUNT, emission::LOBE_COUNT, single_source::RadiancePerWatt};
 
@@ -13,7 +13,7 @@ pub(super) type Lanes = [f32; LANES];
 /// Lanes in the first of two vectors.
 const FIRST: usize = 8;
 
-/// sum += a·x + b·y. Eight and four lanes by themselves: of one loop over twelve the compiler makes a patchwork.
+/// sum += a·x + b·y. Eight and four lanes by themselves: the compiler does not vectorise one loop over twelve well.
 #[inline(always)]
 pub(super) fn add_two(sum: &mut Lanes, (a, x): (f32, &Lanes), (b, y): (f32, &Lanes)) {
     for lane in 0..FIRST {

@@ -1,13 +1,13 @@
-//! Multiple scattering: what all orders of scattering beyond the first add, over a Lambertian ground.
+//! Multiple scattering by successive orders (van de Hulst 1948): all orders beyond the first, over a Lambertian ground.
 //!
-//! The light of one source is symmetric about the source's vertical. So the radiance of each order is kept on
+//! The light of one source is symmetric about the source's vertical. So the radiance of each order is stored on
 //! a two-dimensional grid (distance from the vertical by altitude) as moments over direction, which a phase
 //! function multiplies by its own. First-order light arrives from a point and is integrated exactly at every
 //! place ([`first_order`], [`reflected`]); each later order is followed along straight rays from every place
 //! ([`transport`]). An observer's sky is one more integral along the view ray ([`view`]).
 //! The base of a cloud, if there is one, closes the grid: what it reflects counts as one scattering, like the ground's.
 //!
-//! [`monte_carlo`] is the judge: it shares nothing with the solver but columns and phase functions.
+//! [`monte_carlo`] is the reference solution of the solver: it shares only columns and phase functions with it.
 
 mod budget;
 mod direct;

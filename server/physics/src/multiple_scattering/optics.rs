@@ -1,4 +1,5 @@
-//! Columns along any straight ray of the spherical atmosphere: upwards, downwards, or through a lowest point.
+//! Columns along any straight ray of the spherical atmosphere, by the Chapman function: upwards, downwards, or through a
+//! lowest point.
 
 use crate::{
     atmosphere::{AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},

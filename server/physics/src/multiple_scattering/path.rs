@@ -1,8 +1,8 @@
-//! A ray cut into steps, with everything that does not depend on azimuth or on where the source is.
+//! A ray cut into steps (long characteristics), with all that does not depend on azimuth or on the place of the source.
 //!
 //! In a spherical atmosphere altitude, extinction and the local zenith angle along a ray depend on its start
 //! altitude and zenith angle alone, so one list of steps serves all azimuths and all distances of the source.
-//! A step adds S·(T₀ − T₁): the source function times what the air between lets through of it.
+//! A step adds S·(T₀ − T₁): the source function times the transmission of the air between.
 
 use super::{
     grid::{Between, FieldGrid, LayerStencil, TOP_ALTITUDE_M},
@@ -141,7 +141,7 @@ impl SteppedPath {
             let step_m = (stride.growth * from_m + stride.first_m)
                 .min(MAX_DEPTH / extinction)
                 .min(climb_m / here.cos_zenith.abs().max(1e-6));
-            // No crumbs at the end.
+            // No tiny step at the end.
             let to_m = if from_m + 1.3 * step_m >= end_m { end_m } else { from_m + step_m };
             let next = path.point(to_m);
             let after = through(next.columns_m);

@@ -1,4 +1,5 @@
-//! The source's light that the base of a cloud reflects, arriving at every place of the grid: its moments.
+//! Moments of the source's light that the base of a cloud reflects, at every place of the grid, by two weighted quadratures
+//! (the weights as in multiple importance sampling, Veach and Guibas 1995).
 //!
 //! The base is bright above the source, over a width like the source's depth below it, and a place sees most of what
 //! is above itself. So the integral over the base is split by weights that add up to 1,
@@ -28,7 +29,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
 /// Nearest points of the base that count as beams' ends, metres: one nearer is the place itself.
 const MIN_DISTANCE_M: f64 = 1e-3;
 
-/// Light of the source that meets the base: where, and what it sends back.
+/// Light of the source that meets the base: where, and what is reflected.
 struct Beam {
     end: DVec3,
     /// The vertical there.
@@ -131,7 +132,7 @@ impl<'a> Reflection<'a> {
         let lowest = (1.0 - dip * dip).max(0.0).sqrt();
         for &(x, weight) in &self.rule.polar {
             self.add_cone(place, x * x, 2.0 * x * weight, light);
-            // The very lowest rays graze the ground.
+            // The lowest rays graze the ground.
             self.add_cone(place, -0.999 * lowest * x, 0.999 * lowest * weight, light);
         }
     }

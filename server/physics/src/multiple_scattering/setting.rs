@@ -1,11 +1,11 @@
-//! What a field of multiply scattered light is solved for, and how finely.
+//! Input of the solver of multiply scattered light: source, atmosphere and ground, and the resolution.
 
 use crate::{
     atmosphere::Atmosphere,
     error::{PhysicsError, check_range},
 };
 
-/// Albedo of the ground unless another is asked for.
+/// Default albedo of the ground.
 pub const DEFAULT_GROUND_ALBEDO: f64 = 0.15;
 /// A field is solved for sources at least so far below the base of a cloud, metres: nearer, the spot that they light is
 /// smaller than the field's rings.
@@ -28,7 +28,7 @@ pub struct SourceSetting {
     pub ground_altitude_m: f64,
     /// Lambertian albedo of the ground, 0..=1, the same in all bands.
     pub ground_albedo: f64,
-    /// Elevation of the skyline around the source, radians, 0..=π/2: at and below it the source sends out nothing.
+    /// Elevation of the skyline around the source, radians, 0..=π/2: at and below it the source emits nothing.
     /// 0 is the open sky.
     pub blocking_rad: f64,
 }
@@ -127,7 +127,7 @@ impl Resolution {
         }
     }
 
-    /// For the reference: a minute or so a field.
+    /// For the reference solution: about a minute a field.
     pub fn reference() -> Self {
         Self {
             ring_step: 0.11,

@@ -1,10 +1,10 @@
-//! Light far from the source as a smooth curve over the distance.
+//! Savitzky–Golay smoothing (Savitzky and Golay 1964) of light over the distance, far from the source.
 //!
 //! Orders are followed in a fixed set of directions. Ten kilometres from a source and farther, the haze that glows over it is
-//! a strip of a degree or two in the sky of every place, and what a set of directions makes of a strip goes up and down by some
-//! per cent from one ring to the next, as they happen to lie: the same in every band, lobe and layer. Light itself is smooth
-//! there. So the source function of every order is taken from the cubic of least squares through the rings around, a
-//! Savitzky–Golay filter over the rings, which are even in their coordinate; below a cloud, where a lobe lights a disc with a sharp
+//! a strip of a degree or two in the sky of every place, and what a set of directions samples of a strip oscillates by some
+//! per cent from one ring to the next: the same in every band, lobe and layer. Light itself is smooth
+//! there. So the source function of every order is taken from the least-squares cubic through the rings around, which are
+//! even in their coordinate; below a cloud, where a lobe lights a disc with a sharp
 //! edge, that of all orders alone.
 //!
 //! The curve is laid through logarithms, and then raised to the mean of the light over it: a field is sampled in logarithms, and

@@ -1,4 +1,4 @@
-//! The source function S = J/β of scattered light on the grid: amplitude and shape.
+//! The source function S = J/β of scattered light (Chandrasekhar 1950) on the grid: amplitude and shape.
 //!
 //! S falls by many powers of ten over the grid, and inside it exponentially; its shape over direction changes
 //! little. So the logarithm of its mean over directions is interpolated, along altitude by a cubic, and linearly the moments
@@ -17,7 +17,7 @@ use crate::{atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT,
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Smallest mean that is kept, m⁻² sr⁻¹ per watt: darkness.
+/// Smallest mean that is stored, m⁻² sr⁻¹ per watt: darkness.
 const DARKNESS: f64 = 1e-36;
 
 /// Moments of a field on the grid, `[point][pair][lane]`.

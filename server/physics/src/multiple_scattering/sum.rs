@@ -1,11 +1,11 @@
-//! The truth with all orders: what orders two and more add to the direct sum.
+//! The reference solution, later orders: what orders two and more add to the direct sum.
 //!
-//! The same sum over every source (paper Eq. 3), with each source's light from a table solved for this very
+//! The same sum over every source (paper Eq. 3), with each source's light from a table solved for this
 //! observer altitude: dense over the altitude of the source, over distance and over azimuth (a test halves the
 //! steps). Nothing of a pack is in it but the solver.
 //!
 //! For sources behind skylines, fields are solved behind skylines of some angles e. Of what an open source would show,
-//! L₀, a skyline leaves L = L₀·s(e)·q(e), where s is the share of the light that the source still sends out and q varies
+//! L₀, a skyline leaves L = L₀·s(e)·q(e), where s is the share of the light that the source still emits and q varies
 //! little: ln q is interpolated between the angles and between altitudes of sources, which crowd around the observer's.
 //! At 90° s is 0.
 
@@ -65,7 +65,7 @@ struct Solved {
     /// Elevations of the directions, ascending, radians.
     rows: Vec<f64>,
     tables: Tables,
-    /// ln of the light that each source still sends out.
+    /// ln of the light that each source still emits.
     log_sent: Vec<f64>,
 }
 
@@ -107,7 +107,7 @@ impl MultipleSum {
     }
 
     /// As [`Self::radiance`] with each source behind its own skyline: the part that
-    /// [`crate::direct_sum::cut_direct_sum`] leaves out. With all angles 0 it is that very sum, at its cost; else
+    /// [`crate::direct_sum::cut_direct_sum`] leaves out. With all angles 0 it equals that sum, at its cost; else
     /// fields behind skylines are solved besides, [`Self::field_count`] in all. `advance` is called once a field.
     ///
     /// # Errors

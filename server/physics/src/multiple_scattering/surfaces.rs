@@ -1,4 +1,4 @@
-//! The two surfaces that send light back: the ground, and the base of a cloud.
+//! The two reflecting surfaces, Lambertian (Lambert 1760): the ground, and the base of a cloud.
 
 use super::{
     grid::{Between, FieldGrid},
@@ -31,7 +31,7 @@ impl SurfaceRadiance {
     }
 }
 
-/// What the surfaces send back of the light of one order.
+/// What the surfaces reflect of the light of one order.
 #[derive(Clone, Debug)]
 pub(super) struct Surfaces {
     ground: SurfaceRadiance,
@@ -84,7 +84,7 @@ impl BaseFlux {
         self.before = std::mem::replace(&mut self.last, arriving.to_vec());
     }
 
-    /// What the base sends back of all orders, those after the last one added as a geometric series with the ratio of
+    /// What the base reflects of all orders, those after the last one added as a geometric series with the ratio of
     /// the last two, no steeper than `steepest`.
     pub(super) fn radiance(mut self, albedo: f64, steepest: f64) -> SurfaceRadiance {
         for ((sum, before), last) in self.sum.iter_mut().zip(&self.before).zip(&self.last) {

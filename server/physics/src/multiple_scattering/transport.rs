@@ -1,4 +1,5 @@
-//! From the source function of one order to the radiance of that order at every place of the grid.
+//! Formal solution of one order by discrete ordinates (Chandrasekhar 1950) and long characteristics: from its source
+//! function to its radiance at every place of the grid.
 
 use super::{
     grid::FieldGrid,
@@ -112,7 +113,7 @@ fn stride(first_m: f64, parts: usize) -> Stride {
     Stride { first_m, growth: 0.3, parts }
 }
 
-/// Radiance of one order from its source function and what the ground and the base of a cloud send back.
+/// Radiance of one order from its source function and what the ground and the base of a cloud reflect.
 pub(super) fn transport(
     setting: &SourceSetting,
     resolution: &Resolution,

@@ -1,8 +1,8 @@
-//! What an observer sees of a field: orders two and more of the sky's radiance.
+//! Radiance of orders two and more that an observer sees: the source function integrated along the view ray.
 //!
 //!   b₂₊ = ∫ S·β·e^{−τ} du = Σ_steps S·(T₀ − T₁)     [m⁻² sr⁻¹ per watt]
 //!
-//! and, where the ray ends at the base of a cloud, what the base sends back of light of all orders. An observer at or
+//! and, where the ray ends at the base of a cloud, what the base reflects of light of all orders. An observer at or
 //! above the base sees exactly nothing.
 
 use super::{
@@ -67,7 +67,7 @@ impl<'a> ViewRow<'a> {
     /// Radiance of orders two and more per watt, m⁻² sr⁻¹, `[band][lobe]`: the source `distance_m` of arc away,
     /// the ray `relative_azimuth_rad` beside it.
     pub fn radiance_per_watt(&self, distance_m: f64, relative_azimuth_rad: f64) -> RadiancePerWatt {
-        // Azimuth 0 looks to the source: against the outward direction of the field.
+        // Azimuth 0 is towards the source: against the outward direction of the field.
         let (sine, cosine) = relative_azimuth_rad.sin_cos();
         let mut sum = [0.0f32; LANES];
         sum_steps(self, distance_m, -cosine, sine, &mut sum);

@@ -1,9 +1,9 @@
-//! What the base of a cloud adds to a view ray, and where it ends the ray (`model.md`, section 4, "Overcast").
+//! Light that the Lambertian base of a cloud adds to a view ray (`model.md`, section 4, "Overcast").
 //!
 //!   b_base = E(P)·A/π · exp(−τ(P,O)),   E(P) = f(ψ)/d² · cos i · exp(−τ(S,P))     [m⁻² sr⁻¹ per watt]
 //!
 //! P is where the ray meets the base, i the zenith angle of the light there. Nothing comes through the base: an
-//! observer at or above it sees nothing of this light, and a source at or above it sends nothing below.
+//! observer at or above it sees nothing of this light, and a source at or above it emits nothing below.
 
 use super::{
     RayPoint, SourceGeometry, SourceRay,

@@ -1,15 +1,15 @@
-//! Skyglow of one source whose light does not reach every point of the view ray.
+//! Skyglow of one source whose light does not reach every point of the view ray, by a fixed quadrature.
 
 use super::{SourceGeometry, overcast::with_base, scattering::Scattering};
 use crate::{atmosphere::Atmosphere, bands::BAND_COUNT, emission::EmissionMix};
 
 /// As [`mixed_radiance_per_watt`](super::mixed_radiance_per_watt), m⁻² sr⁻¹, `[atmosphere][band]`, counting only
-/// the points of the view ray that the source lights: `is_lit` is asked at each with its distance [m] from the
+/// the points of the view ray that the source lights: `is_lit` is called at each with its distance [m] from the
 /// observer and the cosine of the zenith angle at which its light left the source.
 ///
 /// What hides the source makes the integrand jump where it likes, so no adaptive rule is right: `nodes` (on 0..1,
 /// weights summing to 1) are taken on each of the half dozen pieces of the ray, in the angle at the source. A jump
-/// costs at most half a node's share of a piece. Under a cloud the point where the ray meets the base is asked about too.
+/// costs at most half a node's share of a piece. Under a cloud the point where the ray meets the base is tested too.
 /// `N` must be the number of atmospheres times [`BAND_COUNT`].
 pub fn mixed_radiance_per_watt_where<const N: usize>(
     atmospheres: &[Atmosphere],

@@ -1,12 +1,12 @@
 //! Sky radiance of one source at one direction: of all lobes or of a mix, by an adaptive or a fixed rule, under an open
 //! sky or behind a skyline.
 //!
-//! `blocking_rad` is the elevation of the skyline as seen from the source: at and below it the source sends out
-//! nothing, in any direction. 0 and below is the open sky, the very numbers of the functions without it; at π/2 all
+//! `blocking_rad` is the elevation of the skyline as seen from the source: at and below it the source emits
+//! nothing, in any direction. 0 and below is the open sky, with the same bits as the functions without it; at π/2 all
 //! is dark. Radiance falls as it rises.
 //!
 //! Under a cloud (`Atmosphere::under`) the light that its base reflects is added; an observer at or above the base sees
-//! exactly nothing, and of a source there nothing is seen. Atmospheres that are asked together must lie under the same
+//! exactly nothing, and of a source there nothing is seen. Atmospheres that are evaluated together must lie under the same
 //! cloud: the functions panic if not.
 
 use super::{OUTPUT_COUNT, RadiancePerWatt, SourceGeometry, overcast::with_base, scattering::Scattering};

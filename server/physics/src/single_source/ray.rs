@@ -39,7 +39,7 @@ pub struct SourceRay {
     source: DVec3,
     source_up: DVec3,
     view: DVec3,
-    /// Sine of the elevation at the source at and below which it sends out nothing; 0 for the open sky.
+    /// Sine of the elevation at the source at and below which it emits nothing; 0 for the open sky.
     sin_blocking: f64,
     /// Altitude at which the ray ends, metres: [`TOP_ALTITUDE_M`], or the base of a cloud.
     pub(super) top_altitude_m: f64,
@@ -121,7 +121,7 @@ impl SourceRay {
         }
     }
 
-    /// The same ray past a source that sends out nothing at elevations of `blocking_rad` and below, all around.
+    /// The same ray past a source that emits nothing at elevations of `blocking_rad` and below, all around.
     pub fn cut_at(self, blocking_rad: f64) -> Self {
         Self { sin_blocking: sin_blocking(blocking_rad), ..self }
     }

@@ -1,4 +1,4 @@
-//! What the air scatters at a point of a view ray: the integrand of b.
+//! Light that the air scatters at a point of a view ray towards the observer: the integrand of b.
 
 use super::{RayPoint, SourceGeometry};
 use crate::{
@@ -16,7 +16,7 @@ pub(super) struct Scattering<'a> {
     pub(super) atmospheres: &'a [Atmosphere],
     /// The columns' tables of molecules and aerosol at the source.
     source_tables: [ChapmanAt<'static>; 2],
-    /// Sine of the elevation at the source at and below which it sends out nothing.
+    /// Sine of the elevation at the source at and below which it emits nothing.
     pub(super) sin_blocking: f64,
     /// Densities of molecules and aerosol at the source, relative to z = 0.
     source_density: [f64; 2],
@@ -34,7 +34,7 @@ fn shared_cloud(atmospheres: &[Atmosphere]) -> Option<CloudBase> {
     let cloud = atmospheres.first().and_then(Atmosphere::cloud);
     assert!(
         atmospheres.iter().all(|atmosphere| atmosphere.cloud() == cloud),
-        "atmospheres that are asked together lie under one cloud"
+        "atmospheres that are evaluated together lie under one cloud"
     );
     cloud
 }

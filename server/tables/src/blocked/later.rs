@@ -1,4 +1,4 @@
-//! What a skyline leaves of the later orders of scattering, as a part of what they are under the open sky.
+//! Later orders of scattering behind a skyline, as a part of those under the open sky.
 //!
 //! Fields are solved for sources on the ground alone, where one field serves every observer at or above the source; the
 //! part is a smooth function of place and direction, and multiplies what [`MultipleTable`] gives for the open source.
@@ -18,7 +18,7 @@ use skyglow_physics::{
     single_source::SourceGeometry,
 };
 
-/// Smallest ln of a part that is kept.
+/// Smallest ln of a part that is stored.
 const MIN_LOG_PART: f32 = -30.0;
 
 /// ln of the part that skylines leave of orders two and more, in one atmosphere.
@@ -49,18 +49,18 @@ impl LaterAxes {
 }
 
 impl LaterParts {
-    /// Solves the fields of open and cut sources on every ground. `kept` may answer parts by (ground, angle index);
-    /// `made` is given each new one. The result does not depend on the number of threads.
+    /// Solves the fields of open and cut sources on every ground. `stored` may return parts by (ground, angle index);
+    /// `store` is given each new one. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// A setting outside its range, or what `made` fails with.
+    /// A setting outside its range, or what `store` fails with.
     pub(super) fn solve(
         atmosphere: Atmosphere,
         multiple: &MultipleAxes,
         axes: &LaterAxes,
         distance_m: &[f64],
-        kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
-        made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
+        stored: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
+        store: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
         let resolution = axes.field_resolution.resolution();
         let setting = |ground: usize| {
@@ -72,7 +72,7 @@ impl LaterParts {
         };
         let grounds = axes.ground_altitude_m.len();
         let stored: Vec<Option<Vec<f32>>> =
-            (0..grounds * ANGLE_COUNT).map(|part| kept(part / ANGLE_COUNT, part % ANGLE_COUNT)).collect();
+            (0..grounds * ANGLE_COUNT).map(|part| stored(part / ANGLE_COUNT, part % ANGLE_COUNT)).collect();
         // Open skies first: each is what the cut ones of its ground are parts of.
         let open: Vec<Vec<f32>> = (0..grounds)
             .into_par_iter()
@@ -94,7 +94,7 @@ impl LaterParts {
                     // A skyline takes light and adds none; where both are dark nothing is known and nothing matters.
                     *cut = (*cut - open).clamp(MIN_LOG_PART, 0.0);
                 }
-                made(ground, angle, &part)?;
+                store(ground, angle, &part)?;
                 Ok(part)
             })
             .collect::<Result<_, TablesError>>()?;

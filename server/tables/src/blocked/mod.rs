@@ -1,4 +1,4 @@
-//! Sources behind skylines: what is left of an open source's image when the light below a blocking angle is cut off.
+//! Sources behind skylines: images of sources whose light below a blocking angle is cut off.
 //!
 //! The tables stand on coarser axes than the open ones and hold differences to them: the logarithm of the cut scale over
 //! the open one, and the cut shape coefficients less the open ones, over the first functions of the pack's own basis.
@@ -45,7 +45,7 @@ pub struct BlockedAxes {
     pub later: Option<LaterAxes>,
 }
 
-/// The sample points of the later orders of scattering of cut sources, which are kept as parts of those of open ones.
+/// The sample points of the later orders of scattering of cut sources, which are stored as parts of those of open ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaterAxes {
     /// Altitudes of the ground and of the source on it, metres, ascending.
@@ -54,8 +54,8 @@ pub struct LaterAxes {
     pub offset_m: Vec<f64>,
     /// Panorama columns, ascending from 0 to 128.
     pub column: Vec<usize>,
-    /// How finely the fields of cut and open sources are solved whose ratio is taken: coarsely will do, for what a
-    /// coarse field has wrong both have (`cut_parts` of physics: 0.1, 0.6 and 3.4 % of the part in the mean at 1, 4
+    /// How finely the fields of cut and open sources are solved whose ratio is taken: a coarse one is enough, for both
+    /// have the same errors (`cut_parts` of physics: 0.1, 0.6 and 3.4 % of the part in the mean at 1, 4
     /// and 16°).
     pub field_resolution: FieldResolution,
 }

@@ -1,4 +1,4 @@
-//! Making the tables of sources behind skylines for packs whose open tables are made.
+//! Computes the tables of sources behind skylines for packs whose open tables exist.
 
 use super::{ANGLE_COUNT, BlockedAxes, BlockedTables, blocking_deg, later::LaterParts, tables::open_sample};
 use crate::{
@@ -25,7 +25,7 @@ use skyglow_physics::{
 
 /// Smallest ln of a cut scale over the open one: nothing is left.
 const MIN_LOG_PART: f64 = -60.0;
-/// Scales over the open ones are kept to this step in their logarithm, which costs 5e-4 at most and packs well.
+/// Scales over the open ones are rounded to this step in their logarithm, which costs 5e-4 at most and packs well.
 const LOG_PART_STEP: f64 = 1.0 / 1024.0;
 
 /// What the stage works on: packs of several turbidities without these tables, and what they were made of.
@@ -49,7 +49,7 @@ struct Open {
 }
 
 impl Open {
-    /// The basis comes from the spectrum that the pack keeps, so that a pack read from a file gives the same.
+    /// The basis comes from the spectrum that the pack stores, so that a pack read from a file gives the same.
     fn new(pack: &Pack, axes: &BlockedAxes) -> Self {
         let spectrum = &pack.basis_spectrum[..axes.basis_count * ELEVATION_COUNT * FREQUENCY_COUNT];
         let basis = Basis { count: axes.basis_count, functions: even_functions(spectrum) };
@@ -107,18 +107,18 @@ fn later_parts(job: &BlockedJob<'_>) -> Result<Vec<LaterParts>, TablesError> {
         .iter()
         .zip(job.checkpoints)
         .map(|(&atmosphere, checkpoint)| {
-            let kept = |ground, angle| {
+            let stored = |ground, angle| {
                 let part = checkpoint
                     .load(&name(ground, angle))
                     .filter(|part| part.len() == later.part_len(distance_m.len()))?;
                 job.progress.advance(1);
                 Some(part)
             };
-            let made = |ground, angle, part: &[f32]| {
+            let store = |ground, angle, part: &[f32]| {
                 job.progress.advance(1);
                 checkpoint.store(&name(ground, angle), part)
             };
-            LaterParts::solve(atmosphere, multiple, later, distance_m, kept, made)
+            LaterParts::solve(atmosphere, multiple, later, distance_m, stored, store)
         })
         .collect()
 }

@@ -1,4 +1,4 @@
-//! The tables of sources behind skylines as a pack holds them, and as an engine wants them.
+//! The tables of sources behind skylines as a pack stores them, and resampled for evaluation.
 
 use super::{ANGLE_COUNT, BlockedAxes, blocking_deg};
 use crate::{
@@ -11,7 +11,7 @@ use half::{f16, slice::HalfFloatSliceExt};
 use rayon::prelude::*;
 use skyglow_physics::{BAND_COUNT, interpolation::Stencil};
 
-/// Coefficients that are made wide at once.
+/// Coefficients that are converted to f32 at once.
 const AT_ONCE: usize = 32;
 
 /// Differences to the open tables at the pack's own sample points.
@@ -24,7 +24,7 @@ pub(crate) struct BlockedTables {
     pub(crate) shape_less_open: Vec<f16>,
 }
 
-/// The open tables at one (observer, lobe, band, ring) and any offset, as an engine interpolates them: ln scale, and
+/// The open tables at one (observer, lobe, band, ring) and any offset, as the renderer interpolates them: ln scale, and
 /// the first shape coefficients into `shape`.
 pub(super) fn open_sample(
     open: &ResidentTables,

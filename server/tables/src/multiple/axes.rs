@@ -11,7 +11,7 @@ use skyglow_physics::{CloudBase, ELEVATION_COUNT, multiple_scattering::Resolutio
 /// Offsets are interpolated in asinh(Δ/this), metres.
 const OFFSET_SCALE_M: f64 = 150.0;
 /// Version of the solver of later orders and of how its fields are laid out and interpolated: raised with either, so that no
-/// work in progress is gone on from that was made otherwise.
+/// run resumes from parts of another version.
 const FIELD_VERSION: u32 = 5;
 
 /// What offsets are interpolated in.
@@ -109,7 +109,7 @@ impl MultipleAxes {
         }
     }
 
-    /// Offsets over a ground, metres, ascending. Below a cloud sources and observers are held under it, and offsets end
+    /// Offsets over a ground, metres, ascending. Below a cloud sources and observers are clamped under it, and offsets end
     /// where they are.
     pub(super) fn offsets_over_m(&self, ground: usize, cloud: Option<CloudBase>) -> Vec<f64> {
         let ground_m = self.ground_altitude_m[ground];

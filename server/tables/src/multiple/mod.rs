@@ -1,6 +1,6 @@
 //! Multiply scattered light of single sources, tabulated for the images of a pack.
 //!
-//! Orders two and more are smooth where the first is not: they know no shadow edge, and near a source they are a
+//! Orders two and more are smooth where the first is not: they have no shadow edge, and near a source they are a
 //! small part of its light. So they are solved for few settings and interpolated in their logarithm: over the
 //! altitude ℓ of the ground, which is the lower of source and observer, over the offset Δ = h_c − h_o, and over
 //! azimuth. For Δ ≤ 0 the source stands on the ground, and one field ([`SourceField`]) serves every observer above
@@ -42,24 +42,24 @@ pub struct MultipleTable {
 }
 
 impl MultipleTable {
-    /// Solves the table. `kept` may answer parts by (ground, offset), each
-    /// as [`MultipleTable`] keeps them; `made` is given each new one.
+    /// Solves the table. `stored` may return parts by (ground, offset), each
+    /// as [`MultipleTable`] stores them; `store` is given each new one.
     ///
     /// Runs on the current rayon pool; the result does not depend on the number of threads.
     ///
     /// # Errors
-    /// A setting outside its range, or what `made` fails with.
+    /// A setting outside its range, or what `store` fails with.
     pub fn solve(
         atmosphere: Atmosphere,
         axes: &MultipleAxes,
-        kept: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
-        made: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
+        stored: impl Fn(usize, usize) -> Option<Vec<f32>> + Sync,
+        store: impl Fn(usize, usize, &[f32]) -> Result<(), TablesError> + Sync,
     ) -> Result<Self, TablesError> {
         let clamped_m = |altitude_m| clamped_below_clouds_m(altitude_m, atmosphere.cloud());
         let view_part = |field: &SourceField, ground: usize, offset: usize, offset_m: f64| {
             let observer_m = clamped_m(axes.ground_altitude_m[ground] - offset_m.min(0.0));
             let part = view(field, &axes.column, &axes.distance_m, observer_m)?;
-            made(ground, offset, &part)?;
+            store(ground, offset, &part)?;
             Ok(part)
         };
         // Offsets that share a field are one piece of work. Several side by side: alone, a field does not keep every
@@ -67,7 +67,7 @@ impl MultipleTable {
         let solve = |(ground, offsets): (usize, Vec<(usize, f64)>)| -> Result<Vec<Vec<f32>>, TablesError> {
             let mut field: Option<SourceField> = None;
             let part = |(offset, offset_m): (usize, f64)| {
-                if let Some(part) = kept(ground, offset) {
+                if let Some(part) = stored(ground, offset) {
                     return Ok(part);
                 }
                 let field = match &mut field {

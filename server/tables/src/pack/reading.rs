@@ -1,5 +1,5 @@
-//! Reads a pack, and believes nothing in it before it was looked at: what its manifest says of sizes is held to limits, and each
-//! section says its own size before room is made for it.
+//! Reads a pack without trusting it: the sizes of its manifest are checked against limits, and the size of each section is
+//! checked before memory is allocated for it.
 
 use super::{HASH_LEN, MAGIC, Pack};
 use crate::{

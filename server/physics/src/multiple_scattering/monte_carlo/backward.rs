@@ -1,10 +1,10 @@
-//! Backward: light followed from the eye to the source.
+//! Backward Monte Carlo with next-event estimation (Coveyou et al. 1967): paths from the observer to the source.
 //!
-//! Every vertex of a path (a scattering or a point of the ground or of the base of a cloud) asks the source for its direct light. Two
-//! choices keep the variance finite although that light grows like 1/d²: distances along a ray are drawn half
-//! from free paths and half equiangularly about the source (Kulla & Fajardo 2012), directions half from the
+//! Every vertex of a path (a scattering or a point of the ground or of the base of a cloud) adds the direct light of the source there.
+//! Two choices keep the variance finite although that light grows like 1/d²: distances along a ray are drawn half
+//! from free paths and half equiangularly about the source (Kulla and Fajardo 2012), directions half from the
 //! phase function and half evenly in the angle from the source's direction; each draw is weighted by the mean
-//! of both densities (balance heuristic).
+//! of both densities (balance heuristic, Veach and Guibas 1995).
 
 use super::{
     super::{
@@ -27,13 +27,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Where the air ends for paths, metres.
+/// Top of the atmosphere for paths, metres.
 const TOP_ALTITUDE_M: f64 = 100_000.0;
-/// From this order on a path survives with this probability a vertex.
+/// Russian roulette: from this order on a path survives each vertex with this probability.
 const ROULETTE_FROM: usize = 6;
 const SURVIVAL: f64 = 0.7;
 const MAX_VERTICES: usize = 400;
-/// Paths go on so far below the base of a cloud, metres.
+/// Paths continue this far below the base of a cloud, metres.
 const OFF_BASE_M: f64 = 1e-4;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
 const STREAM_PATHS: u64 = 1_024;
@@ -67,7 +67,7 @@ struct Hit {
 struct Wall {
     altitude_m: f64,
     albedo: f64,
-    /// 1 where its bright side looks up, −1 where it looks down.
+    /// 1 where its bright side faces up, −1 where it faces down.
     side: f64,
 }
 

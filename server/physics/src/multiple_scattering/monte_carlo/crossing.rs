@@ -8,14 +8,14 @@ use crate::{geometry::EARTH_RADIUS_M, single_source::SourceGeometry};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// A view ray that catches light: where the observer is, and where it looks.
+/// A view ray that collects light: observer and direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detector {
     /// Observer and source; the source altitude must be the tracer's.
     pub geometry: SourceGeometry,
     /// Azimuth from the source's, radians.
     pub relative_azimuth_rad: f64,
-    /// Elevation, radians, 0..=π/2. Rays that are horizontal at the source's place (within 1e-4) catch nothing.
+    /// Elevation, radians, 0..=π/2. Rays that are horizontal at the source's place (within 1e-4) collect nothing.
     pub elevation_rad: f64,
 }
 

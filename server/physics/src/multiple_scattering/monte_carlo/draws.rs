@@ -1,10 +1,10 @@
-//! Random numbers and what is drawn with them.
+//! Random numbers (xoshiro256++, Blackman and Vigna 2021) and samples of directions and free paths.
 
 use crate::phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// xoshiro256++ (Blackman & Vigna), seeded by SplitMix64.
+/// xoshiro256++ (Blackman and Vigna 2021), seeded by SplitMix64 (Steele et al. 2014).
 pub(super) struct Random([u64; 4]);
 
 impl Random {
@@ -41,7 +41,8 @@ pub(super) fn mixed_phase(scatterers: [f64; 2], cos_gamma: f64) -> f64 {
         + scatterers[1] * henyey_greenstein_per_sr(cos_gamma, AEROSOL_ASYMMETRY)
 }
 
-/// A direction after a scattering from `direction`, drawn from the mix of both phase functions.
+/// A direction after a scattering from `direction`, drawn from the mix of both phase functions (Henyey–Greenstein by
+/// inversion, Witt 1977).
 pub(super) fn scattered_direction(direction: DVec3, scatterers: [f64; 2], random: &mut Random) -> DVec3 {
     let cosine = if random.unit() * (scatterers[0] + scatterers[1]) < scatterers[0] {
         rayleigh_cosine(random)
@@ -80,7 +81,7 @@ pub(super) fn turned(axis: DVec3, cosine: f64, turn: f64) -> DVec3 {
 pub(super) fn path_of_depth_m(wanted: f64, whole: f64, end_m: f64, depth_at: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut b, mut depth_a, mut depth_b) = (0.0, end_m, 0.0, whole);
     for k in 0..60 {
-        // Secants, kept off the ends, and every third time a bisection.
+        // Secants, limited to 2–98 % of the interval, and every third time a bisection.
         let secant = (wanted - depth_a) / (depth_b - depth_a).max(f64::MIN_POSITIVE);
         let share = if k % 3 == 2 { 0.5 } else { secant.clamp(0.02, 0.98) };
         let middle = a + (b - a) * share;

@@ -1,4 +1,4 @@
-//! Forward: light followed from the source and caught where it crosses view rays.
+//! Forward Monte Carlo with expected-value scoring: paths from the source, counted where they cross view rays.
 //!
 //! A view ray turned about the source's vertical sweeps out a hyperboloid; all its copies see the same sky. By
 //! that symmetry the radiance of the ray is, over all crossings of flights with the surface,
@@ -34,9 +34,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Where the air ends for flights, metres.
+/// Top of the atmosphere for flights, metres.
 const TOP_ALTITUDE_M: f64 = 100_000.0;
-/// Light weaker than this survives by chance only.
+/// Russian roulette: flights of a smaller weight survive by chance only.
 const MIN_WEIGHT: f64 = 0.05;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
 const STREAM_PATHS: u64 = 4_096;
@@ -74,7 +74,7 @@ impl ForwardTracer {
     }
 
     /// The same for a level disc of that radius [m] around the source instead of a point, as bright everywhere: a town.
-    /// It stays symmetric about the source's vertical, so view rays are caught alike.
+    /// It stays symmetric about the source's vertical, so view rays are treated alike.
     pub fn with_lamp_radius_m(self, lamp_radius_m: f64) -> Self {
         Self { lamp_radius_m, ..self }
     }

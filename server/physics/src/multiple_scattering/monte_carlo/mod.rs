@@ -1,7 +1,7 @@
-//! Monte Carlo references, one path at a time: slow, and independent of the solver.
+//! Monte Carlo reference solutions (Marchuk et al. 1980), one path at a time: slow, and independent of the solver.
 //!
-//! [`Tracer`] follows light from the eye to the source; it is exact wherever light is not rare. Far from a
-//! source in thick haze it is: [`ForwardTracer`] follows light from the source and catches it at many view rays
+//! [`Tracer`] follows light from the observer to the source; it is exact wherever light is not rare. Far from a
+//! source in thick haze it is: [`ForwardTracer`] follows light from the source and counts it at many view rays
 //! at once, by the symmetry about the source's vertical. Each checks the other.
 
 mod backward;
@@ -14,7 +14,7 @@ pub use backward::Tracer;
 pub use crossing::Detector;
 pub use forward::ForwardTracer;
 
-/// Orders that are told apart.
+/// Orders that are reported separately.
 pub const SEPARATE_ORDERS: usize = 12;
 
 /// Radiance of orders two and more with its standard error, per lobe, m⁻² sr⁻¹ per watt.

@@ -1,5 +1,5 @@
-//! The sum with each lobe apart, for one observer after the other in the same air: fields of sources no higher than the
-//! observer do not depend on the observer and are solved once.
+//! The sum of later orders with each lobe separate, for several observers in the same air: fields of sources no higher
+//! than the observer do not depend on the observer and are cached.
 
 use super::{
     density::{DARKNESS_PER_M2_SR, SumDensity},
@@ -32,7 +32,7 @@ pub struct FieldCache {
 }
 
 impl FieldCache {
-    /// None yet, in air without clouds: below a base sources would have to be held. `density` is that of
+    /// None yet, in air without clouds: below a base sources would have to be clamped. `density` is that of
     /// [`super::MultipleSum`].
     pub fn new(
         atmosphere: Atmosphere,

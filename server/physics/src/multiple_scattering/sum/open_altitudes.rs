@@ -8,8 +8,8 @@ use crate::interpolation::{MAX_STENCIL, Stencil};
 
 /// Distances of the lowest nodes above the observer, in steps; then even ones.
 const CROWDED: [f64; 3] = [0.0, 1.0 / 6.0, 0.5];
-/// A node that another follows this closely gives way to it, in steps: neighbours so near would have weights of many times
-/// 1 between farther ones. So no gap is wider than a step and this.
+/// A node that another follows this closely is replaced by it, in steps: neighbours so near would have weights of many
+/// times 1 between farther ones. So no gap is wider than a step and this.
 const MIN_GAP: f64 = 0.2;
 
 /// Where sources span less than the steps that [`MAX_STENCIL`] nodes take, steps are halved, at most so many times. Seen from 302 m
