@@ -70,8 +70,8 @@ fn lights(scene: &Scene, place: GeoPoint) -> Lights {
     };
     let places = angles_rad.iter().map(behind);
     Lights {
-        hidden: PolarGrid::of_sources(place, sources.iter().copied().zip(places)),
-        open: PolarGrid::of_sources(place, sources.iter().map(|source| (*source, 0.0))),
+        hidden: PolarGrid::from_sources(place, sources.iter().copied().zip(places)),
+        open: PolarGrid::from_sources(place, sources.iter().map(|source| (*source, 0.0))),
         sources,
         angles_rad,
     }

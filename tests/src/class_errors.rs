@@ -97,7 +97,7 @@ pub fn skies_of(
     if truth.place_deg.is_none() {
         let scale = natural_sky_luminance_cd_m2() / zenith_and_horizontal(&truth.samples, &exact)[0];
         exact.as_flattened_mut().iter_mut().for_each(|value| *value *= scale);
-        grid = grid.brightened(scale);
+        grid = grid.scaled(scale);
     }
     let rendered = engine.render_blocking(RenderRequest {
         polar: Arc::new(grid),

@@ -31,7 +31,7 @@ fn grid_at(distance_m: f64) -> PolarGrid {
     };
     let pixel = SourcePixel { corners: [0, 1, 2, 3].map(corner), flux_dnb_w: 1e6, altitude_m: 500.0 };
     let sources = point_sources(here, &[pixel]);
-    PolarGrid::of_sources(here, sources.into_iter().map(|source| (source, 0.0)))
+    PolarGrid::from_sources(here, sources.into_iter().map(|source| (source, 0.0)))
 }
 
 /// Nearer than 250 m counts as 250 m, to 300 km every light counts whole, beyond it none does.
@@ -69,7 +69,7 @@ fn distances(report: &mut Report, rig: &Rig) -> Outcome {
     let ready_made = |distance_m: f64| {
         let source =
             skyglow_physics::PointSource { azimuth_rad: 1.0, distance_m, altitude_m: 0.0, flux_dnb_w: 1.0 };
-        PolarGrid::of_sources(GeoPoint::from_rad_unchecked(0.0, 0.0), [(source, 0.0)]).flux_dnb_w
+        PolarGrid::from_sources(GeoPoint::from_rad_unchecked(0.0, 0.0), [(source, 0.0)]).flux_dnb_w
     };
     let kept = beyond.into_iter().map(ready_made).fold(0.0, f64::max);
     let check = Check::new("ready-made sources beyond 300 km too", "share of its flux kept", beyond.len());

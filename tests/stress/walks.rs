@@ -127,7 +127,7 @@ pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {
 pub(crate) fn request_at(rig: &Rig, stand: Stand, flux_dnb_w: f64) -> Result<RenderRequest, Box<dyn Error>> {
     let source = PointSource { flux_dnb_w, ..source_at(stand) };
     let here = GeoPoint::from_rad_unchecked(0.0, 0.0);
-    let mut request = rig.request(PolarGrid::of_sources(here, [(source, 0.0)]))?;
+    let mut request = rig.request(PolarGrid::from_sources(here, [(source, 0.0)]))?;
     request.observer_altitude_m = stand.observer_altitude_m;
     request.turbidity = Turbidity::new(stand.turbidity)?;
     Ok(request)

@@ -105,7 +105,7 @@ pub fn sources_of_pixels(pixels: impl IntoIterator<Item = LitPixel>) -> Vec<Poin
 
 /// The polar grid of sources that nothing hides.
 pub fn grid_under_open_sky(sources: &[PointSource]) -> PolarGrid {
-    PolarGrid::of_sources(observer(), sources.iter().map(|&source| (source, 0.0)))
+    PolarGrid::from_sources(observer(), sources.iter().map(|&source| (source, 0.0)))
 }
 
 /// Pixels or blocks of them of a square's side: a scene lists its lights by the squares of a quadtree, here it is one size of them.

@@ -43,7 +43,7 @@ pub use observatory::{
     BrightnessMap, BrightnessRequest, DimmedPixel, InfluenceMap, InfluenceRequest, Level, Limit, MOST_PLACES,
     Measure, Observatory, Observer, ObserverHeight, Part, PlanMethod, PlanOutcome, PlanRequest, RING_EDGES_M,
     SECTOR_COUNT, SiteAnswer, SiteOutcome, SitePlan, SkyAnswer, SkyRequest, SkyState, TargetSite,
-    keep_scenario,
+    store_scenario,
 };
 pub use packs::{PackKind, ResidentKind, resident_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};

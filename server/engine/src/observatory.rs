@@ -8,7 +8,7 @@ mod plan;
 mod view;
 
 pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MOST_PLACES};
-pub use change::keep_scenario;
+pub use change::store_scenario;
 pub use influence::{InfluenceMap, InfluenceRequest, Measure};
 pub use influence_summary::{Part, RING_EDGES_M, SECTOR_COUNT};
 pub use plan::{

@@ -3,7 +3,7 @@
 use crate::error::EngineError;
 use moka::sync::Cache;
 use skyglow_scene::{
-    ChangeError, ChangeId, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, DEEPEST, Scene,
+    ChangeError, ChangeId, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH, Scene,
     SceneError, SceneId, SceneMetadata, SceneStore,
 };
 use std::{
@@ -50,7 +50,7 @@ impl SceneShelf {
     /// A shelf for at most `capacity` scenes, at least one.
     pub(crate) fn new(store: SceneStore, changes: ChangeStore, capacity: usize) -> Self {
         let weigh = |_: &(ChangeId, String), changed: &Changed| {
-            u32::try_from(4096 + changed.0.own_bytes()).unwrap_or(u32::MAX)
+            u32::try_from(4096 + changed.0.unshared_bytes()).unwrap_or(u32::MAX)
         };
         let changed =
             Cache::builder().max_capacity(CHANGED_BYTES).weigher(weigh).time_to_idle(KEPT_WHILE_IDLE).build();
@@ -140,7 +140,7 @@ impl SceneShelf {
         };
         steps.push(step);
         if let Some(scenario) = scenario
-            && steps.len() > DEEPEST
+            && steps.len() > MAX_CHANGE_DEPTH
         {
             return Err(ChangeStoreError::TooDeep { id: scenario.clone() }.into());
         }

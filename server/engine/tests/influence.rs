@@ -47,8 +47,10 @@ fn pixels_add_up_to_the_sky_and_each_counts_as_if_it_were_alone() {
                 // Between packs a light counts by what it adds to the others', which is not what it gives alone.
                 for (position, pixel) in pixels.iter().enumerate().filter(|_| turbidity == 2.5) {
                     let sources = point_sources(here, std::slice::from_ref(pixel));
-                    let (_, alone) =
-                        of_grid(PolarGrid::of_sources(here, sources.into_iter().map(|source| (source, 0.0))));
+                    let (_, alone) = of_grid(PolarGrid::from_sources(
+                        here,
+                        sources.into_iter().map(|source| (source, 0.0)),
+                    ));
                     let error = f64::from(influence[position]) / alone - 1.0;
                     assert!(error.abs() < 0.01, "{longitude_deg} {turbidity} {position}: {error}");
                 }
@@ -165,7 +167,7 @@ fn a_region_without_a_visible_direction_is_refused_and_a_norm_is_that_of_the_lig
     nearest.sort_by(|a, b| map.pixels()[*a].distance_m.total_cmp(&map.pixels()[*b].distance_m));
     for &position in nearest.iter().take(40).step_by(3).chain(nearest.iter().skip(100).step_by(500)) {
         let sources = point_sources(ask.sky.place, std::slice::from_ref(&pixels[position]));
-        let polar = PolarGrid::of_sources(ask.sky.place, sources.into_iter().map(|source| (source, 0.0)));
+        let polar = PolarGrid::from_sources(ask.sky.place, sources.into_iter().map(|source| (source, 0.0)));
         let alone = RenderRequest {
             polar: Arc::new(polar),
             observer_altitude_m: map.observer.altitude_m,

@@ -38,7 +38,7 @@ fn alter(area: Area, factor: f64, lamp: Option<LampChange>, emission: Option<Emi
 }
 
 fn painted(observatory: &Observatory, base: Option<ChangeId>, edits: Vec<Edit>) -> ChangeId {
-    observatory.keep_scenario(&Scenario { scene: town(), title: None, base, edits }).unwrap().0
+    observatory.store_scenario(&Scenario { scene: town(), title: None, base, edits }).unwrap().0
 }
 
 fn in_scenario(request: &SkyRequest, scenario: &ChangeId) -> SkyRequest {
@@ -155,7 +155,7 @@ fn kept(observatory: &Observatory, outcome: &PlanOutcome, base: Option<ChangeId>
         effects: outcome.pixels.iter().map(|pixel| pixel.effect as f32).collect(),
     };
     let id = ChangeStore::plan_id(format!("{:?}", outcome.pixels).as_bytes());
-    observatory.changes().keep_plan(&id, &plan).unwrap();
+    observatory.changes().store_plan(&id, &plan).unwrap();
     id
 }
 

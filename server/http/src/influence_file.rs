@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use skyglow_display::notes::said_of;
 use skyglow_engine::{InfluenceMap, Measure};
-use skyglow_scene::{RasterError, RasterWords};
+use skyglow_scene::{RasterError, RasterMetadata};
 use thiserror::Error;
 
 /// A defect of the program: what is asked was checked before.
@@ -147,6 +147,6 @@ fn geotiff(
     let description = said_of(shows, assumptions.scene.illustrative);
     let assumptions = serde_json::to_string(assumptions)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-    let words = RasterWords { description: &description, unit: measure.unit(), notes: &notes };
+    let words = RasterMetadata { description: &description, unit: measure.unit(), notes: &notes };
     Ok(map.open_scene().pixels_geotiff(&numbers, map.influence(), &words)?)
 }

@@ -18,8 +18,8 @@ use skyglow_engine::{
 };
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{
-    ChangeId, ChangeStoreError, ChangeSummary, IngestOptions, Place, RasterTile, Scenario, Scene, SceneError,
-    SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
+    ChangeId, ChangeStoreError, ChangeSummary, IngestOptions, NamedPlace, PatchStore, RasterTile, Scenario,
+    Scene, SceneError, SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
@@ -251,7 +251,7 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.scene(id)?.metadata().clone())
     }
 
-    fn places(&self, id: &SceneId) -> Result<Vec<Place>, SourceError> {
+    fn places(&self, id: &SceneId) -> Result<Vec<NamedPlace>, SourceError> {
         Ok(self.observatory.scene(id)?.places().to_vec())
     }
 
@@ -288,13 +288,13 @@ impl SkySource for ObservatorySource {
     fn brightness(
         &self,
         query: &BrightnessRequest,
-        keeper: &dyn SumKeeper,
+        store: &dyn PatchStore,
     ) -> Result<BrightnessMap, SourceError> {
-        Ok(self.observatory.brightness(query, keeper)?)
+        Ok(self.observatory.brightness(query, store)?)
     }
 
-    fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
-        Ok(self.observatory.keep_scenario(scenario)?.0)
+    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
+        Ok(self.observatory.store_scenario(scenario)?.0)
     }
 
     fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError> {
@@ -305,8 +305,8 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.plan(request)?)
     }
 
-    fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError> {
-        Ok(self.observatory.changes().keep_plan(id, plan)?)
+    fn store_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError> {
+        Ok(self.observatory.changes().store_plan(id, plan)?)
     }
 
     fn hold_plan(&self, id: &ChangeId, plan: StoredPlan) {
@@ -317,8 +317,8 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.changes().check_base(Some(base))?)
     }
 
-    fn is_kept(&self, id: &ChangeId) -> bool {
-        self.observatory.changes().is_kept(id)
+    fn is_stored(&self, id: &ChangeId) -> bool {
+        self.observatory.changes().is_stored(id)
     }
 
     fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {

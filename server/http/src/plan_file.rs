@@ -8,7 +8,7 @@ use crate::{
     stamp::rfc3339,
 };
 use skyglow_display::notes::said_of;
-use skyglow_scene::RasterWords;
+use skyglow_scene::RasterMetadata;
 
 /// Encodes a plan; takes milliseconds to a second.
 ///
@@ -56,6 +56,6 @@ fn geotiff(kept: &KeptPlan) -> Result<Vec<u8>, InfluenceFileError> {
     let description = said_of(shows, kept.scene.metadata().illustrative);
     let facts = serde_json::to_string(&kept.plan.answer)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("PLAN", facts.as_str())];
-    let words = RasterWords { description: &description, unit: "1", notes: &notes };
+    let words = RasterMetadata { description: &description, unit: "1", notes: &notes };
     Ok(kept.scene.codes_geotiff(&pixels, &words)?)
 }

@@ -52,7 +52,7 @@ pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> Ch
 /// something new was kept. Takes seconds.
 ///
 /// # Errors
-/// As [`SkySource::plan`] and [`SkySource::keep_plan`].
+/// As [`SkySource::plan`] and [`SkySource::store_plan`].
 pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, bool), SourceError> {
     let scene_version = source.scene(&ask.scene)?.version;
     if ask.keep
@@ -62,12 +62,12 @@ pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, boo
     }
     let id = plan_id(source, ask, &scene_version);
     let plan = match source.kept_plan(&id) {
-        Ok(_) if !ask.keep || source.is_kept(&id) => return Ok((id, false)),
+        Ok(_) if !ask.keep || source.is_stored(&id) => return Ok((id, false)),
         Ok((held, _)) => held,
         Err(_) => new_plan(source, ask, scene_version)?,
     };
     if ask.keep {
-        source.keep_plan(&id, &plan)?;
+        source.store_plan(&id, &plan)?;
     } else {
         source.hold_plan(&id, plan);
     }

@@ -14,8 +14,8 @@ use skyglow_engine::{
 };
 use skyglow_physics::{EmissionMix, GeoPoint, Horizon, Lamp, LampPreset, Panorama, SkyQuantities, Turbidity};
 use skyglow_scene::{
-    ChangeId, ChangeSummary, Ground, IngestOptions, Place, RasterTile, Scenario, Scene, SceneId,
-    SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
+    ChangeId, ChangeSummary, Ground, IngestOptions, NamedPlace, PatchStore, RasterTile, Scenario, Scene,
+    SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder,
 };
 use skyglow_tables::Scattering;
 use std::{future::Future, pin::Pin, sync::Arc};
@@ -212,7 +212,7 @@ pub trait SkySource: Send + Sync + 'static {
     ///
     /// # Errors
     /// As [`Self::scene`].
-    fn places(&self, id: &SceneId) -> Result<Vec<Place>, SourceError>;
+    fn places(&self, id: &SceneId) -> Result<Vec<NamedPlace>, SourceError>;
     /// A scene, open, with the changes of a scenario or plan.
     ///
     /// # Errors
@@ -245,25 +245,25 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// As [`Self::site`], an altitude out of range, and [`SourceError::EmptyRegion`].
     fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError>;
-    /// Finds the zenith's brightness at every place of a scene; takes seconds to a minute of all cores. `keeper` is told
-    /// of every part that is done, and may end the work.
+    /// Finds the zenith's brightness at every place of a scene; takes seconds to a minute of all cores. `store` is given every
+    /// patch that is done, and may cancel the computation.
     ///
     /// # Errors
     /// As [`Self::open_scene`], and a turbidity out of range; [`SourceError::Down`] where it was ended.
     fn brightness(
         &self,
         query: &BrightnessRequest,
-        keeper: &dyn SumKeeper,
+        store: &dyn PatchStore,
     ) -> Result<BrightnessMap, SourceError>;
     /// Keeps a scenario if it can be painted.
     ///
     /// # Errors
     /// As [`Self::open_scene`], [`SourceError::BadEdit`], [`SourceError::Storage`].
-    fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError>;
+    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError>;
     /// A scenario, what it does to its scene, and when it was kept, seconds since 1970.
     ///
     /// # Errors
-    /// As [`Self::keep_scenario`].
+    /// As [`Self::store_scenario`].
     fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError>;
     /// Makes a plan; takes seconds of all cores.
     ///
@@ -274,7 +274,7 @@ pub trait SkySource: Send + Sync + 'static {
     ///
     /// # Errors
     /// [`SourceError::Storage`].
-    fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError>;
+    fn store_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), SourceError>;
     /// Holds a plan for some minutes, and keeps nothing.
     fn hold_plan(&self, id: &ChangeId, plan: StoredPlan);
     /// Whether what is kept may go on from this.
@@ -283,7 +283,7 @@ pub trait SkySource: Send + Sync + 'static {
     /// [`SourceError::DraftPlan`].
     fn check_base(&self, base: &ChangeId) -> Result<(), SourceError>;
     /// Whether a plan is kept, and not just held.
-    fn is_kept(&self, id: &ChangeId) -> bool;
+    fn is_stored(&self, id: &ChangeId) -> bool;
     /// A plan, kept or held, and since when, seconds since 1970.
     ///
     /// # Errors

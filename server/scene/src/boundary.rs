@@ -4,7 +4,7 @@ use skyglow_physics::GeoPoint;
 use thiserror::Error;
 
 /// Most corners of all rings of a boundary together.
-pub const MOST_BOUNDARY_CORNERS: usize = 50_000;
+pub const MAX_BOUNDARY_CORNERS: usize = 50_000;
 /// Longitudes beyond ±180° count on around the Earth, up to here, degrees.
 const FARTHEST_LONGITUDE_DEG: f64 = 360.0;
 /// Bands of latitude that sides are sorted into, at most.
@@ -23,7 +23,7 @@ pub enum BoundaryError {
     #[error("it is empty: at least one polygon with an outer ring is needed")]
     Empty,
     /// More corners than are taken.
-    #[error("{count} corners, at most {MOST_BOUNDARY_CORNERS} are taken")]
+    #[error("{count} corners, at most {MAX_BOUNDARY_CORNERS} are taken")]
     TooManyCorners {
         /// Corners given.
         count: usize,
@@ -82,7 +82,7 @@ impl Boundary {
     /// [`BoundaryError`].
     pub fn new(polygons: &[Vec<Vec<Position>>]) -> Result<Self, BoundaryError> {
         let count: usize = polygons.iter().flatten().map(Vec::len).sum();
-        if count > MOST_BOUNDARY_CORNERS {
+        if count > MAX_BOUNDARY_CORNERS {
             return Err(BoundaryError::TooManyCorners { count });
         }
         if polygons.is_empty() || polygons.iter().any(Vec::is_empty) {
@@ -278,7 +278,7 @@ mod tests {
             (0..20_000).map(|tooth| [7.0 + 1e-4 * f64::from(tooth), 46.0 + f64::from(tooth % 2)]).collect();
         comb.push(comb[0]);
         assert!(matches!(refused(&[&[&comb]]), BoundaryError::TooIntricate { sides: 19_000.. }));
-        let many = vec![[7.0, 46.0]; MOST_BOUNDARY_CORNERS + 1];
+        let many = vec![[7.0, 46.0]; MAX_BOUNDARY_CORNERS + 1];
         assert!(matches!(refused(&[&[&many]]), BoundaryError::TooManyCorners { .. }));
     }
 

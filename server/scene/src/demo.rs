@@ -78,7 +78,7 @@ pub fn demo_is_wanted(store: &SceneStore) -> bool {
 }
 
 fn is_outdated(stored: &SceneMetadata) -> bool {
-    stored.illustrative && stored.hidden_lights_are_unknown()
+    stored.illustrative && stored.lacks_light_skylines()
 }
 
 fn places_csv() -> String {

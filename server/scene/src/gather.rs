@@ -184,9 +184,9 @@ impl<'a> Light<'a> {
         (level > 0).then_some(BlockPlace { level, index: 0 })
     }
 
-    /// The blocks of at most `most_pixels` pixels within 300 km of the observer that hold all light there, in the order in which it is
+    /// The blocks of at most `max_pixels` pixels within 300 km of the observer that hold all light there, in the order in which it is
     /// gathered; larger ones where all their light counts as one.
-    pub(crate) fn starts(&self, frame: &LocalFrame, most_pixels: usize) -> Vec<Start> {
+    pub(crate) fn starts(&self, frame: &LocalFrame, max_pixels: usize) -> Vec<Start> {
         let mut starts = Vec::new();
         let reach_m = reach_m(FARTHEST_SOURCE_M);
         let mut stack = Vec::from_iter(self.whole());
@@ -199,7 +199,7 @@ impl<'a> Light<'a> {
                 continue;
             }
             let pixels = self.pyramid.pixels(level, index).len();
-            if pixels <= most_pixels || level == 1 || block.radius_m <= FAR_BLOCK_RATIO * distance_m {
+            if pixels <= max_pixels || level == 1 || block.radius_m <= FAR_BLOCK_RATIO * distance_m {
                 starts.push(Start { from, pixels });
             } else {
                 let children = blocks.children(index);

@@ -52,11 +52,11 @@ mod store;
 mod stored;
 mod terrain;
 
-pub use boundary::{Boundary, BoundaryError, MOST_BOUNDARY_CORNERS, Position};
+pub use boundary::{Boundary, BoundaryError, MAX_BOUNDARY_CORNERS, Position};
 pub use changes::{
     Area, AreaError, Change, ChangeError, ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore,
-    ChangeStoreError, ChangeSummary, DEEPEST, Edit, MOST_BRUSH_POINTS, MOST_EDITS, MOST_NEW_LIGHTS,
-    MOST_NEW_LIGHTS_AMONG_HILLS, PixelFactors, Scenario, StoredPlan,
+    ChangeStoreError, ChangeSummary, Edit, MAX_BRUSH_POINTS, MAX_CHANGE_DEPTH, MAX_EDITS, MAX_NEW_LIGHTS,
+    MAX_NEW_LIGHTS_WITH_TERRAIN, PixelFactors, Scenario, StoredPlan,
 };
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use error::SceneError;
@@ -64,16 +64,16 @@ pub use gather::{FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M};
 pub use ground::Ground;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
 pub use light_shares::{CellShare, LightShares, LitPixel};
-pub use map_tile::{PixelNumbers, RasterTile, TileLayer};
+pub use map_tile::{PixelValues, RasterTile, TileLayer};
 pub use mercator::{tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
 pub use metadata::{
-    ExamplePlace, GridMetadata, IngestReport, PixelCount, Place, SceneMetadata, TerrainReport,
+    ExamplePlace, GridMetadata, IngestReport, NamedPlace, PixelCount, SceneMetadata, TerrainReport,
 };
-pub use pixel_raster::{RasterError, RasterWords};
-pub use place_kernel::{EvenAxis, PlaceKernel};
-pub use place_sum::{PlaceLattice, PlaceValues, SumKeeper};
+pub use pixel_raster::{RasterError, RasterMetadata};
+pub use place_kernel::{PlaceKernel, UniformAxis};
+pub use place_sum::{PatchStore, PlaceLattice, PlaceValues};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 pub use scene::Scene;
 pub use scene_id::SceneId;
-pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_REACHES_M};
+pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_DISTANCES_M};
 pub use store::{SceneList, SceneStore, UploadFolder};

@@ -60,7 +60,7 @@ impl LightLayer {
     }
 
     /// Bytes that it takes beside the raster's own lights, about.
-    pub(crate) fn own_bytes(&self) -> usize {
+    pub(crate) fn unshared_bytes(&self) -> usize {
         let (pixels, gone) =
             (self.lights.pixels.len(), self.gone.as_ref().map_or(0, |gone| gone.byte_count()));
         // Blocks are a third of the pixels; a skyline is for those that have one.

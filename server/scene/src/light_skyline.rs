@@ -3,7 +3,7 @@
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;
 use crate::morton;
-use crate::skylines::{OPEN_TANGENT, SKYLINE_AZIMUTH_COUNT, SKYLINE_REACHES_M, Skyline, code_of};
+use crate::skylines::{OPEN_TANGENT, SKYLINE_AZIMUTH_COUNT, SKYLINE_DISTANCES_M, Skyline, code_of};
 use crate::terrain::{Terrain, nearest_wall_m};
 use skyglow_physics::GeoPoint;
 use std::f64::consts::TAU;
@@ -20,7 +20,7 @@ pub(crate) fn skyline_of_light(terrain: &Terrain, grid: &Grid, pixels: &LitPixel
     if is_known && !sight.is_open() {
         for (number, codes) in skyline.iter_mut().enumerate() {
             let azimuth_rad = number as f64 * TAU / SKYLINE_AZIMUTH_COUNT as f64;
-            *codes = sight.tangents(azimuth_rad, OPEN_TANGENT, &SKYLINE_REACHES_M).map(code_of);
+            *codes = sight.tangents(azimuth_rad, OPEN_TANGENT, &SKYLINE_DISTANCES_M).map(code_of);
         }
     }
     skyline

@@ -29,14 +29,14 @@ pub struct RasterTile {
 
 /// A number for each of some lit pixels, so kept that the sum over any block of the raster is two look-ups.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PixelNumbers {
+pub struct PixelValues {
     /// Numbers of the pixels ([`Scene::column_and_row`]), ascending.
     pixels: Vec<u32>,
     /// Sum of the values before each, and of all at the end.
     running: Vec<f64>,
 }
 
-impl PixelNumbers {
+impl PixelValues {
     /// Of lit pixels, ascending by their number.
     pub fn new(values: impl Iterator<Item = (u32, f32)>) -> Self {
         let (mut pixels, mut running, mut sum) = (Vec::new(), vec![0.0], 0.0);
@@ -87,7 +87,7 @@ pub(crate) fn sample(
 /// Samples numbers of lit pixels: the mean over the valid pixels under a tile's pixel, dark ones counting 0.
 pub(crate) fn sample_pixels(
     scene: &Scene,
-    numbers: &PixelNumbers,
+    numbers: &PixelValues,
     z: u8,
     x: u32,
     y: u32,

@@ -111,7 +111,7 @@ pub struct PixelCount {
 impl SceneMetadata {
     /// Whether the terrain may hide lights and it is not known which: the scene was stored before that was looked
     /// for, and has to be ingested again.
-    pub fn hidden_lights_are_unknown(&self) -> bool {
+    pub fn lacks_light_skylines(&self) -> bool {
         self.terrain && !self.light_skylines
     }
 }
@@ -155,7 +155,7 @@ pub struct TerrainReport {
 
 /// A named place, for labels and search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct NamedPlace {
     /// Its name.
     pub name: String,
     /// Degrees north.

@@ -25,7 +25,7 @@ impl From<gdal::errors::GdalError> for RasterError {
 
 /// What a raster of pixels says of itself.
 #[derive(Clone, Copy, Debug)]
-pub struct RasterWords<'a> {
+pub struct RasterMetadata<'a> {
     /// What the numbers are: the band's description.
     pub description: &'a str,
     /// Their unit.
@@ -79,7 +79,7 @@ impl Scene {
         &self,
         numbers: &[u32],
         values: &[f32],
-        words: &RasterWords<'_>,
+        words: &RasterMetadata<'_>,
     ) -> Result<Vec<u8>, RasterError> {
         let codes = numbers.iter().map(|&number| self.code(number));
         let mut pixels: Vec<(u64, f32)> = codes.zip(values.iter().copied()).collect();
@@ -102,7 +102,7 @@ impl Scene {
     pub fn codes_geotiff(
         &self,
         pixels: &[(u64, f32)],
-        words: &RasterWords<'_>,
+        words: &RasterMetadata<'_>,
     ) -> Result<Vec<u8>, RasterError> {
         let file = MemoryFile::new();
         let grid = &self.metadata.grid;

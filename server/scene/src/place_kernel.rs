@@ -6,7 +6,7 @@ use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
 
 /// Evenly spaced nodes, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EvenAxis {
+pub struct UniformAxis {
     /// The lowest node.
     pub first_m: f64,
     /// From one to the next; above 0.
@@ -15,7 +15,7 @@ pub struct EvenAxis {
     pub count: usize,
 }
 
-impl EvenAxis {
+impl UniformAxis {
     /// From `first_m` to `last_m` by steps of `step_m` or less, of which there are `most` at most; one step where both are the same.
     pub fn between(first_m: f64, last_m: f64, step_m: f64, most: usize) -> Self {
         let range_m = (last_m - first_m).max(0.0);
@@ -43,9 +43,9 @@ impl EvenAxis {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceKernel {
     /// Altitudes of the place, metres above sea level.
-    altitudes: EvenAxis,
+    altitudes: UniformAxis,
     /// Height of the light over the place, metres.
-    offsets: EvenAxis,
+    offsets: UniformAxis,
     /// Blocking angles: 1, the open sky, or all.
     blocking_count: usize,
     /// `[altitude][ring][offset][blocking]`, per DNB watt.
@@ -93,8 +93,8 @@ impl PlaceKernel {
     ///
     /// * `blocking_count`: 1 for the open sky alone, or [`BLOCKING_COUNT`].
     pub fn new(
-        altitudes: EvenAxis,
-        offsets: EvenAxis,
+        altitudes: UniformAxis,
+        offsets: UniformAxis,
         blocking_count: usize,
         values: Vec<f32>,
     ) -> Option<Self> {
@@ -106,7 +106,7 @@ impl PlaceKernel {
     }
 
     /// The altitudes of places.
-    pub fn altitudes(&self) -> EvenAxis {
+    pub fn altitudes(&self) -> UniformAxis {
         self.altitudes
     }
 
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn nodes_are_found_and_between_them_it_is_linear() {
-        let axis = |first_m, step_m, count| EvenAxis { first_m, step_m, count };
+        let axis = |first_m, step_m, count| UniformAxis { first_m, step_m, count };
         let (altitudes, offsets) = (axis(100.0, 250.0, 3), axis(-200.0, 100.0, 5));
         let value = |altitude: usize, ring: usize, offset: usize, blocking: usize| {
             (altitude * 1000 + ring * 5 + offset * 40 + blocking * 3) as f32
@@ -177,10 +177,10 @@ mod tests {
         }
         assert!(RingPosition::of_square(300_100f32.powi(2)).is_none());
         assert!(RingPosition::of_square(f32::NAN).is_none());
-        assert_eq!(EvenAxis::between(-30.0, 75.0, 50.0, 9), axis(-30.0, 35.0, 4));
-        assert_eq!(EvenAxis::between(5.0, 5.0, 50.0, 9).count, 2);
+        assert_eq!(UniformAxis::between(-30.0, 75.0, 50.0, 9), axis(-30.0, 35.0, 4));
+        assert_eq!(UniformAxis::between(5.0, 5.0, 50.0, 9).count, 2);
         for range_m in (1..2_000).map(|i| 7.77 * f64::from(i)) {
-            let axis = EvenAxis::between(-3.3, range_m - 3.3, 50.0, 255);
+            let axis = UniformAxis::between(-3.3, range_m - 3.3, 50.0, 255);
             assert!(axis.count <= 256 && (axis.node_m(axis.count - 1) - range_m + 3.3).abs() < 1e-6);
         }
     }

@@ -1,7 +1,7 @@
 //! A number for each place of a lattice, as a cloud-optimized GeoTIFF on the scene's own grid.
 
 use crate::map_tile::TileLayer;
-use crate::pixel_raster::{MemoryFile, RasterError, RasterWords, set_unit};
+use crate::pixel_raster::{MemoryFile, RasterError, RasterMetadata, set_unit};
 use crate::place_sum::{PlaceLattice, PlaceValues};
 use crate::scene::Scene;
 use gdal::raster::{Buffer, RasterCreationOptions};
@@ -45,7 +45,7 @@ impl Scene {
     pub fn places_geotiff(
         &self,
         places: &PlaceValues,
-        words: &RasterWords<'_>,
+        words: &RasterMetadata<'_>,
     ) -> Result<Vec<u8>, RasterError> {
         let lattice = places.lattice();
         let size = (lattice.columns as usize, lattice.rows as usize);

@@ -100,7 +100,7 @@ impl PolarGrid {
     /// The grid of point sources around a place, each with its place on the axis of blocking angles (the node and the
     /// weight that [`blocking_position`](skyglow_physics::blocking::blocking_position) gives, added); nearer than 250 m
     /// counts as there, beyond 300 km is left out. For measuring: a scene makes its own.
-    pub fn of_sources(observer: GeoPoint, sources: impl IntoIterator<Item = (PointSource, f64)>) -> Self {
+    pub fn from_sources(observer: GeoPoint, sources: impl IntoIterator<Item = (PointSource, f64)>) -> Self {
         let mut accumulator = PolarAccumulator::new();
         let sources = sources.into_iter().filter(|(s, _)| s.distance_m <= FARTHEST_SOURCE_M);
         for (number, (source, blocking)) in (0..).zip(sources) {
@@ -139,8 +139,8 @@ impl PolarGrid {
         size_of_val(self.cells.as_slice()) + size_of_val(self.near.as_slice())
     }
 
-    /// The same light `factor` times as bright.
-    pub fn brightened(mut self, factor: f64) -> Self {
+    /// The same light, multiplied by `factor`.
+    pub fn scaled(mut self, factor: f64) -> Self {
         self.cells.iter_mut().for_each(|cell| cell.flux_dnb_w *= factor as f32);
         self.near.iter_mut().for_each(|light| light.flux_dnb_w *= factor as f32);
         self.flux_dnb_w *= factor;
@@ -362,7 +362,7 @@ mod tests {
         let here = GeoPoint::from_rad_unchecked(0.2, 0.3);
         let grid = |distance_m| {
             let source = PointSource { azimuth_rad: 1.0, distance_m, altitude_m: 40.0, flux_dnb_w: 5.0 };
-            PolarGrid::of_sources(here, [(source, 0.0)])
+            PolarGrid::from_sources(here, [(source, 0.0)])
         };
         for beyond_m in [300_000.001, 400_000.0, f64::INFINITY, f64::NAN] {
             let dark = grid(beyond_m);

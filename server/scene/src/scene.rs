@@ -8,9 +8,9 @@ use crate::grid::Grid;
 use crate::ground::Ground;
 use crate::light_layer::LightLayer;
 use crate::light_shares::{LightShares, ShareCollector};
-use crate::map_tile::{self, PixelNumbers, RasterTile, TileLayer};
+use crate::map_tile::{self, PixelValues, RasterTile, TileLayer};
 use crate::mask::ValidMask;
-use crate::metadata::{Place, SceneMetadata};
+use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::morton;
 use crate::place_sum::PlaceValues;
 use crate::polar_grid::PolarGrid;
@@ -31,7 +31,7 @@ pub struct Scene {
     /// Its lights: those of the raster first, then changed and new ones.
     pub(crate) layers: Vec<LightLayer>,
     pub(crate) terrain: Arc<Terrain>,
-    pub(crate) places: Arc<[Place]>,
+    pub(crate) places: Arc<[NamedPlace]>,
 }
 
 impl Scene {
@@ -41,7 +41,7 @@ impl Scene {
     }
 
     /// Places with names, the most populous first.
-    pub fn places(&self) -> &[Place] {
+    pub fn places(&self) -> &[NamedPlace] {
         &self.places
     }
 
@@ -192,8 +192,8 @@ impl Scene {
     }
 
     /// Bytes that a changed scene takes beside what it shares, about.
-    pub fn own_bytes(&self) -> usize {
-        self.layers.iter().map(LightLayer::own_bytes).sum()
+    pub fn unshared_bytes(&self) -> usize {
+        self.layers.iter().map(LightLayer::unshared_bytes).sum()
     }
 
     /// The lowest and the highest altitude of lights, metres; None without light.
@@ -308,7 +308,7 @@ impl Scene {
     /// As [`Self::tile`].
     pub fn pixels_tile(
         &self,
-        numbers: &PixelNumbers,
+        numbers: &PixelValues,
         z: u8,
         x: u32,
         y: u32,

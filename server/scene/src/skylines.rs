@@ -20,7 +20,7 @@ use std::borrow::Cow;
 pub const SKYLINE_AZIMUTH_COUNT: usize = 32;
 /// Within these distances of the light the highest terrain is known, metres. Each is twice the one before, and the
 /// first is twice [`NEAREST_SOURCE_M`](skyglow_physics::source_pixel::NEAREST_SOURCE_M).
-pub const SKYLINE_REACHES_M: [f64; REACH_COUNT] =
+pub const SKYLINE_DISTANCES_M: [f64; REACH_COUNT] =
     [500.0, 1_000.0, 2_000.0, 4_000.0, 8_000.0, 16_000.0, 32_000.0, 64_000.0, 128_000.0];
 const REACH_COUNT: usize = 9;
 /// ln of a reach over the one before.
@@ -150,7 +150,7 @@ impl Skylines {
     pub(crate) fn to_sections(&self) -> Vec<(String, Cow<'_, [u8]>)> {
         let blocked: Vec<u64> = (0..self.at.len() as u64).filter(|&i| !self.is_open(i as usize)).collect();
         vec![
-            ("reaches".into(), Cow::Borrowed(cast_slice(&SKYLINE_REACHES_M))),
+            ("reaches".into(), Cow::Borrowed(cast_slice(&SKYLINE_DISTANCES_M))),
             ("blocked".into(), Cow::Owned(pack_ascending(&blocked))),
             ("codes".into(), Cow::Owned(self.blocked.iter().flatten().flat_map(steps).collect())),
         ]
@@ -158,7 +158,7 @@ impl Skylines {
 
     /// Undoes [`Self::to_sections`] for a number of lights.
     pub(crate) fn from_sections(sections: &Sections<'_>, lights: usize) -> Result<Self, Flaw> {
-        if sections.numbers::<f64>("reaches")? != SKYLINE_REACHES_M {
+        if sections.numbers::<f64>("reaches")? != SKYLINE_DISTANCES_M {
             return Err("holds skylines of other reaches than this program's".to_owned());
         }
         let indices = unpack_ascending(&sections.bytes("blocked")?)?;

@@ -24,7 +24,7 @@ fn only(skyline: Skyline) -> Skylines {
 fn at_an_azimuth_and_a_reach_it_is_the_terrain_within_it() {
     let skylines = only(behind_8_km(|azimuth| azimuth as u8 * 4));
     for azimuth in 0..SKYLINE_AZIMUTH_COUNT {
-        for (reach, reach_m) in SKYLINE_REACHES_M.into_iter().enumerate() {
+        for (reach, reach_m) in SKYLINE_DISTANCES_M.into_iter().enumerate() {
             let turns = azimuth as f64 / SKYLINE_AZIMUTH_COUNT as f64;
             let expected = if reach < 5 { 0.0 } else { azimuth as f64 * 4.0 / 36.0 };
             let found = skylines.blocking(0, turns, log_distance(reach_m));

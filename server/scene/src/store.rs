@@ -10,7 +10,7 @@ use crate::grid_sections;
 use crate::light_layer::{LightLayer, Lights};
 use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
-use crate::metadata::{Place, SceneMetadata};
+use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::sections::{Flaw, Sections, unpack_ascending};
@@ -181,7 +181,7 @@ impl SceneStore {
         } else if stored.metadata.light_skylines {
             return Err(damaged(id, SKYLINES_FILE)("is not listed".to_owned()));
         }
-        let mut places: Vec<Place> = Vec::new();
+        let mut places: Vec<NamedPlace> = Vec::new();
         if let Some(bytes) = read(PLACES_FILE)? {
             let parsed = serde_json::from_slice(&bytes);
             places = parsed.map_err(|error| damaged(id, PLACES_FILE)(format!("is broken ({error})")))?;

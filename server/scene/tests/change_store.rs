@@ -48,12 +48,12 @@ fn a_plan_that_is_held_is_on_no_disk_and_nothing_kept_stands_on_it() {
     let draft = ChangeStore::plan_id(b"a slider on its way");
     store.hold_plan(&draft, plan(None));
     assert_eq!(store.plan(&draft).unwrap().0, plan(None));
-    assert!(store.is_there(&draft) && !store.is_kept(&draft));
+    assert!(store.is_there(&draft) && !store.is_stored(&draft));
     assert_eq!(store.steps(&draft, &scene(), "v1").unwrap(), [ChangeStep::Dimmed(plan(None).factors)]);
     assert!(store.list(ChangeKind::Plan).unwrap().is_empty());
-    let refused = store.keep_scenario(&scenario(0.5, Some(draft.clone())));
+    let refused = store.store_scenario(&scenario(0.5, Some(draft.clone())));
     assert!(matches!(refused, Err(ChangeStoreError::Draft { .. })));
-    let refused = store.keep_plan(&ChangeStore::plan_id(b"upon it"), &plan(Some(draft.clone())));
+    let refused = store.store_plan(&ChangeStore::plan_id(b"upon it"), &plan(Some(draft.clone())));
     assert!(matches!(refused, Err(ChangeStoreError::Draft { .. })));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 
@@ -62,19 +62,19 @@ fn a_plan_that_is_held_is_on_no_disk_and_nothing_kept_stands_on_it() {
         matches!(again.plan(&draft), Err(ChangeStoreError::Unknown { .. })),
         "another process has none of it"
     );
-    store.keep_plan(&draft, &plan(None)).unwrap();
-    assert!(store.is_kept(&draft) && again.is_there(&draft));
-    store.keep_scenario(&scenario(0.5, Some(draft))).unwrap();
+    store.store_plan(&draft, &plan(None)).unwrap();
+    assert!(store.is_stored(&draft) && again.is_there(&draft));
+    store.store_scenario(&scenario(0.5, Some(draft))).unwrap();
 }
 
 #[test]
 fn scenarios_and_plans_survive_and_stand_on_each_other() {
     let (folder, store) = store(ChangeLimits::default());
-    let first = store.keep_scenario(&scenario(0.5, None)).unwrap();
-    assert_eq!(store.keep_scenario(&scenario(0.5, None)).unwrap(), first, "the same is the same");
+    let first = store.store_scenario(&scenario(0.5, None)).unwrap();
+    assert_eq!(store.store_scenario(&scenario(0.5, None)).unwrap(), first, "the same is the same");
     let of_plan = ChangeStore::plan_id(b"what decides it");
-    store.keep_plan(&of_plan, &plan(Some(first.clone()))).unwrap();
-    let last = store.keep_scenario(&scenario(0.25, Some(of_plan.clone()))).unwrap();
+    store.store_plan(&of_plan, &plan(Some(first.clone()))).unwrap();
+    let last = store.store_scenario(&scenario(0.25, Some(of_plan.clone()))).unwrap();
     assert_ne!(last, first);
 
     // As another process finds it.
@@ -111,7 +111,7 @@ fn weights_that_do_not_sum_to_one_by_their_last_bit_come_back() {
         let emission = Some(EmissionMix::new(weights).unwrap());
         let mut scenario = scenario(0.5, None);
         scenario.edits[0].change = Change::Alter { factor: 1.0 / f64::from(step), lamp: None, emission };
-        let id = store.keep_scenario(&scenario).unwrap();
+        let id = store.store_scenario(&scenario).unwrap();
         assert_eq!(store.scenario(&id).unwrap().0, scenario, "{weights:?}");
     }
 }
@@ -121,7 +121,7 @@ fn changes_upon_changes_end_somewhere() {
     let (_folder, store) = store(ChangeLimits::default());
     let mut base = None;
     for step in 0..17 {
-        base = Some(store.keep_scenario(&scenario(f64::from(step), base)).unwrap());
+        base = Some(store.store_scenario(&scenario(f64::from(step), base)).unwrap());
     }
     let steps = store.steps(&base.unwrap(), &scene(), "v1");
     assert!(matches!(steps, Err(ChangeStoreError::TooDeep { .. })), "{steps:?}");
@@ -133,7 +133,7 @@ fn old_ones_make_room() {
     let (folder, store) = store(limits);
     let mut ids = Vec::new();
     for step in 0..5 {
-        ids.push(store.keep_scenario(&scenario(f64::from(step), None)).unwrap());
+        ids.push(store.store_scenario(&scenario(f64::from(step), None)).unwrap());
         // Files are told apart by the second.
         let path = folder.path().join("scenarios").join(format!("{}.json", ids[step as usize]));
         let then = std::time::SystemTime::now() - Duration::from_secs(100 - 10 * step as u64);
@@ -144,12 +144,12 @@ fn old_ones_make_room() {
     assert_eq!(kept, [ids[4].clone(), ids[3].clone(), ids[2].clone()]);
     assert!(matches!(store.scenario(&ids[0]), Err(ChangeStoreError::Unknown { .. })));
     // What stands on an old one keeps it.
-    let child = store.keep_scenario(&scenario(7.0, Some(ids[2].clone()))).unwrap();
+    let child = store.store_scenario(&scenario(7.0, Some(ids[2].clone()))).unwrap();
     assert!(store.scenario(&ids[2]).is_ok() && store.scenario(&ids[3]).is_err());
     assert!(store.steps(&child, &scene(), "v1").is_ok());
     // The newest is kept whatever it takes.
     let narrow = ChangeStore::new(folder.path(), ChangeLimits { bytes: 1, ..limits });
-    let last = narrow.keep_scenario(&scenario(9.0, None)).unwrap();
+    let last = narrow.store_scenario(&scenario(9.0, None)).unwrap();
     assert_eq!(narrow.list(ChangeKind::Scenario).unwrap().len(), 1);
     assert!(narrow.scenario(&last).is_ok());
     // What is past its age is gone, be it still on disk.
@@ -157,13 +157,13 @@ fn old_ones_make_room() {
     std::thread::sleep(Duration::from_millis(2_100));
     assert!(matches!(aged.scenario(&last), Err(ChangeStoreError::Unknown { .. })));
     assert!(aged.list(ChangeKind::Scenario).unwrap().is_empty());
-    assert!(!aged.is_kept(&last) && narrow.is_kept(&last));
+    assert!(!aged.is_stored(&last) && narrow.is_stored(&last));
 }
 
 #[test]
 fn damaged_files_are_named_and_not_believed() {
     let (folder, store) = store(ChangeLimits::default());
-    let id = store.keep_scenario(&scenario(0.5, None)).unwrap();
+    let id = store.store_scenario(&scenario(0.5, None)).unwrap();
     let path = folder.path().join("scenarios").join(format!("{id}.json"));
     let text = std::fs::read_to_string(&path).unwrap();
     for broken in [
@@ -177,7 +177,7 @@ fn damaged_files_are_named_and_not_believed() {
         assert!(matches!(store.scenario(&id), Err(ChangeStoreError::Damaged { .. })));
     }
     let of_plan = ChangeStore::plan_id(b"x");
-    store.keep_plan(&of_plan, &plan(None)).unwrap();
+    store.store_plan(&of_plan, &plan(None)).unwrap();
     let pixels = folder.path().join("plans").join(format!("{of_plan}.bin"));
     let mut bytes = std::fs::read(&pixels).unwrap();
     *bytes.last_mut().unwrap() ^= 1;

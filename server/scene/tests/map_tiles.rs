@@ -6,7 +6,7 @@ mod common;
 
 use common::{Bench, STEP, TestRaster, place};
 use skyglow_physics::GeoPoint;
-use skyglow_scene::{PixelNumbers, RasterTile, Scene, TileLayer};
+use skyglow_scene::{PixelValues, RasterTile, Scene, TileLayer};
 
 /// Tile column and row of a place, with fractions.
 fn mercator(at: GeoPoint, z: u8) -> (f64, f64) {
@@ -102,8 +102,8 @@ fn numbers_of_lit_pixels_are_shown_as_their_radiances_are() {
     raster.values[..400 * 40].fill(-9.0);
     let scene = bench.scene(&raster);
     let lit = u32::try_from(scene.metadata().lit_pixels).unwrap();
-    let numbers = PixelNumbers::new((0..lit).map(|number| (number, scene.lit_radiance_nw_cm2_sr(number))));
-    let none = PixelNumbers::new(std::iter::empty());
+    let numbers = PixelValues::new((0..lit).map(|number| (number, scene.lit_radiance_nw_cm2_sr(number))));
+    let none = PixelValues::new(std::iter::empty());
     let middle = place(-1.6, 37.8);
     for z in [2, 6, 8, 9, 10, 11, 13] {
         let (x, y) = mercator(middle, z);

@@ -6,10 +6,13 @@ mod common;
 
 use common::{Bench, TestRaster};
 use gdal::{Dataset, Metadata, vsi};
-use skyglow_scene::{RasterWords, Scene};
+use skyglow_scene::{RasterMetadata, Scene};
 
-const WORDS: RasterWords<'static> =
-    RasterWords { description: "what it is", unit: "cd m-2", notes: &[("ASSUMPTIONS", "{\"a\": \"<b>\"}")] };
+const WORDS: RasterMetadata<'static> = RasterMetadata {
+    description: "what it is",
+    unit: "cd m-2",
+    notes: &[("ASSUMPTIONS", "{\"a\": \"<b>\"}")],
+};
 
 /// The file's values, row by row, after its frame was compared with the scene's.
 fn read_back(scene: &Scene, bytes: Vec<u8>, name: &str) -> Vec<f32> {

@@ -9,7 +9,8 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, point_sources};
 use skyglow_scene::{
-    Area, Change, ChangeStep, Edit, EvenAxis, PlaceKernel, PlaceLattice, RING_COUNT, Scene, ring_distance_m,
+    Area, Change, ChangeStep, Edit, PlaceKernel, PlaceLattice, RING_COUNT, Scene, UniformAxis,
+    ring_distance_m,
 };
 
 /// About what a light does to the zenith: falls ever faster with distance, less from above and behind a skyline.
@@ -23,7 +24,7 @@ fn brightening(altitude_m: f64, distance_m: f64, offset_m: f64, blocking: f64) -
 
 fn kernel(skylines: bool) -> PlaceKernel {
     let (altitudes, offsets) =
-        (EvenAxis::between(0.0, 4000.0, 250.0, 99), EvenAxis::between(-4000.0, 4000.0, 50.0, 999));
+        (UniformAxis::between(0.0, 4000.0, 250.0, 99), UniformAxis::between(-4000.0, 4000.0, 50.0, 999));
     let blocking_count = if skylines { BLOCKING_COUNT } else { 1 };
     let mut values = Vec::new();
     for altitude in 0..altitudes.count {

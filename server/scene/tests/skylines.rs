@@ -251,11 +251,9 @@ fn a_scene_of_an_older_program_opens_and_says_that_hidden_lights_are_unknown() {
     let bench = Bench::new();
     let scene = town_west_of_a_ridge(&bench, 300.0);
     let east = town().destination(std::f64::consts::FRAC_PI_2, 64_000.0);
-    assert!(scene.metadata().light_skylines && !scene.metadata().hidden_lights_are_unknown());
+    assert!(scene.metadata().light_skylines && !scene.metadata().lacks_light_skylines());
     let without_terrain = Bench::new().scene(&TestRaster::scattered(30, 30));
-    assert!(
-        !without_terrain.metadata().light_skylines && !without_terrain.metadata().hidden_lights_are_unknown()
-    );
+    assert!(!without_terrain.metadata().light_skylines && !without_terrain.metadata().lacks_light_skylines());
     // The same scene as it was stored in form 1: no skylines, not among the files and not in the metadata.
     let id = scene.metadata().id.clone();
     let dir = bench.store.scenes_dir().join(id.as_str());
@@ -269,7 +267,7 @@ fn a_scene_of_an_older_program_opens_and_says_that_hidden_lights_are_unknown() {
     std::fs::remove_file(dir.join("skylines.bin")).unwrap();
     std::fs::write(dir.join("metadata.json"), older.with_version()).unwrap();
     let opened = bench.store.open(&id).unwrap();
-    assert!(opened.metadata().terrain && opened.metadata().hidden_lights_are_unknown());
+    assert!(opened.metadata().terrain && opened.metadata().lacks_light_skylines());
     assert_eq!(opened.polar_grid(east, true), opened.polar_grid(east, false));
     assert_ne!(scene.polar_grid(east, true), opened.polar_grid(east, true));
     // Who walks the terrain needs no stored skylines.

@@ -38,7 +38,7 @@ pub fn raster(bytes: &[u8]) {
         let path = folder.join("light.tif");
         if std::fs::write(&path, bytes).is_ok() {
             let mut options = IngestOptions::new(path);
-            options.most_pixels = Some(10_000);
+            options.max_pixels = Some(10_000);
             ingest_in(folder, &options);
         }
     });

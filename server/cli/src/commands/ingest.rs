@@ -81,7 +81,7 @@ impl Ingest {
             units: self.units,
             calibration: self.calibration,
             replace: self.replace,
-            most_pixels: None,
+            max_pixels: None,
         };
         let stages = Stages::new();
         let scene = ingest(&store, &options, &mut progress::of_ingest(&stages));

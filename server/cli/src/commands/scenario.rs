@@ -2,7 +2,7 @@
 
 use crate::{failure::Failure, flags::DataFlags, query};
 use clap::Args;
-use skyglow_engine::keep_scenario;
+use skyglow_engine::store_scenario;
 use skyglow_http::{answers::ScenarioAnswer, request, source::SourceError};
 use skyglow_scene::SceneId;
 use std::{
@@ -35,7 +35,7 @@ impl Scenario {
         let body = std::fs::read(&self.changes).map_err(|error| Failure::file(&self.changes, error))?;
         let scenario =
             request::scenario(None, &body, self.scene.clone()).map_err(|error| query::failure(&error))?;
-        let (id, summary, scene) = keep_scenario(&self.data.folder(), &scenario)
+        let (id, summary, scene) = store_scenario(&self.data.folder(), &scenario)
             .map_err(|error| query::failure(&SourceError::from(error).into()))?;
         let now_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         super::print_json(&ScenarioAnswer::new(&id, &scenario, &summary, &scene, now_s))

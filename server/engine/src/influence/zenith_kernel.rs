@@ -5,7 +5,7 @@ use super::{InfluenceSolver, MeasureOfCells};
 use crate::{error::EngineError, request::RenderRequest};
 use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, GeoPoint, Horizon, LinearMeasure, blocking::BLOCKING_COUNT};
-use skyglow_scene::{EvenAxis, PlaceKernel, PolarCell, PolarGrid, RING_COUNT};
+use skyglow_scene::{PlaceKernel, PolarCell, PolarGrid, RING_COUNT, UniformAxis};
 use std::sync::Arc;
 
 /// Step of the altitudes of places, metres: between them the zenith is linear to 0.3 %.
@@ -25,15 +25,15 @@ pub struct KernelRange {
 }
 
 impl KernelRange {
-    fn altitudes(&self) -> EvenAxis {
+    fn altitudes(&self) -> UniformAxis {
         let [lowest_m, highest_m] = self.observers_m;
-        EvenAxis::between(lowest_m, highest_m, ALTITUDE_STEP_M, usize::MAX)
+        UniformAxis::between(lowest_m, highest_m, ALTITUDE_STEP_M, usize::MAX)
     }
 
-    fn offsets(&self) -> EvenAxis {
+    fn offsets(&self) -> UniformAxis {
         let first_m = self.lights_m[0] - self.observers_m[1];
         let last_m = self.lights_m[1] - self.observers_m[0];
-        EvenAxis::between(first_m, last_m, OFFSET_STEP_M, MOST_OFFSETS - 1)
+        UniformAxis::between(first_m, last_m, OFFSET_STEP_M, MOST_OFFSETS - 1)
     }
 }
 
@@ -75,7 +75,7 @@ pub fn zenith_kernel(
 }
 
 /// A grid with a watt at every ring and blocking angle, those of each offset in a column of its own: the zenith knows no azimuth.
-fn lights_at_every_node(observer_altitude_m: f64, offsets: EvenAxis, blocking_count: usize) -> PolarGrid {
+fn lights_at_every_node(observer_altitude_m: f64, offsets: UniformAxis, blocking_count: usize) -> PolarGrid {
     let mut cells = Vec::with_capacity(offsets.count * RING_COUNT * blocking_count);
     let mut azimuth_start = vec![0u32];
     for column in 0..AZIMUTH_COUNT {

@@ -10,7 +10,7 @@ use crate::{
 };
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Turbidity};
 use skyglow_scene::{
-    ChangeId, PlaceKernel, PlaceValues, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata, SumKeeper,
+    ChangeId, PatchStore, PlaceKernel, PlaceValues, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata,
 };
 use skyglow_tables::Scattering;
 use std::{
@@ -86,7 +86,7 @@ impl BrightnessMap {
 
     /// Bytes that a cache keeps with it, those of a changed scene's own lights among them; the scene itself is kept elsewhere.
     pub fn byte_count(&self) -> usize {
-        self.places.byte_count() + self.scene.own_bytes()
+        self.places.byte_count() + self.scene.unshared_bytes()
     }
 }
 
@@ -97,27 +97,27 @@ impl Observatory {
     /// Of the places' panoramas it differs by what far light taken together and tables between altitudes make of it: 0.1 % in the
     /// median. Between the packs' turbidities the logarithms of the sums are blended.
     ///
-    /// * `keeper`: as [`Scene::sum_at_places`] has it; the stretches of a pack after the first have numbers of their own.
+    /// * `store`: as in [`Scene::sum_at_places`]; the patches of a pack after the first have numbers of their own.
     ///
     /// # Errors
-    /// As [`Self::sky`]; [`EngineError::Stopped`] where the keeper ended it.
+    /// As [`Self::sky`]; [`EngineError::Stopped`] where the store cancelled it.
     pub fn brightness(
         &self,
         request: &BrightnessRequest,
-        keeper: &dyn SumKeeper,
+        store: &dyn PatchStore,
     ) -> Result<BrightnessMap, EngineError> {
         // Threads of its own: in those that skies are rendered by, skies would wait until the map is found.
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
-            Ok(threads) => threads.install(|| self.find_brightness(request, keeper)),
-            Err(_) => self.find_brightness(request, keeper),
+            Ok(threads) => threads.install(|| self.find_brightness(request, store)),
+            Err(_) => self.find_brightness(request, store),
         }
     }
 
     fn find_brightness(
         &self,
         request: &BrightnessRequest,
-        keeper: &dyn SumKeeper,
+        store: &dyn PatchStore,
     ) -> Result<BrightnessMap, EngineError> {
         let mut steps = Vec::new();
         let mut clock = Instant::now();
@@ -173,7 +173,7 @@ impl Observatory {
             let kernels: Vec<PlaceKernel> =
                 scene.fixtures().iter().map(kernel).collect::<Result<_, EngineError>>()?;
             step("kernel");
-            let of_pack = OfPack { keeper, pack: of_packs.len(), packs: taps.indices().len() };
+            let of_pack = OfPack { store, pack: of_packs.len(), packs: taps.indices().len() };
             let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, &of_pack);
             of_packs.push(sums.ok_or(EngineError::Stopped)?);
             step("sums");
@@ -186,26 +186,26 @@ impl Observatory {
     }
 }
 
-/// What is kept of one pack among several.
+/// The patches of one pack among several.
 struct OfPack<'a> {
-    keeper: &'a dyn SumKeeper,
+    store: &'a dyn PatchStore,
     pack: usize,
     packs: usize,
 }
 
 impl OfPack<'_> {
-    fn number(&self, stretch: u64) -> u64 {
-        (self.pack as u64) << 48 | stretch
+    fn number(&self, patch: u64) -> u64 {
+        (self.pack as u64) << 48 | patch
     }
 }
 
-impl SumKeeper for OfPack<'_> {
-    fn kept(&self, stretch: u64, count: usize) -> Option<Vec<f32>> {
-        self.keeper.kept(self.number(stretch), count)
+impl PatchStore for OfPack<'_> {
+    fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
+        self.store.load(self.number(patch), count)
     }
 
-    fn keep(&self, stretch: u64, sums: &[f32], share: f64) -> bool {
-        self.keeper.keep(self.number(stretch), sums, (self.pack as f64 + share) / self.packs as f64)
+    fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
+        self.store.store(self.number(patch), sums, (self.pack as f64 + progress) / self.packs as f64)
     }
 }
 

@@ -3,8 +3,8 @@
 use super::Observatory;
 use crate::{error::EngineError, scene_shelf::SceneShelf};
 use skyglow_scene::{
-    ChangeId, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, DEEPEST, Scenario,
-    SceneMetadata, SceneStore,
+    ChangeId, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH,
+    Scenario, SceneMetadata, SceneStore,
 };
 use std::{path::Path, sync::Arc};
 
@@ -13,7 +13,7 @@ use std::{path::Path, sync::Arc};
 ///
 /// # Errors
 /// [`EngineError::Scene`], [`EngineError::ChangeStore`], [`EngineError::Change`].
-pub fn keep_scenario(
+pub fn store_scenario(
     data_dir: &Path,
     scenario: &Scenario,
 ) -> Result<(ChangeId, Arc<ChangeSummary>, SceneMetadata), EngineError> {
@@ -32,13 +32,13 @@ fn keep_on(shelf: &SceneShelf, scenario: &Scenario) -> Result<(ChangeId, Arc<Cha
     };
     steps.push(ChangeStep::Painted(scenario.edits.clone()));
     if let Some(base) = &scenario.base
-        && steps.len() > DEEPEST
+        && steps.len() > MAX_CHANGE_DEPTH
     {
         return Err(ChangeStoreError::TooDeep { id: base.clone() }.into());
     }
     // Painted before it is kept, and there for the first query.
     let (_, summary) = shelf.made(&scene, &changes.scenario_id(scenario)?, &steps)?;
-    Ok((changes.keep_scenario(scenario)?, summary))
+    Ok((changes.store_scenario(scenario)?, summary))
 }
 
 impl Observatory {
@@ -51,14 +51,14 @@ impl Observatory {
     ///
     /// # Errors
     /// [`EngineError::Scene`], [`EngineError::ChangeStore`], [`EngineError::Change`].
-    pub fn keep_scenario(&self, scenario: &Scenario) -> Result<(ChangeId, Arc<ChangeSummary>), EngineError> {
+    pub fn store_scenario(&self, scenario: &Scenario) -> Result<(ChangeId, Arc<ChangeSummary>), EngineError> {
         keep_on(&self.shelf, scenario)
     }
 
     /// A scenario that is kept, what it does to its scene, and when it was kept, seconds since 1970.
     ///
     /// # Errors
-    /// As [`Self::keep_scenario`].
+    /// As [`Self::store_scenario`].
     pub fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), EngineError> {
         let (scenario, created_unix_s) = self.changes().scenario(id)?;
         let (_, summary) = self.shelf.changed(&self.shelf.scene(&scenario.scene)?, id)?;

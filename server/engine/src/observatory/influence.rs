@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, Horizon, LampPreset, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M,
 };
-use skyglow_scene::{LightShares, LitPixel, NearLight, PixelNumbers, RasterTile, Scene, SceneMetadata};
+use skyglow_scene::{LightShares, LitPixel, NearLight, PixelValues, RasterTile, Scene, SceneMetadata};
 use std::{
     sync::{Arc, OnceLock},
     time::{Duration, Instant},
@@ -79,7 +79,7 @@ pub struct InfluenceMap {
     pixels: Arc<[LitPixel]>,
     influence: Vec<f32>,
     /// Made when the first map tile is asked for.
-    sums: OnceLock<PixelNumbers>,
+    sums: OnceLock<PixelValues>,
     /// What all of them do, and the influence shown brightest: both are asked for again and again.
     pub(super) total: Part,
     pub(super) brightest: OnceLock<f64>,
@@ -138,13 +138,13 @@ impl InfluenceMap {
     /// [`EngineError::Scene`] for a tile that does not exist.
     pub fn tile(&self, (z, x, y): (u8, u32, u32), size_px: u32) -> Result<RasterTile, EngineError> {
         let numbers = || self.pixels.iter().zip(&self.influence).map(|(pixel, value)| (pixel.number, *value));
-        let sums = self.sums.get_or_init(|| PixelNumbers::new(numbers()));
+        let sums = self.sums.get_or_init(|| PixelValues::new(numbers()));
         Ok(self.scene.pixels_tile(sums, z, x, y, size_px)?)
     }
 
     /// Bytes that a cache keeps with it; the scene is kept elsewhere.
     pub fn byte_count(&self) -> usize {
-        let of_sums = PixelNumbers::BYTES_PER_PIXEL * self.pixels.len();
+        let of_sums = PixelValues::BYTES_PER_PIXEL * self.pixels.len();
         BYTES_AT_LEAST + size_of_val(&*self.pixels) + size_of_val(self.influence.as_slice()) + of_sums
     }
 }

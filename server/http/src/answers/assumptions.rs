@@ -237,9 +237,7 @@ pub(super) fn open_lights_warning(
     }
     let reason = match kind.and_then(|kind| kind.why_open) {
         Some(reason) => reason,
-        None if scene.hidden_lights_are_unknown() => {
-            "the scene was stored before skylines were: ingest it again"
-        }
+        None if scene.lacks_light_skylines() => "the scene was stored before skylines were: ingest it again",
         None => return None,
     };
     Some(format!("lights behind ridges count as if they were not: {reason}"))

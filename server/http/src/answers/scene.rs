@@ -1,7 +1,7 @@
 //! Scenes and their places.
 
 use serde::Serialize;
-use skyglow_scene::{Place, SceneMetadata};
+use skyglow_scene::{NamedPlace, SceneMetadata};
 use utoipa::ToSchema;
 
 /// A scene.
@@ -94,8 +94,8 @@ pub struct PlaceAnswer {
     pub population: Option<u64>,
 }
 
-impl From<Place> for PlaceAnswer {
-    fn from(place: Place) -> Self {
+impl From<NamedPlace> for PlaceAnswer {
+    fn from(place: NamedPlace) -> Self {
         Self {
             name: place.name,
             latitude_deg: place.latitude_deg,

@@ -17,7 +17,7 @@ use serde::{
     de::{Error as _, SeqAccess, Visitor},
 };
 use skyglow_physics::{EmissionMix, Lamp, LampChange, LampPreset, PreservedFlux};
-use skyglow_scene::{Area, Change, ChangeId, Edit, MOST_EDITS, Position, Scenario, SceneId};
+use skyglow_scene::{Area, Change, ChangeId, Edit, MAX_EDITS, Position, Scenario, SceneId};
 use utoipa::ToSchema;
 
 /// Longest title, characters.
@@ -50,14 +50,14 @@ fn few_edits<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<EditBody>
         type Value = Vec<EditBody>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-            write!(f, "1 to {MOST_EDITS} edits")
+            write!(f, "1 to {MAX_EDITS} edits")
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<EditBody>, A::Error> {
             let mut edits = Vec::new();
             while let Some(edit) = list.next_element()? {
-                if edits.len() == MOST_EDITS {
-                    return Err(A::Error::custom(format!("there are more than {MOST_EDITS} edits")));
+                if edits.len() == MAX_EDITS {
+                    return Err(A::Error::custom(format!("there are more than {MAX_EDITS} edits")));
                 }
                 edits.push(edit);
             }
@@ -164,7 +164,7 @@ pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<Scen
         id.ok()
     });
     if reader.is_fine() && body.edits.is_empty() {
-        reader.fail_body("edits", &"there are none", &format!("1 to {MOST_EDITS} edits"));
+        reader.fail_body("edits", &"there are none", &format!("1 to {MAX_EDITS} edits"));
     }
     let edits: Vec<Edit> = body
         .edits

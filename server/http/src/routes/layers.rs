@@ -22,7 +22,7 @@ use axum::{
     http::{HeaderMap, Response},
 };
 use skyglow_display::notes::said_of;
-use skyglow_scene::{RasterWords, TileLayer};
+use skyglow_scene::{RasterMetadata, TileLayer};
 
 /// Pixels of a raster at most; beyond, pixels of the scene share one by blocks.
 const MOST_PIXELS: usize = 4_000_000;
@@ -99,7 +99,7 @@ async fn scene_layer(
             TileLayer::Elevation => said_of("terrain elevation", metadata.illustrative),
         };
         scene
-            .places_geotiff(&places, &RasterWords { description: &description, unit, notes: &notes })
+            .places_geotiff(&places, &RasterMetadata { description: &description, unit, notes: &notes })
             .map_err(ApiError::internal)
     });
     let made = state.answer(&caching.etag, async { make.await.map(MadeAnswer::from) }).await?;
@@ -127,7 +127,7 @@ async fn brightness_layer(
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
             let description = said_of("artificial luminance at the zenith", map.scene().illustrative);
-            let words = RasterWords { description: &description, unit: "cd m-2", notes: &notes };
+            let words = RasterMetadata { description: &description, unit: "cd m-2", notes: &notes };
             map.open_scene().places_geotiff(map.places(), &words).map_err(ApiError::internal)
         };
         let bytes = state.find(write).await?;

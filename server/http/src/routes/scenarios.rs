@@ -51,7 +51,7 @@ pub async fn post_scenario(
     let scene = scene_id(&scene)?;
     let keep = move |source: &dyn SkySource| {
         let scenario = scenario(query.as_deref(), &body, scene)?;
-        let id = source.keep_scenario(&scenario).map_err(SourceError::of_painting)?;
+        let id = source.store_scenario(&scenario).map_err(SourceError::of_painting)?;
         Ok(read_answer(source, &id)?)
     };
     let answer = state.heavy(keep).await?;

@@ -157,7 +157,7 @@ async fn upload(
     let folder = state.blocking(|source| Ok(source.upload_folder()?)).await?;
     let mut options = IngestOptions::new(PathBuf::new());
     (options.id, options.replace) = (Some(id.clone()), true);
-    options.most_pixels = Some(state.config.upload_pixels);
+    options.max_pixels = Some(state.config.upload_pixels);
     loop {
         let next = tokio::time::timeout(LONGEST_PAUSE, form.next_field()).await.map_err(|_| too_slow())?;
         let Some(field) = next.map_err(|error| unreadable(state, &error))? else { break };

@@ -13,8 +13,8 @@ use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
 };
 use skyglow_scene::{
-    ChangeId, ChangeSummary, GridMetadata, Ground, IngestOptions, IngestReport, Place, RasterTile, Scenario,
-    Scene, SceneId, SceneMetadata, StoredPlan, SumKeeper, TileLayer, UploadFolder,
+    ChangeId, ChangeSummary, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, PatchStore,
+    RasterTile, Scenario, Scene, SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder,
 };
 use skyglow_tables::{Clouds, Scattering};
 use std::{
@@ -266,9 +266,9 @@ impl SkySource for Fake {
         self.known(id)
     }
 
-    fn places(&self, id: &SceneId) -> Result<Vec<Place>, SourceError> {
+    fn places(&self, id: &SceneId) -> Result<Vec<NamedPlace>, SourceError> {
         self.known(id)?;
-        Ok(vec![Place {
+        Ok(vec![NamedPlace {
             name: "Nairobi".into(),
             latitude_deg: -1.2864,
             longitude_deg: 36.8172,
@@ -325,13 +325,17 @@ impl SkySource for Fake {
         Err(SourceError::Down("a made-up program knows no influences".into()))
     }
 
-    fn brightness(&self, query: &BrightnessRequest, _: &dyn SumKeeper) -> Result<BrightnessMap, SourceError> {
+    fn brightness(
+        &self,
+        query: &BrightnessRequest,
+        _: &dyn PatchStore,
+    ) -> Result<BrightnessMap, SourceError> {
         self.known(&query.scene)?;
         Err(SourceError::Down("a made-up program knows no brightness".into()))
     }
 
     /// Neither are scenarios and plans.
-    fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
+    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
         self.known(&scenario.scene)?;
         let mut kept = self.kept.lock().unwrap();
         let Some(kept) = kept.as_mut() else {
@@ -358,7 +362,7 @@ impl SkySource for Fake {
         Err(SourceError::Down("a made-up program plans nothing".into()))
     }
 
-    fn keep_plan(&self, _: &ChangeId, _: &StoredPlan) -> Result<(), SourceError> {
+    fn store_plan(&self, _: &ChangeId, _: &StoredPlan) -> Result<(), SourceError> {
         Err(SourceError::Storage("a made-up program keeps nothing".into()))
     }
 
@@ -368,7 +372,7 @@ impl SkySource for Fake {
         Ok(())
     }
 
-    fn is_kept(&self, _: &ChangeId) -> bool {
+    fn is_stored(&self, _: &ChangeId) -> bool {
         false
     }
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use thiserror::Error;
 
 /// Most points of a stroke.
-pub const MOST_BRUSH_POINTS: usize = 1000;
+pub const MAX_BRUSH_POINTS: usize = 1000;
 /// Radius of a brush, metres.
 const BRUSH_RADIUS_M: std::ops::RangeInclusive<f64> = 1.0..=50_000.0;
 /// Longest way from a point of a stroke to the next, metres.
@@ -43,7 +43,7 @@ pub enum AreaError {
     #[error("a stroke needs a point at least")]
     NoPoint,
     /// A stroke of too many points.
-    #[error("a stroke has {count} points, at most {MOST_BRUSH_POINTS} are taken")]
+    #[error("a stroke has {count} points, at most {MAX_BRUSH_POINTS} are taken")]
     TooManyPoints {
         /// Points given.
         count: usize,
@@ -138,7 +138,7 @@ fn brush_ends(points: &[Position], radius_m: f64) -> Result<Vec<DVec3>, AreaErro
     if points.is_empty() {
         return Err(AreaError::NoPoint);
     }
-    if points.len() > MOST_BRUSH_POINTS {
+    if points.len() > MAX_BRUSH_POINTS {
         return Err(AreaError::TooManyPoints { count: points.len() });
     }
     if !BRUSH_RADIUS_M.contains(&radius_m) {

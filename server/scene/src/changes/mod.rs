@@ -12,10 +12,10 @@ mod painting;
 mod store;
 mod stored;
 
-pub use area::{Area, AreaError, MOST_BRUSH_POINTS};
+pub use area::{Area, AreaError, MAX_BRUSH_POINTS};
 pub use change_id::ChangeId;
 pub(crate) use gone::GoneLights;
-pub use overlay::{ChangeError, ChangeSummary, MOST_NEW_LIGHTS, MOST_NEW_LIGHTS_AMONG_HILLS};
-pub use painting::{Change, ChangeStep, Edit, MOST_EDITS, PixelFactors};
+pub use overlay::{ChangeError, ChangeSummary, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN};
+pub use painting::{Change, ChangeStep, Edit, MAX_EDITS, PixelFactors};
 pub use store::ChangeStore;
-pub use stored::{ChangeKind, ChangeLimits, ChangeStoreError, DEEPEST, Scenario, StoredPlan};
+pub use stored::{ChangeKind, ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};

@@ -19,9 +19,9 @@ use std::sync::{Arc, OnceLock};
 use thiserror::Error;
 
 /// Most pixels that may be lit where there was no light.
-pub const MOST_NEW_LIGHTS: usize = 200_000;
+pub const MAX_NEW_LIGHTS: usize = 200_000;
 /// The same where each has to look around for terrain that hides it, which takes a millisecond.
-pub const MOST_NEW_LIGHTS_AMONG_HILLS: usize = 10_000;
+pub const MAX_NEW_LIGHTS_WITH_TERRAIN: usize = 10_000;
 /// Pixels and lights that all edits together may look at, and so many more for every light of the scene: seconds.
 const LOOKS: u64 = 20_000_000;
 const LOOKS_PER_LIGHT: u64 = 5;
@@ -187,7 +187,7 @@ impl<'a> Canvas<'a> {
                     self.put(number, code, lights)?;
                 }
                 let looks_around = self.scene.first_layer().lights.skylines.is_some();
-                let most = if looks_around { MOST_NEW_LIGHTS_AMONG_HILLS } else { MOST_NEW_LIGHTS };
+                let most = if looks_around { MAX_NEW_LIGHTS_WITH_TERRAIN } else { MAX_NEW_LIGHTS };
                 if self.new.len() > most {
                     return Err(ChangeError::TooManyNewLights { most });
                 }

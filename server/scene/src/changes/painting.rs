@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use skyglow_physics::{EmissionMix, Lamp, LampChange};
 
 /// Most edits of a scenario.
-pub const MOST_EDITS: usize = 100;
+pub const MAX_EDITS: usize = 100;
 
 /// What an edit does to the lights in its area.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,7 +7,7 @@
 use super::change_id::ChangeId;
 use super::drafts::Drafts;
 use super::painting::{ChangeStep, PixelFactors};
-use super::stored::{ChangeKind, ChangeLimits, ChangeStoreError, DEEPEST, Scenario, StoredPlan};
+use super::stored::{ChangeKind, ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
 use crate::scene_id::SceneId;
 use crate::sections::{self, Sections, pack_ascending, unpack_ascending};
 use serde::de::DeserializeOwned;
@@ -87,7 +87,7 @@ impl ChangeStore {
     ///
     /// # Errors
     /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
-    pub fn keep_scenario(&self, scenario: &Scenario) -> Result<ChangeId, ChangeStoreError> {
+    pub fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, ChangeStoreError> {
         self.check_base(scenario.base.as_ref())?;
         let id = self.scenario_id(scenario)?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
@@ -108,7 +108,7 @@ impl ChangeStore {
     /// Makes all that something stands on as young as it.
     fn renew(&self, base: Option<&ChangeId>) {
         let mut next = base.cloned();
-        for _ in 0..DEEPEST {
+        for _ in 0..MAX_CHANGE_DEPTH {
             let Some(id) = next else { return };
             let file = std::fs::File::options().write(true).open(self.path(&id, "json"));
             // Should it be gone meanwhile, whoever asks for it is told.
@@ -130,11 +130,11 @@ impl ChangeStore {
 
     /// Whether there is one of that id, be it readable or not. Cheap.
     pub fn is_there(&self, id: &ChangeId) -> bool {
-        self.is_kept(id) || self.drafts.get(id).is_some()
+        self.is_stored(id) || self.drafts.get(id).is_some()
     }
 
     /// Whether one of that id is on disk and not past its age.
-    pub fn is_kept(&self, id: &ChangeId) -> bool {
+    pub fn is_stored(&self, id: &ChangeId) -> bool {
         let kept = std::fs::metadata(self.path(id, "json")).and_then(|metadata| metadata.modified());
         kept.is_ok_and(|modified| !self.is_past_age(modified))
     }
@@ -149,7 +149,7 @@ impl ChangeStore {
     /// [`ChangeStoreError::Draft`].
     pub fn check_base(&self, base: Option<&ChangeId>) -> Result<(), ChangeStoreError> {
         match base {
-            Some(id) if !self.is_kept(id) && self.is_there(id) => {
+            Some(id) if !self.is_stored(id) && self.is_there(id) => {
                 Err(ChangeStoreError::Draft { id: id.clone() })
             }
             _ => Ok(()),
@@ -170,7 +170,7 @@ impl ChangeStore {
     ///
     /// # Errors
     /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
-    pub fn keep_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), ChangeStoreError> {
+    pub fn store_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), ChangeStoreError> {
         self.check_base(plan.base.as_ref())?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         let path = self.path(id, "bin");
@@ -261,7 +261,7 @@ impl ChangeStore {
         let mut steps = Vec::new();
         let mut next = Some(id.clone());
         while let Some(id) = next {
-            if steps.len() == DEEPEST {
+            if steps.len() == MAX_CHANGE_DEPTH {
                 return Err(ChangeStoreError::TooDeep { id });
             }
             let (of, step) = if id.is_plan() {

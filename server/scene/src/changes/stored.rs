@@ -9,7 +9,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 /// Changes on changes on changes: so many at most, the last included.
-pub const DEEPEST: usize = 16;
+pub const MAX_CHANGE_DEPTH: usize = 16;
 
 /// What was painted over a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,7 +100,7 @@ pub enum ChangeStoreError {
         scene: SceneId,
     },
     /// Too many, one upon the other.
-    #[error("\"{id}\" goes on from more than {DEEPEST} others, one upon the other")]
+    #[error("\"{id}\" goes on from more than {MAX_CHANGE_DEPTH} others, one upon the other")]
     TooDeep {
         /// The id.
         id: ChangeId,

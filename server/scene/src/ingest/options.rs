@@ -68,7 +68,7 @@ pub struct IngestOptions {
     /// Overwrite a scene of the same id.
     pub replace: bool,
     /// Pixels that a raster may have; None where whoever gives it is trusted.
-    pub most_pixels: Option<u64>,
+    pub max_pixels: Option<u64>,
 }
 
 /// Longest side of a raster of somebody who is not trusted, pixels: five times around the Earth at 15″.
@@ -77,7 +77,7 @@ const LONGEST_SIDE: usize = 500_000;
 impl IngestOptions {
     /// Refuses rasters of absurd size, before memory is taken for a row of one.
     pub(super) fn check_size(&self, (width, height): (usize, usize)) -> Result<(), String> {
-        let Some(most) = self.most_pixels else { return Ok(()) };
+        let Some(most) = self.max_pixels else { return Ok(()) };
         let is_small = width.max(height) <= LONGEST_SIDE && width as u64 * height as u64 <= most;
         let reason = || {
             format!(
@@ -102,7 +102,7 @@ impl IngestOptions {
             units: None,
             calibration: 1.0,
             replace: false,
-            most_pixels: None,
+            max_pixels: None,
         }
     }
 

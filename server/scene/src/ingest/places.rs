@@ -1,7 +1,7 @@
 //! Named places from GeoJSON or CSV.
 
 use crate::error::SceneError;
-use crate::metadata::Place;
+use crate::metadata::NamedPlace;
 use serde_json::Value;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const POPULATION: [&str; 3] = ["population", "pop", "inhabitants"];
 const LONGEST_BYTES: u64 = 32 << 20;
 
 /// Reads a file of places, the most populous first.
-pub(super) fn read(path: &Path) -> Result<Vec<Place>, SceneError> {
+pub(super) fn read(path: &Path) -> Result<Vec<NamedPlace>, SceneError> {
     let refuse = |reason: String| SceneError::Refused { path: path.to_owned(), reason };
     let length = std::fs::metadata(path).map_err(SceneError::io(path))?.len();
     if length > LONGEST_BYTES {
@@ -39,7 +39,7 @@ fn place(
     latitude: f64,
     longitude: f64,
     population: Option<f64>,
-) -> Result<Place, String> {
+) -> Result<NamedPlace, String> {
     if !(-90.0..=90.0).contains(&latitude) || !(-180.0..=360.0).contains(&longitude) {
         return Err(format!(
             "{what} (\"{name}\") lies at latitude {latitude}, longitude {longitude}, off the world"
@@ -47,10 +47,10 @@ fn place(
     }
     let longitude_deg = if longitude >= 180.0 { longitude - 360.0 } else { longitude };
     let population = population.filter(|p| p.is_finite() && *p >= 0.0).map(|p| p as u64);
-    Ok(Place { name: name.trim().to_owned(), latitude_deg: latitude, longitude_deg, population })
+    Ok(NamedPlace { name: name.trim().to_owned(), latitude_deg: latitude, longitude_deg, population })
 }
 
-fn from_geojson(bytes: &[u8]) -> Result<Vec<Place>, String> {
+fn from_geojson(bytes: &[u8]) -> Result<Vec<NamedPlace>, String> {
     let document: Value = serde_json::from_slice(bytes).map_err(|e| format!("it is no JSON ({e})"))?;
     let features = document.get("features").and_then(Value::as_array);
     let features = features.ok_or("it is no GeoJSON FeatureCollection")?;
@@ -76,7 +76,7 @@ fn from_geojson(bytes: &[u8]) -> Result<Vec<Place>, String> {
     Ok(places)
 }
 
-fn from_csv(bytes: &[u8]) -> Result<Vec<Place>, String> {
+fn from_csv(bytes: &[u8]) -> Result<Vec<NamedPlace>, String> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
     let heads = reader.headers().map_err(|e| format!("it is no CSV ({e})"))?.clone();
     let column = |keys: &[&str]| {

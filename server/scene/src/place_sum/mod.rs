@@ -14,14 +14,14 @@
 //! `tests/place_sums.rs` holds it against the plain sum over places and pixels.
 
 mod ground;
-mod keeper;
 mod lattice;
 mod near;
 mod nodes;
+mod patch_store;
 mod values;
 
-pub use keeper::SumKeeper;
 pub use lattice::PlaceLattice;
+pub use patch_store::PatchStore;
 pub use values::PlaceValues;
 
 use self::{
@@ -53,7 +53,7 @@ impl Scene {
     /// * `altitudes_m`: of the observers at the places, metres above sea level; NaN where none can be.
     /// * `kernels`: of each of [`Self::fixtures`].
     /// * `terrain_hides`: whether the skylines of lights cut their low light, where scene and kernels know them.
-    /// * `keeper`: knows stretches of ground from before, is told of each that is done, and may end the work.
+    /// * `store`: may know patches from before, is given each that is done, and may cancel the computation.
     ///
     /// None where it was ended.
     ///
@@ -65,7 +65,7 @@ impl Scene {
         altitudes_m: &[f32],
         kernels: &[PlaceKernel],
         terrain_hides: bool,
-        keeper: &dyn SumKeeper,
+        store: &dyn PatchStore,
     ) -> Option<Vec<f32>> {
         assert_eq!(altitudes_m.len(), lattice.len(), "an altitude for each place");
         let fixtures = self.fixtures();
@@ -100,12 +100,12 @@ impl Scene {
                 return None;
             }
             let (number, count) = (number as u64, patch.len());
-            let known = keeper.kept(number, count).filter(|sums| sums.len() == count);
+            let known = store.load(number, count).filter(|sums| sums.len() == count);
             let is_known = known.is_some();
             let sums = known.unwrap_or_else(|| spreader.of_patch(*patch, &roots));
             let done = places_done.fetch_add(count, Ordering::Relaxed) + count;
             let share = done as f64 / lattice.len() as f64;
-            if !is_known && !keeper.keep(number, &sums, share) {
+            if !is_known && !store.store(number, &sums, share) {
                 is_ended.store(true, Ordering::Relaxed);
             }
             Some(sums)

@@ -17,7 +17,7 @@ use skyglow_http::{
     answers::BrightnessAssumptions, etag::ETag, parameters::BrightnessParameters, request,
     source::SourceFacts,
 };
-use skyglow_scene::{PlaceValues, RasterWords, Scene, SceneId, SumKeeper, TileLayer};
+use skyglow_scene::{PatchStore, PlaceValues, RasterMetadata, Scene, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -163,11 +163,11 @@ impl Atlas {
         // A tag knows the program too: another one's numbers are not gone on with.
         let checksums = &source.facts().pack_checksums;
         let key = ETag::of(&["atlas", &format!("{ask:?}"), &scene.metadata().version, checksums]).header();
-        let keeper = Keeper { file: PartFile::open(part, &key)?, stages };
+        let store = PartStore { file: PartFile::open(part, &key)?, stages };
         stages.begin("brightness of places", 1000);
         let map: BrightnessMap = source
-            .brightness(&ask, &keeper)
-            .map_err(|error| keeper.failure(part).unwrap_or_else(|| query::failure(&error.into())))?;
+            .brightness(&ask, &store)
+            .map_err(|error| store.failure(part).unwrap_or_else(|| query::failure(&error.into())))?;
         let assumptions = BrightnessAssumptions::new(&ask, &map, source.facts());
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");
@@ -203,7 +203,7 @@ impl Atlas {
 
     fn write_raster(&self, found: &Found) -> Result<(), Failure> {
         let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", found.assumptions.as_str())];
-        let words = RasterWords { description: found.description, unit: found.unit, notes: &notes };
+        let words = RasterMetadata { description: found.description, unit: found.unit, notes: &notes };
         let bytes = found.scene.places_geotiff(&found.places, &words).map_err(Failure::work)?;
         let path = &self.output.path;
         // Whole or not there: a reader never sees half a file.
@@ -213,32 +213,32 @@ impl Atlas {
     }
 }
 
-/// Where what is found so far is kept.
+/// Where the results so far are stored.
 fn part_of(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(".part");
     PathBuf::from(name)
 }
 
-struct Keeper<'a> {
+struct PartStore<'a> {
     file: PartFile,
     stages: &'a Stages,
 }
 
-impl Keeper<'_> {
+impl PartStore<'_> {
     /// What ended the work, if it was the file.
     fn failure(&self, path: &Path) -> Option<Failure> {
         self.file.error().map(|error| Failure::Work(format!("{}: {error}", path.display())))
     }
 }
 
-impl SumKeeper for Keeper<'_> {
-    fn kept(&self, stretch: u64, count: usize) -> Option<Vec<f32>> {
-        self.file.kept(stretch, count)
+impl PatchStore for PartStore<'_> {
+    fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
+        self.file.load(patch, count)
     }
 
-    fn keep(&self, stretch: u64, sums: &[f32], share: f64) -> bool {
-        self.stages.set((1000.0 * share) as u64);
-        self.file.keep(stretch, sums)
+    fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
+        self.stages.set((1000.0 * progress) as u64);
+        self.file.store(patch, sums)
     }
 }

@@ -18,7 +18,7 @@ const HEAD_BYTES: usize = 16;
 
 /// The file, open.
 pub(super) struct PartFile {
-    kept: HashMap<u64, Vec<f32>>,
+    stored: HashMap<u64, Vec<f32>>,
     /// The file, and what went wrong with it.
     file: Mutex<(File, Option<String>)>,
 }
@@ -46,13 +46,13 @@ impl PartFile {
         file.read_to_end(&mut bytes).map_err(failure)?;
         let mut head = MAGIC.to_vec();
         head.extend(blake3::hash(key.as_bytes()).as_bytes());
-        let (mut kept, mut length) = (HashMap::new(), head.len());
+        let (mut stored, mut length) = (HashMap::new(), head.len());
         if bytes.starts_with(&head) {
-            while let Some((stretch, sums, end)) = part_at(&bytes, length) {
-                kept.insert(stretch, sums);
+            while let Some((patch, sums, end)) = part_at(&bytes, length) {
+                stored.insert(patch, sums);
                 length = end;
             }
-            tracing::info!(parts = kept.len(), "going on with {}", path.display());
+            tracing::info!(parts = stored.len(), "going on with {}", path.display());
         } else if !bytes.is_empty() && !bytes.starts_with(MAGIC) {
             return Err(Failure::Work(format!(
                 "{}: is there already and not of this program",
@@ -62,17 +62,17 @@ impl PartFile {
             file.seek(SeekFrom::Start(0)).and_then(|_| file.write_all(&head)).map_err(failure)?;
         }
         file.set_len(length as u64).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failure)?;
-        Ok(Self { kept, file: Mutex::new((file, None)) })
+        Ok(Self { stored, file: Mutex::new((file, None)) })
     }
 
-    /// The sums of a stretch found before.
-    pub(super) fn kept(&self, stretch: u64, count: usize) -> Option<Vec<f32>> {
-        self.kept.get(&stretch).filter(|sums| sums.len() == count).cloned()
+    /// The sums of a patch found before.
+    pub(super) fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
+        self.stored.get(&patch).filter(|sums| sums.len() == count).cloned()
     }
 
-    /// Adds a stretch; false where that is impossible.
-    pub(super) fn keep(&self, stretch: u64, sums: &[f32]) -> bool {
-        let bytes = part(stretch, sums);
+    /// Adds a patch; false where that is impossible.
+    pub(super) fn store(&self, patch: u64, sums: &[f32]) -> bool {
+        let bytes = part(patch, sums);
         let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, error) = &mut *guard;
         if error.is_none()
@@ -98,9 +98,9 @@ impl PartFile {
     }
 }
 
-fn part(stretch: u64, sums: &[f32]) -> Vec<u8> {
+fn part(patch: u64, sums: &[f32]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD_BYTES + 4 * sums.len() + HASH_BYTES);
-    bytes.extend(stretch.to_le_bytes());
+    bytes.extend(patch.to_le_bytes());
     bytes.extend((sums.len() as u64).to_le_bytes());
     bytes.extend(sums.iter().flat_map(|sum| sum.to_le_bytes()));
     let hash = blake3::hash(&bytes);
@@ -111,7 +111,7 @@ fn part(stretch: u64, sums: &[f32]) -> Vec<u8> {
 /// The part that begins at a byte, and where it ends; None where there is no whole one.
 fn part_at(bytes: &[u8], start: usize) -> Option<(u64, Vec<f32>, usize)> {
     let number = |at: usize| Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?));
-    let (stretch, count) = (number(start)?, usize::try_from(number(start + 8)?).ok()?);
+    let (patch, count) = (number(start)?, usize::try_from(number(start + 8)?).ok()?);
     let first = start + HEAD_BYTES;
     let end = first.checked_add(count.checked_mul(4)?)?;
     let hash = bytes.get(end..end.checked_add(HASH_BYTES)?)?;
@@ -120,7 +120,7 @@ fn part_at(bytes: &[u8], start: usize) -> Option<(u64, Vec<f32>, usize)> {
     }
     let sums =
         bytes[first..end].chunks_exact(4).filter_map(|four| Some(f32::from_le_bytes(four.try_into().ok()?)));
-    Some((stretch, sums.collect(), end + HASH_BYTES))
+    Some((patch, sums.collect(), end + HASH_BYTES))
 }
 
 #[cfg(test)]
@@ -132,29 +132,29 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("map.tif.part");
         let file = PartFile::open(&path, "a").unwrap();
-        assert!(file.kept(1, 2).is_none());
-        assert!(file.keep(1, &[1.0, f32::NAN]) && file.keep(7, &[3.5]));
+        assert!(file.load(1, 2).is_none());
+        assert!(file.store(1, &[1.0, f32::NAN]) && file.store(7, &[3.5]));
         drop(file);
         let whole = std::fs::read(&path).unwrap();
         for cut in [0, 1, 40] {
             std::fs::write(&path, &whole[..whole.len() - cut]).unwrap();
             let file = PartFile::open(&path, "a").unwrap();
-            let first = file.kept(1, 2).unwrap();
+            let first = file.load(1, 2).unwrap();
             assert!(first[0] == 1.0 && first[1].is_nan());
-            assert_eq!(file.kept(7, 1).is_some(), cut == 0);
-            assert!(file.kept(7, 2).is_none() && file.error().is_none());
+            assert_eq!(file.load(7, 1).is_some(), cut == 0);
+            assert!(file.load(7, 2).is_none() && file.error().is_none());
             // What is added after a cut is read again.
-            assert!(file.keep(9, &[2.0]));
+            assert!(file.store(9, &[2.0]));
             drop(file);
-            assert_eq!(PartFile::open(&path, "a").unwrap().kept(9, 1), Some(vec![2.0]));
+            assert_eq!(PartFile::open(&path, "a").unwrap().load(9, 1), Some(vec![2.0]));
         }
         let mut damaged = whole.clone();
         damaged[60] ^= 1;
         std::fs::write(&path, &damaged).unwrap();
-        assert!(PartFile::open(&path, "a").unwrap().kept(1, 2).is_none());
+        assert!(PartFile::open(&path, "a").unwrap().load(1, 2).is_none());
         std::fs::write(&path, &whole).unwrap();
-        assert!(PartFile::open(&path, "b").unwrap().kept(1, 2).is_none());
-        assert!(PartFile::open(&path, "a").unwrap().kept(1, 2).is_none());
+        assert!(PartFile::open(&path, "b").unwrap().load(1, 2).is_none());
+        assert!(PartFile::open(&path, "a").unwrap().load(1, 2).is_none());
         let running = PartFile::open(&path, "a").unwrap();
         assert!(PartFile::open(&path, "a").is_err());
         drop(running);
