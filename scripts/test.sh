@@ -32,6 +32,13 @@ part "build" cargo test --release --workspace --lib --bins --tests --no-run
 part "lints" cargo clippy --release --workspace --all-targets -- -D warnings
 part "packs that are missing" scripts/make_packs.sh missing
 part "tests" cargo test --release --workspace --lib --bins --tests
+# Rasters of real products are not in the repository: those tests run where the folder of them is.
+real_rasters="${SKYGLOW_TEST_DATA:-../shared/data}"
+if [ -d "$real_rasters" ]; then
+    part "tests of real rasters" cargo test --release -p skyglow-scene --test real_rasters -- --ignored
+else
+    echo "== NOT RUN: tests of real rasters, $real_rasters is missing (SKYGLOW_TEST_DATA names the folder)" >&2
+fi
 part "examples in the documentation" cargo test --release --workspace --doc
 part "viewer: packages" in_web npm ci --no-audit --no-fund
 part "viewer: format and lints" in_web npm run lint

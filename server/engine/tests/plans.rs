@@ -209,7 +209,7 @@ fn several_sites_share_a_plan_and_protected_lights_stay() {
     }
     for pixel in &together.pixels {
         let (column, row) = Scene::column_and_row_of(pixel.code);
-        assert!(!protect.holds(together.scene.pixel_center(column, row)) && pixel.cut <= 0.8 + 1e-9);
+        assert!(!protect.contains(together.scene.pixel_center(column, row)) && pixel.cut <= 0.8 + 1e-9);
     }
     let removed = together.flux_removed_dnb_w();
     assert!(removed <= together.least_flux_dnb_w.unwrap() * (1.0 + 1e-4));

@@ -116,7 +116,7 @@ fn compare(scene: &Scene, what: &str, place: GeoPoint, eye_m: f64, lights: &[Blo
     let pixel_size_m = scene.metadata().pixel_size_m;
     let start = Instant::now();
     let truth =
-        hidden_sum(&atmosphere, &sum, &|light_m, point_m| scene.hides(light_m, point_m, pixel_size_m));
+        hidden_sum(&atmosphere, &sum, &|light_m, point_m| scene.blocks(light_m, point_m, pixel_size_m));
     let seconds = start.elapsed().as_secs_f64();
     let cut = cut_sum(&atmosphere, &sum, &angles_rad);
     let open = cut_sum(&atmosphere, &sum, &vec![0.0; sources.len()]);

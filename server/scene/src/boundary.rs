@@ -1,17 +1,19 @@
 //! Areas on the ground, such as a municipality: polygons in longitude and latitude as GeoJSON has them (RFC 7946).
 
-use skyglow_physics::GeoPoint;
+use glam::DVec3;
+use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
+use std::f64::consts::PI;
 use thiserror::Error;
 
 /// Most corners of all rings of a boundary together.
 pub const MAX_BOUNDARY_CORNERS: usize = 50_000;
 /// Longitudes beyond ±180° count on around the Earth, up to here, degrees.
-const FARTHEST_LONGITUDE_DEG: f64 = 360.0;
+const MAX_LONGITUDE_DEG: f64 = 360.0;
 /// Bands of latitude that sides are sorted into, at most.
-const MOST_BANDS: usize = 4096;
+const MAX_BANDS: usize = 4096;
 /// Sides that a place may have to be compared with, in the mean over the bands: coasts have tens, and thousands would take a
 /// million lights minutes.
-const MOST_SIDES_A_BAND: usize = 1000;
+const MAX_SIDES_PER_BAND: usize = 1000;
 
 /// Longitude and latitude, degrees.
 pub type Position = [f64; 2];
@@ -30,7 +32,7 @@ pub enum BoundaryError {
     },
     /// Sides that cross so many others' latitudes that the area could not be told quickly.
     #[error(
-        "it is too intricate: {sides} sides lie at the same latitude, in the mean, at most {MOST_SIDES_A_BAND} are taken"
+        "it is too intricate: {sides} sides lie at the same latitude, in the mean, at most {MAX_SIDES_PER_BAND} are taken"
     )]
     TooIntricate {
         /// Sides in a band of latitude, in the mean.
@@ -111,30 +113,51 @@ impl Boundary {
     }
 
     /// Whether a place is inside. Places right on a side may fall either way.
-    pub fn holds(&self, place: GeoPoint) -> bool {
+    pub fn contains(&self, place: GeoPoint) -> bool {
         let (longitude_deg, latitude_deg) = (place.longitude_deg(), place.latitude_deg());
-        [-360.0, 0.0, 360.0].iter().any(|turn_deg| self.holds_at(longitude_deg + turn_deg, latitude_deg))
+        [-360.0, 0.0, 360.0].iter().any(|turn_deg| self.contains_at(longitude_deg + turn_deg, latitude_deg))
     }
 
-    /// West, south, east, north of all corners, degrees; longitudes may count on beyond ±180.
-    pub(crate) fn box_deg(&self) -> [f64; 4] {
-        [self.west_deg, self.south_deg, self.east_deg, self.north_deg]
+    /// A circle that holds the area: its centre as a unit vector and its radius along the chord, metres; the whole sphere for
+    /// large areas.
+    pub(crate) fn circle(&self) -> (DVec3, f64) {
+        const STEPS: u32 = 8;
+        let (west, south, east, north) = (self.west_deg, self.south_deg, self.east_deg, self.north_deg);
+        let whole = (DVec3::Z, 2.0 * EARTH_RADIUS_M);
+        if east - west > 60.0 || north - south > 60.0 {
+            return whole;
+        }
+        let place = |x: f64, y: f64| {
+            let (longitude, latitude) = (west + x * (east - west), south + y * (north - south));
+            GeoPoint::from_rad_unchecked(
+                latitude.to_radians().clamp(-0.5 * PI, 0.5 * PI),
+                longitude.to_radians(),
+            )
+            .unit_vector()
+        };
+        let points: Vec<DVec3> = (0..=STEPS)
+            .map(|step| f64::from(step) / f64::from(STEPS))
+            .flat_map(|at| [place(at, 0.0), place(at, 1.0), place(0.0, at), place(1.0, at)])
+            .collect();
+        let center = points.iter().sum::<DVec3>().normalize_or_zero();
+        let radius = points.iter().map(|point| center.distance(*point)).fold(0.0, f64::max);
+        if center == DVec3::ZERO { whole } else { (center, 1.1 * EARTH_RADIUS_M * radius + 1.0) }
     }
 
     /// Sides that a place is compared with, in the mean.
-    pub(crate) fn sides_a_band(&self) -> usize {
+    pub(crate) fn sides_per_band(&self) -> usize {
         self.in_band.len() / (self.band_start.len() - 1).max(1)
     }
 
     fn sort_into_bands(&mut self) -> Result<(), BoundaryError> {
-        let count = self.sides.len().clamp(1, MOST_BANDS);
+        let count = self.sides.len().clamp(1, MAX_BANDS);
         let bands = |side: &[Position; 2]| {
             let [a, b] = side.map(|corner| self.band_at(corner[1], count));
             a.min(b)..=a.max(b)
         };
         let entries: usize = self.sides.iter().map(|(_, side)| bands(side).count()).sum();
         let sides = entries / count;
-        if sides > MOST_SIDES_A_BAND {
+        if sides > MAX_SIDES_PER_BAND {
             return Err(BoundaryError::TooIntricate { sides });
         }
         let mut in_bands: Vec<Vec<u32>> = vec![Vec::new(); count];
@@ -155,7 +178,7 @@ impl Boundary {
         ((part * count as f64) as usize).min(count - 1)
     }
 
-    fn holds_at(&self, longitude_deg: f64, latitude_deg: f64) -> bool {
+    fn contains_at(&self, longitude_deg: f64, latitude_deg: f64) -> bool {
         let inside = |low: f64, value: f64, high: f64| low <= value && value <= high;
         if !inside(self.west_deg, longitude_deg, self.east_deg)
             || !inside(self.south_deg, latitude_deg, self.north_deg)
@@ -184,7 +207,7 @@ impl Boundary {
 fn check(ring: &[Position]) -> Result<(), BoundaryError> {
     let (Some(first), Some(last)) = (ring.first(), ring.last()) else { return Err(BoundaryError::Empty) };
     let is_place = |[longitude_deg, latitude_deg]: &Position| {
-        longitude_deg.abs() <= FARTHEST_LONGITUDE_DEG && latitude_deg.abs() <= 90.0
+        longitude_deg.abs() <= MAX_LONGITUDE_DEG && latitude_deg.abs() <= 90.0
     };
     if let Some(&position) = ring.iter().find(|position| !is_place(position)) {
         return Err(BoundaryError::NoPlace { position });
@@ -216,8 +239,8 @@ mod tests {
         Boundary::new(&polygons)
     }
 
-    fn holds(boundary: &Boundary, longitude_deg: f64, latitude_deg: f64) -> bool {
-        boundary.holds(GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
+    fn contains(boundary: &Boundary, longitude_deg: f64, latitude_deg: f64) -> bool {
+        boundary.contains(GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
     }
 
     fn square(west: f64, south: f64, side: f64) -> [Position; 5] {
@@ -230,16 +253,23 @@ mod tests {
         let area =
             boundary(&[&[&square(7.0, 46.0, 1.0), &square(7.25, 46.25, 0.5)], &[&square(9.0, 46.0, 0.1)]])
                 .unwrap();
-        assert!(holds(&area, 7.1, 46.5) && holds(&area, 9.05, 46.05));
-        assert!(!holds(&area, 7.5, 46.5) && !holds(&area, 8.5, 46.5) && !holds(&area, 7.5, 45.9));
+        assert!(contains(&area, 7.1, 46.5) && contains(&area, 9.05, 46.05));
+        assert!(!contains(&area, 7.5, 46.5) && !contains(&area, 8.5, 46.5) && !contains(&area, 7.5, 45.9));
     }
 
+    /// Longitudes continue beyond 180° across the antimeridian, and the world is one square.
     #[test]
-    fn longitudes_count_on_across_the_antimeridian_and_the_world_is_one_square() {
+    fn longitudes_may_exceed_180_degrees() {
         let fiji = boundary(&[&[&square(177.0, -19.0, 4.0)]]).unwrap();
-        assert!(holds(&fiji, 178.0, -17.0) && holds(&fiji, -179.5, -17.0) && !holds(&fiji, -178.5, -17.0));
+        assert!(
+            contains(&fiji, 178.0, -17.0)
+                && contains(&fiji, -179.5, -17.0)
+                && !contains(&fiji, -178.5, -17.0)
+        );
         let west = boundary(&[&[&square(-181.0, -19.0, 2.0)]]).unwrap();
-        assert!(holds(&west, 179.5, -18.0) && holds(&west, -179.5, -18.0) && !holds(&west, 178.0, -18.0));
+        assert!(
+            contains(&west, 179.5, -18.0) && contains(&west, -179.5, -18.0) && !contains(&west, 178.0, -18.0)
+        );
         let world = boundary(&[&[&[
             [-180.0, -90.0],
             [180.0, -90.0],
@@ -248,17 +278,18 @@ mod tests {
             [-180.0, -90.0],
         ]]])
         .unwrap();
-        assert!(holds(&world, 0.0, 0.0) && holds(&world, 179.9, -80.0));
+        assert!(contains(&world, 0.0, 0.0) && contains(&world, 179.9, -80.0));
     }
 
+    /// Overlapping polygons are united and do not cut each other out.
     #[test]
-    fn polygons_that_overlap_do_not_cut_each_other_out() {
+    fn overlapping_polygons_are_united() {
         let (a, b) = (square(7.0, 46.0, 1.0), square(7.5, 46.5, 1.0));
         let area = boundary(&[&[&a], &[&b]]).unwrap();
-        assert!(holds(&area, 7.75, 46.75) && holds(&area, 7.2, 46.2) && holds(&area, 8.4, 47.4));
-        assert!(!holds(&area, 7.2, 47.2) && !holds(&area, 8.2, 46.2));
+        assert!(contains(&area, 7.75, 46.75) && contains(&area, 7.2, 46.2) && contains(&area, 8.4, 47.4));
+        assert!(!contains(&area, 7.2, 47.2) && !contains(&area, 8.2, 46.2));
         // As two rings of one polygon they do.
-        assert!(!holds(&boundary(&[&[&a, &b]]).unwrap(), 7.75, 46.75));
+        assert!(!contains(&boundary(&[&[&a, &b]]).unwrap(), 7.75, 46.75));
     }
 
     #[test]
@@ -303,7 +334,7 @@ mod tests {
                     cross.abs() < 1e-9
                 };
                 prop_assume!(!ring.windows(2).any(near) && ring.iter().all(|corner| (corner[1] - y).abs() > 1e-9));
-                prop_assert_eq!(holds(&area, x, y), crossings.count() % 2 == 1);
+                prop_assert_eq!(contains(&area, x, y), crossings.count() % 2 == 1);
             }
         }
     }

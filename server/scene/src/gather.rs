@@ -1,335 +1,195 @@
-//! From the light pyramid to the polar grid of an observer.
+//! The light around an observer, gathered by some tasks at once.
 //!
-//! Which light is taken how:
-//! * pixels whose centre is nearer than 5 km are split by `physics`' own rule;
-//! * a block stands for its pixels where all their centres are within [`FAR_BLOCK_RATIO`] of its distance
-//!   from its flux-weighted centre and all lie between 30 km, within which every pixel is taken by itself, and 300 km; it is
-//!   opened otherwise;
-//! * so a pixel counts exactly when its own centre is within 300 km, as in the reference.
-//!
-//! The light goes where its skyline towards the observer puts it on the axis of blocking angles: a pixel's pieces by
-//! the pixel's skyline at their own azimuth and distance, a block by its own.
-//!
-//! A block with lights that a change took away is opened, and skipped where it lost all: what the change put there is in another
-//! layer with a pyramid of its own.
-//!
-//! Taking a block moves no light by more than that ratio (in radians of azimuth, and relatively in
-//! distance), the width of an azimuth column, and leaves the mean position of the block's light where it was:
-//! the error is of second order and below that of the splat itself. A block's skyline is the mean of its lights', which
-//! is not quite the sky of lights behind different ones: 0.001 to 0.22 % in the mean over the sky at ten places of the
-//! demo and Kenya (`block_skylines` of the workspace's tests).
+//! First tasks find where light belongs, each that of some blocks, then others add it up, each in some columns. Which light a task has
+//! depends on the scene and the place alone, and light is added in the order of the blocks, so that a polar grid is the same on every
+//! machine.
 
-use crate::changes::GoneLights;
-use crate::grid::Grid;
-use crate::light_pyramid::LightPyramid;
-use crate::lit_pixels::LitPixels;
-use crate::morton;
-use crate::polar_grid::{PlacedLight, PolarAccumulator, log_distance};
-use crate::skylines::Skylines;
-use glam::DVec3;
-use skyglow_physics::geometry::{Bearing, LocalFrame};
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
-use skyglow_physics::{EARTH_RADIUS_M, PointSource, SourcePixel};
-use std::{f64::consts::TAU, ops::Range};
+use crate::{
+    light_tree::{LightSink, LightTree, Subtree},
+    polar_grid::{
+        AZIMUTH_COLUMN_COUNT, LitCells, NearLight, PlacedLight, PolarAccumulator, PolarAxes, PolarGrid,
+    },
+};
+use rayon::prelude::*;
+use skyglow_physics::{GeoPoint, geometry::LocalFrame};
+use std::ops::Range;
 
-/// Largest distance of a pixel from its block's centre, relative to the block's distance from the observer:
-/// a quarter of an azimuth column, π/512, so that in the sky next to it a block is as good as a point.
-pub const FAR_BLOCK_RATIO: f64 = std::f64::consts::PI / 512.0;
+/// Blocks have at most so many pixels when they are shared out.
+const MAX_SUBTREE_PIXELS: usize = 1_024;
+/// Pixels that a task has at least.
+const MIN_TASK_PIXELS: usize = 4_096;
+/// Tasks that find light at most.
+const MAX_TASKS: usize = 8;
+/// Columns that a task adds up.
+const COLUMNS_PER_TASK: usize = 32;
+const COLUMN_TASKS: usize = AZIMUTH_COLUMN_COUNT / COLUMNS_PER_TASK;
 
-/// Within this of the observer every pixel is taken by itself, metres.
-pub const NO_BLOCKS_WITHIN_M: f64 = 30_000.0;
-
-/// A `far_block_ratio` that takes every pixel by itself.
-pub(crate) const NO_BLOCKS: f64 = -1.0;
-
-/// What gathered light goes into.
-pub(crate) trait LightSink {
-    /// Takes a point of light of a lit pixel, or of a block of several, by their numbers in the scene. All points of a pixel come one
-    /// after the other.
-    fn take(&mut self, numbers: Range<u32>, light: PlacedLight);
+/// The grid of all light of the layers within 300 km.
+pub(crate) fn polar_grid(
+    lights: &[LightTree],
+    place: GeoPoint,
+    far_block_ratio: f64,
+    coverage: f64,
+) -> PolarGrid {
+    let frame = LocalFrame::at(place);
+    let subtrees: Vec<(&LightTree, Subtree)> = lights
+        .iter()
+        .flat_map(|light| {
+            light.subtrees(&frame, MAX_SUBTREE_PIXELS).into_iter().map(move |subtree| (light, subtree))
+        })
+        .collect();
+    let found: Vec<PlacedLights> = divide(&subtrees)
+        .into_par_iter()
+        .map(|subtrees| {
+            let mut found = PlacedLights::new();
+            for (light, subtree) in subtrees {
+                light.gather_block(subtree.from, &frame, far_block_ratio, &mut found);
+            }
+            found
+        })
+        .collect();
+    let lit: Vec<LitCells> = (0..COLUMN_TASKS)
+        .into_par_iter()
+        .map(|task| {
+            let columns = task * COLUMNS_PER_TASK..(task + 1) * COLUMNS_PER_TASK;
+            let mut accumulator = PolarAccumulator::of_columns(columns);
+            for light in found.iter().flat_map(|found| &found.by_columns[task]) {
+                accumulator.add(*light);
+            }
+            accumulator.lit()
+        })
+        .collect();
+    let flux_dnb_w = found.iter().map(|found| found.flux_dnb_w).sum();
+    let near = found.iter().map(|found| found.near.as_slice()).collect::<Vec<_>>().concat();
+    PolarGrid::from_parts(place, &lit, near, flux_dnb_w, coverage)
 }
 
-impl LightSink for PolarAccumulator {
+/// LightTree that a task found.
+struct PlacedLights {
+    /// By the task that adds it up; what lies between two of them both have.
+    by_columns: [Vec<PlacedLight>; COLUMN_TASKS],
+    near: Vec<NearLight>,
+    flux_dnb_w: f64,
+    axes: PolarAxes,
+}
+
+impl PlacedLights {
+    fn new() -> Self {
+        Self { by_columns: Default::default(), near: Vec::new(), flux_dnb_w: 0.0, axes: PolarAxes::new() }
+    }
+}
+
+impl LightSink for PlacedLights {
     #[inline(always)]
     fn take(&mut self, numbers: Range<u32>, light: PlacedLight) {
-        self.add(light);
-        self.keep_near(numbers, light);
-    }
-}
-
-/// A block of the pyramid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct BlockPlace {
-    pub(crate) level: usize,
-    pub(crate) index: usize,
-}
-
-/// A block from which light is gathered.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Start {
-    pub(crate) from: BlockPlace,
-    /// Its pixels.
-    pub(crate) pixels: usize,
-}
-
-/// The lights of a layer, as the functions of this module need them.
-#[derive(Clone, Copy)]
-pub(crate) struct Light<'a> {
-    pub(crate) grid: &'a Grid,
-    pub(crate) pixels: &'a LitPixels,
-    pub(crate) pyramid: &'a LightPyramid,
-    pub(crate) calibration: f64,
-    /// The pixels' skylines; None where nothing hides light, or it is not to.
-    pub(crate) skylines: Option<&'a Skylines>,
-    /// Lights that are there no more; None where all are.
-    pub(crate) gone: Option<&'a GoneLights>,
-    /// Number of the layer's first light in the scene.
-    pub(crate) first_number: u32,
-}
-
-/// Azimuth of the observer seen from a light over 2π, 0..=1, to 2e-5: a thousandth of the step between a skyline's
-/// azimuths. Both are given as unit vectors.
-pub(crate) fn turns_from_light(light: DVec3, observer: DVec3) -> f64 {
-    // East and north there, both times the light's distance from the Earth's axis.
-    let across = light.x * light.x + light.y * light.y;
-    let east = light.x * observer.y - light.y * observer.x;
-    let north = observer.z * across - light.z * (light.x * observer.x + light.y * observer.y);
-    let (small, large) = (east.abs().min(north.abs()), east.abs().max(north.abs()));
-    let slope = small / large.max(f64::MIN_POSITIVE);
-    let square = slope * slope;
-    // atan(slope)/2π, fitted over 0..=1.
-    let octant =
-        slope * (0.159_029_83 + square * (-0.051_116_69 + square * (0.023_278_98 - square * 0.006_205_08)));
-    let quarter = if east.abs() > north.abs() { 0.25 - octant } else { octant };
-    let half = if north < 0.0 { 0.5 - quarter } else { quarter };
-    if east < 0.0 { 1.0 - half } else { half }
-}
-
-/// The skylines where they say something of a light.
-fn known_around(skylines: Option<&Skylines>, light: usize) -> Option<&Skylines> {
-    skylines.filter(|skylines| !skylines.is_open(light))
-}
-
-/// Chord of an arc, metres.
-fn chord_m(arc_m: f64) -> f64 {
-    2.0 * EARTH_RADIUS_M * (0.5 * arc_m / EARTH_RADIUS_M).sin()
-}
-
-/// The chord within which a walk looks, metres, with half a metre of slack: chords of centres are compared, arcs decide in the end.
-fn reach_m(radius_m: f64) -> f64 {
-    chord_m(radius_m.min(std::f64::consts::PI * EARTH_RADIUS_M)) + 0.5
-}
-
-/// Bearing of a point known to lie within 300 km: `asin` by its series, exact to 1e-14 there.
-fn near_bearing(frame: &LocalFrame, target: DVec3) -> Bearing {
-    let (east, north) = (target.dot(frame.east), target.dot(frame.north));
-    let square = east * east + north * north;
-    let stretch = 1.0
-        + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (15.0 / 336.0 + square * (105.0 / 3456.0))));
-    let azimuth = east.atan2(north);
-    Bearing {
-        distance_m: EARTH_RADIUS_M * square.sqrt() * stretch,
-        azimuth_rad: if azimuth < 0.0 { azimuth + std::f64::consts::TAU } else { azimuth },
-    }
-}
-
-impl<'a> Light<'a> {
-    /// The skylines that a block's (a pixel's at level 0) are among; None where it is under an open sky.
-    #[inline(always)]
-    pub(crate) fn skylines_of(&self, level: usize, index: usize) -> Option<&'a Skylines> {
-        let skylines = match level {
-            0 => self.skylines,
-            level => self.skylines.and(self.pyramid.level(level).skylines.as_ref()),
-        };
-        known_around(skylines, index)
-    }
-
-    /// Calls `visit` with the index of each pixel of a block whose centre may be within `radius_m` of `place` (a few
-    /// more may come), by walking down the blocks that reach into the disc; `take_block` may take a block
-    /// whole by returning true.
-    fn walk(
-        &self,
-        from: BlockPlace,
-        place: DVec3,
-        radius_m: f64,
-        mut take_block: impl FnMut(usize, usize, f64) -> bool,
-        mut visit: impl FnMut(usize),
-    ) {
-        let reach_m = reach_m(radius_m);
-        let mut stack = vec![from];
-        while let Some(BlockPlace { level, index }) = stack.pop() {
-            let blocks = self.pyramid.level(level);
-            let block = &blocks.blocks[index];
-            let distance_m = EARTH_RADIUS_M * block.direction.distance(place);
-            let touched = self.gone.filter(|gone| gone.is_touched(level, index));
-            if distance_m - block.radius_m > reach_m
-                || touched.is_some_and(|gone| gone.is_empty_block(level, index))
-                || touched.is_none() && take_block(level, index, distance_m)
-            {
-                continue;
-            }
-            for child in blocks.children(index) {
-                if level > 1 {
-                    stack.push(BlockPlace { level: level - 1, index: child });
-                } else if touched.is_none_or(|gone| !gone.is_gone(child)) {
-                    visit(child);
-                }
-            }
+        let [first, second] = self.axes.columns(light.azimuth_rad).map(|column| column / COLUMNS_PER_TASK);
+        self.by_columns[first].push(light);
+        if second != first {
+            self.by_columns[second].push(light);
         }
+        self.flux_dnb_w += light.flux_dnb_w;
+        self.near.extend(NearLight::of(numbers, light));
     }
+}
 
-    /// The block of all lights; None where there are none.
-    pub(crate) fn whole(&self) -> Option<BlockPlace> {
-        let level = self.pyramid.top();
-        (level > 0).then_some(BlockPlace { level, index: 0 })
+/// The subtrees of each task, about as many pixels for each.
+fn divide<'s, 'a>(subtrees: &'s [(&'a LightTree<'a>, Subtree)]) -> Vec<&'s [(&'a LightTree<'a>, Subtree)]> {
+    let pixels: usize = subtrees.iter().map(|(_, subtree)| subtree.pixels).sum();
+    let tasks = (pixels / MIN_TASK_PIXELS).clamp(1, MAX_TASKS);
+    let mut rest = subtrees;
+    let mut shared = Vec::with_capacity(tasks);
+    for left in (1..=tasks).rev() {
+        let target = rest.iter().map(|(_, subtree)| subtree.pixels).sum::<usize>().div_ceil(left);
+        let mut sum = 0;
+        let count = rest
+            .iter()
+            .position(|(_, subtree)| {
+                sum += subtree.pixels;
+                sum >= target
+            })
+            .map_or(rest.len(), |last| last + 1);
+        let (of_task, others) = rest.split_at(count);
+        shared.push(of_task);
+        rest = others;
     }
-
-    /// The blocks of at most `max_pixels` pixels within 300 km of the observer that hold all light there, in the order in which it is
-    /// gathered; larger ones where all their light counts as one.
-    pub(crate) fn starts(&self, frame: &LocalFrame, max_pixels: usize) -> Vec<Start> {
-        let mut starts = Vec::new();
-        let reach_m = reach_m(FARTHEST_SOURCE_M);
-        let mut stack = Vec::from_iter(self.whole());
-        while let Some(from) = stack.pop() {
-            let BlockPlace { level, index } = from;
-            let blocks = self.pyramid.level(level);
-            let block = &blocks.blocks[index];
-            let distance_m = EARTH_RADIUS_M * block.direction.distance(frame.up);
-            if distance_m - block.radius_m > reach_m {
-                continue;
-            }
-            let pixels = self.pyramid.pixels(level, index).len();
-            if pixels <= max_pixels || level == 1 || block.radius_m <= FAR_BLOCK_RATIO * distance_m {
-                starts.push(Start { from, pixels });
-            } else {
-                let children = blocks.children(index);
-                stack.extend(children.map(|index| BlockPlace { level: level - 1, index }));
-            }
-        }
-        starts
-    }
-
-    /// Adds all light within 300 km of the observer to `sink`. `far_block_ratio` 0 opens every block of more than one place,
-    /// [`NO_BLOCKS`] every one.
-    pub(crate) fn gather(&self, frame: &LocalFrame, far_block_ratio: f64, sink: &mut impl LightSink) {
-        if let Some(whole) = self.whole() {
-            self.gather_block(whole, frame, far_block_ratio, sink);
-        }
-    }
-
-    /// [`Self::gather`] of the light of one block.
-    pub(crate) fn gather_block(
-        &self,
-        from: BlockPlace,
-        frame: &LocalFrame,
-        far_block_ratio: f64,
-        sink: &mut impl LightSink,
-    ) {
-        let (nearest_m, farthest_m) = (chord_m(NO_BLOCKS_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
-        let shared = std::cell::RefCell::new(sink);
-        let take_block = |number: usize, index: usize, distance_m: f64| {
-            let level = self.pyramid.level(number);
-            let block = &level.blocks[index];
-            let taken = block.radius_m <= far_block_ratio * distance_m
-                && distance_m - block.radius_m > nearest_m
-                && distance_m + block.radius_m < farthest_m;
-            if taken {
-                let bearing = near_bearing(frame, block.direction);
-                let log_distance = log_distance(bearing.distance_m);
-                let skylines = self.skylines.and(level.skylines.as_ref());
-                let blocking = known_around(skylines, index).map_or(0.0, |skylines| {
-                    skylines.blocking(index, turns_from_light(block.direction, frame.up), log_distance)
-                });
-                let azimuth_rad = bearing.azimuth_rad;
-                let (altitude_m, flux_dnb_w) = (block.altitude_m, block.flux_dnb_w);
-                let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                let pixels = self.pyramid.pixels(number, index);
-                let numbers = pixels.start as u32..pixels.end as u32;
-                shared
-                    .borrow_mut()
-                    .take(self.first_number + numbers.start..self.first_number + numbers.end, light);
-            }
-            taken
-        };
-        let visit = |index: usize| {
-            let (column, row) = morton::decode(self.pixels.codes[index]);
-            let center = self.grid.center(column, row);
-            let bearing = near_bearing(frame, center);
-            if bearing.distance_m > FARTHEST_SOURCE_M || center.dot(frame.up) <= 0.0 {
-                return;
-            }
-            let mut sink = shared.borrow_mut();
-            let number = self.first_number + index as u32;
-            let numbers = number..number + 1;
-            let skylines = known_around(self.skylines, index);
-            if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
-                let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
-                // Meridians of the pixel's pieces are parallel, so its centre's share of the turn is theirs.
-                let back = turns_from_light(center, frame.up) - bearing.azimuth_rad / TAU;
-                pixel.for_each_point_source(frame, &mut |s| {
-                    let log_distance = log_distance(s.distance_m);
-                    let blocking = skylines.map_or(0.0, |skylines| {
-                        skylines.blocking(index, (back + s.azimuth_rad / TAU).rem_euclid(1.0), log_distance)
-                    });
-                    let PointSource { azimuth_rad, altitude_m, flux_dnb_w, .. } = s;
-                    let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                    sink.take(numbers.clone(), light);
-                });
-            } else {
-                let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
-                let altitude_m = f64::from(self.pixels.altitude_m[index]);
-                let log_distance = log_distance(bearing.distance_m);
-                let blocking = skylines.map_or(0.0, |skylines| {
-                    skylines.blocking(index, turns_from_light(center, frame.up), log_distance)
-                });
-                let azimuth_rad = bearing.azimuth_rad;
-                let light = PlacedLight { azimuth_rad, log_distance, altitude_m, blocking, flux_dnb_w };
-                sink.take(numbers, light);
-            }
-        };
-        self.walk(from, frame.up, FARTHEST_SOURCE_M, take_block, visit);
-    }
-
-    /// Calls `visit` with index and centre of every light whose centre may be within `radius_m` of a place; a few more may come.
-    pub(crate) fn walk_all(&self, place: DVec3, radius_m: f64, mut visit: impl FnMut(usize, DVec3)) {
-        let visit = |index: usize| {
-            let (column, row) = morton::decode(self.pixels.codes[index]);
-            visit(index, self.grid.center(column, row));
-        };
-        if let Some(whole) = self.whole() {
-            self.walk(whole, place, radius_m, |_, _, _| false, visit);
-        }
-    }
-
-    /// Every lit pixel whose centre is within `radius_m` of the observer, in the raster's Morton order.
-    pub(crate) fn pixels_within(&self, frame: &LocalFrame, radius_m: f64) -> Vec<SourcePixel> {
-        let mut found = Vec::new();
-        if let Some(whole) = self.whole() {
-            self.walk(whole, frame.up, radius_m, |_, _, _| false, |index| found.push(index));
-        }
-        found.sort_unstable();
-        let pixels = found.into_iter().map(|i| self.pixels.source_pixel(self.grid, self.calibration, i));
-        pixels.filter(|pixel| frame.bearing_to(pixel.center()).distance_m <= radius_m).collect()
-    }
+    shared
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
+    use crate::{
+        grid::{GeographicAxes, Grid},
+        light_pyramid::LightPyramid,
+        light_tree::FAR_BLOCK_RATIO,
+        lit_pixels::LitPixels,
+        morton,
+        skylines::{SKYLINE_AZIMUTH_COUNT, Skylines},
+    };
     use skyglow_physics::GeoPoint;
 
-    proptest! {
-        #[test]
-        fn the_observer_is_found_where_the_light_sees_it(
-            latitude in -89.0f64..89.0, longitude in -180.0f64..180.0, turns in 0.0f64..1.0, distance_m in 10.0f64..3e5,
-        ) {
-            let light = GeoPoint::from_deg(latitude, longitude).unwrap();
-            let observer = light.destination(turns * TAU, distance_m);
-            let found = turns_from_light(light.unit_vector(), observer.unit_vector());
-            prop_assert!((0.0..=1.0).contains(&found));
-            let off = (found - turns + 0.5).rem_euclid(1.0) - 0.5;
-            prop_assert!(off.abs() < 2e-5, "{} {}", found, turns);
+    const SIDE: u32 = 200;
+
+    #[test]
+    fn several_tasks_gather_what_one_does() {
+        let axes = GeographicAxes {
+            first_longitude_deg: 7.0,
+            first_latitude_deg: 47.0,
+            longitude_step_deg: 0.01,
+            latitude_step_deg: -0.01,
+        };
+        let grid = Grid::geographic(axes, SIDE, SIDE);
+        let mut pixels = LitPixels::default();
+        for (row, column) in (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column))) {
+            pixels.codes.push(morton::encode(column, row));
+            pixels.radiance_nw_cm2_sr.push(1.0 + (row * 7 + column * 3 % 11) as f32);
+            pixels.altitude_m.push((column % 50) as f32 * 10.0);
         }
+        pixels.sort();
+        let mut skylines = Skylines::default();
+        for pixel in 0..pixels.len() {
+            // Every third stands among hills.
+            skylines.push(&[[20 * u8::from(pixel % 3 == 0); 9]; SKYLINE_AZIMUTH_COUNT]);
+        }
+        let pyramid = LightPyramid::build(&grid, &pixels, Some(&skylines), 1.0);
+        let light = LightTree {
+            grid: &grid,
+            pixels: &pixels,
+            pyramid: &pyramid,
+            calibration: 1.0,
+            skylines: Some(&skylines),
+            removed: None,
+            first_number: 0,
+        };
+        for place_deg in [[46.2, 7.9], [46.2, 6.6]] {
+            let place = GeoPoint::from_deg(place_deg[0], place_deg[1]).unwrap();
+            let frame = LocalFrame::at(place);
+            let subtrees: Vec<(&LightTree, Subtree)> = light
+                .subtrees(&frame, MAX_SUBTREE_PIXELS)
+                .into_iter()
+                .map(|subtree| (&light, subtree))
+                .collect();
+            assert!(divide(&subtrees).len() > 1);
+            let together = polar_grid(&[light], place, FAR_BLOCK_RATIO, 1.0);
+            let mut alone = PolarAccumulator::new();
+            light.gather(&frame, FAR_BLOCK_RATIO, &mut alone);
+            let alone = alone.finish(place, 1.0);
+            assert!((together.flux_dnb_w / alone.flux_dnb_w - 1.0).abs() < 1e-12);
+            assert!(alone.cells.iter().any(|cell| cell.blocking > 0) && alone.cells.len() > 1_000);
+            assert_eq!(PolarGrid { flux_dnb_w: alone.flux_dnb_w, ..together }, alone);
+            // A subtree less is seen.
+            let mut fewer = PolarAccumulator::new();
+            for (light, subtree) in &subtrees[1..] {
+                light.gather_block(subtree.from, &frame, FAR_BLOCK_RATIO, &mut fewer);
+            }
+            assert!(fewer.finish(place, 1.0).flux_dnb_w < 0.999 * alone.flux_dnb_w);
+        }
+    }
+
+    #[test]
+    fn without_light_the_grid_is_dark() {
+        let grid = polar_grid(&[], GeoPoint::from_rad_unchecked(0.3, 0.4), FAR_BLOCK_RATIO, 0.5);
+        assert!(grid.cells.is_empty() && grid.near.is_empty() && grid.flux_dnb_w == 0.0);
+        assert_eq!(grid.azimuth_start, vec![0; AZIMUTH_COLUMN_COUNT + 1]);
     }
 }

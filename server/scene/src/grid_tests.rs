@@ -42,8 +42,9 @@ fn as_lattice(grid: &Grid, step: u32) -> Grid {
 }
 
 proptest! {
+    /// The centre is that of the corners and lies in its own pixel.
     #[test]
-    fn the_centre_is_that_of_the_corners_and_lies_in_its_own_pixel(c in 0u32..400, r in 0u32..300) {
+    fn a_centre_lies_in_its_own_pixel(c in 0u32..400, r in 0u32..300) {
         for grid in [across_the_antimeridian(), kenya_like(), as_lattice(&across_the_antimeridian(), 8)] {
             let center = grid.center(c, r);
             let pixel = SourcePixel { corners: grid.corners(c, r), flux_dnb_w: 1.0, altitude_m: 0.0 };
@@ -52,8 +53,9 @@ proptest! {
         }
     }
 
+    /// A lattice agrees with the grid that it was made from.
     #[test]
-    fn a_lattice_agrees_with_the_grid_it_was_made_from(x in 0.0f64..400.0, y in 0.0f64..300.0) {
+    fn a_lattice_agrees_with_its_grid(x in 0.0f64..400.0, y in 0.0f64..300.0) {
         let exact = across_the_antimeridian();
         let lattice = as_lattice(&exact, 16);
         let place = GeoPoint::from_rad_unchecked(
@@ -68,8 +70,9 @@ proptest! {
     }
 }
 
+/// Bounds across the antimeridian have west greater than east.
 #[test]
-fn bounds_across_the_antimeridian_have_west_greater_than_east() {
+fn antimeridian_bounds_have_west_above_east() {
     for grid in [across_the_antimeridian(), as_lattice(&across_the_antimeridian(), 16)] {
         let [west, south, east, north] = grid.bounds_deg();
         assert!((west - 178.0).abs() < 1e-9 && (east + 178.0).abs() < 1e-9, "{west} {east}");
@@ -77,8 +80,9 @@ fn bounds_across_the_antimeridian_have_west_greater_than_east() {
     }
 }
 
+/// A grid from 0° to 360° contains every longitude once.
 #[test]
-fn a_grid_from_0_to_360_holds_every_longitude_once() {
+fn a_grid_of_360_degrees_has_no_duplicates() {
     let axes = GeographicAxes {
         first_longitude_deg: 0.0,
         first_latitude_deg: 90.0,

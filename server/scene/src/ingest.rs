@@ -2,11 +2,14 @@
 
 mod black_marble;
 mod date;
+mod gdal_open;
 mod georeference;
-mod open;
+mod hdf5;
 mod options;
 mod places;
 mod radiance;
+mod radiance_band;
+mod radiance_source;
 mod skylines;
 mod tally;
 mod terrain_files;
@@ -18,8 +21,8 @@ use crate::light_layer::{LightLayer, Lights};
 use crate::metadata::{GridMetadata, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
+use crate::scene_writer;
 use crate::store::SceneStore;
-use crate::stored;
 use std::sync::Arc;
 
 /// Reads a radiance raster with its terrain and places, and stores the scene.
@@ -52,13 +55,13 @@ pub(crate) fn ingest_as(
     }
     options.check()?;
     let places = options.places.as_deref().map(places::read).transpose()?.unwrap_or_default();
-    let source = open::radiance(options)?;
+    let source = radiance_band::open(options)?;
     options
         .check_size(source.dataset.raster_size())
         .map_err(|reason| SceneError::Refused { path: options.radiance.clone(), reason })?;
     let mut light = radiance::read(&source, progress)?;
     let terrain = terrain_files::read(options, progress)?;
-    terrain_files::raise(&terrain, &mut light, progress);
+    terrain_files::set_altitudes(&terrain, &mut light, progress);
     let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
     let has_skylines = skylines.is_some();
     let lights = Lights::new(&light.grid, light.pixels, skylines, options.calibration);
@@ -94,12 +97,12 @@ pub(crate) fn ingest_as(
         metadata,
         grid: Arc::new(light.grid),
         mask: Arc::new(light.mask),
-        layers: vec![LightLayer::whole(lights)],
+        light_layers: vec![LightLayer::whole(lights)],
         terrain: Arc::new(terrain.terrain),
         places: places.into(),
     };
     progress(IngestProgress { stage: IngestStage::Store, done: 0, total: 1 });
-    stored::write(store, &mut scene, options.replace)?;
+    scene_writer::write(store.scenes_dir(), &mut scene, options.replace)?;
     progress(IngestProgress { stage: IngestStage::Store, done: 1, total: 1 });
     Ok(scene.metadata)
 }

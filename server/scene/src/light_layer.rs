@@ -1,12 +1,12 @@
 //! The lights of a scene by what shines in them. A scene as it was ingested is one layer; a changed one shares that layer,
 //! knows which of its lights are there no more, and has layers of its own for those that were changed or are new.
 
-use crate::changes::GoneLights;
-use crate::gather::Light;
 use crate::grid::Grid;
 use crate::light_pyramid::{Block, LightPyramid};
+use crate::light_tree::LightTree;
 use crate::lit_pixels::LitPixels;
 use crate::morton;
+use crate::removed_lights::RemovedLights;
 use crate::skylines::{Skyline, Skylines};
 use skyglow_physics::Fixture;
 use std::sync::Arc;
@@ -28,6 +28,21 @@ impl Lights {
     }
 }
 
+/// Something made of the layers of each kind of fixture, in the order in which the kinds come first.
+pub(crate) fn by_fixture<'a, T>(
+    layers: &'a [LightLayer],
+    make: impl Fn(&[&'a LightLayer]) -> T,
+) -> Vec<(Fixture, T)> {
+    let mut kinds: Vec<(Fixture, Vec<&LightLayer>)> = Vec::new();
+    for layer in layers {
+        match kinds.iter_mut().find(|(fixture, _)| *fixture == layer.fixture) {
+            Some((_, layers)) => layers.push(layer),
+            None => kinds.push((layer.fixture.clone(), vec![layer])),
+        }
+    }
+    kinds.into_iter().map(|(fixture, layers)| (fixture, make(&layers))).collect()
+}
+
 /// Lights of one fixture.
 #[derive(Clone, Debug)]
 pub(crate) struct LightLayer {
@@ -35,51 +50,56 @@ pub(crate) struct LightLayer {
     /// Number of the first of them in the scene.
     pub(crate) first_number: u32,
     /// Those that are there no more; None where all are.
-    pub(crate) gone: Option<Arc<GoneLights>>,
+    pub(crate) removed: Option<Arc<RemovedLights>>,
     pub(crate) fixture: Fixture,
 }
 
 impl LightLayer {
     /// All lights of a scene as it was ingested.
     pub(crate) fn whole(lights: Lights) -> Self {
-        Self { lights: Arc::new(lights), first_number: 0, gone: None, fixture: Fixture::default() }
+        Self { lights: Arc::new(lights), first_number: 0, removed: None, fixture: Fixture::default() }
     }
 
     /// The layer for walking through it.
-    pub(crate) fn light<'a>(&'a self, grid: &'a Grid, calibration: f64, terrain_hides: bool) -> Light<'a> {
+    pub(crate) fn light<'a>(
+        &'a self,
+        grid: &'a Grid,
+        calibration: f64,
+        terrain_hides: bool,
+    ) -> LightTree<'a> {
         let skylines = self.lights.skylines.as_ref();
-        Light {
+        LightTree {
             grid,
             pixels: &self.lights.pixels,
             pyramid: &self.lights.pyramid,
             calibration,
             skylines: skylines.filter(|skylines| terrain_hides && skylines.blocked_count() > 0),
-            gone: self.gone.as_deref(),
+            removed: self.removed.as_deref(),
             first_number: self.first_number,
         }
     }
 
     /// Bytes that it takes beside the raster's own lights, about.
     pub(crate) fn unshared_bytes(&self) -> usize {
-        let (pixels, gone) =
-            (self.lights.pixels.len(), self.gone.as_ref().map_or(0, |gone| gone.byte_count()));
+        let (pixels, removed) =
+            (self.lights.pixels.len(), self.removed.as_ref().map_or(0, |removed| removed.byte_count()));
         // Blocks are a third of the pixels; a skyline is for those that have one.
         let of_skylines = |skylines: &Skylines| skylines.blocked_count() * 2 * size_of::<Skyline>();
         let of_lights = pixels * (24 + size_of::<Block>() / 2);
         let is_shared = self.first_number == 0;
-        gone + if is_shared { 0 } else { of_lights + self.lights.skylines.as_ref().map_or(0, of_skylines) }
+        removed + if is_shared { 0 } else { of_lights + self.lights.skylines.as_ref().map_or(0, of_skylines) }
     }
 
     /// Number of its lights that are there.
     pub(crate) fn len(&self) -> usize {
-        self.lights.pixels.len() - self.gone.as_ref().map_or(0, |gone| gone.len())
+        self.lights.pixels.len() - self.removed.as_ref().map_or(0, |removed| removed.len())
     }
 
     /// Its light at a pixel, nW cm⁻² sr⁻¹.
     pub(crate) fn radiance_at(&self, column: u32, row: u32) -> Option<f32> {
         let index = self.lights.pixels.index_at(column, row)?;
-        let is_gone = self.gone.as_ref().is_some_and(|gone| gone.is_gone(index));
-        (!is_gone).then(|| self.lights.pixels.radiance_nw_cm2_sr[index])
+        let is_removed = self.removed.as_ref().is_some_and(|removed| removed.is_removed(index));
+        (!is_removed).then(|| self.lights.pixels.radiance_nw_cm2_sr[index])
     }
 
     /// Sum of radiances in the block of 2^level × 2^level pixels at block coordinates, nW cm⁻² sr⁻¹.
@@ -103,10 +123,10 @@ impl LightLayer {
 
     fn sum_in_block(&self, level: usize, index: usize) -> f64 {
         let blocks = self.lights.pyramid.level(level);
-        let Some(gone) = self.gone.as_ref().filter(|gone| gone.is_touched(level, index)) else {
+        let Some(removed) = self.removed.as_ref().filter(|removed| removed.is_touched(level, index)) else {
             return blocks.blocks[index].radiance_sum_nw_cm2_sr;
         };
-        if gone.is_empty_block(level, index) {
+        if removed.is_empty_block(level, index) {
             return 0.0;
         }
         let radiance = &self.lights.pixels.radiance_nw_cm2_sr;
@@ -114,6 +134,6 @@ impl LightLayer {
         if level > 1 {
             return children.map(|child| self.sum_in_block(level - 1, child)).sum();
         }
-        children.filter(|&child| !gone.is_gone(child)).map(|child| f64::from(radiance[child])).sum()
+        children.filter(|&child| !removed.is_removed(child)).map(|child| f64::from(radiance[child])).sum()
     }
 }

@@ -44,6 +44,11 @@ impl Level {
         let end = self.blocks.get(index + 1).map_or(self.child_count, |next| next.first_child);
         self.blocks[index].first_child as usize..end as usize
     }
+
+    /// Its skylines from those of its children, weighted by their flux.
+    fn mean_skylines(&self, below: &Skylines, flux_dnb_w: impl Fn(usize) -> f64 + Sync) -> Skylines {
+        below.of_blocks(self.blocks.len(), |block| self.children(block), flux_dnb_w)
+    }
 }
 
 /// Levels 1, 2 … up to the one with a single block.
@@ -83,7 +88,7 @@ impl LightPyramid {
         if pixels.len() > 0 {
             let mut level = group(&pixels.codes, pixel);
             level.skylines = skylines
-                .map(|below| below.of_blocks(&level, |index| pixels.flux_dnb_w(grid, calibration, index)));
+                .map(|below| level.mean_skylines(below, |index| pixels.flux_dnb_w(grid, calibration, index)));
             levels.push(level);
         }
         while let Some(below) = levels.last().filter(|level| level.blocks.len() > 1) {
@@ -101,7 +106,7 @@ impl LightPyramid {
             above.skylines = below
                 .skylines
                 .as_ref()
-                .map(|skylines| skylines.of_blocks(&above, |index| below.blocks[index].flux_dnb_w));
+                .map(|skylines| above.mean_skylines(skylines, |index| below.blocks[index].flux_dnb_w));
             levels.push(above);
         }
         Self { levels }

@@ -1,6 +1,6 @@
 //! Which cells of a polar grid each pixel's light went to: the way back from what cells do to what pixels do.
 
-use crate::gather::{LightSink, NO_BLOCKS_WITHIN_M};
+use crate::light_tree::{LightSink, NO_BLOCKS_WITHIN_M};
 use crate::polar_grid::{
     AZIMUTH_COLUMN_COUNT, NearLight, PlacedLight, PolarAccumulator, PolarAxes, PolarCell, PolarGrid,
     RING_COUNT, blocking_shares, log_distance,
@@ -147,7 +147,7 @@ impl LightSink for ShareCollector {
         self.accumulator.add(light);
         // Far pixels are not asked for alone: what shows of them is told by the sky's own grid.
         if light.log_distance < self.near_log_distance {
-            self.accumulator.keep_near(numbers.clone(), light);
+            self.accumulator.push_near(numbers.clone(), light);
         }
         // Blocks are not taken where pixels are asked for.
         let number = numbers.start;

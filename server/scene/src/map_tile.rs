@@ -1,10 +1,13 @@
-//! Web-Mercator map tiles of radiance, elevation and numbers of lit pixels, as numbers and a mask.
+//! Web-Mercator map tiles (EPSG:3857, XYZ scheme) of radiance, elevation and values of lit pixels, as numbers and a mask.
 
+use crate::dual_tree::{PlaceLattice, PlaceValues};
 use crate::error::SceneError;
+use crate::grid::Grid;
 use crate::light_layer::LightLayer;
+use crate::mask::ValidMask;
 use crate::morton;
-use crate::place_sum::PlaceValues;
-use crate::scene::Scene;
+use crate::terrain::Terrain;
+use rayon::prelude::*;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
 /// What a map tile shows.
@@ -27,10 +30,10 @@ pub struct RasterTile {
     pub size_px: u32,
 }
 
-/// A number for each of some lit pixels, so kept that the sum over any block of the raster is two look-ups.
+/// A value for each of some lit pixels, as prefix sums in Morton order: the sum over any block of the raster takes two look-ups.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PixelValues {
-    /// Numbers of the pixels ([`Scene::column_and_row`]), ascending.
+    /// Numbers of the pixels ([`Scene::column_and_row`](crate::Scene::column_and_row)), ascending.
     pixels: Vec<u32>,
     /// Sum of the values before each, and of all at the end.
     running: Vec<f64>,
@@ -59,82 +62,152 @@ impl PixelValues {
     pub const BYTES_PER_PIXEL: usize = size_of::<u32>() + size_of::<f64>();
 }
 
-/// Deepest zoom level: a pixel of 256-pixel tiles is then a centimetre.
-const DEEPEST_ZOOM: u8 = 24;
+/// Highest zoom level: a pixel of 256-pixel tiles is then a centimetre.
+const MAX_ZOOM: u8 = 24;
 /// Largest tile, pixels a side.
-const LARGEST_PX: u32 = 1024;
+const MAX_TILE_PX: u32 = 1024;
 
-/// Samples a layer of the scene at the pixels of tile z/x/y.
-pub(crate) fn sample(
-    scene: &Scene,
-    layer: TileLayer,
-    z: u8,
-    x: u32,
-    y: u32,
-    size_px: u32,
-) -> Result<RasterTile, SceneError> {
-    let radiance = |level: u32, column: u32, row: u32| {
-        scene.layers.iter().map(|layer| layer.radiance_sum_nw_cm2_sr(level, column, row)).sum()
-    };
-    sample_with((z, x, y), size_px, |window, column, row| match layer {
-        TileLayer::Radiance => mean_of_pixels(scene, window, column, row, radiance),
-        TileLayer::Elevation => {
-            scene.terrain.overview_m(window.place(column, row, 2, 2), window.resolution_m(row))
-        }
-    })
+/// Which tile: zoom level, column, row, and pixels a side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TileAddress {
+    pub(crate) z: u8,
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+    pub(crate) size_px: u32,
 }
 
-/// Samples numbers of lit pixels: the mean over the valid pixels under a tile's pixel, dark ones counting 0.
-pub(crate) fn sample_pixels(
-    scene: &Scene,
-    numbers: &PixelValues,
-    z: u8,
-    x: u32,
-    y: u32,
-    size_px: u32,
-) -> Result<RasterTile, SceneError> {
-    let sum = |level: u32, column: u32, row: u32| {
-        let block = morton::encode(column, row);
-        let in_layer = |layer: &LightLayer| {
-            let [first, end] = [block, block + 1].map(|block| {
-                let codes = &layer.lights.pixels.codes;
-                layer.first_number + codes.partition_point(|code| code >> (2 * level) < block) as u32
-            });
-            numbers.sum(first, end)
+/// The parts of a scene that are sampled.
+pub(crate) struct SampledRasters<'a> {
+    pub(crate) grid: &'a Grid,
+    pub(crate) mask: &'a ValidMask,
+    pub(crate) pixel_size_m: f64,
+    pub(crate) light_layers: &'a [LightLayer],
+    pub(crate) terrain: &'a Terrain,
+}
+
+impl SampledRasters<'_> {
+    /// A layer at the pixels of a tile.
+    pub(crate) fn tile(&self, layer: TileLayer, address: TileAddress) -> Result<RasterTile, SceneError> {
+        sample(address, |window, column, row| match layer {
+            TileLayer::Radiance => self.mean_of_pixels(window, column, row, |level, column, row| {
+                self.radiance_sum(level, column, row)
+            }),
+            TileLayer::Elevation => {
+                self.terrain.overview_m(window.place(column, row, 2, 2), window.resolution_m(row))
+            }
+        })
+    }
+
+    /// Values of lit pixels: the mean over the valid pixels under a tile's pixel, dark ones counting 0.
+    pub(crate) fn pixels_tile(
+        &self,
+        values: &PixelValues,
+        address: TileAddress,
+    ) -> Result<RasterTile, SceneError> {
+        let sum = |level: u32, column: u32, row: u32| {
+            let block = morton::encode(column, row);
+            let in_layer = |layer: &LightLayer| {
+                let [first, end] = [block, block + 1].map(|block| {
+                    let codes = &layer.lights.pixels.codes;
+                    layer.first_number + codes.partition_point(|code| code >> (2 * level) < block) as u32
+                });
+                values.sum(first, end)
+            };
+            self.light_layers.iter().map(in_layer).sum()
         };
-        scene.layers.iter().map(in_layer).sum()
-    };
-    sample_with((z, x, y), size_px, |window, column, row| mean_of_pixels(scene, window, column, row, sum))
+        sample(address, |window, column, row| self.mean_of_pixels(window, column, row, sum))
+    }
+
+    /// Values of places.
+    pub(crate) fn places_tile(
+        &self,
+        places: &PlaceValues,
+        address: TileAddress,
+    ) -> Result<RasterTile, SceneError> {
+        sample(address, |window, column, row| {
+            let (x, y) = self.grid.position_of(window.place(column, row, 2, 2))?;
+            places.at(x, y, window.resolution_m(row) / self.pixel_size_m)
+        })
+    }
+
+    /// A layer at every place of a lattice: the mean radiance of the pixels of its block, the elevation at its middle; NaN
+    /// without data.
+    pub(crate) fn at_places(&self, layer: TileLayer, lattice: PlaceLattice) -> Option<PlaceValues> {
+        let level = lattice.step.trailing_zeros();
+        let radiance = |column: u32, row: u32| {
+            let valid = self.mask.valid_in_block(level, column, row);
+            if valid > 0 {
+                (self.radiance_sum(level, column, row) / f64::from(valid)) as f32
+            } else {
+                f32::NAN
+            }
+        };
+        let elevation = |column: u32, row: u32| {
+            let point = lattice.point(self.grid, f64::from(column), f64::from(row));
+            let known =
+                point.is_finite().then(|| self.terrain.elevation_m(GeoPoint::from_vector(point))).flatten();
+            known.map_or(f32::NAN, |elevation_m| elevation_m as f32)
+        };
+        let mut values = vec![0f32; lattice.len()];
+        values.par_chunks_mut(lattice.columns as usize).zip(0..lattice.rows).for_each(|(values, row)| {
+            for (value, column) in values.iter_mut().zip(0u32..) {
+                *value = match layer {
+                    TileLayer::Radiance => radiance(column, row),
+                    TileLayer::Elevation => elevation(column, row),
+                };
+            }
+        });
+        PlaceValues::new(lattice, values)
+    }
+
+    fn radiance_sum(&self, level: u32, column: u32, row: u32) -> f64 {
+        self.light_layers.iter().map(|layer| layer.radiance_sum_nw_cm2_sr(level, column, row)).sum()
+    }
+
+    /// Mean under the map pixel of what pixels have: of the pixel there when zoomed in; zoomed out of the four blocks
+    /// around its quarters' middles, which are larger than those quarters, so that no lone light falls between samples.
+    ///
+    /// * `sum`: over the pixels of a block of 2^level × 2^level at block coordinates (column, row).
+    fn mean_of_pixels(
+        &self,
+        window: &Window,
+        column: usize,
+        row: usize,
+        sum: impl Fn(u32, u32, u32) -> f64,
+    ) -> Option<f64> {
+        let ratio = window.resolution_m(row) / self.pixel_size_m;
+        if ratio <= 1.0 {
+            let (column, row) = self.grid.pixel_at(window.place(column, row, 2, 2))?;
+            let value = sum(0, column, row);
+            // A lit pixel is valid; it need not be looked up.
+            return (value > 0.0 || self.mask.is_valid(column, row)).then_some(value);
+        }
+        let level = (0.5 * ratio).log2().ceil().max(0.0) as u32;
+        let (mut total, mut valid) = (0.0, 0.0);
+        for (east, south) in [(1, 1), (3, 1), (1, 3), (3, 3)] {
+            let Some((column, row)) = self.grid.pixel_at(window.place(column, row, east, south)) else {
+                continue;
+            };
+            let (block_column, block_row) = (column >> level, row >> level);
+            valid += f64::from(self.mask.valid_in_block(level, block_column, block_row));
+            total += sum(level, block_column, block_row);
+        }
+        (valid > 0.0).then(|| total / valid)
+    }
 }
 
-/// Samples numbers of places.
-pub(crate) fn sample_places(
-    scene: &Scene,
-    places: &PlaceValues,
-    z: u8,
-    x: u32,
-    y: u32,
-    size_px: u32,
-) -> Result<RasterTile, SceneError> {
-    sample_with((z, x, y), size_px, |window, column, row| {
-        let (x, y) = scene.grid.position_of(window.place(column, row, 2, 2))?;
-        places.at(x, y, window.resolution_m(row) / scene.metadata.pixel_size_m)
-    })
-}
-
-fn sample_with(
-    (z, x, y): (u8, u32, u32),
-    size_px: u32,
+fn sample(
+    TileAddress { z, x, y, size_px }: TileAddress,
     value: impl Fn(&Window, usize, usize) -> Option<f64>,
 ) -> Result<RasterTile, SceneError> {
     let refuse = |reason| Err(SceneError::InvalidTile { z, x, y, size_px, reason });
-    if z > DEEPEST_ZOOM {
+    if z > MAX_ZOOM {
         return refuse("the deepest zoom level is 24");
     }
     if x >= 1 << z || y >= 1 << z {
         return refuse("x and y must be below 2 to the power of z");
     }
-    if size_px == 0 || size_px > LARGEST_PX {
+    if size_px == 0 || size_px > MAX_TILE_PX {
         return refuse("1 to 1024 pixels a side are allowed");
     }
     let window = Window::new(z, x, y, size_px);
@@ -187,35 +260,4 @@ impl Window {
     fn resolution_m(&self, row: usize) -> f64 {
         std::f64::consts::TAU * EARTH_RADIUS_M * self.latitudes_rad[4 * row + 2].cos() / self.world_px
     }
-}
-
-/// Mean under the map pixel of what pixels have: of the pixel there when zoomed in; zoomed out of the four blocks
-/// around its quarters' middles, which are larger than those quarters, so that no lone light falls between samples.
-///
-/// * `sum`: over the pixels of a block of 2^level × 2^level at block coordinates (column, row).
-fn mean_of_pixels(
-    scene: &Scene,
-    window: &Window,
-    column: usize,
-    row: usize,
-    sum: impl Fn(u32, u32, u32) -> f64,
-) -> Option<f64> {
-    let ratio = window.resolution_m(row) / scene.metadata.pixel_size_m;
-    if ratio <= 1.0 {
-        let (column, row) = scene.grid.pixel_at(window.place(column, row, 2, 2))?;
-        let value = sum(0, column, row);
-        // A lit pixel is valid; it need not be looked up.
-        return (value > 0.0 || scene.mask.is_valid(column, row)).then_some(value);
-    }
-    let level = (0.5 * ratio).log2().ceil().max(0.0) as u32;
-    let (mut total, mut valid) = (0.0, 0.0);
-    for (east, south) in [(1, 1), (3, 1), (1, 3), (3, 3)] {
-        let Some((column, row)) = scene.grid.pixel_at(window.place(column, row, east, south)) else {
-            continue;
-        };
-        let (block_column, block_row) = (column >> level, row >> level);
-        valid += f64::from(scene.mask.valid_in_block(level, block_column, block_row));
-        total += sum(level, block_column, block_row);
-    }
-    (valid > 0.0).then(|| total / valid)
 }

@@ -44,8 +44,9 @@ fn index(part: f64, z: u8) -> u32 {
 mod tests {
     use super::*;
 
+    /// A pixel of zoom level 0 is 156 km wide on the equator.
     #[test]
-    fn a_pixel_of_zoom_level_0_is_156_km_on_the_equator() {
+    fn a_zoom_0_pixel_is_156_km_on_the_equator() {
         assert!((tile_pixel_m(0, 0, 256) - 156_366.0).abs() < 100.0);
         assert!(tile_pixel_m(10, 0, 256) < tile_pixel_m(10, 512, 256));
         assert_eq!(tile_pixel_m(3, 1, 256), 2.0 * tile_pixel_m(3, 1, 512));

@@ -42,8 +42,9 @@ mod tests {
             prop_assert_eq!(decode(encode(column, row)), (column, row));
         }
 
+        /// The code of a block is the shifted code of its pixels.
         #[test]
-        fn the_code_of_a_block_is_the_shifted_code_of_its_pixels(column: u32, row: u32, k in 0u32..16) {
+        fn a_block_code_is_a_shifted_pixel_code(column: u32, row: u32, k in 0u32..16) {
             prop_assert_eq!(encode(column, row) >> (2 * k), encode(column >> k, row >> k));
         }
     }

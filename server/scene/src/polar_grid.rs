@@ -112,13 +112,13 @@ impl PolarGrid {
                 flux_dnb_w: source.flux_dnb_w,
             };
             accumulator.add(light);
-            accumulator.keep_near(number..number + 1, light);
+            accumulator.push_near(number..number + 1, light);
         }
         accumulator.finish(observer, 1.0)
     }
 
     /// A grid of the lit cells of all columns.
-    pub(crate) fn of_parts(
+    pub(crate) fn from_parts(
         observer: GeoPoint,
         parts: &[LitCells],
         near: Vec<NearLight>,
@@ -266,7 +266,7 @@ impl PolarAccumulator {
 
     /// Keeps a point of light of pixels as it is where it is under an open sky.
     #[inline(always)]
-    pub(crate) fn keep_near(&mut self, numbers: Range<u32>, light: PlacedLight) {
+    pub(crate) fn push_near(&mut self, numbers: Range<u32>, light: PlacedLight) {
         self.near.extend(NearLight::of(numbers, light));
     }
 
@@ -294,7 +294,7 @@ impl PolarAccumulator {
     /// Keeps what is lit.
     pub(crate) fn finish(self, observer: GeoPoint, coverage: f64) -> PolarGrid {
         let lit = self.lit();
-        PolarGrid::of_parts(observer, &[lit], self.near, self.flux_dnb_w, coverage)
+        PolarGrid::from_parts(observer, &[lit], self.near, self.flux_dnb_w, coverage)
     }
 
     /// The lit cells of its columns.
@@ -357,8 +357,9 @@ mod tests {
         assert!((step - 1.0378).abs() < 1e-4, "{step}");
     }
 
+    /// A source beyond 300 km is left out; one nearer than 250 m counts as at 250 m.
     #[test]
-    fn a_source_beyond_300_km_is_left_out_and_a_nearer_one_than_250_m_counts_as_there() {
+    fn distances_are_limited_to_250_m_and_300_km() {
         let here = GeoPoint::from_rad_unchecked(0.2, 0.3);
         let grid = |distance_m| {
             let source = PointSource { azimuth_rad: 1.0, distance_m, altitude_m: 40.0, flux_dnb_w: 5.0 };
@@ -374,8 +375,9 @@ mod tests {
     }
 
     proptest! {
+        /// Splatting a point of light conserves its flux, azimuth, distance, altitude and blocking angle.
         #[test]
-        fn a_point_keeps_its_flux_azimuth_distance_altitude_and_skyline(
+        fn splatting_conserves_the_moments_of_a_point(
             azimuth in 0.0f64..std::f64::consts::TAU, log in 0.0f64..1.0, altitude in 0.0f64..5_000.0,
             blocking in prop_oneof![Just(0.0f64), Just(7.0), 0.0f64..7.0],
         ) {

@@ -1,41 +1,45 @@
-//! An opened scene: everything that is asked of the light and the terrain of a region.
+//! An opened scene: all queries on the light and the terrain of a region.
 
+use crate::blocked_sources;
+use crate::changes::{Base, ChangeError, ChangeStep, ChangeSummary};
 use crate::coverage;
+use crate::dual_tree;
+use crate::dual_tree::{Accumulator, PatchStore, PlaceLattice, PlaceValues, Sources};
 use crate::error::SceneError;
-use crate::gather::{FAR_BLOCK_RATIO, Light, NO_BLOCKS};
-use crate::gather_tasks;
+use crate::gather;
+use crate::geotiff::{self, RasterError, RasterMetadata};
 use crate::grid::Grid;
 use crate::ground::Ground;
-use crate::light_layer::LightLayer;
+use crate::light_layer::{LightLayer, by_fixture};
 use crate::light_shares::{LightShares, ShareCollector};
-use crate::map_tile::{self, PixelValues, RasterTile, TileLayer};
+use crate::light_tree::{FAR_BLOCK_RATIO, LightTree, NO_BLOCKS};
+use crate::map_tile::{PixelValues, RasterTile, SampledRasters, TileAddress, TileLayer};
 use crate::mask::ValidMask;
 use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::morton;
-use crate::place_sum::PlaceValues;
+use crate::place_kernel::PlaceKernel;
 use crate::polar_grid::PolarGrid;
-use crate::terrain::{Terrain, nearest_wall_m};
+use crate::terrain::Terrain;
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
-use skyglow_physics::horizon::terrain_elevation_tangent;
-use skyglow_physics::source_pixel::upward_flux_dnb_w;
-use skyglow_physics::{EARTH_RADIUS_M, Fixture, GeoPoint, Horizon, SourcePixel};
+use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, upward_flux_dnb_w};
+use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, SourcePixel};
 use std::sync::Arc;
 
-/// A scene in memory. It needs neither its files nor GDAL to answer. A clone shares all but what is said about it.
+/// A scene in memory. It needs neither its files nor GDAL to answer queries. A clone shares everything but its metadata.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub(crate) metadata: SceneMetadata,
     pub(crate) grid: Arc<Grid>,
     pub(crate) mask: Arc<ValidMask>,
     /// Its lights: those of the raster first, then changed and new ones.
-    pub(crate) layers: Vec<LightLayer>,
+    pub(crate) light_layers: Vec<LightLayer>,
     pub(crate) terrain: Arc<Terrain>,
     pub(crate) places: Arc<[NamedPlace]>,
 }
 
 impl Scene {
-    /// What is said about the scene.
+    /// Its metadata.
     pub fn metadata(&self) -> &SceneMetadata {
         &self.metadata
     }
@@ -88,10 +92,7 @@ impl Scene {
         pixel_size_m: f64,
         towards: GeoPoint,
     ) -> f64 {
-        let bearing = LocalFrame::at(light).bearing_to(towards.unit_vector());
-        let sight = self.terrain.around_source(light, light_altitude_m, nearest_wall_m(pixel_size_m));
-        let [tangent] = sight.tangents(bearing.azimuth_rad, 0.0, &[bearing.distance_m]);
-        tangent.atan()
+        self.terrain.blocking_angle_rad(light, light_altitude_m, pixel_size_m, towards)
     }
 
     /// Whether terrain stands between a light and a point that it would shine on: the straight segment between them
@@ -100,24 +101,15 @@ impl Scene {
     /// * `light_m`, `point_m`: positions from the Earth's centre, metres, in the frame of [`GeoPoint::unit_vector`].
     ///
     /// Light that leaves below the light's horizontal plane counts as hidden only by terrain above that plane.
-    pub fn hides(&self, light_m: DVec3, point_m: DVec3, pixel_size_m: f64) -> bool {
-        let light = GeoPoint::from_vector(light_m);
-        let (altitude_m, point_altitude_m) =
-            (light_m.length() - EARTH_RADIUS_M, point_m.length() - EARTH_RADIUS_M);
-        let bearing = LocalFrame::at(light).bearing_to(point_m.normalize());
-        if bearing.distance_m < nearest_wall_m(pixel_size_m) {
-            return false;
-        }
-        let tangent = terrain_elevation_tangent(altitude_m, point_altitude_m, bearing.distance_m);
-        let sight = self.terrain.around_source(light, altitude_m, nearest_wall_m(pixel_size_m));
-        sight.is_higher_than(tangent.max(0.0), bearing.azimuth_rad, bearing.distance_m)
+    pub fn blocks(&self, light_m: DVec3, point_m: DVec3, pixel_size_m: f64) -> bool {
+        self.terrain.blocks(light_m, point_m, pixel_size_m)
     }
 
     /// The raster's radiance at a place, nW cm⁻² sr⁻¹, without the calibration: 0 where it measured no
     /// light (or less than none), `None` outside and without data.
     pub fn radiance_nw_cm2_sr(&self, place: GeoPoint) -> Option<f64> {
         let (column, row) = self.grid.pixel_at(place)?;
-        let lights = self.layers.iter().filter_map(|layer| layer.radiance_at(column, row));
+        let lights = self.light_layers.iter().filter_map(|layer| layer.radiance_at(column, row));
         let radiance = lights.map(f64::from).reduce(|sum, light| sum + light);
         radiance.or_else(|| self.mask.is_valid(column, row).then_some(0.0))
     }
@@ -138,7 +130,7 @@ impl Scene {
         terrain_hides: bool,
         far_block_ratio: f64,
     ) -> PolarGrid {
-        let layers: Vec<&LightLayer> = self.layers.iter().collect();
+        let layers: Vec<&LightLayer> = self.light_layers.iter().collect();
         self.polar_grid_of(&layers, place, terrain_hides, far_block_ratio)
     }
 
@@ -146,7 +138,12 @@ impl Scene {
     pub fn polar_grids(&self, place: GeoPoint, terrain_hides: bool) -> Vec<(Fixture, PolarGrid)> {
         let polar =
             |layers: &[&LightLayer]| self.polar_grid_of(layers, place, terrain_hides, FAR_BLOCK_RATIO);
-        self.by_fixture(polar)
+        by_fixture(&self.light_layers, polar)
+    }
+
+    /// The kinds of fixtures, that of the raster's own lights first.
+    pub fn fixtures(&self) -> Vec<Fixture> {
+        by_fixture(&self.light_layers, |_| ()).into_iter().map(|(fixture, ())| fixture).collect()
     }
 
     fn polar_grid_of(
@@ -156,17 +153,17 @@ impl Scene {
         terrain_hides: bool,
         far_block_ratio: f64,
     ) -> PolarGrid {
-        let lights: Vec<Light> = layers
+        let lights: Vec<LightTree> = layers
             .iter()
             .map(|layer| layer.light(&self.grid, self.metadata.calibration, terrain_hides))
             .collect();
-        gather_tasks::polar_grid(&lights, place, far_block_ratio, self.coverage(place))
+        gather::polar_grid(&lights, place, far_block_ratio, self.coverage(place))
     }
 
     /// The same with every pixel by itself, and where the light of each went.
     pub fn light_shares(&self, place: GeoPoint, terrain_hides: bool) -> Vec<(Fixture, LightShares)> {
         let frame = LocalFrame::at(place);
-        self.by_fixture(|layers| {
+        by_fixture(&self.light_layers, |layers| {
             let mut collector = ShareCollector::new();
             for layer in layers {
                 let light = layer.light(&self.grid, self.metadata.calibration, terrain_hides);
@@ -179,26 +176,15 @@ impl Scene {
         })
     }
 
-    /// Something made of the layers of each kind of fixture, that of the raster's own lights first.
-    pub(crate) fn by_fixture<T>(&self, make: impl Fn(&[&LightLayer]) -> T) -> Vec<(Fixture, T)> {
-        let mut kinds: Vec<(Fixture, Vec<&LightLayer>)> = Vec::new();
-        for layer in &self.layers {
-            match kinds.iter_mut().find(|(fixture, _)| *fixture == layer.fixture) {
-                Some((_, layers)) => layers.push(layer),
-                None => kinds.push((layer.fixture.clone(), vec![layer])),
-            }
-        }
-        kinds.into_iter().map(|(fixture, layers)| (fixture, make(&layers))).collect()
-    }
-
     /// Bytes that a changed scene takes beside what it shares, about.
     pub fn unshared_bytes(&self) -> usize {
-        self.layers.iter().map(LightLayer::unshared_bytes).sum()
+        self.light_layers.iter().map(LightLayer::unshared_bytes).sum()
     }
 
     /// The lowest and the highest altitude of lights, metres; None without light.
     pub fn light_altitude_range_m(&self) -> Option<[f32; 2]> {
-        let altitudes = self.layers.iter().flat_map(|layer| layer.lights.pixels.altitude_m.iter().copied());
+        let altitudes =
+            self.light_layers.iter().flat_map(|layer| layer.lights.pixels.altitude_m.iter().copied());
         altitudes.fold(None, |range, altitude_m| {
             let [lowest, highest] = range.unwrap_or([altitude_m; 2]);
             Some([altitude_m.min(lowest), altitude_m.max(highest)])
@@ -207,13 +193,13 @@ impl Scene {
 
     /// The lights of the raster, as it was ingested.
     pub(crate) fn first_layer(&self) -> &LightLayer {
-        &self.layers[0]
+        &self.light_layers[0]
     }
 
     /// The layer of a lit pixel by its number, and the pixel's index in it.
     fn light(&self, number: u32) -> (&LightLayer, usize) {
-        let layer = self.layers.partition_point(|layer| layer.first_number <= number) - 1;
-        let layer = &self.layers[layer];
+        let layer = self.light_layers.partition_point(|layer| layer.first_number <= number) - 1;
+        let layer = &self.light_layers[layer];
         (layer, (number - layer.first_number) as usize)
     }
 
@@ -251,7 +237,7 @@ impl Scene {
 
     /// All light of a pixel: radiance, nW cm⁻² sr⁻¹, without the calibration, and upward flux, DNB watts, with it.
     pub fn pixel_light(&self, column: u32, row: u32) -> (f64, f64) {
-        let lights = self.layers.iter().filter_map(|layer| layer.radiance_at(column, row));
+        let lights = self.light_layers.iter().filter_map(|layer| layer.radiance_at(column, row));
         let radiance: f64 = lights.map(f64::from).sum();
         let flux_dnb_w = upward_flux_dnb_w(radiance, self.grid.area_m2(column, row));
         (radiance, self.metadata.calibration * flux_dnb_w)
@@ -280,11 +266,31 @@ impl Scene {
         radius_m: f64,
     ) -> Vec<(Fixture, Vec<SourcePixel>)> {
         let frame = LocalFrame::at(place);
-        self.by_fixture(|layers| {
+        by_fixture(&self.light_layers, |layers| {
             let calibration = self.metadata.calibration;
             let lights = layers.iter().map(|layer| layer.light(&self.grid, calibration, false));
             lights.flat_map(|light| light.pixels_within(&frame, radius_m)).collect()
         })
+    }
+
+    /// Every lit pixel within 300 km of a place as point sources, in the order of
+    /// [`point_sources`](skyglow_physics::source_pixel::point_sources), each with its blocking angle from the bilinear
+    /// terrain itself. Stored skylines are not used, so a scene need not have them.
+    ///
+    /// A pixel's horizon is that of its centre at its own altitude, as for the stored skylines; for a piece of a near pixel it is
+    /// taken towards the azimuth in which the piece sees the observer and as far as the piece is away. Where the
+    /// ground under a pixel is unknown, nothing blocks it: it was put at sea level, and the edge of the terrain would be
+    /// a wall. Seconds for a hundred thousand pixels.
+    pub fn blocked_sources(&self, place: GeoPoint) -> Vec<BlockedSource> {
+        self.blocked_sources_by_fixture(place).into_iter().flat_map(|(_, sources)| sources).collect()
+    }
+
+    /// The same for each kind of fixture, that of the raster's own lights first.
+    pub fn blocked_sources_by_fixture(&self, place: GeoPoint) -> Vec<(Fixture, Vec<BlockedSource>)> {
+        let pixels = self.source_pixels_by_fixture(place, FARTHEST_SOURCE_M).into_iter();
+        pixels
+            .map(|(fixture, pixels)| (fixture, blocked_sources::of_pixels(&self.terrain, &pixels, place)))
+            .collect()
     }
 
     /// A Web-Mercator tile of numbers, `size_px` × `size_px` (1..=1024), row 0 in the north.
@@ -299,25 +305,25 @@ impl Scene {
         y: u32,
         size_px: u32,
     ) -> Result<RasterTile, SceneError> {
-        map_tile::sample(self, layer, z, x, y, size_px)
+        self.sampled_rasters().tile(layer, TileAddress { z, x, y, size_px })
     }
 
-    /// [`Self::tile`] of numbers that lit pixels have.
+    /// [`Self::tile`] of values of lit pixels.
     ///
     /// # Errors
     /// As [`Self::tile`].
     pub fn pixels_tile(
         &self,
-        numbers: &PixelValues,
+        values: &PixelValues,
         z: u8,
         x: u32,
         y: u32,
         size_px: u32,
     ) -> Result<RasterTile, SceneError> {
-        map_tile::sample_pixels(self, numbers, z, x, y, size_px)
+        self.sampled_rasters().pixels_tile(values, TileAddress { z, x, y, size_px })
     }
 
-    /// [`Self::tile`] of numbers that places have.
+    /// [`Self::tile`] of values of places.
     ///
     /// # Errors
     /// As [`Self::tile`].
@@ -329,6 +335,163 @@ impl Scene {
         y: u32,
         size_px: u32,
     ) -> Result<RasterTile, SceneError> {
-        map_tile::sample_places(self, places, z, x, y, size_px)
+        self.sampled_rasters().places_tile(places, TileAddress { z, x, y, size_px })
+    }
+
+    /// A layer at every place of a lattice: the mean radiance of the pixels of its block, the elevation at its middle; NaN
+    /// without data.
+    pub fn layer_at_places(&self, layer: TileLayer, lattice: PlaceLattice) -> Option<PlaceValues> {
+        self.sampled_rasters().at_places(layer, lattice)
+    }
+
+    fn sampled_rasters(&self) -> SampledRasters<'_> {
+        SampledRasters {
+            grid: &self.grid,
+            mask: &self.mask,
+            pixel_size_m: self.metadata.pixel_size_m,
+            light_layers: &self.light_layers,
+            terrain: &self.terrain,
+        }
+    }
+
+    /// Numbers of lit pixels as a GeoTIFF, as [`Self::codes_geotiff`]; those of lights that share a pixel are added up.
+    ///
+    /// * `numbers`: of lit pixels ([`Self::column_and_row`]); `values` in parallel.
+    ///
+    /// # Errors
+    /// [`RasterError`], only by a defect or for want of memory.
+    pub fn pixels_geotiff(
+        &self,
+        numbers: &[u32],
+        values: &[f32],
+        metadata: &RasterMetadata<'_>,
+    ) -> Result<Vec<u8>, RasterError> {
+        let codes = numbers.iter().map(|&number| self.code(number));
+        let mut pixels: Vec<(u64, f32)> = codes.zip(values.iter().copied()).collect();
+        pixels.sort_by_key(|pixel| pixel.0);
+        pixels.dedup_by(|next, first| {
+            let is_same = next.0 == first.0;
+            first.1 += if is_same { next.1 } else { 0.0 };
+            is_same
+        });
+        self.codes_geotiff(&pixels, metadata)
+    }
+
+    /// Numbers of pixels as a GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated in tiles of 256; all other
+    /// pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
+    ///
+    /// * `pixels`: codes ([`Self::pixel_code`]), ascending, each with its number.
+    ///
+    /// # Errors
+    /// [`RasterError`], only by a defect or for want of memory.
+    pub fn codes_geotiff(
+        &self,
+        pixels: &[(u64, f32)],
+        metadata: &RasterMetadata<'_>,
+    ) -> Result<Vec<u8>, RasterError> {
+        geotiff::of_pixels(&self.metadata.grid, pixels, metadata)
+    }
+
+    /// Numbers of places as a cloud-optimized GeoTIFF in the scene's CRS: one float32 band, deflated, with overviews; NaN is no data.
+    ///
+    /// # Errors
+    /// [`RasterError`], only by a defect or for want of memory.
+    pub fn places_geotiff(
+        &self,
+        places: &PlaceValues,
+        metadata: &RasterMetadata<'_>,
+    ) -> Result<Vec<u8>, RasterError> {
+        geotiff::of_places(&self.metadata.grid, places, metadata)
+    }
+
+    /// A place for each pixel, or for blocks of them where that would be more than `max_places`.
+    pub fn place_lattice(&self, max_places: usize) -> PlaceLattice {
+        PlaceLattice::within(self.grid.width, self.grid.height, max_places)
+    }
+
+    /// A place of a lattice by its column and row.
+    pub fn lattice_place(&self, lattice: PlaceLattice, column: u32, row: u32) -> GeoPoint {
+        GeoPoint::from_vector(lattice.point(&self.grid, f64::from(column), f64::from(row)))
+    }
+
+    /// Altitude of the ground at every place of a lattice, metres above sea level, at least 0, row by row from the north; NaN off
+    /// the world.
+    pub fn ground_altitudes_m(&self, lattice: PlaceLattice) -> Vec<f32> {
+        dual_tree::ground_altitudes_m(lattice, &self.grid, &self.terrain)
+    }
+
+    /// The sum over the lights within 300 km at every place of a lattice, row by row from the north; NaN where the altitude is.
+    ///
+    /// * `altitudes_m`: of the observers at the places, metres above sea level; NaN where none can be.
+    /// * `kernels`: of each of [`Self::fixtures`].
+    /// * `terrain_hides`: whether the skylines of lights cut their low light, where scene and kernels know them.
+    /// * `store`: may know patches from before, is given each that is done, and may cancel the computation.
+    ///
+    /// None where it was cancelled.
+    ///
+    /// # Panics
+    /// Where altitudes or kernels do not fit lattice or fixtures.
+    pub fn sum_at_places(
+        &self,
+        lattice: PlaceLattice,
+        altitudes_m: &[f32],
+        kernels: &[PlaceKernel],
+        terrain_hides: bool,
+        store: &dyn PatchStore,
+    ) -> Option<Vec<f32>> {
+        assert_eq!(altitudes_m.len(), lattice.len(), "an altitude for each place");
+        let fixtures = self.fixtures();
+        assert_eq!(fixtures.len(), kernels.len(), "a kernel for each kind of fixture");
+        let layers: Vec<(LightTree<'_>, &PlaceKernel)> = (self.light_layers.iter())
+            .filter_map(|layer| {
+                let kind = fixtures.iter().position(|fixture| *fixture == layer.fixture)?;
+                let hides = terrain_hides && kernels[kind].knows_skylines();
+                Some((layer.light(&self.grid, self.metadata.calibration, hides), &kernels[kind]))
+            })
+            .collect();
+        let step_m = self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step);
+        let sources = Sources { grid: &self.grid, layers: &layers };
+        dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
+    }
+
+    /// The code of a pixel in [`PixelFactors`](crate::PixelFactors).
+    pub fn pixel_code(column: u32, row: u32) -> u64 {
+        morton::encode(column, row)
+    }
+
+    /// Column and row of a code.
+    pub fn column_and_row_of(code: u64) -> (u32, u32) {
+        morton::decode(code)
+    }
+
+    /// The scene with changes, one step after the other. What no change touches is shared with this scene; pyramids are made
+    /// of the touched lights alone. New lights stand on the terrain and behind its skylines as those of the raster do.
+    ///
+    /// * `mark`: tells these changes from all others; the version is made from it and the scene's.
+    ///
+    /// # Errors
+    /// [`ChangeError`].
+    ///
+    /// # Panics
+    /// If the scene is a changed one itself: give all steps to the scene that was ingested.
+    pub fn changed(&self, steps: &[ChangeStep], mark: &str) -> Result<(Self, ChangeSummary), ChangeError> {
+        assert!(self.light_layers.len() == 1, "steps belong to a scene as it was ingested");
+        let base = Base {
+            grid: &self.grid,
+            mask: &self.mask,
+            layer: self.first_layer(),
+            terrain: &self.terrain,
+            calibration: self.metadata.calibration,
+        };
+        let (light_layers, summary) = base.changed(steps)?;
+        let mut metadata = self.metadata.clone();
+        metadata.lit_pixels = light_layers.iter().map(|layer| layer.len() as u64).sum();
+        let version = blake3::hash(format!("{} {mark}", self.metadata.version).as_bytes());
+        metadata.version = version.to_hex()[..32].to_owned();
+        Ok((Self { metadata, light_layers, ..self.clone() }, summary))
     }
 }
+
+#[cfg(test)]
+#[path = "scene_tests.rs"]
+mod tests;

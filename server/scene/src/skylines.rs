@@ -9,32 +9,31 @@
 //! azimuths, and over many lights within 0.01 (`examples/skyline_samples.rs`). Reaches four times as far apart, or
 //! none beyond 64 km, are half again as wrong.
 
-use crate::light_pyramid::Level;
 use crate::sections::{Flaw, Sections, pack_ascending, unpack_ascending};
 use bytemuck::{cast_slice, pod_collect_to_vec};
 use rayon::prelude::*;
 use skyglow_physics::blocking::{BLOCKING_COUNT, blocking_position};
-use std::borrow::Cow;
+use std::{borrow::Cow, ops::Range};
 
-/// Azimuths at which a light looks; number i is at i·360/32 degrees clockwise from north.
+/// Azimuths of the horizon profile of a light; number i is at i·360/32 degrees clockwise from north.
 pub const SKYLINE_AZIMUTH_COUNT: usize = 32;
 /// Within these distances of the light the highest terrain is known, metres. Each is twice the one before, and the
 /// first is twice [`NEAREST_SOURCE_M`](skyglow_physics::source_pixel::NEAREST_SOURCE_M).
-pub const SKYLINE_DISTANCES_M: [f64; REACH_COUNT] =
+pub const SKYLINE_DISTANCES_M: [f64; DISTANCE_COUNT] =
     [500.0, 1_000.0, 2_000.0, 4_000.0, 8_000.0, 16_000.0, 32_000.0, 64_000.0, 128_000.0];
-const REACH_COUNT: usize = 9;
+const DISTANCE_COUNT: usize = 9;
 /// ln of a reach over the one before.
-const REACH_LOG_STEP: f64 = std::f64::consts::LN_2;
+const DISTANCE_LOG_STEP: f64 = std::f64::consts::LN_2;
 /// Codes a node of the axis of blocking angles: 0.014° near the open sky, 2 % of the angle above half a degree.
 const STEPS_PER_NODE: f64 = 36.0;
 /// The highest code.
 const LAST_CODE: f64 = STEPS_PER_NODE * (BLOCKING_COUNT - 1) as f64;
 
 /// Tangent of an elevation angle so low (0.007°) that its code is that of the open sky.
-pub(crate) const OPEN_TANGENT: f64 = 1.2e-4;
+pub(crate) const MIN_TANGENT: f64 = 1.2e-4;
 
 /// Highest terrain of one light, `[azimuth][reach]`.
-pub(crate) type Skyline = [[u8; REACH_COUNT]; SKYLINE_AZIMUTH_COUNT];
+pub(crate) type Skyline = [[u8; DISTANCE_COUNT]; SKYLINE_AZIMUTH_COUNT];
 
 /// The skylines of lights, by the index of the light.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,9 +53,9 @@ pub(crate) fn code_of(tangent: f64) -> u8 {
 }
 
 /// What each code is above that of the reach before: mostly nothing, so it packs well.
-fn steps(codes: &[u8; REACH_COUNT]) -> [u8; REACH_COUNT] {
+fn steps(codes: &[u8; DISTANCE_COUNT]) -> [u8; DISTANCE_COUNT] {
     let mut steps = *codes;
-    for reach in 1..REACH_COUNT {
+    for reach in 1..DISTANCE_COUNT {
         steps[reach] = codes[reach].wrapping_sub(codes[reach - 1]);
     }
     steps
@@ -101,8 +100,8 @@ impl Skylines {
         }
         let skyline = &self.blocked[at as usize];
         // Towards the nearest distance of any source, half of the first reach, it falls to nothing.
-        let reach = (log_distance / REACH_LOG_STEP).clamp(0.0, REACH_COUNT as f64);
-        let outer = (reach as usize).min(REACH_COUNT - 1);
+        let reach = (log_distance / DISTANCE_LOG_STEP).clamp(0.0, DISTANCE_COUNT as f64);
+        let outer = (reach as usize).min(DISTANCE_COUNT - 1);
         let out = reach - outer as f64;
         let column = turns * SKYLINE_AZIMUTH_COUNT as f64;
         let left = column as usize;
@@ -119,14 +118,20 @@ impl Skylines {
     /// The skylines of the blocks of a level of the light pyramid from those of the level below (pixels below level
     /// 1): the mean of the places on the axis of blocking angles, weighted by flux, in which the tables are linear.
     ///
+    /// * `children`: of each of `block_count` blocks, as a range in the level below.
     /// * `flux_dnb_w`: upward flux of a child by its index.
-    pub(crate) fn of_blocks(&self, level: &Level, flux_dnb_w: impl Fn(usize) -> f64 + Sync) -> Self {
+    pub(crate) fn of_blocks(
+        &self,
+        block_count: usize,
+        children: impl Fn(usize) -> Range<usize> + Sync,
+        flux_dnb_w: impl Fn(usize) -> f64 + Sync,
+    ) -> Self {
         let of_block = |block: usize| {
-            let children = level.children(block);
+            let children = children(block);
             if children.clone().all(|child| self.is_open(child)) {
                 return Skyline::default();
             }
-            let mut sums = [[0f32; REACH_COUNT]; SKYLINE_AZIMUTH_COUNT];
+            let mut sums = [[0f32; DISTANCE_COUNT]; SKYLINE_AZIMUTH_COUNT];
             let mut total = 0.0;
             for child in children {
                 let flux = flux_dnb_w(child);
@@ -140,7 +145,7 @@ impl Skylines {
             }
             sums.map(|column| column.map(|sum| (sum / total as f32 + 0.5) as u8))
         };
-        let skylines: Vec<Skyline> = (0..level.blocks.len()).into_par_iter().map(of_block).collect();
+        let skylines: Vec<Skyline> = (0..block_count).into_par_iter().map(of_block).collect();
         let mut above = Self::default();
         skylines.iter().for_each(|skyline| above.push(skyline));
         above
@@ -176,7 +181,7 @@ impl Skylines {
         }
         let mut blocked: Vec<Skyline> = pod_collect_to_vec(&codes);
         for codes in blocked.iter_mut().flatten() {
-            for reach in 1..REACH_COUNT {
+            for reach in 1..DISTANCE_COUNT {
                 codes[reach] = codes[reach].wrapping_add(codes[reach - 1]);
             }
         }

@@ -20,8 +20,9 @@ fn only(skyline: Skyline) -> Skylines {
     skylines
 }
 
+/// At a stored azimuth and distance the skyline is the highest terrain within that distance.
 #[test]
-fn at_an_azimuth_and_a_reach_it_is_the_terrain_within_it() {
+fn at_a_node_it_is_the_terrain_within_distance() {
     let skylines = only(behind_8_km(|azimuth| azimuth as u8 * 4));
     for azimuth in 0..SKYLINE_AZIMUTH_COUNT {
         for (reach, reach_m) in SKYLINE_DISTANCES_M.into_iter().enumerate() {
@@ -43,17 +44,19 @@ fn at_an_azimuth_and_a_reach_it_is_the_terrain_within_it() {
     assert_eq!(skylines.blocking(0, 1.0, far), skylines.blocking(0, 0.0, far));
 }
 
+/// Codes are fine near the open sky and reach the last blocking angle.
 #[test]
-fn codes_are_fine_near_the_open_sky_and_reach_the_last_angle() {
+fn codes_resolve_low_angles_and_span_all() {
     for (degrees, code) in [(-1.0, 0), (0.0, 0), (0.5, 36), (1.0, 72), (32.0, 252), (70.0, 252)] {
         assert_eq!(code_of(f64::to_radians(degrees).tan()), code);
     }
     assert_eq!(code_of(f64::to_radians(0.014).tan()), 1);
-    assert_eq!((code_of(OPEN_TANGENT), code_of(1.02 * OPEN_TANGENT)), (0, 1));
+    assert_eq!((code_of(MIN_TANGENT), code_of(1.02 * MIN_TANGENT)), (0, 1));
 }
 
+/// The skyline of a block is the mean of its lights' skylines, weighted by flux.
 #[test]
-fn a_block_has_the_mean_skyline_of_its_lights_by_their_flux() {
+fn a_block_has_the_flux_weighted_mean_skyline() {
     let grid = crate::grid::Grid::geographic(
         crate::grid::GeographicAxes {
             first_longitude_deg: 8.0,

@@ -2,8 +2,8 @@
 //! that what a killed process left behind can be told apart and cleared.
 
 use crate::error::SceneError;
+use crate::scene_files::METADATA_FILE;
 use crate::scene_id::SceneId;
-use crate::stored::METADATA_FILE;
 use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -109,7 +109,7 @@ fn locked(folder: &Path) -> Result<File, SceneError> {
 }
 
 /// Removes the folders of ingests that no longer run, and puts a scene that was set aside back where its
-/// successor never came. What cannot be removed stays for the next time. Answers how many are gone.
+/// successor never came. What cannot be removed stays for the next time. Returns how many were removed.
 pub(crate) fn clear_stale(parent: &Path) -> usize {
     let Ok(entries) = std::fs::read_dir(parent) else { return 0 };
     let stale = |path: &PathBuf| path.file_name().is_some_and(|n| n.to_string_lossy().starts_with(PREFIX));

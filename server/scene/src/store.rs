@@ -12,11 +12,11 @@ use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
 use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::scene::Scene;
+use crate::scene_files::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE};
 use crate::scene_id::SceneId;
 use crate::sections::{Flaw, Sections, unpack_ascending};
 use crate::skylines::Skylines;
 use crate::staging::{self, Staging};
-use crate::stored::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE};
 use crate::terrain::Terrain;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -69,12 +69,12 @@ impl SceneStore {
     }
 
     /// Clears what killed ingests left among the scenes; one that still runs, in whatever process, keeps its
-    /// folder. Answers how many folders are gone.
+    /// folder. Returns how many folders were removed.
     pub fn clear_stale(&self) -> usize {
         staging::clear_stale(&self.scenes_dir)
     }
 
-    /// A new folder for files that come in, beside the scenes: gone when it is dropped, and cleared with what killed ingests left.
+    /// A new folder for files that come in, beside the scenes: removed when it is dropped, and cleared with what killed ingests left.
     ///
     /// # Errors
     /// [`SceneError::Io`].
@@ -192,7 +192,7 @@ impl SceneStore {
             metadata: stored.metadata,
             grid: Arc::new(grid),
             mask: Arc::new(mask),
-            layers: vec![LightLayer::whole(lights)],
+            light_layers: vec![LightLayer::whole(lights)],
             terrain: Arc::new(terrain),
             places: places.into(),
         })

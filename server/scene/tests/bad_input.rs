@@ -4,18 +4,18 @@
 
 mod common;
 
-use common::{Bench, TestRaster, place};
+use common::{TestRaster, TestStore, place};
 use gdal::DriverManager;
 use gdal::raster::{ColorInterpretation, RasterCreationOptions};
 use skyglow_scene::{IngestOptions, RadianceUnit, SceneId};
 
 fn refusal_of(change: impl FnOnce(&mut TestRaster)) -> String {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let mut raster = TestRaster::scattered(40, 30);
     change(&mut raster);
-    let path = bench.path("light.tif");
+    let path = test_store.path("light.tif");
     raster.write_f32(&path);
-    bench.refusal(&IngestOptions::new(path))
+    test_store.refusal(&IngestOptions::new(path))
 }
 
 #[test]
@@ -30,8 +30,9 @@ fn metres_called_degrees_are_refused() {
     assert!(told.contains("no longitude and latitude") && told.contains("257000"), "{told}");
 }
 
+/// Longitudes a whole turn away are refused, those across an edge are not.
 #[test]
-fn longitudes_a_whole_turn_away_are_refused_and_those_over_an_edge_are_not() {
+fn longitudes_a_turn_away_are_refused() {
     let told = refusal_of(|raster| raster.geotransform[0] = 500.0);
     assert!(told.contains("no longitude and latitude") && told.contains("500"), "{told}");
     let told = refusal_of(|raster| raster.geotransform[0] = -500.0);
@@ -39,7 +40,7 @@ fn longitudes_a_whole_turn_away_are_refused_and_those_over_an_edge_are_not() {
     for west in [359.9, 179.9, -180.1] {
         let mut raster = TestRaster::scattered(120, 30);
         raster.geotransform[0] = west;
-        let bounds = Bench::new().scene(&raster).metadata().bounds;
+        let bounds = TestStore::new().scene(&raster).metadata().bounds;
         assert!(bounds[0].abs() <= 180.0 && bounds[2].abs() <= 180.0, "{west}: {bounds:?}");
     }
 }
@@ -50,8 +51,9 @@ fn degrees_called_metres_are_refused() {
     assert!(told.contains("cannot be meant"), "{told}");
 }
 
+/// Projected coordinates beyond the world are refused.
 #[test]
-fn projected_coordinates_beyond_the_world_are_refused() {
+fn projected_coordinates_off_world_are_refused() {
     for epsg in [3857, 32737, 3035] {
         let told = refusal_of(|raster| {
             raster.epsg = Some(epsg);
@@ -82,26 +84,27 @@ fn a_raster_without_light_is_refused() {
 
 #[test]
 fn pictures_are_refused() {
-    let bench = Bench::new();
-    let path = bench.path("picture.tif");
+    let test_store = TestStore::new();
+    let path = test_store.path("picture.tif");
     TestRaster::scattered(40, 30).write(&path, |v| v as u8);
-    let told = bench.refusal(&IngestOptions::new(&path));
+    let told = test_store.refusal(&IngestOptions::new(&path));
     assert!(told.contains("8-bit"), "{told}");
 
     let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
     let options = RasterCreationOptions::from_iter(["PHOTOMETRIC=RGB"]);
-    let path = bench.path("rgb.tif");
+    let path = test_store.path("rgb.tif");
     let dataset = driver.create_with_band_type_with_options::<u8, _>(&path, 8, 8, 3, &options).unwrap();
     dataset.rasterband(1).unwrap().set_color_interpretation(ColorInterpretation::RedBand).unwrap();
     dataset.close().unwrap();
-    let told = bench.refusal(&IngestOptions::new(&path));
+    let told = test_store.refusal(&IngestOptions::new(&path));
     assert!(told.contains("colour picture"), "{told}");
 }
 
+/// Of several bands one must be chosen; an alpha band is a mask.
 #[test]
-fn of_several_bands_one_must_be_chosen_and_transparency_is_a_mask() {
-    let bench = Bench::new();
-    let path = bench.path("bands.tif");
+fn bands_must_be_chosen_and_alpha_is_a_mask() {
+    let test_store = TestStore::new();
+    let path = test_store.path("bands.tif");
     let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
     let options = RasterCreationOptions::default();
     let mut dataset = driver.create_with_band_type_with_options::<f32, _>(&path, 8, 8, 2, &options).unwrap();
@@ -119,11 +122,11 @@ fn of_several_bands_one_must_be_chosen_and_transparency_is_a_mask() {
     };
     write(&mut dataset);
     dataset.close().unwrap();
-    let told = bench.refusal(&IngestOptions::new(&path));
+    let told = test_store.refusal(&IngestOptions::new(&path));
     assert!(told.contains("--band: 1, 2"), "{told}");
     let mut options = IngestOptions::new(&path);
     options.band = Some("1".into());
-    assert_eq!(bench.ingest(&options).unwrap().lit_pixels, 64);
+    assert_eq!(test_store.ingest(&options).unwrap().lit_pixels, 64);
 
     let creation = RasterCreationOptions::from_iter(["ALPHA=YES"]);
     let mut dataset = driver.create_with_band_type_with_options::<f32, _>(&path, 8, 8, 2, &creation).unwrap();
@@ -131,25 +134,26 @@ fn of_several_bands_one_must_be_chosen_and_transparency_is_a_mask() {
     dataset.close().unwrap();
     options.band = None;
     options.replace = true;
-    let metadata = bench.ingest(&options).unwrap();
+    let metadata = test_store.ingest(&options).unwrap();
     assert_eq!((metadata.lit_pixels, metadata.report.no_data.count), (32, 32));
 }
 
 #[test]
 fn eight_bit_radiances_pass_with_their_scale() {
-    let bench = Bench::new();
-    let path = bench.path("light.tif");
+    let test_store = TestStore::new();
+    let path = test_store.path("light.tif");
     TestRaster::scattered(40, 30).write(&path, |v| v as u8);
     let mut options = IngestOptions::new(&path);
     options.scale = Some(0.5);
-    let metadata = bench.ingest(&options).unwrap();
+    let metadata = test_store.ingest(&options).unwrap();
     assert!(metadata.report.maximum_nw_cm2_sr < 21.0);
 }
 
+/// A truncated raster is refused, and so is a file that is no raster.
 #[test]
-fn a_truncated_file_is_refused_and_one_that_is_no_raster_too() {
-    let bench = Bench::new();
-    let path = bench.path("light.tif");
+fn truncated_files_and_other_files_are_refused() {
+    let test_store = TestStore::new();
+    let path = test_store.path("light.tif");
     let mut raster = TestRaster::scattered(700, 700);
     raster.values.iter_mut().enumerate().for_each(|(i, v)| *v += (i as f64 * 0.618).fract());
     raster.write_f32(&path);
@@ -157,21 +161,22 @@ fn a_truncated_file_is_refused_and_one_that_is_no_raster_too() {
     let mut refused = 0;
     for part in [0.0, 0.001, 0.3, 0.6, 0.95] {
         std::fs::write(&path, &whole[..(whole.len() as f64 * part) as usize]).unwrap();
-        let told = bench.refusal(&IngestOptions::new(&path));
+        let told = test_store.refusal(&IngestOptions::new(&path));
         assert!(told.contains("cannot be read as a raster"), "{told}");
         refused += 1;
     }
     assert_eq!(refused, 5);
     std::fs::write(&path, "hello, this is a letter and not a raster").unwrap();
-    let told = bench.refusal(&IngestOptions::new(&path));
+    let told = test_store.refusal(&IngestOptions::new(&path));
     assert!(told.contains("cannot be read as a raster"), "{told}");
 }
 
+/// A file with its directory at the front (COG) is refused when its end is cut.
 #[test]
-fn a_file_with_its_directory_at_the_front_is_refused_when_its_end_is_cut() {
+fn a_truncated_cog_is_refused() {
     // A COG has all its headers first, so it opens although pixels are missing.
-    let bench = Bench::new();
-    let (plain, cog) = (bench.path("plain.tif"), bench.path("cog.tif"));
+    let test_store = TestStore::new();
+    let (plain, cog) = (test_store.path("plain.tif"), test_store.path("cog.tif"));
     let mut raster = TestRaster::scattered(1100, 900);
     raster.values.iter_mut().enumerate().for_each(|(i, v)| *v += (i as f64 * 0.618).fract());
     raster.write_f32(&plain);
@@ -182,96 +187,99 @@ fn a_file_with_its_directory_at_the_front_is_refused_when_its_end_is_cut() {
         let mut options = IngestOptions::new(path);
         options.id = Some(SceneId::parse("same").unwrap());
         options.replace = true;
-        bench.ingest(&options).unwrap()
+        test_store.ingest(&options).unwrap()
     };
     assert_eq!(same(plain.clone()).report.lit, same(cog.clone()).report.lit);
     let whole = std::fs::read(&cog).unwrap();
     std::fs::write(&cog, &whole[..whole.len() * 3 / 4]).unwrap();
-    let bench_for_cut = Bench::new();
-    let told = bench_for_cut.refusal(&IngestOptions::new(&cog));
+    let store_for_cut = TestStore::new();
+    let told = store_for_cut.refusal(&IngestOptions::new(&cog));
     assert!(told.contains("truncated"), "{told}");
 }
 
 #[test]
 fn virtual_and_missing_files_are_refused() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     for path in ["/vsicurl/http://localhost/x.tif", "/vsimem/x.tif", "/no/such/file.tif", "HDF5:x.h5://a"] {
-        let told = bench.refusal(&IngestOptions::new(path));
+        let told = test_store.refusal(&IngestOptions::new(path));
         assert!(told.contains(path), "{told}");
     }
-    let vrt = bench.path("light.vrt");
+    let vrt = test_store.path("light.vrt");
     std::fs::write(&vrt, "<VRTDataset rasterXSize=\"1\" rasterYSize=\"1\"></VRTDataset>").unwrap();
-    assert!(bench.refusal(&IngestOptions::new(vrt)).contains("cannot be read as a raster"));
+    assert!(test_store.refusal(&IngestOptions::new(vrt)).contains("cannot be read as a raster"));
 }
 
 #[test]
 fn wrong_numbers_are_refused_by_their_option() {
-    let bench = Bench::new();
-    let path = bench.path("light.tif");
+    let test_store = TestStore::new();
+    let path = test_store.path("light.tif");
     TestRaster::scattered(40, 30).write_f32(&path);
     let mut options = IngestOptions::new(&path);
     options.calibration = -1.0;
-    assert!(bench.refusal(&options).starts_with("--calibration: -1"));
+    assert!(test_store.refusal(&options).starts_with("--calibration: -1"));
     options.calibration = 1.0;
     options.scale = Some(f64::NAN);
-    assert!(bench.refusal(&options).starts_with("--scale: NaN"));
+    assert!(test_store.refusal(&options).starts_with("--scale: NaN"));
     options.scale = None;
     options.band = Some("7".into());
-    assert!(bench.refusal(&options).contains("no band \"7\""));
+    assert!(test_store.refusal(&options).contains("no band \"7\""));
     assert!(RadianceUnit::parse("lux").unwrap_err().to_string().contains("nw-cm2-sr"));
 }
 
+/// Bad terrain and bad places are refused before anything is stored.
 #[test]
-fn bad_terrain_and_bad_places_are_refused_before_anything_is_stored() {
-    let bench = Bench::new();
-    let path = bench.path("light.tif");
+fn bad_terrain_and_places_are_refused() {
+    let test_store = TestStore::new();
+    let path = test_store.path("light.tif");
     TestRaster::scattered(40, 30).write_f32(&path);
     let mut options = IngestOptions::new(&path);
-    let terrain = bench.path("terrain.tif");
+    let terrain = test_store.path("terrain.tif");
     options.terrain = vec![terrain.clone()];
-    assert!(bench.refusal(&options).contains("terrain.tif"));
+    assert!(test_store.refusal(&options).contains("terrain.tif"));
     let mut raster = TestRaster::new(20, 20, |_, _| f64::NAN);
     raster.write_f32(&terrain);
-    assert!(bench.refusal(&options).contains("every sample is void"));
+    assert!(test_store.refusal(&options).contains("every sample is void"));
     raster.values.fill(100.0);
     raster.epsg = None;
     raster.write_f32(&terrain);
-    assert!(bench.refusal(&options).contains("no coordinate reference system"));
+    assert!(test_store.refusal(&options).contains("no coordinate reference system"));
     options.terrain.clear();
-    options.places = Some(bench.path("light.tif"));
-    assert!(bench.refusal(&options).contains("CSV"));
-    let places = bench.path("places.csv");
+    options.places = Some(test_store.path("light.tif"));
+    assert!(test_store.refusal(&options).contains("CSV"));
+    let places = test_store.path("places.csv");
     for off in ["500", "-181", "360.5", "nan", "inf"] {
         std::fs::write(&places, format!("name,latitude,longitude\nA,-1,37\nB,-1,{off}\n")).unwrap();
         options.places = Some(places.clone());
-        let told = bench.refusal(&options);
+        let told = test_store.refusal(&options);
         assert!(told.contains("line 3") && told.contains("off the world"), "{told}");
     }
     options.places = None;
     options.date = Some("a dark night".into());
-    assert!(bench.refusal(&options).contains("--date: \"a dark night\" is no date"));
+    assert!(test_store.refusal(&options).contains("--date: \"a dark night\" is no date"));
 }
 
+/// An id that is taken is refused, and the existing scene stays.
 #[test]
-fn an_id_that_is_taken_is_refused_and_the_scene_there_stays() {
-    let bench = Bench::new();
+fn a_taken_id_is_refused() {
+    let test_store = TestStore::new();
     let raster = TestRaster::scattered(40, 30);
-    let first = bench.scene(&raster);
-    let mut options = IngestOptions::new(bench.path("light.tif"));
-    let told = bench.ingest(&options).unwrap_err().to_string();
+    let first = test_store.scene(&raster);
+    let mut options = IngestOptions::new(test_store.path("light.tif"));
+    let told = test_store.ingest(&options).unwrap_err().to_string();
     assert!(told.contains("exists already") && told.contains("--replace"), "{told}");
     // A replacement that fails leaves the old scene too.
     options.replace = true;
-    std::fs::write(bench.path("light.tif"), "broken").unwrap();
-    assert!(bench.ingest(&options).is_err());
-    let still = bench.store.open(&first.metadata().id).unwrap();
+    std::fs::write(test_store.path("light.tif"), "broken").unwrap();
+    assert!(test_store.ingest(&options).is_err());
+    let still = test_store.store.open(&first.metadata().id).unwrap();
     assert_eq!(still.metadata(), first.metadata());
-    assert_eq!(bench.store.list().unwrap().scenes.len(), 1);
+    assert_eq!(test_store.store.list().unwrap().scenes.len(), 1);
 }
 
+/// Negative, infinite and other odd pixels are counted, listed, and give no light.
 #[test]
-fn odd_pixels_are_counted_and_shown_and_give_no_light() {
-    let bench = Bench::new();
+fn odd_pixels_are_counted_and_dark() {
+    let test_store = TestStore::new();
     let mut raster = TestRaster::scattered(60, 50);
     raster.no_data = Some(-999.0);
     raster.values.iter_mut().for_each(|v| *v = v.min(30.0));
@@ -281,7 +289,7 @@ fn odd_pixels_are_counted_and_shown_and_give_no_light() {
     for index in 100..112 {
         raster.values[index] = 30.0;
     }
-    let scene = bench.scene(&raster);
+    let scene = test_store.scene(&raster);
     let report = &scene.metadata().report;
     assert_eq!((report.no_data.count, report.nan.count, report.negative.count), (1, 1, 2));
     assert_eq!(report.infinite.count, 1);
@@ -306,31 +314,32 @@ fn odd_pixels_are_counted_and_shown_and_give_no_light() {
 
 #[test]
 fn light_that_nothing_on_earth_sends_is_refused() {
-    let bench = Bench::new();
-    let path = bench.path("light.tif");
+    let test_store = TestStore::new();
+    let path = test_store.path("light.tif");
     TestRaster::scattered(60, 50).write_f32(&path);
     let mut options = IngestOptions::new(path);
     options.scale = Some(1e30);
-    let told = bench.refusal(&options);
+    let told = test_store.refusal(&options);
     assert!(told.contains("scale is not the right one"), "{told}");
     options.scale = Some(1.0);
-    assert!(bench.ingest(&options).is_ok());
+    assert!(test_store.ingest(&options).is_ok());
 }
 
+/// Suspicious units are reported, and the units option corrects them.
 #[test]
-fn suspicious_units_are_said_and_the_units_option_mends_them() {
-    let bench = Bench::new();
+fn suspicious_units_are_reported() {
+    let test_store = TestStore::new();
     let mut raster = TestRaster::scattered(60, 50);
     raster.values.iter_mut().for_each(|v| *v *= 1e-5);
-    let scene = bench.scene(&raster);
+    let scene = test_store.scene(&raster);
     assert!(scene.metadata().report.warnings.iter().any(|w| w.contains("--units w-m2-sr")));
-    let mended =
-        bench.scene_with(&raster, |options| options.units = Some(RadianceUnit::WattPerSquareMetreSteradian));
+    let mended = test_store
+        .scene_with(&raster, |options| options.units = Some(RadianceUnit::WattPerSquareMetreSteradian));
     assert!(mended.metadata().report.warnings.iter().all(|w| !w.contains("unit")));
     assert!(
         (mended.metadata().report.flux_dnb_w / scene.metadata().report.flux_dnb_w / 1e5 - 1.0).abs() < 1e-5
     );
     raster.values.iter_mut().for_each(|v| *v = (*v * 1e5).round());
-    let picture = bench.scene(&raster);
+    let picture = test_store.scene(&raster);
     assert!(picture.metadata().report.warnings.iter().any(|w| w.contains("picture")));
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, TestRaster, place};
+use common::{TestRaster, TestStore, place};
 use gdal::raster::{Buffer, RasterCreationOptions};
 use gdal::spatial_ref::SpatialRef;
 use gdal::{DriverManager, Metadata};
@@ -60,97 +60,101 @@ fn values(column: usize, row: usize) -> u16 {
     }
 }
 
-fn ingest(bench: &Bench, file: &str, change: impl FnOnce(&mut IngestOptions)) -> SceneMetadata {
-    let mut options = IngestOptions::new(bench.path(file));
+fn ingest(test_store: &TestStore, file: &str, change: impl FnOnce(&mut IngestOptions)) -> SceneMetadata {
+    let mut options = IngestOptions::new(test_store.path(file));
     options.replace = true;
     change(&mut options);
-    bench.ingest(&options).unwrap()
+    test_store.ingest(&options).unwrap()
 }
 
 /// The granule's scale, fill value, tile and lights came through.
-fn check(bench: &Bench, metadata: &SceneMetadata, name: &str) {
+fn check(test_store: &TestStore, metadata: &SceneMetadata, name: &str) {
     assert_eq!(metadata.report.band, name);
     assert_eq!((metadata.report.lit.count, metadata.report.no_data.count), (2, SIDE as u64));
     assert!((metadata.report.maximum_nw_cm2_sr - 50.5).abs() < 1e-5, "{}", metadata.report.maximum_nw_cm2_sr);
     // Tile h21v09: 30..40° E, 0..10° S.
     assert_eq!(metadata.bounds, [30.0, -10.0, 40.0, 0.0]);
-    let scene = bench.store.open(&metadata.id).unwrap();
+    let scene = test_store.store.open(&metadata.id).unwrap();
     let at = |column: f64, row: f64| place(-(row + 0.5) * 10.0 / 240.0, 30.0 + (column + 0.5) * 10.0 / 240.0);
     assert!((scene.radiance_nw_cm2_sr(at(120.0, 60.0)).unwrap() - 50.5).abs() < 1e-5);
     assert!((scene.radiance_nw_cm2_sr(at(30.0, 200.0)).unwrap() - 1.2).abs() < 1e-5);
     assert_eq!(scene.radiance_nw_cm2_sr(at(5.0, 0.0)), None);
 }
 
+/// A daily granule is read with its scale, fill value and tile.
 #[test]
-fn a_daily_granule_is_read_with_its_scale_fill_value_and_tile() {
-    let bench = Bench::new();
+fn a_daily_granule_has_scale_fill_and_tile() {
+    let test_store = TestStore::new();
     let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
-    write_granule(&bench.path(file), DAILY, false, Some(0.1), values);
-    check(&bench, &ingest(&bench, file, |_| {}), DAILY);
+    write_granule(&test_store.path(file), DAILY, false, Some(0.1), values);
+    check(&test_store, &ingest(&test_store, file, |_| {}), DAILY);
 }
 
+/// A yearly composite is read from its near-nadir dataset.
 #[test]
-fn a_yearly_composite_takes_its_near_nadir_dataset() {
-    let bench = Bench::new();
+fn a_yearly_composite_uses_near_nadir_data() {
+    let test_store = TestStore::new();
     let file = "VNP46A4.A2023001.h21v09.001.2023010.h5";
-    write_granule(&bench.path(file), COMPOSITE, false, Some(0.1), values);
-    check(&bench, &ingest(&bench, file, |_| {}), COMPOSITE);
-    let other = ingest(&bench, file, |options| options.band = Some("lon".into()));
+    write_granule(&test_store.path(file), COMPOSITE, false, Some(0.1), values);
+    check(&test_store, &ingest(&test_store, file, |_| {}), COMPOSITE);
+    let other = ingest(&test_store, file, |options| options.band = Some("lon".into()));
     assert_eq!(other.report.band, "lon");
     assert!(other.report.minimum_nw_cm2_sr > 38.0, "{}", other.report.minimum_nw_cm2_sr);
 }
 
+/// The tile comes from the attributes when the file's name has none.
 #[test]
-fn the_tile_comes_from_the_attributes_when_the_name_has_none() {
-    let bench = Bench::new();
-    write_granule(&bench.path("renamed.h5"), DAILY, false, Some(0.1), values);
-    check(&bench, &ingest(&bench, "renamed.h5", |_| {}), DAILY);
+fn the_tile_may_come_from_the_attributes() {
+    let test_store = TestStore::new();
+    write_granule(&test_store.path("renamed.h5"), DAILY, false, Some(0.1), values);
+    check(&test_store, &ingest(&test_store, "renamed.h5", |_| {}), DAILY);
 }
 
+/// A granule without attributes takes the product's scale and fill value.
 #[test]
-fn a_granule_without_attributes_takes_the_product_s_scale_and_fill_value() {
-    let bench = Bench::new();
+fn a_bare_granule_takes_product_defaults() {
+    let test_store = TestStore::new();
     let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
-    write_granule(&bench.path(file), DAILY, false, None, values);
-    check(&bench, &ingest(&bench, file, |_| {}), DAILY);
+    write_granule(&test_store.path(file), DAILY, false, None, values);
+    check(&test_store, &ingest(&test_store, file, |_| {}), DAILY);
 }
 
 #[test]
 fn a_file_with_the_radiance_alone_is_read_too() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let file = "VNP46A2.A2023001.h21v09.001.2023010.h5";
-    write_granule(&bench.path(file), DAILY, true, Some(0.1), values);
-    check(&bench, &ingest(&bench, file, |_| {}), DAILY);
+    write_granule(&test_store.path(file), DAILY, true, Some(0.1), values);
+    check(&test_store, &ingest(&test_store, file, |_| {}), DAILY);
 }
 
 #[test]
 fn an_unknown_granule_names_what_it_holds() {
-    let bench = Bench::new();
-    let file = bench.path("X.h21v09.h5");
+    let test_store = TestStore::new();
+    let file = test_store.path("X.h21v09.h5");
     write_granule(&file, "Moon_Phase", false, Some(0.1), values);
-    let told = bench.refusal(&IngestOptions::new(&file));
+    let told = test_store.refusal(&IngestOptions::new(&file));
     assert!(told.contains("--band") && told.contains("Moon_Phase"), "{told}");
     let mut options = IngestOptions::new(&file);
     options.band = Some("Nothing".into());
-    assert!(bench.refusal(&options).contains("no dataset \"Nothing\""));
+    assert!(test_store.refusal(&options).contains("no dataset \"Nothing\""));
     // Alone in its file it could pass for anything.
     write_granule(&file, "Moon_Phase", true, Some(0.1), values);
-    assert!(bench.refusal(&IngestOptions::new(&file)).contains("--band 1"));
+    assert!(test_store.refusal(&IngestOptions::new(&file)).contains("--band 1"));
     let whole = std::fs::read(&file).unwrap();
     std::fs::write(&file, &whole[..whole.len() / 2]).unwrap();
-    assert!(bench.refusal(&IngestOptions::new(&file)).contains("truncated"));
+    assert!(test_store.refusal(&IngestOptions::new(&file)).contains("truncated"));
 }
 
 #[test]
 fn scale_and_offset_of_a_geotiff_are_applied() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let mut raster = TestRaster::scattered(60, 50);
     raster.scale_offset = Some((0.01, 0.5));
     raster.no_data = Some(0.0);
     raster.values.iter_mut().for_each(|v| *v = (*v * 100.0).round());
-    let path = bench.path("light.tif");
+    let path = test_store.path("light.tif");
     raster.write(&path, |v| v as u16);
-    let metadata = bench.ingest(&IngestOptions::new(&path)).unwrap();
+    let metadata = test_store.ingest(&IngestOptions::new(&path)).unwrap();
     let largest = raster.values.iter().copied().fold(0.0, f64::max);
     assert!((metadata.report.maximum_nw_cm2_sr - (0.5 + 0.01 * largest)).abs() < 1e-4);
     let zeros = raster.values.iter().filter(|v| **v == 0.0).count() as u64;

@@ -42,8 +42,9 @@ fn store(limits: ChangeLimits) -> (TempDir, ChangeStore) {
     (folder, store)
 }
 
+/// A draft plan is not on disk, and nothing stored can be based on it.
 #[test]
-fn a_plan_that_is_held_is_on_no_disk_and_nothing_kept_stands_on_it() {
+fn drafts_stay_in_memory_and_are_no_base() {
     let (folder, store) = store(ChangeLimits::default());
     let draft = ChangeStore::plan_id(b"a slider on its way");
     store.hold_plan(&draft, plan(None));
@@ -67,8 +68,9 @@ fn a_plan_that_is_held_is_on_no_disk_and_nothing_kept_stands_on_it() {
     store.store_scenario(&scenario(0.5, Some(draft))).unwrap();
 }
 
+/// Scenarios and plans survive a restart and can be based on each other.
 #[test]
-fn scenarios_and_plans_survive_and_stand_on_each_other() {
+fn scenarios_and_plans_survive_and_chain() {
     let (folder, store) = store(ChangeLimits::default());
     let first = store.store_scenario(&scenario(0.5, None)).unwrap();
     assert_eq!(store.store_scenario(&scenario(0.5, None)).unwrap(), first, "the same is the same");
@@ -103,8 +105,9 @@ fn scenarios_and_plans_survive_and_stand_on_each_other() {
     assert!(matches!(again.steps(&unknown, &scene(), "v1"), Err(ChangeStoreError::Unknown { .. })));
 }
 
+/// Emission weights whose sum differs from one in the last bit are read back exactly.
 #[test]
-fn weights_that_do_not_sum_to_one_by_their_last_bit_come_back() {
+fn emission_weights_round_trip_exactly() {
     let (_folder, store) = store(ChangeLimits::default());
     for step in 1..200u32 {
         let weights = [f64::from(step % 7), f64::from(step % 11), 1.0 / f64::from(step)];

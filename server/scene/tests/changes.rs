@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, STEP, TestRaster, place};
+use common::{STEP, TestRaster, TestStore, place};
 use proptest::prelude::*;
 use skyglow_physics::{EmissionMix, GeoPoint, LampChange, LampPreset, PreservedFlux};
 use skyglow_scene::{Area, Change, ChangeError, ChangeStep, Edit, PixelFactors, PolarGrid, Scene, TileLayer};
@@ -16,7 +16,7 @@ fn world() -> &'static (TestRaster, Scene) {
     static WORLD: OnceLock<(TestRaster, Scene)> = OnceLock::new();
     WORLD.get_or_init(|| {
         let raster = TestRaster::scattered(SIZE, SIZE);
-        let scene = Bench::new().scene(&raster);
+        let scene = TestStore::new().scene(&raster);
         (raster, scene)
     })
 }
@@ -99,8 +99,9 @@ fn assert_same_light(changed: &Scene, ingested: &Scene, observer: GeoPoint) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// A painted scene equals the scene of the painted raster.
     #[test]
-    fn a_painted_scene_is_the_scene_of_the_painted_raster(
+    fn painting_a_scene_is_painting_its_raster(
         columns in (0usize..140, 0usize..20), rows in (0usize..140, 0usize..20),
         factor in prop_oneof![Just(0.0), Just(1.0), 0.1f64..3.0],
         new in (5usize..150, 5usize..150), added in 0.5f64..50.0,
@@ -125,13 +126,14 @@ proptest! {
         let edits = vec![alter(rectangle(columns, rows), factor), add(rectangle(fresh.0, fresh.1), added)];
         let changed = painted(scene, edits);
         let observer = place(-1.0 - STEP * SIZE as f64 * y, 37.0 + STEP * SIZE as f64 * x);
-        assert_same_light(&changed, &Bench::new().scene(&other), observer);
+        assert_same_light(&changed, &TestStore::new().scene(&other), observer);
         prop_assert_ne!(&changed.metadata().version, &scene.metadata().version);
     }
 }
 
+/// Pixels are dimmed one by one, and those dimmed to zero are removed.
 #[test]
-fn pixels_are_dimmed_one_by_one_and_those_at_nothing_are_gone() {
+fn pixels_dimmed_to_zero_are_removed() {
     let (raster, scene) = world();
     let mut other = raster.clone();
     let mut factors: Vec<(u64, f32)> = Vec::new();
@@ -144,7 +146,7 @@ fn pixels_are_dimmed_one_by_one_and_those_at_nothing_are_gone() {
     let (codes, factors) = factors.into_iter().unzip();
     let dimmed = ChangeStep::Dimmed(PixelFactors { codes, factors });
     let (changed, summary) = scene.changed(std::slice::from_ref(&dimmed), "plan").unwrap();
-    assert_same_light(&changed, &Bench::new().scene(&other), place(-1.3, 37.2));
+    assert_same_light(&changed, &TestStore::new().scene(&other), place(-1.3, 37.2));
     let unchanged = raster.values.iter().enumerate().filter(|(n, v)| **v > 0.0 && n % 5 == 4).count() as u64;
     assert_eq!(summary.changed_pixels, scene.metadata().lit_pixels - unchanged);
     assert_eq!(summary.new_pixels, 0);
@@ -159,8 +161,9 @@ fn pixels_are_dimmed_one_by_one_and_those_at_nothing_are_gone() {
     }
 }
 
+/// Replaced lamps are lights of their own in the place of the old ones.
 #[test]
-fn other_lamps_are_lights_of_their_own_where_the_others_were() {
+fn replaced_lamps_are_separate_lights() {
     let (_, scene) = world();
     let area = rectangle([20, 90], [30, 100]);
     let to_led =
@@ -197,8 +200,9 @@ fn other_lamps_are_lights_of_their_own_where_the_others_were() {
     assert_eq!(codes.len(), numbers.len());
 }
 
+/// A brush paints the pixels under it, however thin it is.
 #[test]
-fn a_brush_paints_what_is_under_it_however_fine_it_is() {
+fn a_thin_brush_still_paints_pixels() {
     let (_, scene) = world();
     let summary = |edit: Edit| scene.changed(&[ChangeStep::Painted(vec![edit])], "x").unwrap().1;
     let dot = Area::Brush { points: vec![center(40, 50)], radius_m: 1.0 };
@@ -217,8 +221,9 @@ fn a_brush_paints_what_is_under_it_however_fine_it_is() {
     assert!(((drawn.new_pixels + drawn.changed_pixels) as f64 / circle - 1.0).abs() < 0.03);
 }
 
+/// What cannot be painted is refused with the number of its edit.
 #[test]
-fn what_cannot_be_painted_is_refused_by_the_number_of_its_edit() {
+fn bad_edits_are_refused_by_number() {
     let (_, scene) = world();
     let refused = |edits: Vec<Edit>| scene.changed(&[ChangeStep::Painted(edits)], "x").unwrap_err();
     let fine = alter(rectangle([1, 2], [1, 2]), 0.5);
@@ -247,8 +252,9 @@ fn what_cannot_be_painted_is_refused_by_the_number_of_its_edit() {
     assert_eq!((summary.changed_pixels, unchanged.metadata().lit_pixels), (0, scene.metadata().lit_pixels));
 }
 
+/// Strokes of one lamp are one fixture, and too many fixtures are refused.
 #[test]
-fn strokes_of_one_lamp_are_one_kind_and_too_many_kinds_are_refused() {
+fn too_many_fixtures_are_refused() {
     let (_, scene) = world();
     let with = |lamp: LampPreset, area: Area| {
         let lamp = LampChange { from: None, to: lamp.lamp(), kept: PreservedFlux::LuminousFlux };
@@ -272,8 +278,9 @@ fn strokes_of_one_lamp_are_one_kind_and_too_many_kinds_are_refused() {
     assert!(matches!(refused, ChangeError::TooManyFixtures { number: 33 }), "{refused}");
 }
 
+/// Light that is added and then removed leaves nothing.
 #[test]
-fn light_that_is_added_and_taken_away_leaves_nothing() {
+fn adding_then_removing_light_leaves_nothing() {
     let (raster, scene) = world();
     let dark = (0..SIZE * SIZE).find(|at| raster.values[*at] == 0.0).unwrap();
     let dot = || Area::Brush { points: vec![center(dark % SIZE, dark / SIZE)], radius_m: 5.0 };
@@ -286,21 +293,22 @@ fn light_that_is_added_and_taken_away_leaves_nothing() {
     let mut holes = raster.clone();
     holes.no_data = Some(-1.0);
     holes.values[dark] = -1.0;
-    let refused = Bench::new().scene(&holes).changed(&[ChangeStep::Painted(vec![add(dot(), 7.0)])], "x");
+    let refused = TestStore::new().scene(&holes).changed(&[ChangeStep::Painted(vec![add(dot(), 7.0)])], "x");
     assert_eq!(refused.unwrap_err(), ChangeError::Outside { number: 1 });
 }
 
+/// New lights stand on the terrain and behind its skylines.
 #[test]
-fn new_lights_stand_on_the_terrain_behind_its_skylines() {
-    let bench = Bench::new();
+fn new_lights_use_terrain_and_skylines() {
+    let test_store = TestStore::new();
     // A ridge north of the middle, 600 m high.
     let mut hills = TestRaster::new(SIZE, SIZE, |_, r| if (60..64).contains(&r) { 1_600.0 } else { 1_000.0 });
     hills.geotransform = [37.0, STEP, 0.0, -1.0, 0.0, -STEP];
-    let path = bench.path("hills.tif");
+    let path = test_store.path("hills.tif");
     hills.write_f32(&path);
     let lights = |lit: fn(usize, usize) -> bool| {
         let raster = TestRaster::new(SIZE, SIZE, |c, r| if lit(c, r) { 20.0 } else { 0.0 });
-        bench.scene_with(&raster, |options| options.terrain = vec![path.clone()])
+        test_store.scene_with(&raster, |options| options.terrain = vec![path.clone()])
     };
     let ingested = lights(|c, r| (c, r) == (80, 57) || (c, r) == (20, 20));
     let bare = lights(|c, r| (c, r) == (20, 20));

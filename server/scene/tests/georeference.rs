@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, STEP, TestRaster, place};
+use common::{STEP, TestRaster, TestStore, place};
 use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
 use skyglow_physics::geometry::spherical_quadrilateral_area_m2;
 use skyglow_physics::source_pixel::upward_flux_dnb_w;
@@ -30,7 +30,7 @@ fn places(raster: &TestRaster, positions: &[(f64, f64)]) -> Vec<GeoPoint> {
 
 /// Compares corners, areas, flux and look-ups with GDAL's own transform of every lit pixel.
 fn check_against_gdal(raster: &TestRaster, around: GeoPoint, radius_m: f64) {
-    let scene = Bench::new().scene(raster);
+    let scene = TestStore::new().scene(raster);
     let (width, _) = raster.size;
     let mut pixels = scene.source_pixels_within(around, radius_m);
     let (mut flux, mut count) = (0.0, 0);
@@ -69,8 +69,9 @@ fn utm_pixels_lie_where_gdal_has_them() {
     check_against_gdal(&raster, places(&raster, &[(90.0, 65.0)])[0], 2e5);
 }
 
+/// A rotated raster and a south-up raster are read in their right places.
 #[test]
-fn a_rotated_and_a_south_up_raster_are_read_in_place() {
+fn rotated_and_south_up_rasters_are_placed() {
     let mut raster = TestRaster::scattered(90, 70);
     raster.geotransform = [37.0, 0.7 * STEP, 0.5 * STEP, -1.0, 0.4 * STEP, -0.8 * STEP];
     check_against_gdal(&raster, place(-1.1, 37.2), 2e5);
@@ -86,7 +87,7 @@ fn polar_stereographic_over_the_pole_works() {
     raster.epsg = Some(3413);
     raster.geotransform = [-60_000.0, 1000.0, 0.0, 60_000.0, 0.0, -1000.0];
     check_against_gdal(&raster, place(90.0, 0.0), 2e5);
-    let bounds = Bench::new().scene(&raster).metadata().bounds;
+    let bounds = TestStore::new().scene(&raster).metadata().bounds;
     assert_eq!((bounds[0], bounds[2], bounds[3]), (-180.0, 180.0, 90.0));
 }
 
@@ -110,7 +111,7 @@ fn a_wide_projection_is_kept_by_a_fine_lattice() {
     // LAEA Europe at 5 km: the whole continent.
     raster.epsg = Some(3035);
     raster.geotransform = [2_500_000.0, 5000.0, 0.0, 4_500_000.0, 0.0, -5000.0];
-    let scene = Bench::new().scene(&raster);
+    let scene = TestStore::new().scene(&raster);
     let mut flux = 0.0;
     for (index, value) in raster.values.iter().enumerate().filter(|(_, v)| **v > 0.0) {
         let (c, r) = ((index % 700) as f64, (index / 700) as f64);
@@ -124,17 +125,18 @@ fn a_wide_projection_is_kept_by_a_fine_lattice() {
     assert!((scene.metadata().report.flux_dnb_w / flux - 1.0).abs() < 1e-3);
 }
 
+/// Bounds across the antimeridian and of a full circle.
 #[test]
-fn bounds_across_the_antimeridian_and_a_full_circle() {
+fn bounds_at_the_antimeridian_and_full_circle() {
     let mut raster = TestRaster::scattered(480, 60);
     raster.geotransform = [179.0, STEP, 0.0, -17.0, 0.0, -STEP];
-    let bench = Bench::new();
-    let scene = bench.scene(&raster);
+    let test_store = TestStore::new();
+    let scene = test_store.scene(&raster);
     let [west, _, east, _] = scene.metadata().bounds;
     assert!((west - 179.0).abs() < 1e-9 && (east + 179.0).abs() < 1e-9);
     assert!(scene.contains(place(-17.1, -179.5)) && scene.contains(place(-17.1, 179.5)));
     assert!(!scene.contains(place(-17.1, 0.0)));
     // Pixel centres on the antimeridian, as EOG's global composites have them.
     raster.geotransform = [-180.5, 0.752, 0.0, 10.0, 0.0, -STEP];
-    assert_eq!(bench.scene(&raster).metadata().bounds[0], -180.0);
+    assert_eq!(test_store.scene(&raster).metadata().bounds[0], -180.0);
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, STEP, TestRaster, place};
+use common::{STEP, TestRaster, TestStore, place};
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{PixelValues, RasterTile, Scene, TileLayer};
 
@@ -27,15 +27,16 @@ fn value_at(tile: &RasterTile, at: GeoPoint, z: u8) -> Option<f32> {
     tile.has_data[index].then_some(tile.values[index])
 }
 
+/// Zoomed in, a tile shows the raster's own pixels.
 #[test]
-fn zoomed_in_a_tile_shows_the_raster_s_own_pixels() {
-    let bench = Bench::new();
+fn zoomed_in_tiles_show_raster_pixels() {
+    let test_store = TestStore::new();
     let mut raster = TestRaster::scattered(300, 300);
     raster.no_data = Some(-9.0);
     raster.values[150 * 300 + 150] = 33.0;
     raster.values[150 * 300 + 151] = -9.0;
     raster.values[150 * 300 + 152] = 0.0;
-    let scene = bench.scene(&raster);
+    let scene = test_store.scene(&raster);
     let at = |column: f64| place(-1.0 - 150.5 * STEP, 37.0 + (column + 0.5) * STEP);
     let z = 13;
     let value = |column| value_at(&tile_at(&scene, TileLayer::Radiance, at(column), z), at(column), z);
@@ -44,11 +45,12 @@ fn zoomed_in_a_tile_shows_the_raster_s_own_pixels() {
     assert!(outside.has_data.iter().all(|d| !d) && outside.values.iter().all(|v| *v == 0.0));
 }
 
+/// Zoomed out, a single light stays visible and the mean is preserved.
 #[test]
-fn zoomed_out_a_lone_light_stays_and_the_mean_is_kept() {
-    let bench = Bench::new();
+fn zooming_out_keeps_lone_lights_and_means() {
+    let test_store = TestStore::new();
     let raster = TestRaster::new(512, 512, |c, r| if c % 64 == 20 && r % 64 == 30 { 64.0 } else { 0.0 });
-    let scene = bench.scene(&raster);
+    let scene = test_store.scene(&raster);
     for z in 5..9 {
         let tile = tile_at(&scene, TileLayer::Radiance, place(-2.0, 38.0), z);
         let shown: Vec<f32> =
@@ -66,12 +68,14 @@ fn zoomed_out_a_lone_light_stays_and_the_mean_is_kept() {
     }
 }
 
+/// Elevation tiles match the terrain at every zoom.
 #[test]
-fn elevation_tiles_follow_the_terrain_at_every_zoom() {
-    let bench = Bench::new();
-    let path = bench.path("terrain.tif");
+fn elevation_tiles_match_the_terrain() {
+    let test_store = TestStore::new();
+    let path = test_store.path("terrain.tif");
     TestRaster::new(800, 800, |c, r| 500.0 + (c as f64) + 0.5 * (r as f64)).write_f32(&path);
-    let scene = bench.scene_with(&TestRaster::scattered(800, 800), |options| options.terrain = vec![path]);
+    let scene =
+        test_store.scene_with(&TestRaster::scattered(800, 800), |options| options.terrain = vec![path]);
     let at = place(-2.3, 38.7);
     let expected = 500.0 + 1.7 * 240.0 - 0.5 + 0.5 * (1.3 * 240.0 - 0.5);
     for z in 5..=14 {
@@ -86,21 +90,22 @@ fn elevation_tiles_follow_the_terrain_at_every_zoom() {
 
 #[test]
 fn tiles_that_do_not_exist_are_refused() {
-    let bench = Bench::new();
-    let scene = bench.scene(&TestRaster::scattered(30, 30));
+    let test_store = TestStore::new();
+    let scene = test_store.scene(&TestRaster::scattered(30, 30));
     for (z, x, y, size) in [(25, 0, 0, 256), (3, 8, 0, 256), (3, 0, 8, 256), (3, 0, 0, 0), (3, 0, 0, 4096)] {
         assert!(scene.tile(TileLayer::Radiance, z, x, y, size).is_err(), "{z} {x} {y} {size}");
     }
     assert_eq!(scene.tile(TileLayer::Radiance, 0, 0, 0, 64).unwrap().values.len(), 64 * 64);
 }
 
+/// Values of lit pixels are sampled as their radiances are.
 #[test]
-fn numbers_of_lit_pixels_are_shown_as_their_radiances_are() {
-    let bench = Bench::new();
+fn pixel_values_are_sampled_like_radiances() {
+    let test_store = TestStore::new();
     let mut raster = TestRaster::scattered(400, 300);
     raster.no_data = Some(-9.0);
     raster.values[..400 * 40].fill(-9.0);
-    let scene = bench.scene(&raster);
+    let scene = test_store.scene(&raster);
     let lit = u32::try_from(scene.metadata().lit_pixels).unwrap();
     let numbers = PixelValues::new((0..lit).map(|number| (number, scene.lit_radiance_nw_cm2_sr(number))));
     let none = PixelValues::new(std::iter::empty());

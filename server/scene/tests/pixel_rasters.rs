@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, TestRaster};
+use common::{TestRaster, TestStore};
 use gdal::{Dataset, Metadata, vsi};
 use skyglow_scene::{RasterMetadata, Scene};
 
@@ -34,15 +34,16 @@ fn read_back(scene: &Scene, bytes: Vec<u8>, name: &str) -> Vec<f32> {
     values.data().to_vec()
 }
 
+/// Every number is in its pixel, and everything else is no data.
 #[test]
-fn every_number_is_in_its_pixel_and_all_else_is_no_data() {
-    let bench = Bench::new();
+fn pixel_geotiffs_hold_numbers_in_place() {
+    let test_store = TestStore::new();
     // Not a multiple of the tiles; and metres of a projection whose rows run north.
     let mut projected = TestRaster::scattered(333, 290);
     (projected.epsg, projected.geotransform) =
         (Some(32632), [300_000.0, 500.0, 0.0, 5_100_000.0, 0.0, 500.0]);
     for (name, raster) in [("degrees", TestRaster::scattered(700, 530)), ("metres", projected)] {
-        let scene = bench.scene(&raster);
+        let scene = test_store.scene(&raster);
         let numbers: Vec<u32> = (0..u32::try_from(scene.metadata().lit_pixels).unwrap())
             .filter(|number| number % 3 != 1)
             .collect();
@@ -61,9 +62,9 @@ fn every_number_is_in_its_pixel_and_all_else_is_no_data() {
 
 #[test]
 fn few_pixels_of_a_large_raster_are_a_small_file() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let raster = TestRaster::new(4000, 3000, |c, r| if (c, r) == (3999, 2999) { 5.0 } else { 0.0 });
-    let scene = bench.scene(&raster);
+    let scene = test_store.scene(&raster);
     let bytes = scene.pixels_geotiff(&[0], &[0.5], &WORDS).unwrap();
     assert!(bytes.len() < 20_000, "{} bytes", bytes.len());
     let read = read_back(&scene, bytes, "large");

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, STEP, TestRaster, place};
+use common::{STEP, TestRaster, TestStore, place};
 use proptest::prelude::*;
 use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::source_pixel::{point_sources, upward_flux_dnb_w};
@@ -63,7 +63,7 @@ fn worlds() -> &'static [(TestRaster, Scene)] {
         rasters
             .into_iter()
             .map(|raster| {
-                let scene = Bench::new().scene(&raster);
+                let scene = TestStore::new().scene(&raster);
                 (raster, scene)
             })
             .collect()
@@ -97,8 +97,9 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// The light of every pixel is found in the cells that it went to.
     #[test]
-    fn the_light_of_every_pixel_is_found_in_the_cells_it_went_to(world in 0usize..5, x in -0.1f64..1.1, y in 0.0f64..1.1) {
+    fn light_shares_point_to_the_cells_of_a_pixel(world in 0usize..5, x in -0.1f64..1.1, y in 0.0f64..1.1) {
         let (raster, scene) = &worlds()[world];
         let g = raster.geotransform;
         let longitude = (g[0] + g[1] * x * raster.size.0 as f64 + 540.0).rem_euclid(360.0) - 180.0;
@@ -167,8 +168,9 @@ fn light_near_300_km_is_cut_pixel_by_pixel() {
     assert!((grid.flux_dnb_w / direct_flux_dnb_w(raster, observer, 300_000.0) - 1.0).abs() < 1e-12);
 }
 
+/// Turning the observer at the pole turns the polar grid.
 #[test]
-fn turning_the_observer_at_the_pole_turns_the_grid() {
+fn turning_at_the_pole_turns_the_grid() {
     let (_, scene) = &worlds()[4];
     let step_deg = 360.0 / 256.0;
     let (first, turned) =
@@ -209,8 +211,9 @@ fn cells_of(grid: &PolarGrid) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
     })
 }
 
+/// Far blocks change a smooth sky by less than splatting does.
 #[test]
-fn far_blocks_change_a_smooth_sky_by_less_than_the_splat_does() {
+fn far_blocks_change_less_than_splatting() {
     let (_, scene) = &worlds()[0];
     let observer = place(-0.4, 37.9);
     let blocks = scene.polar_grid(observer, false);
@@ -232,8 +235,9 @@ fn far_blocks_change_a_smooth_sky_by_less_than_the_splat_does() {
     assert!(changed > by_blocks, "{changed}");
 }
 
+/// Near lights represent every pixel once, and blocks among them are narrow.
 #[test]
-fn lights_kept_as_they_are_stand_for_every_pixel_once_and_blocks_of_them_are_narrow() {
+fn near_lights_cover_every_pixel_once() {
     let mut lit_worlds = 0;
     for (_, scene) in worlds() {
         let [west, south, east, north] = scene.metadata().bounds;
@@ -267,9 +271,9 @@ fn lights_kept_as_they_are_stand_for_every_pixel_once_and_blocks_of_them_are_nar
 
 #[test]
 fn one_lamp_is_found_where_it_is() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let raster = TestRaster::new(700, 500, |c, r| if (c, r) == (600, 100) { 25.0 } else { 0.0 });
-    let scene = bench.scene(&raster);
+    let scene = test_store.scene(&raster);
     let lamp = place(-1.0 - 100.5 * STEP, 37.0 + 600.5 * STEP);
     for (lat, lon) in [(-2.0, 37.5), (-1.5, 40.5), (-1.5, 39.6), (0.9, 39.0)] {
         let observer = place(lat, lon);
@@ -289,12 +293,13 @@ fn one_lamp_is_found_where_it_is() {
     }
 }
 
+/// The calibration multiplies the flux and not the radiance.
 #[test]
-fn the_calibration_multiplies_the_flux_and_not_the_radiance() {
-    let bench = Bench::new();
+fn calibration_scales_flux_not_radiance() {
+    let test_store = TestStore::new();
     let raster = TestRaster::scattered(100, 100);
-    let plain = bench.scene(&raster);
-    let brighter = bench.scene_with(&raster, |options| options.calibration = 1.5);
+    let plain = test_store.scene(&raster);
+    let brighter = test_store.scene_with(&raster, |options| options.calibration = 1.5);
     let observer = place(-1.2, 37.2);
     let ratio =
         brighter.polar_grid(observer, false).flux_dnb_w / plain.polar_grid(observer, false).flux_dnb_w;
@@ -334,16 +339,16 @@ fn coverage_is_the_covered_part_of_the_disc() {
 
 #[test]
 fn no_data_is_not_covered_and_darkness_is() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let mut raster = TestRaster::new(1600, 1600, |c, r| if (c, r) == (800, 800) { 9.0 } else { 0.0 });
     let observer = place(-1.0 - 800.0 * STEP, 37.0 + 800.0 * STEP);
-    assert!(bench.scene(&raster).coverage(observer) > 0.999);
+    assert!(test_store.scene(&raster).coverage(observer) > 0.999);
     raster.no_data = Some(-1.0);
     for (index, value) in raster.values.iter_mut().enumerate() {
         if index % 1600 < 800 {
             *value = -1.0;
         }
     }
-    let half = bench.scene(&raster).coverage(observer);
+    let half = test_store.scene(&raster).coverage(observer);
     assert!((half - 0.5).abs() < 0.003, "{half}");
 }

@@ -1,22 +1,22 @@
-//! The rasters of real products, where the folder of them is there.
+//! Rasters of real products. Ignored unless asked for, since they are not in the repository: see [`common::real_raster`].
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 
 mod common;
 
-use common::{Bench, place, real_raster};
+use common::{TestStore, place, real_raster};
 use skyglow_scene::{IngestOptions, Scene, SceneId};
 use std::time::Instant;
 
-fn ingest(name: &str, terrain: &[&str]) -> Option<Scene> {
-    let mut options = IngestOptions::new(real_raster(name)?);
+fn ingest(name: &str, terrain: &[&str]) -> Scene {
+    let mut options = IngestOptions::new(real_raster(name));
     for file in terrain {
-        options.terrain.push(real_raster(file)?);
+        options.terrain.push(real_raster(file));
     }
     options.id = Some(SceneId::parse("real").unwrap());
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let start = Instant::now();
-    let metadata = bench.ingest(&options).unwrap();
+    let metadata = test_store.ingest(&options).unwrap();
     println!(
         "{name}: ingested in {:.2} s, {} lit pixels",
         start.elapsed().as_secs_f64(),
@@ -25,12 +25,13 @@ fn ingest(name: &str, terrain: &[&str]) -> Option<Scene> {
     for warning in &metadata.report.warnings {
         println!("  {warning}");
     }
-    Some(bench.store.open(&metadata.id).unwrap())
+    test_store.store.open(&metadata.id).unwrap()
 }
 
 #[test]
+#[ignore = "needs the folder of real rasters"]
 fn kenya_keeps_its_flux_from_every_place() {
-    let Some(scene) = ingest("VNP46A4_kenya_2023.tif", &["elevation_30s_kenya.tif"]) else { return };
+    let scene = ingest("VNP46A4_kenya_2023.tif", &["elevation_30s_kenya.tif"]);
     let report = &scene.metadata().report;
     assert_eq!(report.pixels, 1924 * 2348);
     assert!((report.zero.count as f64 / report.pixels as f64 - 0.914).abs() < 1e-3);
@@ -62,29 +63,32 @@ fn kenya_keeps_its_flux_from_every_place() {
 }
 
 #[test]
+#[ignore = "needs the folder of real rasters"]
 fn nigeria_is_reported_capped() {
-    let Some(scene) = ingest("VNP46A4_nigeria_2023.tif", &[]) else { return };
+    let scene = ingest("VNP46A4_nigeria_2023.tif", &[]);
     let report = &scene.metadata().report;
     assert_eq!(report.maximum_nw_cm2_sr, 3000.0);
     assert!(report.capped.count >= 1 && report.warnings.iter().any(|w| w.contains("capped")), "{report:?}");
 }
 
 #[test]
+#[ignore = "needs the folder of real rasters"]
 fn burundi_is_reported_negative_in_january() {
-    let Some(january) = ingest("viirs_burundi_2016_01.tif", &[]) else { return };
+    let january = ingest("viirs_burundi_2016_01.tif", &[]);
     let report = &january.metadata().report;
     assert!(report.negative.count as f64 > 0.9 * (report.negative.count + report.lit.count) as f64);
     assert!(report.warnings.iter().any(|w| w.contains("negative")), "{:?}", report.warnings);
     assert!(january.source_pixels_within(place(-3.4, 29.9), 3e5).iter().all(|p| p.flux_dnb_w > 0.0));
-    let Some(july) = ingest("viirs_burundi_2016_07.tif", &[]) else { return };
+    let july = ingest("viirs_burundi_2016_07.tif", &[]);
     assert!((july.metadata().report.maximum_nw_cm2_sr - 165.26).abs() < 1e-3);
 }
 
 #[test]
+#[ignore = "needs the folder of real rasters"]
 fn srtm_tiles_are_read_as_geotiff_and_as_hgt() {
     // The lights lie elsewhere: only the terrain is looked at.
     let files = ["N46E008_srtm3.tif", "N44W072.hgt", "elevation_30s_kenya.tif"];
-    let Some(scene) = ingest("VNP46A4_kenya_2020.tif", &files) else { return };
+    let scene = ingest("VNP46A4_kenya_2020.tif", &files);
     let altitude = |lat, lon| scene.terrain_altitude_m(place(lat, lon));
     let andermatt = altitude(46.636, 8.594).unwrap();
     assert!((1_400.0..1_500.0).contains(&andermatt), "{andermatt}");

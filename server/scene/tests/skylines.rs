@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, STEP, TestRaster, place};
+use common::{STEP, TestRaster, TestStore, place};
 use proptest::prelude::*;
 use skyglow_physics::blocking::{BLOCKING_ANGLES_DEG, blocking_position};
 use skyglow_physics::geometry::LocalFrame;
@@ -18,12 +18,12 @@ const RIDGE_COLUMN: usize = 300;
 const GROUND_M: f64 = 400.0;
 
 /// A town of a few pixels west of a ridge of some height, over terrain on the light's own grid.
-fn town_west_of_a_ridge(bench: &Bench, height_m: f64) -> Scene {
+fn town_west_of_a_ridge(test_store: &TestStore, height_m: f64) -> Scene {
     let is_town = |c: usize, r: usize| (278..282).contains(&c) && (198..202).contains(&r);
     let light = TestRaster::new(600, 400, |c, r| if is_town(c, r) { 20.0 } else { 0.0 });
     let ground = TestRaster::new(600, 400, |c, _| GROUND_M + if c == RIDGE_COLUMN { height_m } else { 0.0 });
-    ground.write_f32(&bench.path("terrain.tif"));
-    bench.scene_with(&light, |options| options.terrain = vec![bench.path("terrain.tif")])
+    ground.write_f32(&test_store.path("terrain.tif"));
+    test_store.scene_with(&light, |options| options.terrain = vec![test_store.path("terrain.tif")])
 }
 
 fn town() -> GeoPoint {
@@ -41,10 +41,11 @@ fn place_of(degrees: f64) -> f64 {
     node as f64 + weight
 }
 
+/// Light behind a ridge is at the ridge's blocking angle, light in front of it at none.
 #[test]
-fn light_behind_a_ridge_is_at_the_ridges_angle_and_in_front_of_it_at_none() {
-    let bench = Bench::new();
-    let scene = town_west_of_a_ridge(&bench, 300.0);
+fn a_ridge_blocks_the_light_behind_it() {
+    let test_store = TestStore::new();
+    let scene = town_west_of_a_ridge(&test_store, 300.0);
     // The ridge is 20.5 columns of 463 m east of the town.
     let expected_deg = (300.0 / (20.5 * STEP.to_radians() * EARTH_RADIUS_M)).atan().to_degrees();
     let east = town().destination(std::f64::consts::FRAC_PI_2, 64_000.0);
@@ -64,16 +65,17 @@ fn light_behind_a_ridge_is_at_the_ridges_angle_and_in_front_of_it_at_none() {
     assert!(scene.polar_grid(east, false).cells.iter().all(|cell| cell.blocking == 0));
 }
 
+/// The edge of the terrain does not block lights beyond it.
 #[test]
-fn the_edge_of_the_terrain_is_no_wall_to_lights_beyond_it() {
+fn the_terrain_edge_blocks_no_light_beyond_it() {
     // A plateau at 1 500 m that begins 1 or 17 km east of the town; nothing is known of the ground before it.
     let scene_with_plateau_from = |first_column: usize| {
-        let bench = Bench::new();
+        let test_store = TestStore::new();
         let is_town = |c: usize, r: usize| (278..282).contains(&c) && (198..202).contains(&r);
         let light = TestRaster::new(600, 400, |c, r| if is_town(c, r) { 20.0 } else { 0.0 });
         let ground = TestRaster::new(600, 400, |c, _| if c < first_column { f64::NAN } else { 1_500.0 });
-        ground.write_f32(&bench.path("terrain.tif"));
-        bench.scene_with(&light, |options| options.terrain = vec![bench.path("terrain.tif")])
+        ground.write_f32(&test_store.path("terrain.tif"));
+        test_store.scene_with(&light, |options| options.terrain = vec![test_store.path("terrain.tif")])
     };
     let east = town().destination(std::f64::consts::FRAC_PI_2, 64_000.0);
     let unknown = scene_with_plateau_from(320);
@@ -91,10 +93,11 @@ fn the_edge_of_the_terrain_is_no_wall_to_lights_beyond_it() {
     assert!(is_open(&near));
 }
 
+/// A segment below a ridge is blocked, one above it is free.
 #[test]
-fn a_segment_is_hidden_below_the_ridge_and_free_above_it() {
-    let bench = Bench::new();
-    let scene = town_west_of_a_ridge(&bench, 300.0);
+fn a_ridge_blocks_segments_below_it() {
+    let test_store = TestStore::new();
+    let scene = town_west_of_a_ridge(&test_store, 300.0);
     let light_m = town().unit_vector() * (EARTH_RADIUS_M + GROUND_M);
     let ridge_m = 20.0 * STEP.to_radians() * EARTH_RADIUS_M;
     for distance_m in [15_000.0f64, 40_000.0, 90_000.0] {
@@ -104,22 +107,23 @@ fn a_segment_is_hidden_below_the_ridge_and_free_above_it() {
             town().destination(std::f64::consts::FRAC_PI_2, distance_m).unit_vector()
                 * (EARTH_RADIUS_M + altitude_m)
         };
-        assert!(scene.hides(light_m, over_m(0.95), 463.0), "{distance_m}");
-        assert!(!scene.hides(light_m, over_m(1.05), 463.0), "{distance_m}");
+        assert!(scene.blocks(light_m, over_m(0.95), 463.0), "{distance_m}");
+        assert!(!scene.blocks(light_m, over_m(1.05), 463.0), "{distance_m}");
     }
     // Before the ridge, and straight up.
     let near = town().destination(std::f64::consts::FRAC_PI_2, 5_000.0);
-    assert!(!scene.hides(light_m, near.unit_vector() * (EARTH_RADIUS_M + GROUND_M + 10.0), 463.0));
-    assert!(!scene.hides(light_m, 1.001 * light_m, 463.0));
+    assert!(!scene.blocks(light_m, near.unit_vector() * (EARTH_RADIUS_M + GROUND_M + 10.0), 463.0));
+    assert!(!scene.blocks(light_m, 1.001 * light_m, 463.0));
 }
 
 #[test]
 fn flat_terrain_and_no_terrain_change_no_bit() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let light = TestRaster::scattered(300, 200);
-    let bare = bench.scene(&light);
-    TestRaster::new(300, 200, |_, _| 0.0).write_f32(&bench.path("terrain.tif"));
-    let flat = bench.scene_with(&light, |options| options.terrain = vec![bench.path("terrain.tif")]);
+    let bare = test_store.scene(&light);
+    TestRaster::new(300, 200, |_, _| 0.0).write_f32(&test_store.path("terrain.tif"));
+    let flat =
+        test_store.scene_with(&light, |options| options.terrain = vec![test_store.path("terrain.tif")]);
     for (latitude, longitude) in [(-1.3, 37.5), (-2.0, 36.0), (-1.5, 39.0)] {
         let observer = place(latitude, longitude);
         let expected = bare.polar_grid(observer, false);
@@ -138,14 +142,14 @@ fn flat_terrain_and_no_terrain_change_no_bit() {
 fn hills() -> &'static Scene {
     static HILLS: OnceLock<Scene> = OnceLock::new();
     HILLS.get_or_init(|| {
-        let bench = Bench::new();
+        let test_store = TestStore::new();
         let height_m = |c: usize, r: usize| {
             let (x, y) = (c as f64 / 17.0, r as f64 / 11.0);
             900.0 + 700.0 * x.sin() * y.cos() + 150.0 * (3.1 * x + y).sin()
         };
-        TestRaster::new(500, 400, height_m).write_f32(&bench.path("terrain.tif"));
-        bench.scene_with(&TestRaster::scattered(500, 400), |options| {
-            options.terrain = vec![bench.path("terrain.tif")];
+        TestRaster::new(500, 400, height_m).write_f32(&test_store.path("terrain.tif"));
+        test_store.scene_with(&TestRaster::scattered(500, 400), |options| {
+            options.terrain = vec![test_store.path("terrain.tif")];
         })
     })
 }
@@ -153,8 +157,9 @@ fn hills() -> &'static Scene {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// Blocking moves light between blocking angles and loses none.
     #[test]
-    fn hiding_light_moves_it_between_blocking_angles_and_loses_none(
+    fn blocking_conserves_flux(
         latitude in -3.5f64..0.0, longitude in 36.5f64..39.5,
     ) {
         let observer = place(latitude, longitude);
@@ -184,8 +189,9 @@ proptest! {
     }
 }
 
+/// Blocking angles of the polar grid match those of exact lines of sight.
 #[test]
-fn angles_of_the_grid_are_those_of_the_exact_lines_of_sight() {
+fn grid_angles_match_exact_lines_of_sight() {
     let scene = hills();
     for (latitude, longitude) in [(-1.5, 37.9), (-2.4, 38.6), (0.5, 38.0)] {
         let observer = place(latitude, longitude);
@@ -208,8 +214,9 @@ fn angles_of_the_grid_are_those_of_the_exact_lines_of_sight() {
     }
 }
 
+/// The sources of the reference solution are the raster's own, each at its exact blocking angle.
 #[test]
-fn lights_of_the_reference_are_the_rasters_own_each_at_its_exact_angle() {
+fn blocked_sources_have_exact_angles() {
     let scene = hills();
     let observer = place(-1.5, 37.9);
     let lights = scene.blocked_sources(observer);
@@ -246,17 +253,18 @@ fn lights_of_the_reference_are_the_rasters_own_each_at_its_exact_angle() {
     assert!(differences(&vec![0.0; exact.len()]) > 0.05);
 }
 
+/// A scene of format 1 opens and says that it lacks the skylines of its lights.
 #[test]
-fn a_scene_of_an_older_program_opens_and_says_that_hidden_lights_are_unknown() {
-    let bench = Bench::new();
-    let scene = town_west_of_a_ridge(&bench, 300.0);
+fn format_1_scenes_lack_light_skylines() {
+    let test_store = TestStore::new();
+    let scene = town_west_of_a_ridge(&test_store, 300.0);
     let east = town().destination(std::f64::consts::FRAC_PI_2, 64_000.0);
     assert!(scene.metadata().light_skylines && !scene.metadata().lacks_light_skylines());
-    let without_terrain = Bench::new().scene(&TestRaster::scattered(30, 30));
+    let without_terrain = TestStore::new().scene(&TestRaster::scattered(30, 30));
     assert!(!without_terrain.metadata().light_skylines && !without_terrain.metadata().lacks_light_skylines());
     // The same scene as it was stored in form 1: no skylines, not among the files and not in the metadata.
     let id = scene.metadata().id.clone();
-    let dir = bench.store.scenes_dir().join(id.as_str());
+    let dir = test_store.store.scenes_dir().join(id.as_str());
     let text = std::fs::read_to_string(dir.join("metadata.json")).unwrap();
     let mut document: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(document["format"], 2);
@@ -266,7 +274,7 @@ fn a_scene_of_an_older_program_opens_and_says_that_hidden_lights_are_unknown() {
     let mut older = StoredForTest::from(document);
     std::fs::remove_file(dir.join("skylines.bin")).unwrap();
     std::fs::write(dir.join("metadata.json"), older.with_version()).unwrap();
-    let opened = bench.store.open(&id).unwrap();
+    let opened = test_store.store.open(&id).unwrap();
     assert!(opened.metadata().terrain && opened.metadata().lacks_light_skylines());
     assert_eq!(opened.polar_grid(east, true), opened.polar_grid(east, false));
     assert_ne!(scene.polar_grid(east, true), opened.polar_grid(east, true));

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, TestRaster, place};
+use common::{TestRaster, TestStore, place};
 use skyglow_scene::{Ground, IngestOptions, Scene};
 use std::io::Write;
 
@@ -22,21 +22,22 @@ fn plane(west: f64, north: f64, step: f64, width: usize, height: usize) -> TestR
     raster
 }
 
-fn scene_over(bench: &Bench, files: &[TestRaster]) -> Scene {
+fn scene_over(test_store: &TestStore, files: &[TestRaster]) -> Scene {
     let mut paths = Vec::new();
     for (index, raster) in files.iter().enumerate() {
-        paths.push(bench.path(&format!("terrain{index}.tif")));
+        paths.push(test_store.path(&format!("terrain{index}.tif")));
         raster.write_f32(&paths[index]);
     }
-    bench.scene_with(&TestRaster::scattered(240, 240), |options| options.terrain = paths)
+    test_store.scene_with(&TestRaster::scattered(240, 240), |options| options.terrain = paths)
 }
 
+/// Elevation is bilinear and therefore exact on a plane at any resolution.
 #[test]
-fn elevation_is_bilinear_and_so_exact_on_a_plane_at_any_resolution() {
-    let bench = Bench::new();
+fn elevation_is_exact_on_a_plane() {
+    let test_store = TestStore::new();
     for step in [0.001, 1.0 / 120.0, 0.031] {
         let size = (1.2 / step) as usize + 2;
-        let scene = scene_over(&bench, &[plane(36.9, -0.9, step, size, size)]);
+        let scene = scene_over(&test_store, &[plane(36.9, -0.9, step, size, size)]);
         for i in 0..200 {
             let (lat, lon) = (-1.01 - 0.0049 * f64::from(i), 37.01 + 0.0048 * f64::from((i * 77) % 200));
             let found = scene.terrain_altitude_m(place(lat, lon)).unwrap();
@@ -52,11 +53,13 @@ fn elevation_is_bilinear_and_so_exact_on_a_plane_at_any_resolution() {
     }
 }
 
+/// Adjoining files make one terrain without a seam.
 #[test]
-fn adjoining_files_make_one_terrain_without_a_seam() {
-    let bench = Bench::new();
+fn adjoining_terrain_files_have_no_seam() {
+    let test_store = TestStore::new();
     let step = 0.01;
-    let scene = scene_over(&bench, &[plane(36.9, -0.9, step, 60, 130), plane(37.5, -0.9, step, 60, 130)]);
+    let scene =
+        scene_over(&test_store, &[plane(36.9, -0.9, step, 60, 130), plane(37.5, -0.9, step, 60, 130)]);
     for i in 0..100 {
         let lon = 37.45 + 0.001 * f64::from(i);
         let found = scene.terrain_altitude_m(place(-1.5, lon)).unwrap();
@@ -68,20 +71,21 @@ fn adjoining_files_make_one_terrain_without_a_seam() {
 
 #[test]
 fn the_first_file_with_a_value_counts() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let mut first = plane(36.9, -0.9, 0.01, 130, 130);
     first.values.iter_mut().enumerate().for_each(|(i, v)| *v = if i % 130 < 65 { 10.0 } else { f64::NAN });
-    let scene = scene_over(&bench, &[first, plane(36.9, -0.9, 0.01, 130, 130)]);
+    let scene = scene_over(&test_store, &[first, plane(36.9, -0.9, 0.01, 130, 130)]);
     assert_eq!(scene.terrain_altitude_m(place(-1.5, 37.2)), Some(10.0));
     let behind = scene.terrain_altitude_m(place(-1.5, 37.8)).unwrap();
     assert!((behind - plane_m(-1.5, 37.8)).abs() < 0.2);
 }
 
+/// Lights off the terrain take the nearest elevation within 5 km, else sea level.
 #[test]
-fn lights_off_the_terrain_take_the_nearest_within_5_km_and_else_sea_level() {
-    let bench = Bench::new();
+fn lights_off_terrain_take_nearest_within_5_km() {
+    let test_store = TestStore::new();
     // Terrain ends in the middle of the lights: 0.5 degrees are 55 km.
-    let scene = scene_over(&bench, &[plane(36.9, -0.9, 0.004, 150, 300)]);
+    let scene = scene_over(&test_store, &[plane(36.9, -0.9, 0.004, 150, 300)]);
     let edge_deg = 36.9 + 150.0 * 0.004;
     let report = scene.metadata().report.terrain.clone().unwrap();
     assert_eq!(report.covered + report.nearest.count + report.missing.count, scene.metadata().lit_pixels);
@@ -112,10 +116,10 @@ fn lights_off_the_terrain_take_the_nearest_within_5_km_and_else_sea_level() {
 
 #[test]
 fn below_sea_level_counts_as_sea_level() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let mut low = plane(36.9, -0.9, 0.01, 130, 130);
     low.values.fill(-30.0);
-    let scene = scene_over(&bench, &[low]);
+    let scene = scene_over(&test_store, &[low]);
     assert_eq!(scene.terrain_altitude_m(place(-1.5, 37.5)), Some(0.0));
     assert!(scene.source_pixels_within(place(-1.5, 37.5), 1e5).iter().all(|p| p.altitude_m == 0.0));
     assert_eq!(
@@ -126,8 +130,8 @@ fn below_sea_level_counts_as_sea_level() {
 
 #[test]
 fn without_terrain_all_is_at_sea_level_and_said() {
-    let bench = Bench::new();
-    let scene = bench.scene(&TestRaster::scattered(100, 100));
+    let test_store = TestStore::new();
+    let scene = test_store.scene(&TestRaster::scattered(100, 100));
     assert!(!scene.metadata().terrain && scene.metadata().report.terrain.is_none());
     assert_eq!(scene.terrain_altitude_m(place(-1.2, 37.2)), None);
     assert!(scene.metadata().report.warnings.iter().any(|w| w.contains("no terrain")));
@@ -135,14 +139,15 @@ fn without_terrain_all_is_at_sea_level_and_said() {
 
 #[test]
 fn terrain_in_a_projection_is_read_in_its_place() {
-    let bench = Bench::new();
-    let path = bench.path("utm.tif");
+    let test_store = TestStore::new();
+    let path = test_store.path("utm.tif");
     // UTM 37S around 37.5° E 1.5° S: easting 333 km, northing 9 834 km; heights rise 10 m a kilometre eastwards.
     let mut raster = TestRaster::new(200, 200, |c, _| 1000.0 + 10.0 * (c as f64 + 0.5));
     raster.geotransform = [250_000.0, 1000.0, 0.0, 9_930_000.0, 0.0, -1000.0];
     raster.epsg = Some(32737);
     raster.write_f32(&path);
-    let scene = bench.scene_with(&TestRaster::scattered(240, 240), |options| options.terrain = vec![path]);
+    let scene =
+        test_store.scene_with(&TestRaster::scattered(240, 240), |options| options.terrain = vec![path]);
     // 37.5° E, 1.5° S is easting 333 137.9 by the transverse Mercator series.
     let found = scene.terrain_altitude_m(place(-1.5, 37.5)).unwrap();
     assert!((found - (1000.0 + 10.0 * 83.138)).abs() < 1.0, "{found}");
@@ -151,8 +156,8 @@ fn terrain_in_a_projection_is_read_in_its_place() {
 
 #[test]
 fn an_hgt_file_lies_where_its_name_says() {
-    let bench = Bench::new();
-    let path = bench.path("S02E037.hgt");
+    let test_store = TestStore::new();
+    let path = test_store.path("S02E037.hgt");
     let mut file = std::io::BufWriter::new(std::fs::File::create(&path).unwrap());
     for row in 0..1201 {
         for column in 0..1201 {
@@ -163,7 +168,8 @@ fn an_hgt_file_lies_where_its_name_says() {
         }
     }
     file.into_inner().unwrap().sync_all().unwrap();
-    let scene = bench.scene_with(&TestRaster::scattered(240, 240), |options| options.terrain = vec![path]);
+    let scene =
+        test_store.scene_with(&TestRaster::scattered(240, 240), |options| options.terrain = vec![path]);
     for (lat, lon) in [(-1.001, 37.002), (-1.25, 37.75), (-1.99, 37.1)] {
         let found = scene.terrain_altitude_m(place(lat, lon)).unwrap();
         assert!((found - plane_m(lat, lon)).abs() < 1.0, "{lat} {lon}: {found}");
@@ -179,11 +185,11 @@ fn an_hgt_file_lies_where_its_name_says() {
 
 #[test]
 fn a_picture_is_no_terrain() {
-    let bench = Bench::new();
-    let (light, picture) = (bench.path("light.tif"), bench.path("picture.tif"));
+    let test_store = TestStore::new();
+    let (light, picture) = (test_store.path("light.tif"), test_store.path("picture.tif"));
     TestRaster::scattered(40, 30).write_f32(&light);
     TestRaster::scattered(40, 30).write(&picture, |v| v as u8);
     let mut options = IngestOptions::new(light);
     options.terrain = vec![picture];
-    assert!(bench.refusal(&options).contains("8-bit"));
+    assert!(test_store.refusal(&options).contains("8-bit"));
 }

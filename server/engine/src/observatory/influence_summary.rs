@@ -89,7 +89,7 @@ impl InfluenceMap {
     pub fn within(&self, boundary: &Boundary) -> Part {
         let inside: Vec<bool> = (0..self.pixels().len())
             .into_par_iter()
-            .map(|position| boundary.holds(self.place(position)))
+            .map(|position| boundary.contains(self.place(position)))
             .collect();
         let mut parts = [Part::default()];
         self.add_up(&mut parts, |position| inside[position].then_some(0));

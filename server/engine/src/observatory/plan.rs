@@ -402,7 +402,7 @@ impl Aim {
     ) -> Self {
         let is_inside = |code: &u64, area: &Boundary| {
             let (column, row) = Scene::column_and_row_of(*code);
-            area.holds(scene.pixel_center(column, row))
+            area.contains(scene.pixel_center(column, row))
         };
         let is_protected: Vec<bool> =
             reach.codes.par_iter().map(|code| protect.is_some_and(|area| is_inside(code, area))).collect();

@@ -1,12 +1,11 @@
 //! Where a scene is painted: polygons or strokes of a brush, and which pixels they hold.
 
 use crate::boundary::{Boundary, BoundaryError, Position};
-use crate::gather::Light;
 use crate::grid::Grid;
+use crate::light_tree::LightTree;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
-use std::f64::consts::PI;
 use thiserror::Error;
 
 /// Most points of a stroke.
@@ -14,8 +13,8 @@ pub const MAX_BRUSH_POINTS: usize = 1000;
 /// Radius of a brush, metres.
 const BRUSH_RADIUS_M: std::ops::RangeInclusive<f64> = 1.0..=50_000.0;
 /// Longest way from a point of a stroke to the next, metres.
-const LONGEST_STEP_M: f64 = 500_000.0;
-/// Blocks of pixels of this side and smaller are gone through pixel by pixel.
+const MAX_STEP_M: f64 = 500_000.0;
+/// Blocks of pixels of this side and smaller are searched pixel by pixel.
 const SMALL_BLOCK: u32 = 8;
 
 /// An area on the ground.
@@ -61,7 +60,7 @@ pub enum AreaError {
         radius_m: f64,
     },
     /// Points too far apart.
-    #[error("a stroke goes {distance_m:.0} m from a point to the next, at most {LONGEST_STEP_M} m are taken")]
+    #[error("a stroke goes {distance_m:.0} m from a point to the next, at most {MAX_STEP_M} m are taken")]
     LongStep {
         /// Metres.
         distance_m: f64,
@@ -73,17 +72,17 @@ pub enum AreaError {
 pub(super) struct Budget(u64);
 
 /// Sides of a polygon that are compared in the time of a look.
-const SIDES_A_LOOK: usize = 16;
+const SIDES_PER_TEST: usize = 16;
 
 impl Budget {
-    pub(super) fn new(looks: u64) -> Self {
-        Self(looks)
+    pub(super) fn new(tests: u64) -> Self {
+        Self(tests)
     }
 
     /// Takes some; false where so many are not left.
-    fn take(&mut self, looks: u64) -> bool {
-        let is_left = self.0 >= looks;
-        self.0 = self.0.saturating_sub(looks);
+    fn take(&mut self, tests: u64) -> bool {
+        let is_left = self.0 >= tests;
+        self.0 = self.0.saturating_sub(tests);
         is_left
     }
 
@@ -93,13 +92,13 @@ impl Budget {
     }
 }
 
-/// A part of an area that is gone through by itself: a place is in the area if it is in any of them.
-pub(super) struct Piece {
+/// A part of an area that is searched by itself: a place is in the area if it is in any of them.
+pub(super) struct AreaPart {
     /// A circle around it: centre as a unit vector, radius along the chord, metres.
     center: DVec3,
     reach_m: f64,
     /// What asking whether it holds a place takes.
-    looks: u64,
+    tests: u64,
     shape: Shape,
 }
 
@@ -114,12 +113,12 @@ enum Shape {
 
 impl Area {
     /// Its parts.
-    pub(super) fn pieces(&self) -> Result<Vec<Piece>, AreaError> {
+    pub(super) fn parts(&self) -> Result<Vec<AreaPart>, AreaError> {
         match self {
-            Area::Polygons(polygons) => Ok(vec![Piece::of_polygons(Boundary::new(polygons)?)]),
+            Area::Polygons(polygons) => Ok(vec![AreaPart::of_polygons(Boundary::new(polygons)?)]),
             Area::Brush { points, radius_m } => {
                 let ends = brush_ends(points, *radius_m)?;
-                let step = |ends: &[DVec3]| Piece::of_step([ends[0], ends[ends.len() - 1]], *radius_m);
+                let step = |ends: &[DVec3]| AreaPart::of_step([ends[0], ends[ends.len() - 1]], *radius_m);
                 if ends.len() == 1 { Ok(vec![step(&ends)]) } else { Ok(ends.windows(2).map(step).collect()) }
             }
         }
@@ -130,7 +129,7 @@ impl Area {
     /// # Errors
     /// [`AreaError`].
     pub fn check(&self) -> Result<(), AreaError> {
-        self.pieces().map(|_| ())
+        self.parts().map(|_| ())
     }
 }
 
@@ -151,27 +150,27 @@ fn brush_ends(points: &[Position], radius_m: f64) -> Result<Vec<DVec3>, AreaErro
     };
     let ends: Vec<DVec3> = points.iter().map(end).collect::<Result<_, _>>()?;
     let steps = ends.windows(2).map(|ends| EARTH_RADIUS_M * ends[0].distance(ends[1]));
-    match steps.into_iter().find(|&distance_m| distance_m > LONGEST_STEP_M) {
+    match steps.into_iter().find(|&distance_m| distance_m > MAX_STEP_M) {
         Some(distance_m) => Err(AreaError::LongStep { distance_m }),
         None => Ok(ends),
     }
 }
 
-impl Piece {
+impl AreaPart {
     fn of_polygons(boundary: Boundary) -> Self {
         let (center, reach_m) = boundary.circle();
-        let looks = 1 + (boundary.sides_a_band() / SIDES_A_LOOK) as u64;
-        Self { center, reach_m, looks, shape: Shape::Polygons(boundary) }
+        let tests = 1 + (boundary.sides_per_band() / SIDES_PER_TEST) as u64;
+        Self { center, reach_m, tests, shape: Shape::Polygons(boundary) }
     }
 
     fn of_step(ends: [DVec3; 2], radius_m: f64) -> Self {
         // The chord from the middle to the tip is longer than both chords together, by less than a hundredth.
         let reach_m = 1.01 * (0.5 * EARTH_RADIUS_M * ends[0].distance(ends[1]) + radius_m) + 1.0;
         let center = (ends[0] + ends[1]).normalize();
-        Self { center, reach_m, looks: 1, shape: Shape::Step { ends, radius_m } }
+        Self { center, reach_m, tests: 1, shape: Shape::Step { ends, radius_m } }
     }
 
-    /// Whether the piece has any pixel of a raster.
+    /// Whether the part has any pixel of a raster.
     pub(super) fn meets(&self, grid: &Grid, budget: &mut Budget) -> bool {
         let mut meets = false;
         self.for_each_pixel(grid, budget, |_, _| {
@@ -183,20 +182,25 @@ impl Piece {
 
     /// Whether a place is in it; false where the budget is spent.
     pub(super) fn has(&self, place: DVec3, budget: &mut Budget) -> bool {
-        budget.take(self.looks) && self.holds(place)
+        budget.take(self.tests) && self.holds(place)
     }
 
     fn holds(&self, place: DVec3) -> bool {
         match &self.shape {
-            Shape::Polygons(boundary) => boundary.holds(GeoPoint::from_vector(place)),
+            Shape::Polygons(boundary) => boundary.contains(GeoPoint::from_vector(place)),
             Shape::Step { ends, radius_m } => distance_to_step_m(place, *ends) <= *radius_m,
         }
     }
 
     /// Calls `take` with the index of each light in it, as far as the budget goes. Pixels right under a brush are not asked for.
-    pub(super) fn for_each_light(&self, light: &Light<'_>, budget: &mut Budget, mut take: impl FnMut(usize)) {
+    pub(super) fn for_each_light(
+        &self,
+        light: &LightTree<'_>,
+        budget: &mut Budget,
+        mut take: impl FnMut(usize),
+    ) {
         let radius_m = 2.0 * EARTH_RADIUS_M * (0.5 * self.reach_m / EARTH_RADIUS_M).min(1.0).asin();
-        light.walk_all(self.center, radius_m, |index, center| {
+        light.for_each_near(self.center, radius_m, |index, center| {
             if self.has(center, budget) {
                 take(index);
             }
@@ -241,7 +245,7 @@ impl Piece {
         }
     }
 
-    /// Whether a block of pixels may have some in the piece: by circles around both.
+    /// Whether a block of pixels may have some in the part: by circles around both.
     fn may_meet(&self, grid: &Grid, columns: [u32; 2], rows: [u32; 2]) -> bool {
         let middle = |[first, last]: [u32; 2]| first + (last - first) / 2;
         let across = [columns[0], middle(columns), columns[1]];
@@ -289,32 +293,4 @@ fn distance_to_step_m(place: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     let is_beside =
         normal != DVec3::ZERO && normal.cross(a).dot(place) >= 0.0 && b.cross(normal).dot(place) >= 0.0;
     if is_beside { EARTH_RADIUS_M * normal.dot(place).abs().min(1.0).asin() } else { arc_m(a).min(arc_m(b)) }
-}
-
-impl Boundary {
-    /// A circle that holds the area: its centre as a unit vector and its radius along the chord, metres; the whole sphere for
-    /// large areas.
-    fn circle(&self) -> (DVec3, f64) {
-        const STEPS: u32 = 8;
-        let [west, south, east, north] = self.box_deg();
-        let whole = (DVec3::Z, 2.0 * EARTH_RADIUS_M);
-        if east - west > 60.0 || north - south > 60.0 {
-            return whole;
-        }
-        let place = |x: f64, y: f64| {
-            let (longitude, latitude) = (west + x * (east - west), south + y * (north - south));
-            GeoPoint::from_rad_unchecked(
-                latitude.to_radians().clamp(-0.5 * PI, 0.5 * PI),
-                longitude.to_radians(),
-            )
-            .unit_vector()
-        };
-        let points: Vec<DVec3> = (0..=STEPS)
-            .map(|step| f64::from(step) / f64::from(STEPS))
-            .flat_map(|at| [place(at, 0.0), place(at, 1.0), place(0.0, at), place(1.0, at)])
-            .collect();
-        let center = points.iter().sum::<DVec3>().normalize_or_zero();
-        let radius = points.iter().map(|point| center.distance(*point)).fold(0.0, f64::max);
-        if center == DVec3::ZERO { whole } else { (center, 1.1 * EARTH_RADIUS_M * radius + 1.0) }
-    }
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 /// How long a draft is held after it was last asked for.
 const IDLE: Duration = Duration::from_secs(600);
 /// Bytes that all of them take together at most, about.
-const MOST_BYTES: u64 = 128 << 20;
+const MAX_BYTES: u64 = 128 << 20;
 /// About what a draft takes besides its pixels and what is said of it.
 const BYTES_AT_LEAST: usize = 4096;
 /// About how much longer JSON is in memory than as text.
@@ -27,7 +27,7 @@ impl Default for Drafts {
     fn default() -> Self {
         let bytes = |_: &ChangeId, held: &Held| u32::try_from(bytes_of(&held.0)).unwrap_or(u32::MAX);
         // The newest is the one that is asked for next, however often others were.
-        let cache = Cache::builder().weigher(bytes).max_capacity(MOST_BYTES).time_to_idle(IDLE);
+        let cache = Cache::builder().weigher(bytes).max_capacity(MAX_BYTES).time_to_idle(IDLE);
         Self(cache.eviction_policy(EvictionPolicy::lru()).build())
     }
 }

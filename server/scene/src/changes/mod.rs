@@ -1,21 +1,22 @@
-//! Scenes with changed lights: painted by people, or dimmed by a plan.
+//! Scenes with changed lights: edited in areas, or dimmed pixel by pixel by a reduction plan.
 //!
-//! A changed [`Scene`](crate::Scene) shares all that is untouched with the scene that it was made of; see
+//! A changed [`Scene`](crate::Scene) shares all that is untouched with the scene that it was made from; see
 //! [`Scene::changed`](crate::Scene::changed).
 
 mod area;
+mod canvas;
 mod change_id;
 mod drafts;
-mod gone;
+mod edits;
 mod overlay;
-mod painting;
 mod store;
 mod stored;
 
 pub use area::{Area, AreaError, MAX_BRUSH_POINTS};
+pub use canvas::{ChangeError, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN};
 pub use change_id::ChangeId;
-pub(crate) use gone::GoneLights;
-pub use overlay::{ChangeError, ChangeSummary, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN};
-pub use painting::{Change, ChangeStep, Edit, MAX_EDITS, PixelFactors};
+pub use edits::{Change, ChangeStep, Edit, MAX_EDITS, PixelFactors};
+pub(crate) use overlay::Base;
+pub use overlay::ChangeSummary;
 pub use store::ChangeStore;
 pub use stored::{ChangeKind, ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};

@@ -6,7 +6,7 @@
 
 use super::change_id::ChangeId;
 use super::drafts::Drafts;
-use super::painting::{ChangeStep, PixelFactors};
+use super::edits::{ChangeStep, PixelFactors};
 use super::stored::{ChangeKind, ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
 use crate::scene_id::SceneId;
 use crate::sections::{self, Sections, pack_ascending, unpack_ascending};
@@ -111,7 +111,7 @@ impl ChangeStore {
         for _ in 0..MAX_CHANGE_DEPTH {
             let Some(id) = next else { return };
             let file = std::fs::File::options().write(true).open(self.path(&id, "json"));
-            // Should it be gone meanwhile, whoever asks for it is told.
+            // Should it be removed meanwhile, whoever asks for it is told.
             let _best_effort = file.and_then(|file| file.set_modified(SystemTime::now()));
             next = match id.is_plan() {
                 true => self.read_document::<PlanDocument>(&id).ok().and_then(|(plan, _)| plan.base),

@@ -1,7 +1,7 @@
 //! What a [`ChangeStore`](super::store::ChangeStore) keeps, how much of it, and why it cannot.
 
 use super::change_id::ChangeId;
-use super::painting::{Edit, PixelFactors};
+use super::edits::{Edit, PixelFactors};
 use crate::scene_id::SceneId;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;

@@ -17,7 +17,7 @@ const SMALL_TOWN_RADIUS_KM: f64 = 1.2;
 /// Below this a satellite sees nothing, nW cm⁻² sr⁻¹.
 const DETECTION_NW_CM2_SR: f64 = 0.8;
 /// Brightest the centre of a town gets, nW cm⁻² sr⁻¹.
-const BRIGHTEST_NW_CM2_SR: f64 = 110.0;
+const MAX_RADIANCE_NW_CM2_SR: f64 = 110.0;
 /// The skirt's part of the peak, and its radius in radii of the core.
 const SKIRT_PART: f64 = 0.02;
 const SKIRT_RADII: f64 = 3.0;
@@ -45,7 +45,7 @@ pub(super) fn radiances_nw_cm2_sr(spec: &RasterSpec, relief: &Relief) -> Vec<f32
 
 fn add_town(town: &Town, spec: &RasterSpec, sum: &mut [f64]) {
     let growth = (f64::from(town.population) / 1e4).cbrt();
-    let peak = (SMALL_TOWN_PEAK_NW_CM2_SR * growth).min(BRIGHTEST_NW_CM2_SR);
+    let peak = (SMALL_TOWN_PEAK_NW_CM2_SR * growth).min(MAX_RADIANCE_NW_CM2_SR);
     let radius_km = SMALL_TOWN_RADIUS_KM * growth;
     // Where the skirt is lost below detection.
     let reach_km =

@@ -1,8 +1,9 @@
 use super::*;
 use skyglow_physics::GeoPoint;
 
+/// The demo is marked as illustrative and comes out the same twice.
 #[test]
-fn the_demo_is_said_to_be_illustrative_and_comes_out_the_same_twice() {
+fn the_demo_is_illustrative_and_deterministic() {
     let dir = tempfile::tempdir().unwrap();
     let store = SceneStore::new(dir.path());
     assert!(demo_is_wanted(&store));

@@ -1,11 +1,11 @@
 //! NASA Black Marble granules (HDF5): which subdataset, its scale, and the tile's place on Earth.
 
-use super::open::{RadianceSource, finish, gdal_reason, open_name};
+use super::gdal_open::{gdal_reason, open_name};
 use super::options::IngestOptions;
+use super::radiance_source::{Conversion, RadianceSource};
 use crate::error::SceneError;
 use gdal::spatial_ref::SpatialRef;
 use gdal::{Dataset, Metadata};
-use std::path::Path;
 
 /// Subdatasets taken when none is named, in this order: daily gap-filled, monthly and yearly composites.
 const RADIANCE_NAMES: [&str; 2] = ["Gap_Filled_DNB_BRDF-Corrected_NTL", "NearNadir_Composite_Snow_Free"];
@@ -62,7 +62,7 @@ pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<Radian
         ));
     };
     let (geotransform, crs) = place.map_err(|e| refuse(gdal_reason(e)))?;
-    finish(dataset, options, 1, short_name, conversion, geotransform, crs)
+    RadianceSource::new(dataset, options, (1, short_name), conversion, geotransform, crs)
 }
 
 /// The attributes of a dataset's only band, as `key=value`.
@@ -72,7 +72,7 @@ fn attributes(dataset: &Dataset) -> Result<Vec<String>, String> {
 }
 
 /// Scale, offset and fill value of a dataset: its attributes', else the product's.
-fn conversion(dataset: &Dataset, short_name: &str) -> Result<(f64, f64, Option<f64>), String> {
+fn conversion(dataset: &Dataset, short_name: &str) -> Result<Conversion, String> {
     let band = dataset.rasterband(1).map_err(gdal_reason)?;
     let attributes = attributes(dataset)?;
     let attribute = |suffix: &str| number(&attributes, short_name, suffix);
@@ -80,40 +80,11 @@ fn conversion(dataset: &Dataset, short_name: &str) -> Result<(f64, f64, Option<f
     let scale = attribute("_scale_factor").or(band.scale().filter(|s| *s != 1.0));
     let offset = attribute("_add_offset").or(attribute("_offset")).or(band.offset());
     let no_data = attribute("__FillValue").or(band.no_data_value());
-    Ok((
-        scale.unwrap_or(if is_counts { DEFAULT_SCALE } else { 1.0 }),
-        offset.unwrap_or(0.0),
-        no_data.or(is_counts.then_some(DEFAULT_FILL)),
-    ))
-}
-
-/// Bytes that are missing from the end of an HDF5 file, by its superblock. The library itself prints pages
-/// when it meets such a file, and GDAL says only that it did not open.
-///
-/// # Errors
-/// [`SceneError::Unreadable`] when there are any.
-pub(super) fn check_is_whole(path: &Path) -> Result<(), SceneError> {
-    let mut head = [0u8; 48];
-    let mut file = std::fs::File::open(path).map_err(SceneError::io(path))?;
-    if std::io::Read::read_exact(&mut file, &mut head).is_err() || head[..8] != *b"\x89HDF\r\n\x1a\n" {
-        return Ok(());
-    }
-    // The address after the last byte, for 8-byte addresses: versions 0 and 1 keep it behind the group
-    // parameters (4 bytes more in 1), 2 and 3 behind two addresses.
-    let (address_size, at) = match head[8] {
-        0 => (head[13], 40),
-        2 | 3 => (head[9], 28),
-        _ => return Ok(()),
-    };
-    let mut address = [0u8; 8];
-    address.copy_from_slice(&head[at..at + 8]);
-    let expected = u64::from_le_bytes(address);
-    let found = file.metadata().map_err(SceneError::io(path))?.len();
-    if address_size == 8 && found < expected {
-        let reason = format!("it is truncated: {found} of {expected} bytes are there");
-        return Err(SceneError::Unreadable { path: path.to_owned(), reason });
-    }
-    Ok(())
+    Ok(Conversion {
+        scale: scale.unwrap_or(if is_counts { DEFAULT_SCALE } else { 1.0 }),
+        offset: offset.unwrap_or(0.0),
+        no_data: no_data.or(is_counts.then_some(DEFAULT_FILL)),
+    })
 }
 
 /// The names that GDAL opens the subdatasets by.

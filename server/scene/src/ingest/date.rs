@@ -64,8 +64,9 @@ fn number(text: &str, digits: usize) -> Option<u32> {
 mod tests {
     use super::*;
 
+    /// Years, months, days, instants and spans are dates, and nothing else is.
     #[test]
-    fn years_months_days_instants_and_spans_are_dates_and_nothing_else_is() {
+    fn only_dates_are_accepted() {
         for date in [
             "2023",
             "2023-05",

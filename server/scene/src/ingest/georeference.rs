@@ -1,5 +1,6 @@
 //! From a geotransform and a CRS to the grid on the sphere.
 
+use super::gdal_open::gdal_reason;
 use crate::grid::{GeographicAxes, Grid};
 use crate::lattice::{Lattice, node_count, node_position};
 use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
@@ -45,7 +46,7 @@ pub(super) fn grid(
         check_degrees(transform, width, height, &name)?;
     }
     let unknown = |error: gdal::errors::GdalError| {
-        format!("GDAL cannot transform {name} to WGS 84: {}", super::open::gdal_reason(error))
+        format!("GDAL cannot transform {name} to WGS 84: {}", gdal_reason(error))
     };
     let mut crs = crs.clone();
     crs.set_axis_mapping_strategy(AxisMappingStrategy::TraditionalGisOrder);

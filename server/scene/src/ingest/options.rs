@@ -72,16 +72,16 @@ pub struct IngestOptions {
 }
 
 /// Longest side of a raster of somebody who is not trusted, pixels: five times around the Earth at 15″.
-const LONGEST_SIDE: usize = 500_000;
+const MAX_SIDE: usize = 500_000;
 
 impl IngestOptions {
     /// Refuses rasters of absurd size, before memory is taken for a row of one.
     pub(super) fn check_size(&self, (width, height): (usize, usize)) -> Result<(), String> {
         let Some(most) = self.max_pixels else { return Ok(()) };
-        let is_small = width.max(height) <= LONGEST_SIDE && width as u64 * height as u64 <= most;
+        let is_small = width.max(height) <= MAX_SIDE && width as u64 * height as u64 <= most;
         let reason = || {
             format!(
-                "it has {width} x {height} pixels; allowed are {most} in all, and {LONGEST_SIDE} along a side"
+                "it has {width} x {height} pixels; allowed are {most} in all, and {MAX_SIDE} along a side"
             )
         };
         if is_small { Ok(()) } else { Err(reason()) }

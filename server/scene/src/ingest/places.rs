@@ -12,14 +12,14 @@ const LONGITUDE: [&str; 5] = ["longitude", "lon", "lng", "long", "x"];
 const POPULATION: [&str; 3] = ["population", "pop", "inhabitants"];
 
 /// Bytes of a file of places at most: all of it is read, and JSON takes many times as much.
-const LONGEST_BYTES: u64 = 32 << 20;
+const MAX_BYTES: u64 = 32 << 20;
 
 /// Reads a file of places, the most populous first.
 pub(super) fn read(path: &Path) -> Result<Vec<NamedPlace>, SceneError> {
     let refuse = |reason: String| SceneError::Refused { path: path.to_owned(), reason };
     let length = std::fs::metadata(path).map_err(SceneError::io(path))?.len();
-    if length > LONGEST_BYTES {
-        return Err(refuse(format!("it has {length} bytes; places may have {LONGEST_BYTES}")));
+    if length > MAX_BYTES {
+        return Err(refuse(format!("it has {length} bytes; places may have {MAX_BYTES}")));
     }
     let bytes = std::fs::read(path).map_err(SceneError::io(path))?;
     let first = bytes.iter().find(|byte| !byte.is_ascii_whitespace());

@@ -1,7 +1,8 @@
 //! Reading the radiance raster: what is light, what is not, and what looks wrong.
 
-use super::open::{RadianceSource, gdal_reason};
+use super::gdal_open::gdal_reason;
 use super::options::{IngestProgress, IngestStage};
+use super::radiance_source::RadianceSource;
 use super::{georeference, tally::Tally};
 use crate::error::SceneError;
 use crate::grid::Grid;
@@ -14,11 +15,11 @@ use gdal::raster::RasterBand;
 /// Values read at once.
 const STRIP_VALUES: usize = 1 << 22;
 /// The largest value on at least this many pixels looks like a cap.
-const CAPPED_FROM: u64 = 10;
+const MIN_CAPPED_PIXELS: u64 = 10;
 /// A largest value that is a multiple of this, nW cm⁻² sr⁻¹, looks like a cap even on one pixel.
 const ROUND_CAP: f64 = 1_000.0;
 /// No light on Earth is near this, nW cm⁻² sr⁻¹: flares of gas reach 1e5.
-const BRIGHTEST_NW_CM2_SR: f64 = 1e7;
+const MAX_RADIANCE_NW_CM2_SR: f64 = 1e7;
 /// More than one lit pixel in this many off the world means a wrong CRS.
 const OFF_WORLD_SHARE: u64 = 100;
 
@@ -32,7 +33,7 @@ pub(super) struct RadianceRaster {
 
 /// Counts while the raster is read.
 #[derive(Default)]
-struct Seen {
+struct PixelStatistics {
     lit: Tally,
     zero: Tally,
     negative: Tally,
@@ -67,8 +68,12 @@ pub(super) fn read(
     let rows_at_once = (STRIP_VALUES / width).clamp(1, height.min(512));
     let mut values = vec![0f64; width * rows_at_once];
     let mut flags = vec![u8::MAX; width * rows_at_once];
-    let mut seen =
-        Seen { minimum: f64::INFINITY, maximum: f64::NEG_INFINITY, all_whole: true, ..Seen::default() };
+    let mut statistics = PixelStatistics {
+        minimum: f64::INFINITY,
+        maximum: f64::NEG_INFINITY,
+        all_whole: true,
+        ..PixelStatistics::default()
+    };
     let mut valid = ValidMask::begin(grid.width);
     let mut pixels = LitPixels::default();
     for first_row in (0..height).step_by(rows_at_once) {
@@ -86,15 +91,15 @@ pub(super) fn read(
             let row = (first_row + offset) as u32;
             let masked = &flags[offset * width..][..width];
             valid.push_row(line.iter().zip(masked).enumerate().map(|(column, (&stored, &flag))| {
-                let is_no_data = flag == 0 || source.no_data.is_some_and(|n| is_same(stored, n));
-                seen.classify(source, &grid, (column as u32, row), stored, is_no_data, &mut pixels)
+                let is_no_data = flag == 0 || source.conversion.no_data.is_some_and(|n| is_same(stored, n));
+                statistics.classify(source, &grid, (column as u32, row), stored, is_no_data, &mut pixels)
             }));
         }
     }
     progress(IngestProgress { stage: IngestStage::Radiance, done: height as u64, total: height as u64 });
-    seen.check().map_err(refuse)?;
+    statistics.check().map_err(refuse)?;
     pixels.sort();
-    let report = seen.report(source, &grid);
+    let report = statistics.report(source, &grid);
     Ok(RadianceRaster { grid, mask: valid.finish(), pixels, report })
 }
 
@@ -121,7 +126,7 @@ fn read_rows<T: Copy + gdal::raster::GdalType>(
     )
 }
 
-impl Seen {
+impl PixelStatistics {
     /// Counts one pixel, keeps it if it is lit, and says whether it is a measurement.
     fn classify(
         &mut self,
@@ -136,7 +141,7 @@ impl Seen {
             self.no_data.add(column, row);
             return false;
         }
-        let radiance = (stored * source.scale + source.offset) as f32;
+        let radiance = (stored * source.conversion.scale + source.conversion.offset) as f32;
         if !radiance.is_finite() {
             let kind = if radiance.is_nan() { &mut self.nan } else { &mut self.infinite };
             kind.add(column, row);
@@ -185,9 +190,9 @@ impl Seen {
                 self.minimum, self.maximum
             ));
         }
-        if self.maximum > BRIGHTEST_NW_CM2_SR {
+        if self.maximum > MAX_RADIANCE_NW_CM2_SR {
             return Err(format!(
-                "its largest value is {:e} nW cm-2 sr-1, far above all that shines on Earth ({BRIGHTEST_NW_CM2_SR:e}): its unit or its \
+                "its largest value is {:e} nW cm-2 sr-1, far above all that shines on Earth ({MAX_RADIANCE_NW_CM2_SR:e}): its unit or its \
                  scale is not the right one",
                 self.maximum
             ));
@@ -198,7 +203,7 @@ impl Seen {
     fn report(&self, source: &RadianceSource, grid: &Grid) -> IngestReport {
         let is_capped = self.maximum > self.minimum
             && self.maximum > 0.0
-            && (self.at_maximum.count >= CAPPED_FROM || self.maximum % ROUND_CAP == 0.0);
+            && (self.at_maximum.count >= MIN_CAPPED_PIXELS || self.maximum % ROUND_CAP == 0.0);
         let capped = if is_capped { self.at_maximum.finish(grid) } else { Default::default() };
         IngestReport {
             pixels: u64::from(grid.width) * u64::from(grid.height),
@@ -214,17 +219,17 @@ impl Seen {
             lit_mean_nw_cm2_sr: self.sum / self.lit.count as f64,
             flux_dnb_w: 0.0,
             band: source.band_name.clone(),
-            scale: source.scale,
-            offset_nw_cm2_sr: source.offset,
+            scale: source.conversion.scale,
+            offset_nw_cm2_sr: source.conversion.offset,
             terrain: None,
             warnings: self.warnings(source, capped.count),
             capped,
         }
     }
 
-    /// One sentence for each thing that looks wrong.
+    /// One sentence for each thing that tests wrong.
     fn warnings(&self, source: &RadianceSource, capped: u64) -> Vec<String> {
-        let mut warnings = source.warnings.clone();
+        let mut warnings = Vec::new();
         let measured = self.lit.count + self.zero.count + self.negative.count;
         if self.maximum < 1e-3 {
             warnings.push(format!(
@@ -238,7 +243,7 @@ impl Seen {
             ));
         }
         if self.all_whole
-            && source.scale == 1.0
+            && source.conversion.scale == 1.0
             && self.minimum >= 0.0
             && self.maximum <= 255.0
             && measured > 100

@@ -2,8 +2,8 @@
 
 use super::options::{IngestProgress, IngestStage};
 use crate::grid::Grid;
-use crate::light_skyline::skyline_of_light;
 use crate::lit_pixels::LitPixels;
+use crate::skyline_of_light::skyline_of_light;
 use crate::skylines::{Skyline, Skylines};
 use crate::terrain::Terrain;
 use rayon::prelude::*;

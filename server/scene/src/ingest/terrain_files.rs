@@ -1,7 +1,7 @@
 //! Reading terrain rasters, and giving each lit pixel its altitude.
 
+use super::gdal_open::{gdal_reason, open_file};
 use super::georeference;
-use super::open::{gdal_reason, open_file};
 use super::options::{IngestOptions, IngestProgress, IngestStage};
 use super::radiance::RadianceRaster;
 use super::tally::Tally;
@@ -9,7 +9,7 @@ use crate::error::SceneError;
 use crate::ground::Ground;
 use crate::metadata::TerrainReport;
 use crate::morton;
-use crate::terrain::{LayerBuilder, Terrain, TerrainLayer};
+use crate::terrain::{Terrain, TerrainRaster, TerrainRasterBuilder};
 use skyglow_physics::GeoPoint;
 use std::path::Path;
 
@@ -59,7 +59,7 @@ fn read_layer(
     path: &Path,
     options: &IngestOptions,
     report: &mut TerrainReport,
-) -> Result<TerrainLayer, SceneError> {
+) -> Result<TerrainRaster, SceneError> {
     let refuse = |reason: String| SceneError::Refused { path: path.to_owned(), reason };
     let dataset = open_file(path, &["GTiff", "COG", "SRTMHGT"])?;
     if dataset.raster_count() != 1 {
@@ -85,7 +85,7 @@ fn read_layer(
     let (scale, offset, no_data) =
         (band.scale().unwrap_or(1.0), band.offset().unwrap_or(0.0), band.no_data_value());
     let (width, height) = (grid.width as usize, grid.height as usize);
-    let mut builder = LayerBuilder::new(grid);
+    let mut builder = TerrainRasterBuilder::new(grid);
     let rows_at_once = (STRIP_VALUES / width).clamp(1, height.min(256));
     let mut values = vec![0f64; width * rows_at_once];
     let (mut valid_count, mut heights) = (0u64, vec![0f32; width]);
@@ -125,7 +125,7 @@ fn read_layer(
 }
 
 /// Sets the altitude of each lit pixel and reports how much of it is known.
-pub(super) fn raise(
+pub(super) fn set_altitudes(
     files: &TerrainFiles,
     light: &mut RadianceRaster,
     progress: &mut dyn FnMut(IngestProgress),

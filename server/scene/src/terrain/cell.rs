@@ -3,20 +3,20 @@
 use skyglow_physics::EARTH_RADIUS_M;
 
 /// Points looked at along a cell where the ground ends within it.
-const POINTS_BESIDE_AN_EDGE: u32 = 16;
+const EDGE_SAMPLES: u32 = 16;
 
-/// A piece of a great circle over a layer, straight in the layer's cells: positions (u, v) are cells with their
+/// A segment of a great circle over a layer, straight in the layer's cells: positions (u, v) are cells with their
 /// fractions, and the distance [m] from the observer runs evenly between them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct RaySegment {
     pub(super) start: (f64, f64),
     pub(super) end: (f64, f64),
     pub(super) start_m: f64,
     pub(super) end_m: f64,
 }
 
-impl Piece {
-    /// The part between two fractions of the piece.
+impl RaySegment {
+    /// The part between two fractions of the segment.
     pub(super) fn part(&self, from: f64, to: f64) -> Self {
         let at = |t: f64| {
             (self.start.0 + t * (self.end.0 - self.start.0), self.start.1 + t * (self.end.1 - self.start.1))
@@ -24,7 +24,7 @@ impl Piece {
         Self { start: at(from), end: at(to), start_m: self.distance_m(from), end_m: self.distance_m(to) }
     }
 
-    /// Distance from the observer at a fraction of the piece, metres.
+    /// Distance from the observer at a fraction of the segment, metres.
     pub(super) fn distance_m(&self, t: f64) -> f64 {
         self.start_m + t * (self.end_m - self.start_m)
     }
@@ -53,10 +53,10 @@ impl Piece {
     }
 }
 
-/// A piece that lies in one cell, and the cell's ground.
+/// A segment that lies in one cell, and the cell's ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellCrossing<'a> {
-    piece: &'a Piece,
+    segment: &'a RaySegment,
     /// Samples in the north-west, north-east, south-west and south-east (on a grid with north up), metres; NaN is void.
     corners_m: [f64; 4],
     /// Position of the first corner.
@@ -64,8 +64,8 @@ pub(super) struct CellCrossing<'a> {
 }
 
 impl<'a> CellCrossing<'a> {
-    pub(super) fn new(piece: &'a Piece, corners_m: [f64; 4], origin: (f64, f64)) -> Self {
-        Self { piece, corners_m, origin }
+    pub(super) fn new(segment: &'a RaySegment, corners_m: [f64; 4], origin: (f64, f64)) -> Self {
+        Self { segment, corners_m, origin }
     }
 
     /// Whether there are no voids at the corners.
@@ -73,12 +73,12 @@ impl<'a> CellCrossing<'a> {
         self.corners_m.iter().all(|height_m| height_m.is_finite())
     }
 
-    /// Elevation at a fraction of the piece, metres, bilinear as [`TerrainLayer::bilinear_m`] has it: voids are left
+    /// Elevation at a fraction of the segment, metres, bilinear as [`TerrainRaster::bilinear_m`] has it: voids are left
     /// out of the mean while they have less than half of the weight.
     ///
-    /// [`TerrainLayer::bilinear_m`]: super::layer::TerrainLayer::bilinear_m
+    /// [`TerrainRaster::bilinear_m`]: super::raster::TerrainRaster::bilinear_m
     pub(super) fn height_m(&self, fraction: f64) -> Option<f64> {
-        let Piece { start, end, .. } = self.piece;
+        let RaySegment { start, end, .. } = self.segment;
         let s = start.0 + fraction * (end.0 - start.0) - self.origin.0;
         let t = start.1 + fraction * (end.1 - start.1) - self.origin.1;
         let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t];
@@ -98,36 +98,36 @@ impl<'a> CellCrossing<'a> {
     /// p + q·d + r·d², and its ratio to d is highest where d² = p/r with both negative.
     pub(super) fn crest(&self, observer_altitude_m: f64) -> Option<f64> {
         let above_m = |t: f64| {
-            let distance_m = self.piece.distance_m(t);
+            let distance_m = self.segment.distance_m(t);
             let plane_m = observer_altitude_m + 0.5 * distance_m * distance_m / EARTH_RADIUS_M;
             self.height_m(t).map(|height_m| height_m - plane_m)
         };
         let (a_m, middle_m, b_m) = (above_m(0.0)?, above_m(0.5)?, above_m(1.0)?);
-        let length_m = self.piece.end_m - self.piece.start_m;
+        let length_m = self.segment.end_m - self.segment.start_m;
         let bend_m = 2.0 * (a_m + b_m - 2.0 * middle_m);
         let slope_m = b_m - a_m - bend_m;
-        let back = self.piece.start_m / length_m;
+        let back = self.segment.start_m / length_m;
         let (p, r) = (a_m - slope_m * back + bend_m * back * back, bend_m / (length_m * length_m));
-        let t = (p < 0.0 && r < 0.0).then(|| ((p / r).sqrt() - self.piece.start_m) / length_m)?;
+        let t = (p < 0.0 && r < 0.0).then(|| ((p / r).sqrt() - self.segment.start_m) / length_m)?;
         (0.0..1.0).contains(&t).then_some(t)
     }
 
     /// Tells points of ground along the cell, its abrupt ends among them: at a void or under another layer it is
     /// highest at its very edge where it falls away from the observer. `ground_m` at a fraction is None where there
     /// is none.
-    pub(super) fn with_edges(&self, ground_m: &dyn Fn(f64) -> Option<f64>, mut tell: impl FnMut(f64, f64)) {
+    pub(super) fn with_edges(&self, ground_m: &dyn Fn(f64) -> Option<f64>, mut visit: impl FnMut(f64, f64)) {
         let mut before = None;
-        for point in 0..=POINTS_BESIDE_AN_EDGE {
-            let t = f64::from(point) / f64::from(POINTS_BESIDE_AN_EDGE);
+        for point in 0..=EDGE_SAMPLES {
+            let t = f64::from(point) / f64::from(EDGE_SAMPLES);
             let here = ground_m(t);
             if let Some(height_m) = here {
-                tell(t, height_m);
+                visit(t, height_m);
             }
             if point > 0 && before.is_some() != here.is_some() {
-                let last = t - 1.0 / f64::from(POINTS_BESIDE_AN_EDGE);
+                let last = t - 1.0 / f64::from(EDGE_SAMPLES);
                 let edge = if here.is_some() { edge(ground_m, t, last) } else { edge(ground_m, last, t) };
                 if let Some(height_m) = ground_m(edge) {
-                    tell(edge, height_m);
+                    visit(edge, height_m);
                 }
             }
             before = here;

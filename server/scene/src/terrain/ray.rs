@@ -1,55 +1,54 @@
-//! One line of sight over one terrain layer, from near to far, past all ground that cannot be seen over what is
+//! One line of sight over one terrain raster, from near to far, past all ground that cannot be seen over what is
 //! seen already.
 
-use super::cell::{CellCrossing, Piece};
-use super::height_bounds::{BLOCK_CELLS, HeightBounds};
-use super::layer::TerrainLayer;
+use super::cell::{CellCrossing, RaySegment};
+use super::max_mipmap::{BLOCK_CELLS, MaxMipmap};
+use super::raster::TerrainRaster;
 use super::tile::SIDE;
 use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::horizon::terrain_elevation_tangent;
 use std::sync::Arc;
 
 /// Ground nearer than this is under the observer's feet, metres.
-pub(super) const NEAREST_GROUND_M: f64 = 1.0;
+pub(super) const MIN_GROUND_DISTANCE_M: f64 = 1.0;
 
-/// By how much the tangent of ground must exceed that of what is seen to be looked at; nothing by default.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slack {
+/// By how much the tangent of ground must exceed that of the highest ground so far to be examined.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tolerance {
     pub(super) relative: f64,
     pub(super) absolute: f64,
 }
 
+impl Tolerance {
+    pub(super) const NONE: Self = Self { relative: 0.0, absolute: 0.0 };
+}
+
 /// A line of sight and the highest ground seen along it.
 pub(super) struct Ray<'a> {
-    layer: &'a TerrainLayer,
-    bounds: &'a HeightBounds,
+    raster: &'a TerrainRaster,
+    maxima: &'a MaxMipmap,
     observer_altitude_m: f64,
-    /// Whether another layer has the say at a distance, metres; None where there is no such layer.
+    /// Whether another raster has the say at a distance, metres; None where there is no such raster.
     cover: Option<&'a dyn Fn(f64) -> bool>,
     /// tan e of the highest ground seen, at least 0.
     tangent: f64,
     /// How much higher ground must be to be looked at.
-    slack: Slack,
+    tolerance: Tolerance,
     /// Tiles at hand, by the parity of their column and row: neighbours never push each other out.
     tiles: [(usize, Option<Arc<Vec<f32>>>); 4],
 }
 
 impl<'a> Ray<'a> {
-    /// A line of sight over a layer that sees nothing below `tangent`.
+    /// A line of sight over a raster that sees nothing below `tangent`.
     pub(super) fn new(
-        layer: &'a TerrainLayer,
+        raster: &'a TerrainRaster,
         observer_altitude_m: f64,
         tangent: f64,
         cover: Option<&'a dyn Fn(f64) -> bool>,
+        tolerance: Tolerance,
     ) -> Self {
         let tiles = std::array::from_fn(|_| (usize::MAX, None));
-        let (bounds, slack) = (layer.bounds(), Slack::default());
-        Self { layer, bounds, observer_altitude_m, cover, tangent, slack, tiles }
-    }
-
-    /// The same, passing over ground that is not higher by some slack than what is seen.
-    pub(super) fn with_slack(self, slack: Slack) -> Self {
-        Self { slack, ..self }
+        Self { raster, maxima: raster.maxima(), observer_altitude_m, cover, tangent, tolerance, tiles }
     }
 
     /// tan e of the highest ground seen, at least what the ray began with.
@@ -59,51 +58,51 @@ impl<'a> Ray<'a> {
 
     /// Whether ground of some altitude, at a distance or farther, would be seen: never false where
     /// [`terrain_elevation_tangent`] is above what is seen, by the first terms of its sine and cosine, which bound them.
-    pub(super) fn would_see(&self, altitude_m: f64, distance_m: f64) -> bool {
-        let arc = distance_m.max(NEAREST_GROUND_M) / EARTH_RADIUS_M;
+    pub(super) fn may_be_visible(&self, altitude_m: f64, distance_m: f64) -> bool {
+        let arc = distance_m.max(MIN_GROUND_DISTANCE_M) / EARTH_RADIUS_M;
         let (square, radius_m) = (arc * arc, EARTH_RADIUS_M + altitude_m);
         let drop_m = radius_m * square * (0.5 - square / 24.0);
-        let threshold = self.tangent * (1.0 + self.slack.relative) + self.slack.absolute;
+        let threshold = self.tangent * (1.0 + self.tolerance.relative) + self.tolerance.absolute;
         altitude_m - self.observer_altitude_m - drop_m > threshold * radius_m * arc * (1.0 - square / 6.0)
     }
 
-    /// Looks along a piece.
-    pub(super) fn look(&mut self, piece: &Piece) {
-        let grid = self.layer.grid();
-        if let Some(piece) = piece.clipped((f64::from(grid.width), f64::from(grid.height))) {
-            self.look_inside(&piece);
+    /// Looks along a segment.
+    pub(super) fn scan(&mut self, segment: &RaySegment) {
+        let grid = self.raster.grid();
+        if let Some(segment) = segment.clipped((f64::from(grid.width), f64::from(grid.height))) {
+            self.descend(&segment);
         }
     }
 
-    fn look_inside(&mut self, piece: &Piece) {
+    fn descend(&mut self, segment: &RaySegment) {
         let cells = |a: f64, b: f64| a.min(b) as usize..=a.max(b) as usize;
-        let columns = cells(piece.start.0, piece.end.0);
-        let highest_m = self.bounds.highest_over_m(columns, cells(piece.start.1, piece.end.1));
-        if !self.would_see(highest_m, piece.start_m) {
+        let columns = cells(segment.start.0, segment.end.0);
+        let highest_m = self.maxima.max_over_m(columns, cells(segment.start.1, segment.end.1));
+        if !self.may_be_visible(highest_m, segment.start_m) {
             return;
         }
-        if piece.extent() <= BLOCK_CELLS {
-            return self.cross_cells(piece);
+        if segment.extent() <= BLOCK_CELLS {
+            return self.cross_cells(segment);
         }
-        self.look_inside(&piece.part(0.0, 0.5));
-        self.look_inside(&piece.part(0.5, 1.0));
+        self.descend(&segment.part(0.0, 0.5));
+        self.descend(&segment.part(0.5, 1.0));
     }
 
-    /// Looks into every cell that a piece crosses.
-    fn cross_cells(&mut self, piece: &Piece) {
-        let runs = (piece.end.0 - piece.start.0, piece.end.1 - piece.start.1);
-        // The fraction of the piece at which it meets the next line between cells, and from line to line.
+    /// Looks into every cell that a segment crosses.
+    fn cross_cells(&mut self, segment: &RaySegment) {
+        let runs = (segment.end.0 - segment.start.0, segment.end.1 - segment.start.1);
+        // The fraction of the segment at which it meets the next line between cells, and from line to line.
         let lines = |start: f64, run: f64| {
             let to_line = if run > 0.0 { start.floor() + 1.0 - start } else { start.ceil() - 1.0 - start };
             if run == 0.0 { (f64::INFINITY, f64::INFINITY) } else { (to_line / run, 1.0 / run.abs()) }
         };
-        let (mut next_u, step_u) = lines(piece.start.0, runs.0);
-        let (mut next_v, step_v) = lines(piece.start.1, runs.1);
+        let (mut next_u, step_u) = lines(segment.start.0, runs.0);
+        let (mut next_v, step_v) = lines(segment.start.1, runs.1);
         let mut from = 0.0;
         while from < 1.0 {
             let to = next_u.min(next_v).min(1.0);
             if to > from {
-                self.cross_cell(&piece.part(from, to));
+                self.cross_cell(&segment.part(from, to));
             }
             if next_u <= to {
                 next_u += step_u;
@@ -115,35 +114,35 @@ impl<'a> Ray<'a> {
         }
     }
 
-    /// Looks along a piece within one cell.
-    fn cross_cell(&mut self, piece: &Piece) {
-        let middle = (0.5 * (piece.start.0 + piece.end.0), 0.5 * (piece.start.1 + piece.end.1));
+    /// Looks along a segment within one cell.
+    fn cross_cell(&mut self, segment: &RaySegment) {
+        let middle = (0.5 * (segment.start.0 + segment.end.0), 0.5 * (segment.start.1 + segment.end.1));
         let (u, v) = (middle.0.floor(), middle.1.floor());
         let (i, j) = (u as usize, v as usize);
         let corners =
             [self.sample(i, j), self.sample(i + 1, j), self.sample(i, j + 1), self.sample(i + 1, j + 1)];
         let highest_m = corners.iter().copied().filter(|h| h.is_finite()).fold(f32::NEG_INFINITY, f32::max);
-        if !self.would_see(f64::from(highest_m), piece.start_m) {
+        if !self.may_be_visible(f64::from(highest_m), segment.start_m) {
             return;
         }
-        let crossing = CellCrossing::new(piece, corners.map(f64::from), (u, v));
+        let crossing = CellCrossing::new(segment, corners.map(f64::from), (u, v));
         let cover = self.cover;
-        let is_covered = |t: f64| cover.is_some_and(|cover| cover(piece.distance_m(t)));
+        let is_covered = |t: f64| cover.is_some_and(|cover| cover(segment.distance_m(t)));
         let covered = [0.0, 0.5, 1.0].map(is_covered);
         if covered == [false; 3] && crossing.is_whole() {
             let crest = crossing.crest(self.observer_altitude_m);
             for t in [Some(0.0), Some(1.0), crest].into_iter().flatten() {
-                self.meet(crossing.height_m(t), piece.distance_m(t));
+                self.meet(crossing.height_m(t), segment.distance_m(t));
             }
         } else if covered != [true; 3] {
             let ground_m = |t: f64| crossing.height_m(t).filter(|_| !is_covered(t));
-            crossing.with_edges(&ground_m, |t, height_m| self.meet(Some(height_m), piece.distance_m(t)));
+            crossing.with_edges(&ground_m, |t, height_m| self.meet(Some(height_m), segment.distance_m(t)));
         }
     }
 
     /// Sees a point of the ground if it is higher than what was seen.
     fn meet(&mut self, altitude_m: Option<f64>, distance_m: f64) {
-        if let Some(altitude_m) = altitude_m.filter(|_| distance_m >= NEAREST_GROUND_M) {
+        if let Some(altitude_m) = altitude_m.filter(|_| distance_m >= MIN_GROUND_DISTANCE_M) {
             let tangent = terrain_elevation_tangent(self.observer_altitude_m, altitude_m, distance_m);
             self.tangent = self.tangent.max(tangent);
         }
@@ -151,14 +150,14 @@ impl<'a> Ray<'a> {
 
     /// The sample left of and above cell (column, row), clamped to those there are, metres; NaN for a void.
     fn sample(&mut self, column: usize, row: usize) -> f32 {
-        let grid = self.layer.grid();
+        let grid = self.raster.grid();
         let column = column.saturating_sub(1).min(grid.width as usize - 1);
         let row = row.saturating_sub(1).min(grid.height as usize - 1);
         let (tile_column, tile_row) = (column / SIDE, row / SIDE);
-        let number = tile_row * self.layer.tile_columns() + tile_column;
+        let number = tile_row * self.raster.tile_columns() + tile_column;
         let slot = &mut self.tiles[(tile_row & 1) * 2 + (tile_column & 1)];
         if slot.0 != number {
-            *slot = (number, self.layer.cached(number));
+            *slot = (number, self.raster.cached(number));
         }
         slot.1.as_ref().map_or(f32::NAN, |samples| samples[row % SIDE * SIDE + column % SIDE])
     }

@@ -5,8 +5,8 @@
 //! are: cells 0 and `width` are the halves of the edge samples that reach to the raster's edge. The pyramid's
 //! lowest level holds the maximum of blocks of 8 × 8 cells, each level above that of 2 × 2 blocks.
 
-use super::layer::TerrainLayer;
 use super::tile::SIDE;
+use crate::grid::Grid;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
@@ -17,7 +17,7 @@ pub(super) const BLOCK_CELLS: f64 = (1 << BLOCK_BITS) as f64;
 
 /// The pyramid of a layer, and a circle around it.
 #[derive(Debug)]
-pub(super) struct HeightBounds {
+pub(super) struct MaxMipmap {
     levels: Vec<Level>,
     /// Centre of a circle that holds the layer, as a unit vector.
     pub(super) center: DVec3,
@@ -44,19 +44,24 @@ impl Level {
     }
 }
 
-impl HeightBounds {
-    /// Takes a pass over all samples, on as many threads as there are cores.
-    pub(super) fn of(layer: &TerrainLayer) -> Self {
-        let grid = layer.grid();
+impl MaxMipmap {
+    /// Of all samples of a raster, on as many threads as there are cores.
+    ///
+    /// * `unpacked`: the samples of a tile by its number; `None` for one without any.
+    pub(super) fn new(grid: &Grid, unpacked: impl Fn(usize) -> Option<Vec<f32>> + Sync) -> Self {
+        let tile_count = (grid.width as usize).div_ceil(SIDE) * (grid.height as usize).div_ceil(SIDE);
         let blocks = |samples: u32| (samples >> BLOCK_BITS) as usize + 1;
         let void = Level::void(blocks(grid.width), blocks(grid.height));
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(layer.tile_count());
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(tile_count);
         // Plain threads: a pool that steals work could come back here while this layer is being made.
         let parts: Vec<Level> = std::thread::scope(|scope| {
+            let unpacked = &unpacked;
             let part = |first: usize, mut level: Level| {
                 move || {
-                    for number in (first..layer.tile_count()).step_by(threads) {
-                        raise_by_tile(&mut level, layer, number);
+                    for number in (first..tile_count).step_by(threads) {
+                        if let Some(samples) = unpacked(number) {
+                            raise_by_tile(&mut level, grid, number, &samples);
+                        }
                     }
                     level
                 }
@@ -83,7 +88,7 @@ impl HeightBounds {
 
     /// At least the elevation of every point in a range of cells, metres; −∞ where there is no ground. Cells beyond
     /// the last count as the last.
-    pub(super) fn highest_over_m(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>) -> f64 {
+    pub(super) fn max_over_m(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>) -> f64 {
         let extent = (columns.end() - columns.start()).max(rows.end() - rows.start());
         // Blocks at least as large as the range: it touches at most two of them along each axis.
         let level = (usize::BITS - (extent >> BLOCK_BITS).leading_zeros()) as usize;
@@ -102,10 +107,10 @@ impl HeightBounds {
 }
 
 /// Raises the blocks of all cells that the samples of a tile are corners of.
-fn raise_by_tile(level: &mut Level, layer: &TerrainLayer, number: usize) {
-    let Some(samples) = layer.unpacked(number) else { return };
-    let (left, top) = (number % layer.tile_columns() * SIDE, number / layer.tile_columns() * SIDE);
-    let (width, height) = (layer.grid().width as usize, layer.grid().height as usize);
+fn raise_by_tile(level: &mut Level, grid: &Grid, number: usize, samples: &[f32]) {
+    let (width, height) = (grid.width as usize, grid.height as usize);
+    let tile_columns = width.div_ceil(SIDE);
+    let (left, top) = (number % tile_columns * SIDE, number / tile_columns * SIDE);
     for (row, line) in (top..height).zip(samples.chunks_exact(SIDE)) {
         for (column, &height_m) in (left..width).zip(line) {
             if !height_m.is_finite() {

@@ -2,12 +2,12 @@
 
 use crate::light_pyramid::LightPyramid;
 
-/// Lights that are gone, by index, and the blocks with such lights in them: a bit each.
+/// Lights that are removed, by index, and the blocks with such lights in them: a bit each.
 #[derive(Clone, Debug)]
-pub(crate) struct GoneLights {
+pub(crate) struct RemovedLights {
     count: usize,
     lights: Bits,
-    /// Blocks with some lights gone, and those with all gone, from level 1 up.
+    /// Blocks with some lights removed, and those with all removed, from level 1 up.
     levels: Vec<(Bits, Bits)>,
 }
 
@@ -29,13 +29,13 @@ impl Bits {
     }
 }
 
-impl GoneLights {
-    /// * `gone`: indices of lights, ascending; `light_count` of all.
-    pub(crate) fn new(pyramid: &LightPyramid, light_count: usize, gone: &[usize]) -> Self {
+impl RemovedLights {
+    /// * `removed`: indices of lights, ascending; `light_count` of all.
+    pub(crate) fn new(pyramid: &LightPyramid, light_count: usize, removed: &[usize]) -> Self {
         let mut lights = Bits::new(light_count);
-        gone.iter().for_each(|&light| lights.set(light));
+        removed.iter().for_each(|&light| lights.set(light));
         let mut levels: Vec<(Bits, Bits)> = Vec::new();
-        let mut touched_below = gone.to_vec();
+        let mut touched_below = removed.to_vec();
         for number in 1..=pyramid.top() {
             let level = pyramid.level(number);
             let (mut some, mut all) = (Bits::new(level.blocks.len()), Bits::new(level.blocks.len()));
@@ -46,16 +46,16 @@ impl GoneLights {
             parents.dedup();
             for &parent in &parents {
                 some.set(parent);
-                let is_gone =
+                let is_removed =
                     |child: usize| levels.last().map_or_else(|| lights.has(child), |(_, all)| all.has(child));
-                if level.children(parent).all(is_gone) {
+                if level.children(parent).all(is_removed) {
                     all.set(parent);
                 }
             }
             levels.push((some, all));
             touched_below = parents;
         }
-        Self { count: gone.len(), lights, levels }
+        Self { count: removed.len(), lights, levels }
     }
 
     /// Bytes held.
@@ -64,22 +64,22 @@ impl GoneLights {
         bits(&self.lights) + self.levels.iter().map(|(some, all)| bits(some) + bits(all)).sum::<usize>()
     }
 
-    /// Number of lights gone.
+    /// Number of lights removed.
     pub(crate) fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether a light is gone.
-    pub(crate) fn is_gone(&self, light: usize) -> bool {
+    /// Whether a light is removed.
+    pub(crate) fn is_removed(&self, light: usize) -> bool {
         self.lights.has(light)
     }
 
-    /// Whether lights of a block are gone, some or all.
+    /// Whether lights of a block are removed, some or all.
     pub(crate) fn is_touched(&self, level: usize, block: usize) -> bool {
         self.levels[level - 1].0.has(block)
     }
 
-    /// Whether all lights of a block are gone.
+    /// Whether all lights of a block are removed.
     pub(crate) fn is_empty_block(&self, level: usize, block: usize) -> bool {
         self.levels[level - 1].1.has(block)
     }

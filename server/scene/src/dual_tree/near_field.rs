@@ -1,18 +1,17 @@
-//! Lights near a patch of ground, added place by place: where a pixel is wider than a point, the mean over its ground.
+//! Near field: the lights near a patch, added place by place; a near pixel by adaptive 2 × 2 Gauss–Legendre quadrature over its ground.
 
-use super::ground::{Candidate, Lump};
-use crate::gather::{Light, turns_from_light};
-use crate::grid::Grid;
+use super::sources::{Candidate, Cluster, Sources};
+use crate::light_tree::turns_from_light;
 use crate::morton;
-use crate::place_kernel::{PlaceKernel, RingPosition};
+use crate::place_kernel::RingPosition;
 use glam::{DVec3, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::source_pixel::{NEAREST_SOURCE_M, SPLIT_WITHIN_M};
 
-/// Gauss's two points of −1..=1.
+/// The two Gauss–Legendre points of −1..=1 are ± this, 1/√3.
 const GAUSS: f32 = 0.577_350_26;
 
-/// Who is at a place.
+/// The observer at a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observer {
     pub(super) direction: DVec3,
@@ -23,7 +22,7 @@ pub(super) struct Observer {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct NearLight {
+struct NearSource {
     candidate: Candidate,
     direction: DVec3,
     /// From the middle of the patch, metres.
@@ -37,45 +36,44 @@ struct NearLight {
 
 /// The lights near a patch.
 #[derive(Debug, Default)]
-pub(super) struct NearLights(Vec<NearLight>);
+pub(super) struct NearLights(Vec<NearSource>);
 
 impl NearLights {
     pub(super) fn push(
         &mut self,
-        grid: &Grid,
-        lights: &[(Light<'_>, &PlaceKernel)],
+        sources: &Sources<'_>,
         middle: DVec3,
         candidate: Candidate,
-        lump: &Lump,
+        cluster: &Cluster,
     ) {
-        let (light, _) = &lights[candidate.layer as usize];
+        let (light, _) = sources.layer(candidate);
         let index = candidate.index as usize;
         let mut halves_m = [Vec3::ZERO; 2];
         if candidate.level == 0 {
             let (column, row) = morton::decode(light.pixels.codes[index]);
-            let [a, b, c, d] = grid.corners(column, row);
+            let [a, b, c, d] = sources.grid.corners(column, row);
             halves_m = [b + c - a - d, c + d - a - b].map(|sum| (0.25 * EARTH_RADIUS_M * sum).as_vec3());
         }
-        self.0.push(NearLight {
+        self.0.push(NearSource {
             candidate,
-            direction: lump.direction,
-            place_m: (EARTH_RADIUS_M * (lump.direction - middle)).as_vec3(),
+            direction: cluster.direction,
+            place_m: (EARTH_RADIUS_M * (cluster.direction - middle)).as_vec3(),
             halves_m,
-            flux_dnb_w: lump.flux_dnb_w as f32,
-            altitude_m: lump.altitude_m as f32,
+            flux_dnb_w: cluster.flux_dnb_w as f32,
+            altitude_m: cluster.altitude_m as f32,
             is_open: light.skylines_of(candidate.level as usize, index).is_none(),
         });
     }
 
     /// What they add up to.
-    pub(super) fn at(&self, lights: &[(Light<'_>, &PlaceKernel)], observer: &Observer) -> f32 {
-        self.0.iter().map(|near| near.at(lights, observer)).sum()
+    pub(super) fn at(&self, sources: &Sources<'_>, observer: &Observer) -> f32 {
+        self.0.iter().map(|near| near.at(sources, observer)).sum()
     }
 }
 
-impl NearLight {
-    fn at(&self, lights: &[(Light<'_>, &PlaceKernel)], observer: &Observer) -> f32 {
-        let (light, kernel) = &lights[self.candidate.layer as usize];
+impl NearSource {
+    fn at(&self, sources: &Sources<'_>, observer: &Observer) -> f32 {
+        let (light, kernel) = sources.layer(self.candidate);
         let away_m = self.place_m - observer.place_m;
         let square_m2 = away_m.length_squared();
         let Some(ring) = RingPosition::of_square(square_m2) else {
@@ -105,8 +103,8 @@ impl NearLight {
     }
 }
 
-/// The mean of something over a parallelogram around `away_m` from the observer, given half its sides: in parts that are small
-/// beside their distance, nearer than 250 m beside that.
+/// The mean of a function over a parallelogram around `away_m` from the observer, given half its sides: subdivided until the parts
+/// are small relative to their distance (to 250 m where they are nearer).
 fn mean_over_ground(away_m: Vec3, [east, south]: [Vec3; 2], of_point: &impl Fn(Vec3) -> f32) -> f32 {
     let longest_m2 = 4.0 * east.length_squared().max(south.length_squared());
     let ratio = (longest_m2 / away_m.length_squared().max(NEAREST_SOURCE_M.powi(2) as f32)).sqrt();

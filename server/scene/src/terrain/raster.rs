@@ -1,6 +1,6 @@
 //! One terrain raster: its grid, a pyramid of packed tiles, and a cache of unpacked ones.
 
-use super::height_bounds::HeightBounds;
+use super::max_mipmap::MaxMipmap;
 use super::tile::{self, SAMPLES, SIDE, TileEntry};
 use crate::grid::Grid;
 use crate::grid_sections;
@@ -13,18 +13,18 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 /// Unpacked tiles by level and number.
 type TileCache = HashMap<(usize, usize), Arc<Vec<f32>>>;
 /// Unpacked tiles kept, 64 kB each.
-const CACHED_TILES: usize = 512;
+const MAX_CACHED_TILES: usize = 512;
 
 /// One raster of elevations.
 #[derive(Debug)]
-pub(crate) struct TerrainLayer {
+pub(crate) struct TerrainRaster {
     grid: Grid,
     sample_size_m: f64,
     levels: Vec<LevelIndex>,
     blob: Vec<u8>,
     cache: Mutex<TileCache>,
     /// Made when a horizon is first asked for; it takes a pass over all samples.
-    bounds: OnceLock<HeightBounds>,
+    maxima: OnceLock<MaxMipmap>,
 }
 
 #[derive(Debug, Clone)]
@@ -40,7 +40,7 @@ impl LevelIndex {
     }
 }
 
-impl TerrainLayer {
+impl TerrainRaster {
     /// The raster's grid.
     pub(crate) fn grid(&self) -> &Grid {
         &self.grid
@@ -82,14 +82,14 @@ impl TerrainLayer {
     }
 
     /// The highest samples by blocks. The first call takes a pass over all samples.
-    pub(super) fn bounds(&self) -> &HeightBounds {
-        self.bounds.get_or_init(|| HeightBounds::of(self))
+    pub(super) fn maxima(&self) -> &MaxMipmap {
+        self.maxima.get_or_init(|| MaxMipmap::new(&self.grid, |number| self.unpacked(number)))
     }
 
-    /// Whether [`Self::bounds`] was ever asked for.
+    /// Whether [`Self::maxima`] was ever asked for.
     #[cfg(test)]
-    pub(super) fn has_bounds(&self) -> bool {
-        self.bounds.get().is_some()
+    pub(super) fn has_maxima(&self) -> bool {
+        self.maxima.get().is_some()
     }
 
     /// Tiles along a row of tiles of the finest level.
@@ -97,13 +97,8 @@ impl TerrainLayer {
         self.levels[0].tile_columns()
     }
 
-    /// Number of tiles of the finest level.
-    pub(super) fn tile_count(&self) -> usize {
-        self.levels[0].tiles.len()
-    }
-
     /// The samples of a tile of the finest level, unpacked past the cache; `None` for one that is all void.
-    pub(super) fn unpacked(&self, number: usize) -> Option<Vec<f32>> {
+    fn unpacked(&self, number: usize) -> Option<Vec<f32>> {
         let entry = &self.levels[0].tiles[number];
         if entry.length == 0 { None } else { tile::unpack(entry, &self.blob).ok() }
     }
@@ -126,7 +121,7 @@ impl TerrainLayer {
         let unpacked = tile::unpack(&self.levels[level].tiles[number], &self.blob);
         let samples = Arc::new(unpacked.unwrap_or_else(|_| vec![f32::NAN; SAMPLES]));
         let mut cache = self.lock();
-        if cache.len() >= CACHED_TILES {
+        if cache.len() >= MAX_CACHED_TILES {
             cache.clear();
         }
         cache.insert((level, number), Arc::clone(&samples));
@@ -203,27 +198,27 @@ impl TerrainLayer {
         }
         let blob = sections.bytes(&format!("blob{number}"))?.into_owned();
         let sample_size_m = grid.pixel_size_m();
-        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default(), bounds: OnceLock::new() })
+        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default(), maxima: OnceLock::new() })
     }
 }
 
 /// Takes the rows of a raster from the top and packs them.
-pub(crate) struct LayerBuilder {
-    layer: TerrainLayer,
+pub(crate) struct TerrainRasterBuilder {
+    layer: TerrainRaster,
     rows: Vec<f32>,
 }
 
-impl LayerBuilder {
+impl TerrainRasterBuilder {
     pub(crate) fn new(grid: Grid) -> Self {
         let level = LevelIndex { width: grid.width as usize, height: 0, tiles: Vec::new() };
         let sample_size_m = grid.pixel_size_m();
-        let layer = TerrainLayer {
+        let layer = TerrainRaster {
             grid,
             sample_size_m,
             levels: vec![level],
             blob: Vec::new(),
             cache: Mutex::default(),
-            bounds: OnceLock::new(),
+            maxima: OnceLock::new(),
         };
         Self { layer, rows: Vec::new() }
     }
@@ -251,7 +246,7 @@ impl LayerBuilder {
     }
 
     /// Packs the rest and the overviews: each level's samples are the means of the valid ones of 2 × 2.
-    pub(crate) fn finish(mut self) -> Result<TerrainLayer, std::io::Error> {
+    pub(crate) fn finish(mut self) -> Result<TerrainRaster, std::io::Error> {
         if !self.rows.is_empty() {
             self.pack_rows()?;
         }
@@ -279,7 +274,7 @@ impl LayerBuilder {
     }
 }
 
-impl TerrainLayer {
+impl TerrainRaster {
     /// The tile of the next level up that starts at (column, row) there.
     fn halved(&self, level: usize, column: usize, row: usize) -> Vec<f32> {
         let mean = |i: usize| {

@@ -1,8 +1,10 @@
+use super::super::raster::TerrainRaster;
 use super::*;
 use crate::grid::{GeographicAxes, Grid};
 use crate::lattice::{Lattice, node_count, node_position};
-use crate::terrain::made_up_ground::{STEP_DEG, grid, hills_m, layer, noise, place};
+use crate::terrain::synthetic_ground::{STEP_DEG, grid, hills_m, layer, noise, place};
 use proptest::prelude::*;
+use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::horizon::terrain_elevation_tangent;
 
 /// The largest difference [degrees] from a walk in small steps over some columns's line of sight.
@@ -11,7 +13,7 @@ fn worst_error_deg(terrain: &Terrain, place: GeoPoint, height_m: f64, farthest_m
     let horizon = terrain.horizon(place, eye_m);
     let mut worst = 0.0f64;
     for column in (0..AZIMUTH_COUNT).step_by(19) {
-        let (mut tangent, mut distance_m) = (0.0f64, super::super::ray::NEAREST_GROUND_M);
+        let (mut tangent, mut distance_m) = (0.0f64, crate::terrain::ray::MIN_GROUND_DISTANCE_M);
         while distance_m < farthest_m {
             if let Some(altitude_m) = terrain.elevation_m(place.destination(azimuth_rad(column), distance_m))
             {
@@ -46,8 +48,9 @@ fn a_plain_a_summit_and_the_sea_hide_nothing() {
     assert!(sea.horizon(place(46.5, 7.5), 2.0).is_flat());
 }
 
+/// A wall on a plain has the elevation angle of its top, with the Earth's curvature.
 #[test]
-fn a_wall_on_a_plain_is_as_high_as_its_top_seen_over_the_curve_of_the_earth() {
+fn a_wall_has_the_angle_of_its_top() {
     // A wall along a meridian, 30 columns east of the observer.
     let wall = |height_m: f32| move |column: u32, _: u32| if column == 80 { 200.0 + height_m } else { 200.0 };
     let at = place(46.5, 7.505);
@@ -76,8 +79,9 @@ fn a_wall_on_a_plain_is_as_high_as_its_top_seen_over_the_curve_of_the_earth() {
     }
 }
 
+/// A ridge hidden by the Earth's curvature is not seen.
 #[test]
-fn a_ridge_behind_the_curve_of_the_earth_is_not_seen() {
+fn a_ridge_beyond_the_curvature_is_not_seen() {
     // 2.4° along the meridian are 267 km: the Earth has dropped by 5590 m.
     let ridge = |height_m: f32| move |_: u32, row: u32| if row == 5 { height_m } else { 0.0 };
     let seen = |height_m: f32| {
@@ -116,8 +120,9 @@ fn voids_are_no_ground_and_no_wall() {
     assert!(terrain.horizon(place(46.0, 8.0), 802.0).is_flat());
 }
 
+/// Where rasters overlap, the first counts for the horizon too.
 #[test]
-fn where_layers_overlap_the_first_counts_here_too() {
+fn the_first_raster_counts_for_the_horizon() {
     // The second is higher everywhere, and must be seen only where the first has no value.
     let first =
         layer(
@@ -171,20 +176,22 @@ fn a_grid_around_the_whole_earth_has_no_seam() {
     assert!((seen_east.elevations_rad()[64] - seen_west.elevations_rad()[192]).abs() < 1e-6);
 }
 
+/// The maximum mipmap is built at the first horizon query and not before.
 #[test]
-fn bounds_are_made_when_a_horizon_is_asked_for_and_not_before() {
+fn maxima_are_built_lazily() {
     let made = Terrain::new(vec![layer(grid(7.0, 47.0, 50), |c, r| hills_m(c, r, 1))]);
     let sections = made.to_sections();
     let packed = crate::sections::pack(&sections).unwrap();
     let opened = Terrain::from_sections(&crate::sections::Sections::parse(&packed).unwrap()).unwrap();
     opened.ground(place(46.8, 7.2));
-    assert!(!opened.layers[0].has_bounds());
+    assert!(!opened.rasters[0].has_maxima());
     assert!(!opened.horizon(place(46.8, 7.2), 1000.0).is_flat());
-    assert!(opened.layers[0].has_bounds());
+    assert!(opened.rasters[0].has_maxima());
 }
 
+/// From the ground itself a slope that flattens is seen where it begins.
 #[test]
-fn from_the_ground_itself_a_slope_that_flattens_is_seen_where_it_begins() {
+fn a_flattening_slope_is_seen_from_the_ground() {
     // Between samples, where lines of sight bend with the ground that they cross.
     let terrain = Terrain::new(vec![layer(grid(7.0, 47.0, 150), |c, r| hills_m(c, r, 808))]);
     for at in [place(46.57683003501028, 7.1), place(46.31, 7.7312), place(46.0807, 8.2009)] {
@@ -208,7 +215,7 @@ proptest! {
         let is_raised = |c: u32, r: u32| (column..column + size).contains(&c) && (row..row + size).contains(&r);
         let high = |c: u32, r: u32| low(c, r) + if is_raised(c, r) { by as f32 } else { 0.0 };
         let at = place(latitude, longitude);
-        let horizon_over = |terrain: TerrainLayer| Terrain::new(vec![terrain]).horizon(at, 1800.0);
+        let horizon_over = |terrain: TerrainRaster| Terrain::new(vec![terrain]).horizon(at, 1800.0);
         let before = horizon_over(layer(grid(7.0, 47.0, 150), low));
         let after = horizon_over(layer(grid(7.0, 47.0, 150), high));
         for (before, after) in before.elevations_rad().iter().zip(after.elevations_rad()) {
@@ -240,8 +247,8 @@ proptest! {
             return Ok(());
         };
         let (u, v) = ((column + 0.5) as usize, (row + 0.5) as usize);
-        let bounds = terrain.bounds();
-        let over = |extent: usize| bounds.highest_over_m(u.saturating_sub(extent)..=u + extent, v.saturating_sub(extent)..=v);
+        let bounds = terrain.maxima();
+        let over = |extent: usize| bounds.max_over_m(u.saturating_sub(extent)..=u + extent, v.saturating_sub(extent)..=v);
         prop_assert!(over(0) >= height_m - 1e-9);
         prop_assert!(over(extent) >= over(0) && bounds.highest_m() >= over(extent));
     }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, STEP, TestRaster, place};
+use common::{STEP, TestRaster, TestStore, place};
 use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, point_sources};
@@ -121,21 +121,23 @@ fn assert_small(errors: &[f64], median: f64, largest: f64) {
     assert!(middle <= median && last <= largest, "{middle} {last}");
 }
 
+/// Dual-tree sums match the direct sums over all pixels.
 #[test]
-fn sums_at_every_place_are_those_over_every_pixel() {
+fn dual_tree_sums_match_direct_sums() {
     // Mid latitudes, the antimeridian, far north.
     for (west, north) in [(36.0, 1.0), (178.7, -15.0), (20.0, 70.0)] {
         let mut raster = TestRaster::scattered(640, 500);
         raster.geotransform = [west, STEP, 0.0, north, 0.0, -STEP];
-        let scene = Bench::new().scene(&raster);
+        let scene = TestStore::new().scene(&raster);
         assert_small(&errors(&scene, 9_973, false, plain_sum), 1e-3, 4e-3);
     }
 }
 
+/// A dark place far from the only town has the town's light.
 #[test]
-fn a_dark_place_far_from_the_only_town_has_its_light() {
+fn a_distant_town_lights_a_dark_place() {
     let raster = TestRaster::new(900, 500, |c, r| if c < 12 && r < 9 { 30.0 } else { 0.0 });
-    let scene = Bench::new().scene(&raster);
+    let scene = TestStore::new().scene(&raster);
     // At 300 km it ends: what a place just there has of it hangs on which of its pixels are nearer.
     let nearer = |scene: &Scene, place: GeoPoint, altitude_m: f64| {
         let all = plain_sum(scene, place, altitude_m);
@@ -148,31 +150,33 @@ fn a_dark_place_far_from_the_only_town_has_its_light() {
     assert_small(&errors, 2e-3, 8e-3);
 }
 
+/// The dual-tree sum holds on a projected grid and with large pixels too.
 #[test]
-fn a_grid_in_a_projection_and_large_pixels_are_summed_too() {
+fn projected_grids_and_large_pixels_are_summed() {
     let mut projected = TestRaster::scattered(300, 260);
     projected.geotransform = [500_000.0, 700.0, 0.0, 5_100_000.0, 0.0, -700.0];
     projected.epsg = Some(32632);
     let mut large = TestRaster::scattered(120, 90);
     large.geotransform = [10.0, 0.1, 0.0, 50.0, 0.0, -0.1];
     for raster in [projected, large] {
-        let scene = Bench::new().scene(&raster);
+        let scene = TestStore::new().scene(&raster);
         assert_small(&errors(&scene, 1_009, false, plain_sum), 2e-3, 1e-2);
     }
 }
 
 #[test]
 fn hills_raise_observers_and_hide_lights() {
-    let bench = Bench::new();
+    let test_store = TestStore::new();
     let mut hills = TestRaster::new(420, 420, |c, r| {
         let (x, y) = (c as f64 / 17.0, r as f64 / 23.0);
         900.0 + 700.0 * x.sin() * y.cos() + 250.0 * (3.1 * x + y).sin()
     });
     let step = 1.0 / 120.0;
     hills.geotransform = [36.9, step, 0.0, -0.9, 0.0, -step];
-    let path = bench.path("hills.tif");
+    let path = test_store.path("hills.tif");
     hills.write_f32(&path);
-    let scene = bench.scene_with(&TestRaster::scattered(400, 400), |options| options.terrain = vec![path]);
+    let scene =
+        test_store.scene_with(&TestRaster::scattered(400, 400), |options| options.terrain = vec![path]);
     assert_small(&errors(&scene, 2_503, false, plain_sum), 2e-3, 1e-2);
     let hidden = errors(&scene, 2_503, true, polar_sum);
     assert_small(&hidden, 3e-3, 2e-2);
@@ -188,7 +192,7 @@ fn hills_raise_observers_and_hide_lights() {
 
 #[test]
 fn a_dimmed_scene_has_the_sums_of_its_own_lights() {
-    let scene = Bench::new().scene(&TestRaster::scattered(400, 300));
+    let scene = TestStore::new().scene(&TestRaster::scattered(400, 300));
     let corners = [[37.3, -1.3], [38.1, -1.3], [38.1, -1.9], [37.3, -1.9], [37.3, -1.3]];
     let area = Area::Polygons(vec![vec![corners.to_vec()]]);
     let edit = Edit { area, change: Change::Alter { factor: 0.1, lamp: None, emission: None } };
@@ -199,9 +203,10 @@ fn a_dimmed_scene_has_the_sums_of_its_own_lights() {
     assert!(before.iter().zip(&after).all(|(before, after)| after < before));
 }
 
+/// Coarser lattices have the sums at the centres of their blocks; a dark or cancelled one has none.
 #[test]
-fn coarser_lattices_have_the_sums_of_the_middles_of_their_blocks_and_dark_or_ended_ones_none() {
-    let scene = Bench::new().scene(&TestRaster::scattered(300, 200));
+fn coarse_lattices_sum_at_block_centres() {
+    let scene = TestStore::new().scene(&TestRaster::scattered(300, 200));
     let lattice = scene.place_lattice(5_000);
     assert_eq!((lattice.step, lattice.columns, lattice.rows), (4, 75, 50));
     let (sums, altitudes_m) = sums(&scene, lattice, false);
@@ -237,7 +242,7 @@ fn coarser_lattices_have_the_sums_of_the_middles_of_their_blocks_and_dark_or_end
 /// A raster whose corners are off the world, in equal-area meridians that bend towards the poles: places there have no sum, and those
 /// beside the edge of the world have theirs.
 #[test]
-fn places_beside_the_edge_of_the_world_have_their_sums_and_those_beyond_have_none() {
+fn places_off_the_world_have_no_sum() {
     let mut raster = TestRaster::scattered(240, 200);
     let step_m = 10_000.0;
     // A sinusoidal grid near 180 degrees east and 60 degrees north; beyond the edge of the world it is dark.
@@ -250,8 +255,8 @@ fn places_beside_the_edge_of_the_world_have_their_sums_and_those_beyond_have_non
     }
     raster.geotransform = [8_900_000.0, step_m, 0.0, 7_600_000.0, 0.0, -step_m];
     raster.epsg = None;
-    let bench = Bench::new();
-    let path = bench.path("light.tif");
+    let test_store = TestStore::new();
+    let path = test_store.path("light.tif");
     raster.write_f32(&path);
     let mut dataset = gdal::Dataset::open_ex(
         &path,
@@ -263,8 +268,8 @@ fn places_beside_the_edge_of_the_world_have_their_sums_and_those_beyond_have_non
     dataset.close().unwrap();
     let mut options = skyglow_scene::IngestOptions::new(path);
     options.replace = true;
-    let Ok(metadata) = bench.ingest(&options) else { panic!("the raster is refused") };
-    let scene = bench.store.open(&metadata.id).unwrap();
+    let Ok(metadata) = test_store.ingest(&options) else { panic!("the raster is refused") };
+    let scene = test_store.store.open(&metadata.id).unwrap();
     let lattice = scene.place_lattice(usize::MAX);
     let (sums, altitudes_m) = sums(&scene, lattice, false);
     let nowhere = sums.iter().filter(|sum| sum.is_nan()).count();

@@ -1,4 +1,4 @@
-//! Four nodes along an axis, by which what far lights add up to is carried over a stretch of ground.
+//! Lagrange interpolation at four Chebyshev nodes along an axis, as in the black-box fast multipole method (Fong & Darve 2009).
 
 /// Nodes along an axis.
 pub(super) const NODE_COUNT: usize = 4;
@@ -15,14 +15,14 @@ pub(super) fn weights(place: f64) -> [f32; NODE_COUNT] {
     })
 }
 
-/// A stretch of lattice points along an axis, first to last.
+/// A interval of lattice points along an axis, first to last.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stretch {
+pub(super) struct Interval {
     pub(super) first: u32,
     pub(super) last: u32,
 }
 
-impl Stretch {
+impl Interval {
     fn middle(self) -> f64 {
         0.5 * (f64::from(self.first) + f64::from(self.last))
     }
@@ -63,13 +63,13 @@ mod tests {
 
     #[test]
     fn cubics_are_carried_over_and_quartics_are_not() {
-        let stretch = Stretch { first: 8, last: 23 };
+        let interval = Interval { first: 8, last: 23 };
         let miss = |power: i32| {
             let f = |x: f64| (0.1 * x - 1.0).powi(power);
-            let nodes = stretch.nodes().map(f);
+            let nodes = interval.nodes().map(f);
             (8..=23)
                 .map(|at| {
-                    let weights = stretch.weights_at(f64::from(at));
+                    let weights = interval.weights_at(f64::from(at));
                     let sum: f64 = weights.iter().zip(nodes).map(|(w, v)| f64::from(*w) * v).sum();
                     (sum - f(f64::from(at))).abs()
                 })
@@ -81,11 +81,11 @@ mod tests {
     #[test]
     fn halves_hold_every_point_once() {
         for (first, last) in [(0, 0), (3, 4), (0, 8), (5, 131)] {
-            let halves: Vec<Stretch> = Stretch { first, last }.halves().collect();
+            let halves: Vec<Interval> = Interval { first, last }.halves().collect();
             assert_eq!(halves.iter().map(|half| half.len()).sum::<u32>(), last - first + 1);
             assert_eq!((halves[0].first, halves[halves.len() - 1].last), (first, last));
         }
-        let point = Stretch { first: 7, last: 7 };
+        let point = Interval { first: 7, last: 7 };
         assert_eq!(point.weights_at(7.0).iter().sum::<f32>(), 1.0);
     }
 }

@@ -1,7 +1,7 @@
-//! The places that something is found for: points spread evenly over a raster.
+//! A lattice of places: points spread evenly over a raster.
 
 use crate::grid::Grid;
-use crate::scene::Scene;
+use crate::terrain::Terrain;
 use glam::DVec3;
 use rayon::prelude::*;
 use skyglow_physics::GeoPoint;
@@ -67,44 +67,33 @@ impl PlaceLattice {
     }
 }
 
-impl Scene {
-    /// A place for each pixel, or for blocks of them where that would be more than `most`.
-    pub fn place_lattice(&self, most: usize) -> PlaceLattice {
-        PlaceLattice::within(self.grid.width, self.grid.height, most)
+/// Altitude of the ground at every place of a lattice, metres above sea level, at least 0, row by row from the north; NaN off
+/// the world.
+pub(crate) fn ground_altitudes_m(lattice: PlaceLattice, grid: &Grid, terrain: &Terrain) -> Vec<f32> {
+    let mut altitudes = vec![0f32; lattice.len()];
+    if terrain.is_empty() && grid.axes().is_some() {
+        return altitudes;
     }
-
-    /// A place of a lattice by its column and row.
-    pub fn lattice_place(&self, lattice: PlaceLattice, column: u32, row: u32) -> GeoPoint {
-        GeoPoint::from_vector(lattice.point(&self.grid, f64::from(column), f64::from(row)))
-    }
-
-    /// Altitude of the ground at every place of a lattice, metres above sea level, at least 0, row by row from the north; NaN off
-    /// the world.
-    pub fn ground_altitudes_m(&self, lattice: PlaceLattice) -> Vec<f32> {
-        let mut altitudes = vec![0f32; lattice.len()];
-        if self.terrain.is_empty() && self.grid.axes().is_some() {
-            return altitudes;
+    altitudes.par_chunks_mut(lattice.columns as usize).enumerate().for_each(|(row, altitudes)| {
+        for (column, altitude_m) in altitudes.iter_mut().enumerate() {
+            let point = lattice.point(grid, column as f64, row as f64);
+            *altitude_m = if point.is_finite() {
+                terrain.ground(GeoPoint::from_vector(point)).altitude_m() as f32
+            } else {
+                f32::NAN
+            };
         }
-        altitudes.par_chunks_mut(lattice.columns as usize).enumerate().for_each(|(row, altitudes)| {
-            for (column, altitude_m) in altitudes.iter_mut().enumerate() {
-                let point = lattice.point(&self.grid, column as f64, row as f64);
-                *altitude_m = if point.is_finite() {
-                    self.terrain.ground(GeoPoint::from_vector(point)).altitude_m() as f32
-                } else {
-                    f32::NAN
-                };
-            }
-        });
-        altitudes
-    }
+    });
+    altitudes
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A lattice has at most the allowed number of places and lies on the raster.
     #[test]
-    fn lattices_have_as_many_places_as_allowed_and_lie_on_the_raster() {
+    fn lattices_respect_the_limit_and_the_raster() {
         for (width, height, most, step) in
             [(10, 7, 70, 1), (10, 7, 69, 2), (1, 1, 1, 1), (1000, 3, 130, 8), (5, 5, 0, 4)]
         {

@@ -1,6 +1,6 @@
-//! A number at every place of a lattice, for maps at any scale.
+//! A number at every place of a lattice, as a mean mipmap pyramid (Williams 1983) for maps at any scale.
 
-use super::PlaceLattice;
+use super::place_lattice::PlaceLattice;
 
 /// A number at every place of a lattice, and its means over ever larger blocks of places.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,8 +115,9 @@ impl Plane {
 mod tests {
     use super::*;
 
+    /// Values are linear between places, and means when zoomed out.
     #[test]
-    fn numbers_are_linear_between_places_and_means_from_afar() {
+    fn values_are_linear_and_means_when_zoomed_out() {
         let lattice = PlaceLattice::within(16, 8, 32);
         assert_eq!((lattice.step, lattice.columns, lattice.rows), (2, 8, 4));
         let plane = |x: f64, y: f64| 1.0 + 2.0 * x + 5.0 * y;
@@ -135,8 +136,9 @@ mod tests {
         assert!(PlaceValues::new(lattice, values[1..].to_vec()).is_none());
     }
 
+    /// Where the nearest place has no value, there is none.
     #[test]
-    fn where_the_nearest_place_has_no_number_there_is_none() {
+    fn a_missing_nearest_value_is_no_value() {
         let lattice = PlaceLattice::within(3, 1, 3);
         let places = PlaceValues::new(lattice, vec![4.0, f32::NAN, f32::NAN]).unwrap();
         assert_eq!(places.at(0.9, 0.5, 1.0), Some(4.0));

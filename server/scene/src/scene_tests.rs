@@ -1,10 +1,10 @@
 use super::*;
-use crate::changes::{Area, Edit};
-use crate::grid::{GeographicAxes, Grid};
-use crate::mask::ValidMask;
-use crate::metadata::{GridMetadata, IngestReport, SceneMetadata};
+use crate::changes::{Area, Change, Edit};
+use crate::grid::GeographicAxes;
+use crate::light_layer::Lights;
+use crate::lit_pixels::LitPixels;
+use crate::metadata::{GridMetadata, IngestReport};
 use crate::scene_id::SceneId;
-use crate::terrain::Terrain;
 
 const SIDE: u32 = 64;
 const STEP_DEG: f64 = 0.01;
@@ -52,14 +52,15 @@ fn scene() -> Scene {
         metadata,
         grid: Arc::new(grid),
         mask: Arc::new(mask.finish()),
-        layers: vec![LightLayer::whole(lights)],
+        light_layers: vec![LightLayer::whole(lights)],
         terrain: Arc::new(Terrain::default()),
         places: Vec::new().into(),
     }
 }
 
+/// A changed scene shares what is untouched, and nothing of that is rebuilt.
 #[test]
-fn what_is_untouched_is_shared_and_nothing_of_it_is_made_anew() {
+fn changed_scenes_share_what_is_untouched() {
     let scene = scene();
     let area = Area::Brush { points: vec![[7.105, 46.905]], radius_m: 2_000.0 };
     let change = Change::Alter { factor: 0.5, lamp: None, emission: None };
@@ -67,26 +68,26 @@ fn what_is_untouched_is_shared_and_nothing_of_it_is_made_anew() {
     let (changed, summary) = scene.changed(&steps, "x").unwrap();
     assert!(Arc::ptr_eq(&changed.grid, &scene.grid) && Arc::ptr_eq(&changed.terrain, &scene.terrain));
     assert!(Arc::ptr_eq(&changed.mask, &scene.mask) && Arc::ptr_eq(&changed.places, &scene.places));
-    assert!(Arc::ptr_eq(&changed.layers[0].lights, &scene.layers[0].lights));
+    assert!(Arc::ptr_eq(&changed.light_layers[0].lights, &scene.light_layers[0].lights));
     // Of 4096 pixels some 14 lie within 2 km: those alone have a new pyramid.
     assert!((8..25).contains(&summary.changed_pixels), "{}", summary.changed_pixels);
-    assert_eq!(changed.layers.len(), 2);
-    let of_changed = &changed.layers[1].lights;
+    assert_eq!(changed.light_layers.len(), 2);
+    let of_changed = &changed.light_layers[1].lights;
     assert_eq!(of_changed.pixels.len() as u64, summary.changed_pixels);
     let blocks: usize =
         (1..=of_changed.pyramid.top()).map(|level| of_changed.pyramid.level(level).blocks.len()).sum();
     assert!(blocks < 40, "{blocks}");
     // Blocks that lost no light are still taken whole.
-    let gone = changed.layers[0].gone.as_ref().unwrap();
+    let removed = changed.light_layers[0].removed.as_ref().unwrap();
     let touched = |level: usize| {
-        let count = scene.layers[0].lights.pyramid.level(level).blocks.len();
-        (0..count).filter(|&block| gone.is_touched(level, block)).count()
+        let count = scene.light_layers[0].lights.pyramid.level(level).blocks.len();
+        (0..count).filter(|&block| removed.is_touched(level, block)).count()
     };
     assert!(touched(1) <= 14 && touched(3) <= 4, "{} {}", touched(1), touched(3));
-    let full = (0..1024).filter(|&block| gone.is_empty_block(1, block)).count();
-    assert!(full > 0 && full < touched(1) && gone.len() as u64 == summary.changed_pixels);
+    let full = (0..1024).filter(|&block| removed.is_empty_block(1, block)).count();
+    assert!(full > 0 && full < touched(1) && removed.len() as u64 == summary.changed_pixels);
     let sum = |scene: &Scene| -> f64 {
-        scene.layers.iter().map(|layer| layer.radiance_sum_nw_cm2_sr(6, 0, 0)).sum()
+        scene.light_layers.iter().map(|layer| layer.radiance_sum_nw_cm2_sr(6, 0, 0)).sum()
     };
     assert!(sum(&changed) < sum(&scene) - 1.0);
     let of_pixels: f64 = (0..SIDE * SIDE).map(|at| changed.pixel_light(at % SIDE, at / SIDE).0).sum();

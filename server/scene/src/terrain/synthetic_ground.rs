@@ -1,6 +1,6 @@
 //! Terrain made up for tests.
 
-use super::layer::{LayerBuilder, TerrainLayer};
+use super::raster::{TerrainRaster, TerrainRasterBuilder};
 use crate::grid::{GeographicAxes, Grid};
 use skyglow_physics::GeoPoint;
 
@@ -19,9 +19,9 @@ pub(super) fn grid(west_deg: f64, north_deg: f64, size: u32) -> Grid {
 }
 
 /// Terrain of one layer: metres by column and row, NaN is void.
-pub(super) fn layer(grid: Grid, height_m: impl Fn(u32, u32) -> f32) -> TerrainLayer {
+pub(super) fn layer(grid: Grid, height_m: impl Fn(u32, u32) -> f32) -> TerrainRaster {
     let (width, height) = (grid.width, grid.height);
-    let mut builder = LayerBuilder::new(grid);
+    let mut builder = TerrainRasterBuilder::new(grid);
     for row in 0..height {
         let line: Vec<f32> = (0..width).map(|column| height_m(column, row)).collect();
         builder.push_row(&line).unwrap();

@@ -1,0 +1,89 @@
+//! Dual-tree (Barnes & Hut 1986) sum of all lights at every place of a lattice: Σ flux · kernel(distance, altitudes, skyline).
+//!
+//! The direct sum takes places × lights. Here both are trees, patches of the lattice halved again and again and the light pyramid,
+//! and far pairs interact high up in both:
+//!
+//! * a cluster of lights acts on a patch at 4 × 4 Chebyshev nodes and at the kernel's altitudes around its ground, where the
+//!   patch is small relative to their distance and that is 5 km or more; the parts of a patch inherit its sums by
+//!   interpolation, which is good to a few thousandths ([`chebyshev`]);
+//! * a block stands for its lights at their flux-weighted centre where it is small relative to its distance, and is opened
+//!   otherwise;
+//! * what is left at leaf patches of 8 × 8 places is added place by place ([`near_field`]).
+//!
+//! `tests/dual_tree.rs` compares it with the direct sum over places and pixels.
+
+mod accumulator;
+mod chebyshev;
+mod near_field;
+mod node_sums;
+mod patch;
+mod patch_store;
+mod place_lattice;
+mod place_values;
+mod sources;
+
+pub(crate) use accumulator::Accumulator;
+pub use patch_store::PatchStore;
+pub use place_lattice::PlaceLattice;
+pub(crate) use place_lattice::ground_altitudes_m;
+pub use place_values::PlaceValues;
+pub(crate) use sources::Sources;
+
+use accumulator::LEAF_SIDE_PLACES;
+use chebyshev::Interval;
+use patch::Patch;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Longest side of a root patch, metres. The work is divided by root patches.
+const MAX_ROOT_SIDE_M: f64 = 64_000.0;
+
+/// The sums at all places, row by row from the north; NaN where the altitude is. None where `store` cancelled.
+pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Option<Vec<f32>> {
+    let lattice = accumulator.lattice;
+    let candidates = accumulator.sources.roots();
+    let side = root_side(lattice, accumulator.step_m);
+    let intervals = |count: u32| {
+        let last = move |first: u32| (first + side - 1).min(count - 1);
+        (0..count).step_by(side as usize).map(move |first| Interval { first, last: last(first) })
+    };
+    let patches: Vec<Patch> = intervals(lattice.rows)
+        .flat_map(|rows| intervals(lattice.columns).map(move |columns| Patch { columns, rows }))
+        .collect();
+    let places_done = AtomicUsize::new(0);
+    let is_cancelled = AtomicBool::new(false);
+    let of_patch = |(number, patch): (usize, &Patch)| {
+        if is_cancelled.load(Ordering::Relaxed) {
+            return None;
+        }
+        let (number, count) = (number as u64, patch.len());
+        let known = store.load(number, count).filter(|sums| sums.len() == count);
+        let is_known = known.is_some();
+        let sums = known.unwrap_or_else(|| accumulator.sum_patch(*patch, &candidates));
+        let done = places_done.fetch_add(count, Ordering::Relaxed) + count;
+        let progress = done as f64 / lattice.len() as f64;
+        if !is_known && !store.store(number, &sums, progress) {
+            is_cancelled.store(true, Ordering::Relaxed);
+        }
+        Some(sums)
+    };
+    let found: Vec<Option<Vec<f32>>> = patches.par_iter().enumerate().map(of_patch).collect();
+    if is_cancelled.load(Ordering::Relaxed) {
+        return None;
+    }
+    let mut all = vec![0f32; lattice.len()];
+    let whole = Patch::of(lattice);
+    for (patch, sums) in patches.iter().zip(found) {
+        patch.write(&sums?, whole, &mut all);
+    }
+    Some(all)
+}
+
+/// Places along a side of a root patch: a power of two times [`LEAF_SIDE_PLACES`].
+fn root_side(lattice: PlaceLattice, step_m: f64) -> u32 {
+    let mut side = LEAF_SIDE_PLACES;
+    while f64::from(2 * side) * step_m <= MAX_ROOT_SIDE_M && side < lattice.columns.max(lattice.rows) {
+        side *= 2;
+    }
+    side
+}
