@@ -122,7 +122,7 @@ pub fn boundary(bytes: &[u8]) {
     if let Ok(boundary) = geojson::boundary(&body) {
         for (latitude_deg, longitude_deg) in [(46.17, 8.79), (-90.0, 0.0), (0.0, 180.0)] {
             if let Ok(place) = GeoPoint::from_deg(latitude_deg, longitude_deg) {
-                let _inside_or_not = boundary.holds(place);
+                let _inside_or_not = boundary.contains(place);
             }
         }
     }
