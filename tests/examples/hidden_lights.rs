@@ -107,7 +107,7 @@ fn compare(
     let atmosphere = Atmosphere::new(turbidity);
     let pixel_m = scene.metadata().pixel_size_m;
     let start = Instant::now();
-    let truth = hidden_sum(&atmosphere, &sum, &|light_m, point_m| scene.hides(light_m, point_m, pixel_m));
+    let truth = hidden_sum(&atmosphere, &sum, &|light_m, point_m| scene.blocks(light_m, point_m, pixel_m));
     let seconds = start.elapsed().as_secs_f64();
     let cut = cut_sum(&atmosphere, &sum, &lights.angles_rad);
     let render = |grid: &PolarGrid| -> Result<Vec<Bands>, Box<dyn Error>> {
