@@ -1,4 +1,4 @@
-// Requires elementary. Derivations: server/engine/src/twin/blending.rs
+// Requires elementary. Derivations: server/render/src/twin/blending.rs
 
 const RADIANCE_FLOOR_W_M2_SR: f32 = 1e-13;
 const BEND_ALLOWED: f32 = 0.1;

@@ -1,4 +1,4 @@
-// Derivations: server/engine/src/twin/elementary.rs
+// Derivations: server/render/src/twin/elementary.rs
 
 const LOG2_E: f32 = 1.442695040888963;
 const LN_2_HIGH: f32 = 0.693359375;

@@ -1,4 +1,4 @@
-// Derivations: server/engine/src/twin/fft.rs. Every vec4 is two complex numbers side by side, of two transforms.
+// Derivations: server/render/src/twin/fft.rs. Every vec4 is two complex numbers side by side, of two transforms.
 
 // cos(pi/8), sin(pi/8), sqrt(1/2)
 const COSINE_EIGHTH: f32 = 0.9238795325112867;

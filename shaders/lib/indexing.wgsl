@@ -1,4 +1,4 @@
-// Where things lie in the textures: server/engine/src/twin/indexing.rs
+// Where things lie in the textures: server/render/src/twin/indexing.rs
 
 const CELLS_PER_ROW: u32 = 1024u;
 

@@ -1,4 +1,4 @@
-// Requires elementary. Derivations: server/engine/src/twin/mixing.rs
+// Requires elementary. Derivations: server/render/src/twin/mixing.rs
 
 fn lobe_shares(emission: vec3<f32>, log_scale: vec3<f32>) -> vec4<f32> {
   let in_use = emission > vec3<f32>(0.0);

@@ -1,4 +1,4 @@
-// What the passes share with the host. Layouts are held to server/engine/src/gpu/layout.rs by a test.
+// What the passes share with the host. Layouts are held to server/render/src/gpu/layout.rs by a test.
 
 const BAND_COUNT: u32 = 3u;
 const LOBE_COUNT: u32 = 3u;

@@ -4,11 +4,11 @@
 //! `accuracy DATA_DIR PACKS_DIR auto|gpu|lavapipe|cpu TRUTH_FILE...`: a table on stdout.
 
 use skyglow_bench::accuracy::zenith_and_horizontal;
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_physics::{
     EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
 };
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_scene::{RING_COUNT, SceneId, SceneStore, ring_distance_m};
 use skyglow_tables::{Pack, Scattering, packs_in};
 use std::{error::Error, path::Path, sync::Arc};

@@ -3,11 +3,11 @@
 //!
 //! `block_skylines DATA_DIR PACK SCENE LAT,LON...`
 
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Panorama, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
 };
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_scene::{FAR_BLOCK_RATIO, RING_COUNT, SceneId, SceneStore, ring_distance_m};
 use skyglow_tables::Pack;
 use std::{error::Error, path::Path, sync::Arc};

@@ -4,7 +4,7 @@
 //! the map, the zenith of the map beside that of the sky that `skyglow sky` gives, and how many times faster all were found
 //! together.
 
-use skyglow_engine::{BrightnessRequest, SkyRequest};
+use skyglow_observatory::{BrightnessRequest, SkyRequest};
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
 use skyglow_scene::SceneId;
 use skyglow_tables::Scattering;

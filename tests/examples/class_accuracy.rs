@@ -7,8 +7,8 @@
 //! is missed; with `every` a line for each sky too. A class is lit such that its zenith is as bright as the natural sky,
 //! places as their raster says.
 
-use skyglow_engine::Engine;
 use skyglow_physics::{BAND_COUNT, EmissionMix, GeoPoint};
+use skyglow_render::Engine;
 use skyglow_scene::{PolarGrid, SceneId, SceneStore};
 use skyglow_tests::{
     class_errors::{class_grid, engine_with, errors_of_sky, skies_of},

@@ -5,7 +5,6 @@
 //! 400 lights within 80 km, an even choice of 400 stands for them, each with its exact blocking angle; else the scene's own
 //! polar grid is taken, skylines as stored. The light is scaled to an open zenith as bright as the natural one.
 
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, LampPreset, PointSource, Turbidity,
     blocking::blocking_position,
@@ -15,6 +14,7 @@ use skyglow_physics::{
     photometry::{luminance_cd_m2, natural_sky_luminance_cd_m2},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderRequest};
 use skyglow_scene::{PolarGrid, RING_COUNT, Scene, SceneId, SceneStore, ring_distance_m};
 use skyglow_tables::{Pack, Scattering, packs_in};
 use std::{error::Error, path::Path, sync::Arc, time::Instant};

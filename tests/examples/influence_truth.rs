@@ -4,7 +4,7 @@
 //! with chances in proportion to their influence on the zenith. Lights are under an open sky on both sides. Minutes: a field
 //! of later orders for every 300 m of source altitude.
 
-use skyglow_engine::{InfluenceRequest, Measure};
+use skyglow_observatory::{InfluenceRequest, Measure};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, Band, Direction, ELEVATION_COUNT, EmissionMix, GeoPoint, Horizon, LampPreset,
     LinearMeasure, PointSource, SkyCurve, Turbidity,

@@ -3,7 +3,7 @@
 //! `plan_truth DATA_DIR PACKS SCENE LAT LON TURBIDITY REDUCE_BY`. The zenith is the mean over every eighth azimuth within 5° of it.
 //! Lights are under an open sky on both sides. Minutes: a field of later orders for every 300 m of source altitude.
 
-use skyglow_engine::{InfluenceRequest, Limit, Measure, PlanMethod, PlanRequest, TargetSite};
+use skyglow_observatory::{InfluenceRequest, Limit, Measure, PlanMethod, PlanRequest, TargetSite};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, Band, Direction, ELEVATION_COUNT, EmissionMix, GeoPoint, Lamp, LampPreset,
     Panorama, PointSource, Turbidity,

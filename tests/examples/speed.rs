@@ -3,12 +3,12 @@
 //! `speed DATA_DIR PACKS_DIR SCENE LATITUDE LONGITUDE TURBIDITY`: the executors in turn, then the sum over every pixel
 //! in 16 directions, scaled to the panorama's 16 384.
 
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, EngineError, RenderRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, RenderRequest};
 use skyglow_scene::{RING_COUNT, SceneId, SceneStore, ring_distance_m};
 use skyglow_tables::{Pack, Scattering, packs_in};
 use std::{error::Error, path::Path, sync::Arc, time::Instant};
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut fastest_s = f64::INFINITY;
     for device in [DeviceChoice::Gpu, DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
         let started = Engine::start(EngineConfig { device, tables: tables.clone(), ..Default::default() });
-        if let Err(EngineError::NoAdapter { .. }) = started {
+        if let Err(RenderError::NoAdapter { .. }) = started {
             println!("{device:?}: there is none here");
             continue;
         }

@@ -3,10 +3,10 @@
 //!
 //! `tolerance DATA_DIR PACKS_DIR SCENE LATITUDE LONGITUDE TURBIDITY`, on the processor.
 
-use skyglow_engine::{
+use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Turbidity};
+use skyglow_render::{
     DeviceChoice, Engine, EngineConfig, RenderRequest, resident_tables, truncation::relative_difference,
 };
-use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Turbidity};
 use skyglow_scene::{SceneId, SceneStore};
 use skyglow_tables::{Scattering, packs_in};
 use std::{error::Error, path::Path, sync::Arc, time::Instant};

@@ -17,7 +17,7 @@ pub struct Absence {
 
 /// Tests that generate entry points around the WGSL functions they compare, and broken shaders.
 const WGSL_IN_TESTS: &[&str] =
-    &["server/engine/src/gpu/twin_tests.rs", "server/engine/src/gpu/shader_tests.rs"];
+    &["server/render/src/gpu/twin_tests.rs", "server/render/src/gpu/shader_tests.rs"];
 
 /// The absences of ARCHITECTURE.md that are words in Rust or WGSL files.
 pub const ABSENCES: &[Absence] = &[
@@ -36,8 +36,8 @@ pub const ABSENCES: &[Absence] = &[
     Absence {
         word: "wgpu::",
         within: &["server/"],
-        except: &["server/engine/"],
-        reason: "only the engine names the device",
+        except: &["server/render/"],
+        reason: "only render names the device",
     },
     Absence {
         word: "StatusCode",
@@ -54,7 +54,7 @@ pub const ABSENCES: &[Absence] = &[
     Absence {
         word: "gdal::",
         within: &["server/"],
-        except: &["server/scene/", "server/engine/tests/"],
+        except: &["server/scene/", "server/observatory/tests/"],
         reason: "only scene reads rasters (tests may write some)",
     },
     Absence {

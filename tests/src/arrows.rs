@@ -1,5 +1,5 @@
-//! Which crate may use which: `cli → {http, bench}`, `http → {engine, display}`, `bench → engine`, `engine → {tables, scene} → physics`,
-//! `display → physics`. A crate may use whatever lies below it, and nothing beside or above it.
+//! Which crate may use which: `cli → {http, bench}`, `http → app → {observatory, display}`, `observatory → render`, `bench → render`,
+//! `render → {tables, scene} → physics`, `display → physics`. A crate may use whatever lies below it, and nothing beside or above it.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -9,17 +9,19 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("skyglow-physics", &[]),
     ("skyglow-tables", &["skyglow-physics"]),
     ("skyglow-scene", &["skyglow-physics"]),
-    ("skyglow-engine", &["skyglow-tables", "skyglow-scene"]),
-    ("skyglow-bench", &["skyglow-engine"]),
+    ("skyglow-render", &["skyglow-tables", "skyglow-scene"]),
+    ("skyglow-observatory", &["skyglow-render"]),
+    ("skyglow-bench", &["skyglow-render"]),
     ("skyglow-display", &["skyglow-physics"]),
-    ("skyglow-http", &["skyglow-engine", "skyglow-display"]),
+    ("skyglow-app", &["skyglow-observatory", "skyglow-display"]),
+    ("skyglow-http", &["skyglow-app"]),
     ("skyglow", &["skyglow-http", "skyglow-bench"]),
 ];
 
 /// Crates from outside that belong to one of ours alone. Tests of others may use them.
 const HOMES: &[(&str, &str)] = &[
-    ("wgpu", "skyglow-engine"),
-    ("naga", "skyglow-engine"),
+    ("wgpu", "skyglow-render"),
+    ("naga", "skyglow-render"),
     ("axum", "skyglow-http"),
     ("hyper", "skyglow-http"),
     ("http", "skyglow-http"),

@@ -6,10 +6,10 @@ use crate::{
     sky_errors::{SkyErrors, sky_errors},
 };
 use skyglow_bench::{accuracy::zenith_and_horizontal, scenes::grid_under_open_sky};
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, EngineError, RenderRequest, resident_tables};
 use skyglow_physics::{
     BAND_COUNT, EmissionMix, LampPreset, PhysicsError, Turbidity, photometry::natural_sky_luminance_cd_m2,
 };
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, RenderRequest, resident_tables};
 use skyglow_scene::PolarGrid;
 use skyglow_tables::{Scattering, TablesError, packs_in};
 use std::{path::Path, sync::Arc};
@@ -33,7 +33,7 @@ pub enum JudgeError {
     Physics(#[from] PhysicsError),
     /// Rendering failed.
     #[error(transparent)]
-    Engine(#[from] EngineError),
+    Engine(#[from] RenderError),
     /// A pack cannot be read.
     #[error(transparent)]
     Tables(#[from] TablesError),

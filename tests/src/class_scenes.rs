@@ -5,8 +5,8 @@
 
 use crate::lit_areas::{LitAreas, level_m, level_of_share_m, turned_m};
 use skyglow_bench::scenes::{LitPixel, PIXEL_SIDE_M, sources_of_pixels};
-use skyglow_engine::synthetic::Noise;
 use skyglow_physics::PointSource;
+use skyglow_render::synthetic::Noise;
 use std::f64::consts::TAU;
 
 /// A kind of place.

@@ -1,7 +1,7 @@
 //! Areas of lit 15″ pixels: towns, and regions of them, the same every time.
 
 use skyglow_bench::scenes::{LitPixel, PIXEL_SIDE_M};
-use skyglow_engine::synthetic::Noise;
+use skyglow_render::synthetic::Noise;
 use std::{collections::BTreeMap, f64::consts::TAU};
 
 /// Flux of a pixel of middling brightness, DNB watts: 20 nW cm⁻² sr⁻¹.

@@ -1,9 +1,8 @@
 //! A sky of default lamps with all lights under an open sky, and an observatory on the processor: what examples measure.
 
-use skyglow_engine::{
-    DeviceChoice, Engine, EngineConfig, Observatory, ObserverHeight, SkyRequest, resident_tables,
-};
+use skyglow_observatory::{Observatory, ObserverHeight, SkyRequest};
 use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Turbidity};
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, resident_tables};
 use skyglow_scene::SceneId;
 use skyglow_tables::{Scattering, packs_in};
 use std::{error::Error, path::Path};

@@ -6,11 +6,11 @@ use crate::{
     detectors::lost_digits,
     rig::{Lamp, Rig, grid_of, row_maxima, widened},
 };
-use skyglow_engine::{RenderRequest, prepare::Prepared};
 use skyglow_physics::{
     GeoPoint, SourcePixel, Turbidity,
     source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M, point_sources},
 };
+use skyglow_render::{RenderRequest, prepare::Prepared};
 use skyglow_scene::{PolarGrid, RING_COUNT};
 use std::error::Error;
 

@@ -7,8 +7,8 @@ use crate::{
     rig::{Lamp, Rig, grid_of, row_maxima, widened},
 };
 use rayon::prelude::*;
-use skyglow_engine::{EngineError, RenderRequest};
 use skyglow_physics::{Turbidity, error_metric::BAND_FLOOR_W_M2_SR};
+use skyglow_render::{RenderError, RenderRequest};
 use std::error::Error;
 
 /// Of the row's brightest sample. Low in the shadow of a lamp that stands far above the eye nearby, 64 functions cancel to
@@ -25,7 +25,7 @@ pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {
             requests.retain(|_| index.next().is_some_and(|index| index % 3 == 0));
         }
         let exact: Vec<Vec<f64>> =
-            requests.par_iter().map(|request| rig.exact(request)).collect::<Result<_, EngineError>>()?;
+            requests.par_iter().map(|request| rig.exact(request)).collect::<Result<_, RenderError>>()?;
         compare(report, rig, words, &requests, &exact)?;
     }
     Ok(())

@@ -7,8 +7,8 @@ use crate::{
     plain::{self, fill_scale, fill_shape, make_needle, make_uniform},
     rig::{Lamp, Rig, grid_of, row_maxima, widened},
 };
-use skyglow_engine::{RenderRequest, synthetic::Noise};
 use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, EmissionMix, Turbidity};
+use skyglow_render::{RenderRequest, synthetic::Noise};
 use skyglow_scene::RING_COUNT;
 use skyglow_tables::ResidentTables;
 use std::{error::Error, sync::Arc};

@@ -4,8 +4,8 @@
 //! 0 is 1 in every column; one whose spectrum is 1 at every frequency is 1 at the lit column and 0 elsewhere.
 
 use half::f16;
-use skyglow_engine::synthetic;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
+use skyglow_render::synthetic;
 use skyglow_scene::{RING_COUNT, ring_distance_m};
 use skyglow_tables::{OffsetAxis, ResidentTables, Scattering, resident::FREQUENCY_COUNT};
 

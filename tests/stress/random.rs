@@ -11,8 +11,8 @@ use proptest::{
     prelude::*,
     test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner},
 };
-use skyglow_engine::{RenderRequest, synthetic};
 use skyglow_physics::{BAND_COUNT, EmissionMix, Turbidity, error_metric::BAND_FLOOR_W_M2_SR};
+use skyglow_render::{RenderRequest, synthetic};
 use skyglow_scene::RING_COUNT;
 use std::{cell::RefCell, error::Error};
 
@@ -245,7 +245,7 @@ fn against_f64(report: &mut Report, rig: &Rig, cases: u32) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_engine::DeviceChoice;
+    use skyglow_render::DeviceChoice;
 
     fn made_up() -> Rig {
         Rig::of(synthetic::table_set_with_skylines(&[1.5, 2.5, 6.0], 8)).unwrap()

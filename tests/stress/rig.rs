@@ -1,10 +1,10 @@
 //! Both executors on one set of packs, and the skies that are asked of them.
 
-use skyglow_engine::{
-    DeviceChoice, Engine, EngineConfig, EngineError, RenderRequest, TableSet, prepare::Prepared,
+use skyglow_physics::{AZIMUTH_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity};
+use skyglow_render::{
+    DeviceChoice, Engine, EngineConfig, RenderError, RenderRequest, TableSet, prepare::Prepared,
     reference::render_f64, resident_tables, synthetic::tested_device,
 };
-use skyglow_physics::{AZIMUTH_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity};
 use skyglow_scene::{PolarCell, PolarGrid};
 use skyglow_tables::{ResidentTables, Scattering, packs_in};
 use skyglow_tests::tree;
@@ -84,7 +84,7 @@ pub(crate) struct Rig {
 
 impl Rig {
     /// Both executors.
-    pub(crate) fn of(tables: Vec<Arc<ResidentTables>>) -> Result<Self, EngineError> {
+    pub(crate) fn of(tables: Vec<Arc<ResidentTables>>) -> Result<Self, RenderError> {
         Self::with(tables, &[DeviceChoice::Cpu, tested_device().choice()])
     }
 
@@ -92,7 +92,7 @@ impl Rig {
     pub(crate) fn with(
         tables: Vec<Arc<ResidentTables>>,
         devices: &[DeviceChoice],
-    ) -> Result<Self, EngineError> {
+    ) -> Result<Self, RenderError> {
         let set = TableSet::new(tables.clone())?;
         let start = |device: &DeviceChoice| {
             let config = EngineConfig {
@@ -104,7 +104,7 @@ impl Rig {
             let engine = Engine::start(config)?;
             Ok((engine.info().executor.name(), engine))
         };
-        Ok(Self { engines: devices.iter().map(start).collect::<Result<_, EngineError>>()?, set })
+        Ok(Self { engines: devices.iter().map(start).collect::<Result<_, RenderError>>()?, set })
     }
 
     /// Names of the executors.
@@ -136,7 +136,7 @@ impl Rig {
     pub(crate) fn skies(
         &self,
         request: &RenderRequest,
-    ) -> Result<Vec<(&'static str, Vec<f32>)>, EngineError> {
+    ) -> Result<Vec<(&'static str, Vec<f32>)>, RenderError> {
         let render = |(name, engine): &(&'static str, Engine)| {
             Ok((*name, engine.render_blocking(request.clone())?.panorama.samples().to_vec()))
         };
@@ -144,12 +144,12 @@ impl Rig {
     }
 
     /// The sky by the first executor.
-    pub(crate) fn sky(&self, request: &RenderRequest) -> Result<Vec<f32>, EngineError> {
+    pub(crate) fn sky(&self, request: &RenderRequest) -> Result<Vec<f32>, RenderError> {
         Ok(self.engines[0].1.render_blocking(request.clone())?.panorama.samples().to_vec())
     }
 
     /// The sky in f64 by plain sums.
-    pub(crate) fn exact(&self, request: &RenderRequest) -> Result<Vec<f64>, EngineError> {
+    pub(crate) fn exact(&self, request: &RenderRequest) -> Result<Vec<f64>, RenderError> {
         Ok(render_f64(&Prepared::new(request, &self.set)?, &self.set))
     }
 }
@@ -168,7 +168,7 @@ pub(crate) fn row_maxima(sky: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_engine::synthetic;
+    use skyglow_render::synthetic;
 
     #[test]
     fn lamps_make_the_grid_that_they_are_read_from() {

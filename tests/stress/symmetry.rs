@@ -6,8 +6,8 @@ use crate::{
     detectors::lost_digits,
     rig::{Lamp, Rig, grid_of, lamps_of, row_maxima, widened},
 };
-use skyglow_engine::{RenderRequest, synthetic};
 use skyglow_physics::{AZIMUTH_COUNT, Turbidity, error_metric::BAND_FLOOR_W_M2_SR};
+use skyglow_render::{RenderRequest, synthetic};
 use std::error::Error;
 
 /// A limit of rounding alone: 25 roundings of f32, relative to the brightest of a row.

@@ -9,13 +9,13 @@ use crate::{
     detectors::jump,
     rig::Rig,
 };
-use skyglow_engine::RenderRequest;
 use skyglow_physics::{
     Atmosphere, ELEVATION_COUNT, GeoPoint, Panorama, PointSource, Turbidity,
     direct_sum::{GridSample, direct_sum, grid_direction},
     error_metric::LUMINANCE_FLOOR_CD_M2,
     photometry::{luminance_cd_m2, natural_sky_luminance_cd_m2},
 };
+use skyglow_render::RenderRequest;
 use skyglow_scene::PolarGrid;
 use std::error::Error;
 

@@ -2,13 +2,14 @@
 //! scattering (`tests/examples/truth.rs`, then `tests/examples/truth_multiple.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
-use skyglow_engine::{BrightnessRequest, Engine, RenderRequest, SkyRequest};
+use skyglow_observatory::{BrightnessRequest, SkyRequest};
 use skyglow_physics::{
     ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
     photometry::luminance_cd_m2,
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
+use skyglow_render::{Engine, RenderRequest};
 use skyglow_scene::{Scene, SceneId, SceneStore, create_demo};
 use skyglow_tables::Scattering;
 use skyglow_tests::{

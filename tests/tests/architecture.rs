@@ -18,12 +18,12 @@ fn an_arrow_that_points_the_wrong_way_is_seen() {
     for (package, dependency, words) in [
         ("skyglow-tables", "skyglow-scene", "skyglow-tables must not use skyglow-scene"),
         ("skyglow-scene", "skyglow-tables", "skyglow-scene must not use skyglow-tables"),
-        ("skyglow-physics", "skyglow-engine", "skyglow-physics must not use skyglow-engine"),
-        ("skyglow-engine", "skyglow-http", "skyglow-engine must not use skyglow-http"),
-        ("skyglow-display", "skyglow-engine", "skyglow-display must not use skyglow-engine"),
+        ("skyglow-physics", "skyglow-render", "skyglow-physics must not use skyglow-render"),
+        ("skyglow-render", "skyglow-http", "skyglow-render must not use skyglow-http"),
+        ("skyglow-display", "skyglow-render", "skyglow-display must not use skyglow-render"),
         ("skyglow-bench", "skyglow-http", "skyglow-bench must not use skyglow-http"),
-        ("skyglow-engine", "skyglow-bench", "skyglow-engine must not use skyglow-bench"),
-        ("skyglow-display", "wgpu", "wgpu belongs to skyglow-engine alone, not to skyglow-display"),
+        ("skyglow-render", "skyglow-bench", "skyglow-render must not use skyglow-bench"),
+        ("skyglow-display", "wgpu", "wgpu belongs to skyglow-render alone, not to skyglow-display"),
         ("skyglow", "axum", "axum belongs to skyglow-http alone, not to skyglow"),
         ("skyglow-tests", "gdal", "gdal belongs to skyglow-scene alone, not to skyglow-tests"),
     ] {

@@ -2,16 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 use skyglow_bench::scenes::{LitPixel, grid_under_open_sky, sources_of_pixels};
-use skyglow_engine::{
-    Engine, InfluenceRequest, InfluenceSolver, Measure, Observatory, RenderRequest, SkyRequest, TableSet,
-    resident_tables,
-};
+use skyglow_observatory::{InfluenceRequest, InfluenceSolver, Measure, Observatory, SkyRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Direction, EmissionMix, GeoPoint, Horizon, LampPreset,
     LinearMeasure, PointSource, SkyCurve, Turbidity,
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, mixed_radiance_per_watt},
 };
+use skyglow_render::{Engine, RenderRequest, TableSet, resident_tables};
 use skyglow_scene::{PolarGrid, SceneId, SceneStore, create_demo};
 use skyglow_tables::{Scattering, packs_in};
 use skyglow_tests::{

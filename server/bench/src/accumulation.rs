@@ -10,11 +10,11 @@ use crate::{
     wide::{dispatch_wide, multiply_add},
 };
 use rayon::prelude::*;
-use skyglow_engine::{
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama};
+use skyglow_render::{
     prepare::{Prepared, PreparedCell},
     reference::{ExactNode, mixed_node},
 };
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama};
 use skyglow_tables::ResidentTables;
 
 /// A cell with its column, ready to be added.
@@ -150,8 +150,8 @@ fn add_between<const FUSED: bool>(lower: &[f32], upper: &[f32], weights: [f32; 2
 mod tests {
     use super::*;
     use crate::scenes::LitScene;
-    use skyglow_engine::{DeviceChoice, Engine, EngineConfig, RenderRequest, TableSet, synthetic};
     use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderRequest, TableSet, synthetic};
     use skyglow_tables::Scattering;
     use std::sync::Arc;
 

@@ -7,7 +7,6 @@ use crate::{
     report::ErrorRow,
     truth::TruthSky,
 };
-use skyglow_engine::{Engine, prepare::Prepared, reference::render_f64};
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, Panorama,
     direct_sum::GridSample,
@@ -16,6 +15,7 @@ use skyglow_physics::{
     photometry::{luminance_cd_m2, natural_sky_luminance_cd_m2},
     sky_quantities::ZENITH_CAP_RAD,
 };
+use skyglow_render::{Engine, prepare::Prepared, reference::render_f64};
 use std::collections::BTreeMap;
 
 /// Errors of all skies on an executor at every basis size, with the run time of each panorama.

@@ -7,7 +7,7 @@ use crate::{
     report::{BatchRow, ExecutorRecord},
     rows::Subject,
 };
-use skyglow_engine::{Engine, EngineError, MAX_BATCH, RenderRequest, prepare::Prepared};
+use skyglow_render::{Engine, MAX_BATCH, RenderError, RenderRequest, prepare::Prepared};
 use std::time::Instant;
 
 /// Callers: one, a batch of them, and twice as many, so that the next batch waits when one is done.
@@ -64,9 +64,9 @@ struct Round {
     panoramas_per_s: f64,
 }
 
-fn round_of(engine: &Engine, request: &RenderRequest, callers: usize) -> Result<Round, EngineError> {
+fn round_of(engine: &Engine, request: &RenderRequest, callers: usize) -> Result<Round, RenderError> {
     // Panoramas over batches: each panorama is its part of a batch.
-    let call = || -> Result<f64, EngineError> {
+    let call = || -> Result<f64, RenderError> {
         let mut batches = 0.0;
         for _ in 0..PANORAMAS_EACH {
             batches += 1.0 / engine.render_blocking(request.clone())?.batch_size.max(1) as f64;
@@ -74,12 +74,12 @@ fn round_of(engine: &Engine, request: &RenderRequest, callers: usize) -> Result<
         Ok(batches)
     };
     let start = Instant::now();
-    let shares: Vec<Result<f64, EngineError>> = std::thread::scope(|scope| {
+    let shares: Vec<Result<f64, RenderError>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..callers).map(|_| scope.spawn(call)).collect();
-        threads.into_iter().map(|thread| thread.join().unwrap_or(Err(EngineError::Stopped))).collect()
+        threads.into_iter().map(|thread| thread.join().unwrap_or(Err(RenderError::Stopped))).collect()
     });
     let seconds = start.elapsed().as_secs_f64();
-    let batches: f64 = shares.into_iter().sum::<Result<f64, EngineError>>()?;
+    let batches: f64 = shares.into_iter().sum::<Result<f64, RenderError>>()?;
     let panoramas = (callers * PANORAMAS_EACH) as f64;
     Ok(Round { batch_size: panoramas / batches, panoramas_per_s: panoramas / seconds })
 }
@@ -97,7 +97,7 @@ mod tests {
         let turbidity = setting.turbidity;
         let request = executors::request(&setting, &lit.polar, lit.observer_altitude_m, turbidity, 8);
         let subject = Subject { scene: &scene, skipping: true, turbidity, request };
-        let engine = executors::start(skyglow_engine::DeviceChoice::Cpu, &setting).unwrap().unwrap();
+        let engine = executors::start(skyglow_render::DeviceChoice::Cpu, &setting).unwrap().unwrap();
         let machine = crate::machine::measure(&run::tests::tiny());
         let record = executors::record(&engine, &machine, &run::tests::tiny()).unwrap();
         let rows = of_engine(&engine, &record, &setting, &[&subject], 2).unwrap();

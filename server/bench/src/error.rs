@@ -1,7 +1,7 @@
 //! Why a bench cannot be run.
 
-use skyglow_engine::EngineError;
 use skyglow_physics::PhysicsError;
+use skyglow_render::RenderError;
 use skyglow_scene::SceneError;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ pub enum BenchError {
     },
     /// The engine refuses or fails.
     #[error(transparent)]
-    Engine(#[from] EngineError),
+    Engine(#[from] RenderError),
     /// The demo cannot be made or opened.
     #[error(transparent)]
     Scene(#[from] SceneError),

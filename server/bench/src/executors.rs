@@ -6,11 +6,11 @@ use crate::{
     options::{Extent, Setting},
     report::{ExecutorRecord, Machine, PassRow},
 };
-use skyglow_engine::{
-    DeviceChoice, DeviceRates, Engine, EngineConfig, EngineError, ExecutorKind, PassTime, RatesExtent,
+use skyglow_physics::Turbidity;
+use skyglow_render::{
+    DeviceChoice, DeviceRates, Engine, EngineConfig, ExecutorKind, PassTime, RatesExtent, RenderError,
     RenderRequest, Rendered, WorkCount, device_rates,
 };
-use skyglow_physics::Turbidity;
 use skyglow_scene::PolarGrid;
 use std::{
     sync::Arc,
@@ -32,7 +32,7 @@ pub(crate) fn start(choice: DeviceChoice, setting: &Setting) -> Result<Option<En
     let config =
         EngineConfig { device: choice, tables: setting.set.tables().to_vec(), ..EngineConfig::default() };
     let engine = match Engine::start(config) {
-        Err(EngineError::NoAdapter { .. }) => return Ok(None),
+        Err(RenderError::NoAdapter { .. }) => return Ok(None),
         started => started?,
     };
     let start = Instant::now();
@@ -70,7 +70,7 @@ pub(crate) fn record(
 /// Multiply-adds of a dispatch over those of a thread: some two thousand workgroups, which fill any GPU.
 const GPU_OVER_THREAD: usize = 8;
 
-fn gpu_rates(executor: ExecutorKind, extent: &Extent) -> Result<DeviceRates, EngineError> {
+fn gpu_rates(executor: ExecutorKind, extent: &Extent) -> Result<DeviceRates, RenderError> {
     let measured = RatesExtent {
         stream_bytes: extent.stream_bytes,
         multiply_adds: GPU_OVER_THREAD * extent.multiply_adds,

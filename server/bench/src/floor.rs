@@ -6,8 +6,8 @@
 //! are read faster than memory is, so that a pass of few operations may come in below the time of its bytes.
 
 use crate::report::ExecutorRecord;
-use skyglow_engine::{TableSet, plan::Pass, prepare::Prepared};
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
+use skyglow_render::{TableSet, plan::Pass, prepare::Prepared};
 use skyglow_tables::resident::FREQUENCY_COUNT;
 
 /// Bytes of an f32.

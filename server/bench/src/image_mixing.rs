@@ -10,8 +10,8 @@ use crate::{
     wide::dispatch_wide,
 };
 use rayon::prelude::*;
-use skyglow_engine::prepare::{MixNode, Prepared};
 use skyglow_physics::{BAND_COUNT, LOBE_COUNT, Panorama};
+use skyglow_render::prepare::{MixNode, Prepared};
 use skyglow_tables::ResidentTables;
 
 /// Images on the pack's axes around some nodes of a request under an open sky.
@@ -122,8 +122,8 @@ fn mix_rows_body<const FUSED: bool>(stored: &[f32], weights: &[f32], part_count:
 mod tests {
     use super::*;
     use crate::{executors, scenes::LitScene};
-    use skyglow_engine::reference::mixed_node;
     use skyglow_physics::Turbidity;
+    use skyglow_render::reference::mixed_node;
 
     #[test]
     fn mixed_images_are_those_of_the_engines_mixed_coefficients_and_those_of_another_observer_are_not() {

@@ -2,8 +2,8 @@
 
 use crate::wide::{dispatch_wide, multiply_add};
 use rayon::prelude::*;
-use skyglow_engine::reference::basis_images;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT};
+use skyglow_render::reference::basis_images;
 use skyglow_tables::ResidentTables;
 
 /// Rows that a task works on: its part of the sky stays in the nearest cache.

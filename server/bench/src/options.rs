@@ -1,11 +1,11 @@
 //! What a bench runs, and how much of it.
 
 use crate::error::BenchError;
-use skyglow_engine::{PackKind, TableSet};
 use skyglow_physics::{
     BAND_COUNT, EmissionMix, LOBE_COUNT, LampPreset, Panorama, Turbidity,
     multiple_scattering::DEFAULT_GROUND_ALBEDO,
 };
+use skyglow_render::{PackKind, TableSet};
 use skyglow_tables::{Manifest, ResidentTables, Scattering};
 use std::{path::PathBuf, sync::Arc, time::Duration};
 

@@ -11,7 +11,7 @@ use crate::{
     sampled_sum,
     scenes::LitScene,
 };
-use skyglow_engine::prepare::Prepared;
+use skyglow_render::prepare::Prepared;
 use std::hint::black_box;
 
 /// The rivals' times of a scene.

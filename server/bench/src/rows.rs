@@ -6,8 +6,8 @@ use crate::{
     options::Setting,
     report::{ExecutorRecord, FloorRow, RivalTime, RunTimeRow, SceneRow},
 };
-use skyglow_engine::{RenderRequest, prepare::Prepared};
 use skyglow_physics::Turbidity;
+use skyglow_render::{RenderRequest, prepare::Prepared};
 
 /// Name of all passes together, with what is listed, queued and handed over between them.
 const WHOLE: &str = "whole panorama";

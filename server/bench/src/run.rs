@@ -13,7 +13,7 @@ use crate::{
     skies,
     truth::{self, TruthSky},
 };
-use skyglow_engine::{DeviceChoice, Engine, PackKind, RenderRequest, prepare::Prepared};
+use skyglow_render::{DeviceChoice, Engine, PackKind, RenderRequest, prepare::Prepared};
 use skyglow_scene::PolarGrid;
 use skyglow_tables::Manifest;
 use std::sync::Arc;

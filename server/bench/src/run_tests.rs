@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{text::sections, truth};
-use skyglow_engine::synthetic;
+use skyglow_render::synthetic;
 use skyglow_tables::{
     MultipleAxes, Scattering, TableAxes,
     manifest::{MeasuredError, PackParameters},
@@ -150,7 +150,7 @@ fn errors_have_a_row_for_every_sky_basis_and_executor_and_made_up_packs_are_wron
     let setting = setting(16);
     let sky = truth::of_scene(&setting, &LitScene::of_cells(20), 24).unwrap();
     let skies = [sky];
-    let engine = executors::start(skyglow_engine::DeviceChoice::Cpu, &setting).unwrap().unwrap();
+    let engine = executors::start(skyglow_render::DeviceChoice::Cpu, &setting).unwrap().unwrap();
     let rows = accuracy::of_engine(&engine, &setting, &skies, 1).unwrap();
     assert_eq!(rows.iter().map(|row| row.basis_count).collect::<Vec<_>>(), setting.bases);
     assert!(rows.iter().all(|row| row.mean > 0.1 && row.median_ms.is_some()), "{rows:?}");

@@ -1,11 +1,14 @@
 //! Made-up light: scenes of any number of lit sources over hills, the same every time.
 
-use skyglow_engine::{TableSet, synthetic::Noise, synthetic::polar_grid_of};
 use skyglow_physics::{
     AZIMUTH_COUNT, EARTH_RADIUS_M, GeoPoint, PointSource, SourcePixel,
     geometry::LocalFrame,
     panorama::azimuth_rad,
     source_pixel::{FARTHEST_SOURCE_M, upward_flux_dnb_w},
+};
+use skyglow_render::{
+    TableSet,
+    synthetic::{Noise, polar_grid_of},
 };
 use skyglow_scene::{
     FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m,
@@ -262,8 +265,8 @@ impl LitScene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_engine::{RenderRequest, prepare::Prepared, synthetic};
     use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_render::{RenderRequest, prepare::Prepared, synthetic};
     use skyglow_tables::Scattering;
 
     #[test]

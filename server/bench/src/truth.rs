@@ -205,7 +205,7 @@ impl StoredTruth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_engine::synthetic;
+    use skyglow_render::synthetic;
 
     #[test]
     fn a_stored_truth_gives_a_sky_for_each_turbidity_that_packs_serve_and_a_broken_one_is_refused() {

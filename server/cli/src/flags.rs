@@ -2,8 +2,8 @@
 
 use crate::{failure::Failure, folders, program, query, settings::Device};
 use clap::{Args, builder::BoolishValueParser};
-use skyglow_engine::MOST_PLACES;
-use skyglow_http::{SkySource, source::SourceFacts};
+use skyglow_app::{SkySource, source::SourceFacts};
+use skyglow_observatory::MOST_PLACES;
 use skyglow_scene::ChangeLimits;
 use std::{path::PathBuf, sync::Arc};
 

@@ -5,8 +5,9 @@ use crate::{
     progress::{self, Stages},
     settings::Device,
 };
-use skyglow_engine::{Engine, EngineConfig, Observatory, observatory, resident_tables};
-use skyglow_http::{SkySource, UploadReader};
+use skyglow_app::{SkySource, UploadReader};
+use skyglow_observatory::{OPEN_SCENE_COUNT, Observatory};
+use skyglow_render::{Engine, EngineConfig, resident_tables};
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
 use skyglow_tables::packs_in;
 use std::{
@@ -40,9 +41,8 @@ pub(crate) fn open(
     let (tables, manifests) = resident_tables(&paths).map_err(Failure::work)?;
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
-    let observatory =
-        Observatory::with_limits(engine, manifests, data, observatory::OPEN_SCENE_COUNT, limits);
-    let source = skyglow_http::ObservatorySource::new(Arc::new(observatory)).with_most_places(most_places);
+    let observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits);
+    let source = skyglow_app::ObservatorySource::new(Arc::new(observatory)).with_most_places(most_places);
     // The program that runs, also where its file was replaced meanwhile.
     let program = PathBuf::from("/proc/self/exe");
     if !program.exists() {
@@ -63,7 +63,7 @@ pub(crate) fn read_upload() -> ExitCode {
     // Where memory runs out, this goes and not the server. Where the system has neither, the reading is what it was before.
     let _best_effort = std::fs::write("/proc/self/oom_score_adj", "1000");
     let _best_effort = set_parent_process_death_signal(Some(Signal::KILL));
-    match skyglow_http::read_upload(std::io::stdin().lock(), std::io::stdout().lock()) {
+    match skyglow_app::read_upload(std::io::stdin().lock(), std::io::stdout().lock()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("skyglow: {error}");

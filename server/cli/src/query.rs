@@ -2,8 +2,8 @@
 
 use crate::failure::Failure;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
-use skyglow_http::{
-    error::ApiError,
+use skyglow_app::{
+    error::AppError,
     kind_facts::KindFacts,
     parameters::{MOST_BASIS_FUNCTIONS, Parameter, ParameterSet},
     source::SourceFacts,
@@ -164,12 +164,12 @@ fn kind_facts(manifests: &[Manifest], sky: Option<u32>, scattering: Scattering) 
 }
 
 /// A refused parameter is wrong usage; anything else is work that failed.
-pub(crate) fn failure(error: &ApiError) -> Failure {
-    let detail = error.problem().detail;
+pub(crate) fn failure(error: &AppError) -> Failure {
+    let detail = error.detail();
     match error {
-        ApiError::Parameters(_) => Failure::Usage(detail),
-        ApiError::Internal { reason } => Failure::Work(reason.clone()),
-        ApiError::UnknownScene { id } => {
+        AppError::Parameters(_) => Failure::Usage(detail),
+        AppError::Internal { reason } => Failure::Work(reason.clone()),
+        AppError::UnknownScene { id } => {
             Failure::Work(format!("there is no scene \"{id}\"; `skyglow scenes` lists those that are there"))
         }
         _ => Failure::Work(detail),
@@ -179,7 +179,7 @@ pub(crate) fn failure(error: &ApiError) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_http::{accept::Format, parameters::PanoramaParameters};
+    use skyglow_app::{accept::Format, parameters::PanoramaParameters};
     use skyglow_tables::{
         TableAxes,
         manifest::{MeasuredError, PackParameters},
@@ -204,7 +204,7 @@ mod tests {
         let scene = skyglow_scene::SceneId::parse("demo").unwrap();
         let text = query(&["--lat", "-1.3", "--lon", "36.8", "--emission", "1,1,2", "--sky", "total"]);
         let (sky, view) =
-            skyglow_http::request::panorama(Some(&text), scene, &widest_facts(), Format::Png).unwrap();
+            skyglow_app::request::panorama(Some(&text), scene, &widest_facts(), Format::Png).unwrap();
         assert!((sky.place.latitude_deg() + 1.3).abs() < 1e-12);
         assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
         assert_eq!(view.options.sky, skyglow_display::Sky::Total);

@@ -5,8 +5,8 @@ use crate::{failure::Failure, folders};
 use clap::{Args, builder::BoolishValueParser};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use skyglow_engine::DeviceChoice;
 use skyglow_http::{Access, ApiKey, HttpConfig, access::AccessError};
+use skyglow_render::DeviceChoice;
 use skyglow_scene::ChangeLimits;
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -180,7 +180,7 @@ impl Default for Settings {
             packs: folders::default_packs_folder(),
             device: Device::default(),
             no_demo: false,
-            brightness_places: skyglow_engine::MOST_PLACES,
+            brightness_places: skyglow_observatory::MOST_PLACES,
             kept_plans: 5000,
             kept_plans_bytes: 1 << 30,
             kept_plans_days: 90,

@@ -2,8 +2,10 @@
 //!
 //! `cargo run --release -p skyglow-http --example latency [-- stay]`; with `stay` it goes on serving.
 
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
-use skyglow_http::{HttpConfig, ObservatorySource, SkySource, router, serve};
+use skyglow_app::{ObservatorySource, SkySource};
+use skyglow_http::{HttpConfig, router, serve};
+use skyglow_observatory::Observatory;
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, synthetic};
 use skyglow_scene::{SceneStore, create_demo};
 use std::{error::Error, sync::Arc, time::Instant};
 

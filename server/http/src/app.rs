@@ -13,7 +13,6 @@ use crate::{
         atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
         sky, tilejson, tiles, uploads, viewer,
     },
-    source::SkySource,
     state::AppState,
 };
 use axum::{
@@ -24,6 +23,7 @@ use axum::{
     response::Response,
     routing::get,
 };
+use skyglow_app::source::SkySource;
 use std::{sync::Arc, time::Duration};
 use tower_http::{
     CompressionLevel,
@@ -164,7 +164,7 @@ pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
     router_with_access(source, config, Access::default())
 }
 
-/// The whole interface over a source, such as [`ObservatorySource`](crate::ObservatorySource).
+/// The whole interface over a source, such as [`ObservatorySource`](skyglow_app::ObservatorySource).
 pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access: Access) -> Router {
     let state = AppState::new(source, config, access);
     let config = state.config.clone();

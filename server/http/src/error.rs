@@ -1,70 +1,24 @@
 //! What can go wrong with a request, and the one table of status codes.
 
-use crate::problem::{FieldError, Mistake, PROBLEM_JSON, Problem};
+use crate::problem::{PROBLEM_JSON, Problem};
 use axum::{
     Json,
     http::{HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
+};
+use skyglow_app::error::AppError;
+use skyglow_app::{
+    source::SourceError,
+    validation::{FieldError, Mistake, Refusal},
 };
 use thiserror::Error;
 
 /// Why a request is not answered as asked.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ApiError {
-    /// One or more bad parameters; never empty.
-    #[error("bad parameters")]
-    Parameters(Vec<FieldError>),
-    /// No scene of that id.
-    #[error("there is no scene \"{id}\"; GET /api/v1/scenes lists those that are there")]
-    UnknownScene {
-        /// The id asked for, shortened.
-        id: String,
-    },
-    /// No scenario or plan of that id.
-    #[error("there is no scenario or plan \"{id}\"; those that are old or too many are not kept")]
-    UnknownScenario {
-        /// The id asked for, shortened.
-        id: String,
-    },
-    /// A plan for pixels of a raster that was replaced.
-    #[error("plan \"{id}\" is for the pixels of the scene as it was before it was ingested again")]
-    StalePlan {
-        /// The plan's id.
-        id: String,
-    },
-    /// A plan that is only held for some minutes.
-    #[error(
-        "plan \"{id}\" is not kept, so nothing that is kept can go on from it; ask for it again with keep=on first"
-    )]
-    DraftPlan {
-        /// The plan's id.
-        id: String,
-    },
-    /// What should be kept cannot be written.
-    #[error("the server cannot keep this now; try again later")]
-    Storage {
-        /// What happened, for the log.
-        reason: String,
-    },
-    /// The place is not in the scene.
-    #[error(
-        "latitude {latitude_deg}, longitude {longitude_deg} lies outside the scene, which reaches from west {} south {} to east {} north {}",
-        bounds[0], bounds[1], bounds[2], bounds[3]
-    )]
-    OutsideScene {
-        /// Latitude asked for, degrees.
-        latitude_deg: f64,
-        /// Longitude asked for, degrees.
-        longitude_deg: f64,
-        /// West, south, east, north, degrees.
-        bounds: [f64; 4],
-    },
-    /// No such map tile.
-    #[error("there is no such tile: {reason}")]
-    UnknownTile {
-        /// What is wrong with its address.
-        reason: String,
-    },
+    /// The program behind refuses it or fails.
+    #[error(transparent)]
+    App(#[from] AppError),
     /// No such path.
     #[error("there is nothing here; GET /api/docs lists what there is")]
     NotFound,
@@ -98,12 +52,6 @@ pub enum ApiError {
     /// A known client that may not.
     #[error("only the operator may do this")]
     OperatorOnly,
-    /// What was uploaded cannot be meant.
-    #[error("{reason}")]
-    BadUpload {
-        /// Why, in one sentence.
-        reason: String,
-    },
     /// A page of another site would have something kept.
     #[error(
         "pages of other sites have nothing kept here; ask from this server's own page, or without a browser"
@@ -129,27 +77,18 @@ pub enum ApiError {
         /// Seconds to wait.
         retry_after_s: u64,
     },
-    /// The server is at its limit.
-    #[error("the server is busy; try again in {retry_after_s} s")]
-    Busy {
-        /// Seconds to wait.
-        retry_after_s: u64,
-    },
     /// The answer took too long.
     #[error("the answer took longer than {limit_s} s")]
     Timeout {
         /// The limit, seconds.
         limit_s: f64,
     },
-    /// The engine does not answer.
-    #[error("the engine does not answer; try again soon")]
-    EngineDown,
-    /// A defect or a broken installation; `reason` goes to the log, never to the client.
-    #[error("something is wrong with the server; its log says more")]
-    Internal {
-        /// What happened, for the log.
-        reason: String,
-    },
+}
+
+impl From<SourceError> for ApiError {
+    fn from(error: SourceError) -> Self {
+        Self::App(error.into())
+    }
 }
 
 /// Why HTTP itself refuses a request.
@@ -170,41 +109,39 @@ type Row = (StatusCode, &'static str, &'static str);
 impl ApiError {
     /// An internal error with its reason for the log.
     pub fn internal(reason: impl std::fmt::Display) -> Self {
-        Self::Internal { reason: reason.to_string() }
+        Self::App(AppError::internal(reason))
     }
 
     /// One bad parameter.
     pub fn parameter(name: &str, value: String, allowed: String, message: String, code: Mistake) -> Self {
-        Self::Parameters(vec![FieldError {
-            parameter: name.to_owned(),
-            value: Some(value),
-            allowed,
-            message,
-            code,
-        }])
+        Self::App(AppError::parameter(name, value, allowed, message, code))
     }
 
     /// The table of status codes: the only place that knows them.
     pub fn row(&self) -> Row {
         match self {
-            ApiError::Parameters(errors) => parameters_row(errors),
-            ApiError::UnknownScene { .. } => {
+            ApiError::App(AppError::Parameters(errors)) => parameters_row(errors),
+            ApiError::App(AppError::UnknownScene { .. }) => {
                 (StatusCode::NOT_FOUND, "unknown-scene", "There is no such scene")
             }
-            ApiError::UnknownScenario { .. } => {
+            ApiError::App(AppError::UnknownScenario { .. }) => {
                 (StatusCode::NOT_FOUND, "unknown-scenario", "There is no such scenario or plan")
             }
-            ApiError::StalePlan { .. } => {
+            ApiError::App(AppError::StalePlan { .. }) => {
                 (StatusCode::CONFLICT, "stale-plan", "The plan is for an earlier state of the scene")
             }
-            ApiError::DraftPlan { .. } => (StatusCode::CONFLICT, "draft-plan", "The plan is not kept"),
-            ApiError::Storage { .. } => {
+            ApiError::App(AppError::DraftPlan { .. }) => {
+                (StatusCode::CONFLICT, "draft-plan", "The plan is not kept")
+            }
+            ApiError::App(AppError::Storage { .. }) => {
                 (StatusCode::SERVICE_UNAVAILABLE, "storage", "The server cannot keep this now")
             }
-            ApiError::OutsideScene { .. } => {
+            ApiError::App(AppError::OutsideScene { .. }) => {
                 (StatusCode::NOT_FOUND, "outside-scene", "The place lies outside the scene")
             }
-            ApiError::UnknownTile { .. } => (StatusCode::NOT_FOUND, "unknown-tile", "There is no such tile"),
+            ApiError::App(AppError::UnknownTile { .. }) => {
+                (StatusCode::NOT_FOUND, "unknown-tile", "There is no such tile")
+            }
             ApiError::NotFound => (StatusCode::NOT_FOUND, "not-found", "There is nothing here"),
             ApiError::MethodNotAllowed => {
                 (StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "This method is not allowed here")
@@ -225,7 +162,7 @@ impl ApiError {
             ApiError::OperatorOnly => {
                 (StatusCode::FORBIDDEN, "operator-only", "Only the operator may do this")
             }
-            ApiError::BadUpload { .. } => {
+            ApiError::App(AppError::BadUpload { .. }) => {
                 (StatusCode::UNPROCESSABLE_ENTITY, "bad-upload", "What was uploaded cannot be meant")
             }
             ApiError::QuotaUsed { .. } => {
@@ -240,14 +177,16 @@ impl ApiError {
             ApiError::TooManyRequests { .. } => {
                 (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", "Too many requests from this address")
             }
-            ApiError::Busy { .. } => (StatusCode::SERVICE_UNAVAILABLE, "busy", "The server is busy"),
+            ApiError::App(AppError::Busy { .. }) => {
+                (StatusCode::SERVICE_UNAVAILABLE, "busy", "The server is busy")
+            }
             ApiError::Timeout { .. } => {
                 (StatusCode::SERVICE_UNAVAILABLE, "timeout", "The answer took too long")
             }
-            ApiError::EngineDown => {
+            ApiError::App(AppError::EngineDown) => {
                 (StatusCode::SERVICE_UNAVAILABLE, "engine-down", "The engine does not answer")
             }
-            ApiError::Internal { .. } => {
+            ApiError::App(AppError::Internal { .. }) => {
                 (StatusCode::INTERNAL_SERVER_ERROR, "internal", "Something is wrong with the server")
             }
         }
@@ -259,9 +198,9 @@ impl ApiError {
             ApiError::TooManyRequests { retry_after_s }
             | ApiError::QuotaUsed { retry_after_s }
             | ApiError::KeptEnough { retry_after_s }
-            | ApiError::Busy { retry_after_s } => Some((*retry_after_s).max(1)),
-            ApiError::Timeout { .. } | ApiError::EngineDown => Some(2),
-            ApiError::Storage { .. } => Some(60),
+            | ApiError::App(AppError::Busy { retry_after_s }) => Some((*retry_after_s).max(1)),
+            ApiError::Timeout { .. } | ApiError::App(AppError::EngineDown) => Some(2),
+            ApiError::App(AppError::Storage { .. }) => Some(60),
             _ => None,
         }
     }
@@ -270,7 +209,7 @@ impl ApiError {
     pub fn problem(&self) -> Problem {
         let (status, name, title) = self.row();
         let (detail, errors) = match self {
-            ApiError::Parameters(errors) => (sentence(errors), errors.clone()),
+            ApiError::App(error) => (error.detail(), error.field_errors().to_vec()),
             other => (other.to_string(), Vec::new()),
         };
         Problem {
@@ -280,39 +219,24 @@ impl ApiError {
             detail,
             errors,
             bounds: match self {
-                ApiError::OutsideScene { bounds, .. } => Some(*bounds),
+                ApiError::App(AppError::OutsideScene { bounds, .. }) => Some(*bounds),
                 _ => None,
             },
         }
     }
 }
 
-/// The worst mistake decides: what cannot be read before what is out of range before what is not resident.
 fn parameters_row(errors: &[FieldError]) -> Row {
-    let only = |mistakes: &[Mistake]| errors.iter().all(|error| mistakes.contains(&error.code));
-    if only(&[Mistake::UnknownParameter]) {
-        (StatusCode::BAD_REQUEST, "unknown-parameter", "Unknown parameter")
-    } else if only(&[Mistake::NotResident]) {
-        (StatusCode::UNPROCESSABLE_ENTITY, "not-resident", "The tables for this are not resident")
-    } else if only(&[Mistake::OutOfRange, Mistake::NotResident]) {
-        (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "Outside the range that is resident")
-    } else {
-        (StatusCode::BAD_REQUEST, "bad-parameters", "Bad parameters")
+    match Refusal::of(errors) {
+        Refusal::UnknownParameter => (StatusCode::BAD_REQUEST, "unknown-parameter", "Unknown parameter"),
+        Refusal::NotResident => {
+            (StatusCode::UNPROCESSABLE_ENTITY, "not-resident", "The tables for this are not resident")
+        }
+        Refusal::OutOfRange => {
+            (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "Outside the range that is resident")
+        }
+        Refusal::BadParameters => (StatusCode::BAD_REQUEST, "bad-parameters", "Bad parameters"),
     }
-}
-
-/// All mistakes in one sentence.
-fn sentence(errors: &[FieldError]) -> String {
-    let parts: Vec<String> = errors
-        .iter()
-        .map(|error| match &error.value {
-            Some(value) => {
-                format!("{}={value}: {}; allowed: {}", error.parameter, error.message, error.allowed)
-            }
-            None => format!("{}: {}; allowed: {}", error.parameter, error.message, error.allowed),
-        })
-        .collect();
-    parts.join(". ")
 }
 
 /// Marks an answer that came for want of time: what was asked for may be done yet.
@@ -322,8 +246,8 @@ pub(crate) struct TookTooLong;
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         match &self {
-            ApiError::Internal { reason } => tracing::error!(%reason, "internal error"),
-            ApiError::Storage { reason } => tracing::error!(%reason, "nothing can be kept"),
+            ApiError::App(AppError::Internal { reason }) => tracing::error!(%reason, "internal error"),
+            ApiError::App(AppError::Storage { reason }) => tracing::error!(%reason, "nothing can be kept"),
             _ => {}
         }
         let retry_after_s = self.retry_after_s();
@@ -363,7 +287,7 @@ mod tests {
     #[test]
     fn the_worst_mistake_decides_the_kind_of_the_problem() {
         let kind = |codes: &[Mistake]| {
-            ApiError::Parameters(codes.iter().copied().map(mistake).collect()).problem().kind
+            ApiError::App(AppError::Parameters(codes.iter().copied().map(mistake).collect())).problem().kind
         };
         assert_eq!(kind(&[Mistake::UnknownParameter]), "/problems/unknown-parameter");
         assert_eq!(kind(&[Mistake::UnknownParameter, Mistake::OutOfRange]), "/problems/bad-parameters");
@@ -381,7 +305,7 @@ mod tests {
 
     #[test]
     fn a_busy_server_says_when_to_try_again() {
-        let response = ApiError::Busy { retry_after_s: 3 }.into_response();
+        let response = ApiError::App(AppError::Busy { retry_after_s: 3 }).into_response();
         assert_eq!(response.status(), StatusCode::SERVICE_UNAVAILABLE);
         assert_eq!(response.headers()[header::RETRY_AFTER], "3");
         assert_eq!(response.headers()[header::CONTENT_TYPE], PROBLEM_JSON);

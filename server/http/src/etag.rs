@@ -1,7 +1,7 @@
 //! Strong ETags, known before anything is rendered.
 
-use crate::program::program;
 use axum::http::{HeaderMap, header};
+use skyglow_app::program::program;
 
 /// A strong ETag without its quotes.
 #[derive(Clone, Debug, PartialEq, Eq)]

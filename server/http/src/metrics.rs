@@ -1,6 +1,5 @@
 //! Counters for Prometheus (OpenMetrics text). Paths are the routes' patterns, never a client's URL.
 
-use crate::source::SkySource;
 use prometheus_client::{
     collector::Collector,
     encoding::{DescriptorEncoder, EncodeMetric, text::encode},
@@ -12,6 +11,7 @@ use prometheus_client::{
     },
     registry::{Registry, Unit},
 };
+use skyglow_app::source::SkySource;
 use std::{sync::Arc, time::Duration};
 
 /// Names and values of labels.

@@ -61,7 +61,7 @@ impl Caching {
     /// 200 with JSON.
     ///
     /// # Errors
-    /// [`ApiError::Internal`] for what is no JSON.
+    /// [`AppError::Internal`](skyglow_app::AppError::Internal) for what is no JSON.
     pub fn json(&self, value: &impl Serialize) -> Result<Response<Body>, ApiError> {
         Ok(self.ok("application/json", json_bytes(value)?))
     }
@@ -84,7 +84,7 @@ impl Caching {
 /// A value as JSON.
 ///
 /// # Errors
-/// [`ApiError::Internal`] for what is no JSON.
+/// [`AppError::Internal`](skyglow_app::AppError::Internal) for what is no JSON.
 pub fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>, ApiError> {
     serde_json::to_vec(value).map_err(ApiError::internal)
 }
@@ -92,7 +92,7 @@ pub fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>, ApiError> {
 /// 201 with JSON and the address of what was made.
 ///
 /// # Errors
-/// [`ApiError::Internal`] for what is no JSON.
+/// [`AppError::Internal`](skyglow_app::AppError::Internal) for what is no JSON.
 pub fn created(location: &str, value: &impl Serialize) -> Result<Response<Body>, ApiError> {
     let mut response = Response::new(Body::from(json_bytes(value)?));
     *response.status_mut() = StatusCode::CREATED;
@@ -106,7 +106,7 @@ pub fn created(location: &str, value: &impl Serialize) -> Result<Response<Body>,
 /// JSON whose tag is that of its bytes: for answers that cost nothing to make.
 ///
 /// # Errors
-/// [`ApiError::Internal`] for what is no JSON.
+/// [`AppError::Internal`](skyglow_app::AppError::Internal) for what is no JSON.
 pub fn json_by_content(
     request: &HeaderMap,
     keep: Keep,

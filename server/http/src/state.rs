@@ -1,16 +1,11 @@
 //! What every handler shares.
 
-use crate::{
-    access::Access,
-    config::HttpConfig,
-    error::ApiError,
-    etag::ETag,
-    metrics::Metrics,
-    source::{InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError},
-};
+use crate::{access::Access, config::HttpConfig, error::ApiError, etag::ETag, metrics::Metrics};
 use axum::body::Bytes;
 use moka::{future::Cache, policy::EvictionPolicy};
-use skyglow_engine::{BrightnessMap, BrightnessRequest, InfluenceMap};
+use skyglow_app::error::AppError;
+use skyglow_app::source::{InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError};
+use skyglow_observatory::{BrightnessMap, BrightnessRequest, InfluenceMap};
 use skyglow_physics::Panorama;
 use std::{
     future::Future,
@@ -137,7 +132,7 @@ impl AppState {
     /// Runs something that may read files or compute for long, off the async threads.
     ///
     /// # Errors
-    /// Its own, and [`ApiError::Internal`] where it panics.
+    /// Its own, and [`AppError::Internal`] where it panics.
     pub async fn blocking<T: Send + 'static>(
         &self,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
@@ -258,7 +253,7 @@ impl AppState {
             let find = async move {
                 let Ok(_in_line) = inner.mapping_line.clone().try_acquire_owned() else {
                     inner.metrics.count_refused("busy");
-                    return Err(ApiError::Busy { retry_after_s: 20 });
+                    return Err(ApiError::App(AppError::Busy { retry_after_s: 20 }));
                 };
                 let waiting = inner.mapping.clone().acquire_owned();
                 let waiting = waiting.instrument(tracing::info_span!("wait for another map"));
@@ -293,7 +288,7 @@ impl AppState {
             let metrics = self.metrics.clone();
             self.find(move |source| {
                 metrics.count_influences();
-                source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky))
+                source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky).into())
             })
             .await
         };

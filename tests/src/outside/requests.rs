@@ -1,12 +1,12 @@
 //! Parameters and bodies of requests.
 
-use skyglow_http::{
+use skyglow_app::{
     accept::{Format, InfluenceFormat},
-    error::ApiError,
     kind_facts::KindFacts,
     request::{self, geojson},
     source::{SkyQuery, SourceFacts},
 };
+use skyglow_http::error::ApiError;
 use skyglow_physics::GeoPoint;
 use skyglow_scene::SceneId;
 use skyglow_tables::Scattering;
@@ -85,7 +85,7 @@ pub fn parameters(bytes: &[u8]) {
         }),
     };
     if let Err(error) = checked {
-        check_refusal(&error);
+        check_refusal(&ApiError::from(error.clone()));
     }
 }
 
@@ -109,7 +109,7 @@ pub fn body(bytes: &[u8]) {
             .map(|ask| check_sky(&ask.query.sky)),
     };
     if let Err(error) = checked {
-        check_refusal(&error);
+        check_refusal(&ApiError::from(error.clone()));
     }
 }
 

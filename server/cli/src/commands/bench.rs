@@ -7,7 +7,7 @@ use crate::{
 };
 use clap::{Args, builder::BoolishValueParser};
 use skyglow_bench::{BenchOptions, Extent, Report, sections};
-use skyglow_engine::resident_tables;
+use skyglow_render::resident_tables;
 use skyglow_tables::packs_in;
 use std::path::PathBuf;
 

@@ -7,7 +7,7 @@ use crate::{
 };
 use clap::Args;
 use serde_json::json;
-use skyglow_http::{
+use skyglow_app::{
     accept::InfluenceFormat,
     answers::Assumptions,
     influence_file::encode_influences,

@@ -7,7 +7,7 @@ use crate::{
 };
 use clap::Args;
 use serde::Serialize;
-use skyglow_http::{
+use skyglow_app::{
     answers::{PlanEntry, ScenarioEntry},
     kept::{kept_plans, kept_scenarios},
 };

@@ -19,7 +19,7 @@ mod sky;
 use crate::{failure::Failure, query};
 use clap::Subcommand;
 use serde::Serialize;
-use skyglow_http::{
+use skyglow_app::{
     SkySource,
     answers::Assumptions,
     source::{RenderedSky, SkyQuery},

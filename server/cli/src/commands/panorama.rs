@@ -6,7 +6,7 @@ use crate::{
     query::{self, QueryFlags},
 };
 use clap::Args;
-use skyglow_http::{accept::Format, drawing::draw, parameters::PanoramaParameters, request};
+use skyglow_app::{accept::Format, drawing::draw, parameters::PanoramaParameters, request};
 use skyglow_scene::SceneId;
 use std::path::PathBuf;
 

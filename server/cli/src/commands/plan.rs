@@ -7,7 +7,7 @@ use crate::{
     query::{self, QueryFlags},
 };
 use clap::Args;
-use skyglow_http::{
+use skyglow_app::{
     SkySource,
     parameters::PlanParameters,
     plan_file::encode_plan,
@@ -54,7 +54,7 @@ impl Plan {
             let site = source.site(&sky.scene, sky.scenario.as_ref(), sky.place);
             site.map_err(|error| query::failure(&error.at(sky.place)))?;
         }
-        let failure = |error: skyglow_http::source::SourceError| match ask.skies.as_slice() {
+        let failure = |error: skyglow_app::source::SourceError| match ask.skies.as_slice() {
             [sky] => query::failure(&error.of_sky(sky)),
             _ => query::failure(&error.into()),
         };

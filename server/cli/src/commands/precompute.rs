@@ -2,7 +2,7 @@
 
 use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
-use skyglow_http::parameters::MOST_BASIS_FUNCTIONS;
+use skyglow_app::parameters::MOST_BASIS_FUNCTIONS;
 use skyglow_physics::{CloudBase, Turbidity};
 use skyglow_tables::{BasisCount, Clouds, MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
 use std::path::PathBuf;

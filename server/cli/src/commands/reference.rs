@@ -8,7 +8,7 @@ use crate::{
 };
 use clap::Args;
 use serde::Serialize;
-use skyglow_http::{
+use skyglow_app::{
     answers::{Assumptions, PanoramaAnswer},
     parameters::ReferenceParameters,
     request,

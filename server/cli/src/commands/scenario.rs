@@ -2,8 +2,8 @@
 
 use crate::{failure::Failure, flags::DataFlags, query};
 use clap::Args;
-use skyglow_engine::store_scenario;
-use skyglow_http::{answers::ScenarioAnswer, request, source::SourceError};
+use skyglow_app::{answers::ScenarioAnswer, request, source::SourceError};
+use skyglow_observatory::store_scenario;
 use skyglow_scene::SceneId;
 use std::{
     path::PathBuf,

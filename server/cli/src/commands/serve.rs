@@ -6,7 +6,8 @@ use crate::{
     settings::{Layer, Settings},
 };
 use clap::Args;
-use skyglow_http::{SkySource, router_with_access, serve};
+use skyglow_app::SkySource;
+use skyglow_http::{router_with_access, serve};
 use skyglow_scene::SceneStore;
 use std::{future::Future, path::PathBuf, sync::Arc};
 use tokio::{

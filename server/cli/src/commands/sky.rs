@@ -7,7 +7,7 @@ use crate::{
     table::aligned,
 };
 use clap::Args;
-use skyglow_http::{
+use skyglow_app::{
     answers::{Assumptions, SkyAnswer},
     parameters::SkyParameters,
     request,

@@ -6,6 +6,7 @@ use axum::{
     middleware::Next,
     response::{IntoResponse, Response},
 };
+use skyglow_app::error::AppError;
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 
@@ -29,7 +30,7 @@ pub async fn guard(State(room): State<Room>, request: Request, next: Next) -> Re
     let metrics = &room.state.metrics;
     let Ok(_place) = room.places.try_acquire() else {
         metrics.count_refused("busy");
-        return ApiError::Busy { retry_after_s: 1 }.into_response();
+        return ApiError::App(AppError::Busy { retry_after_s: 1 }).into_response();
     };
     match tokio::time::timeout(room.state.config.request_timeout(), next.run(request)).await {
         Ok(response) => response,

@@ -1,7 +1,8 @@
 //! The resident table packs.
 
 use super::frame::{Answer, Asked};
-use crate::{answers::AtmosphereAnswer, problem::Problem, respond::Keep};
+use crate::{problem::Problem, respond::Keep};
+use skyglow_app::answers::AtmosphereAnswer;
 
 /// Lists the resident table packs: those of first-order scattering, then those of all orders, each ascending in
 /// turbidity.

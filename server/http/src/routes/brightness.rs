@@ -2,7 +2,8 @@
 
 use super::tiles::metadata;
 use crate::{error::ApiError, etag::ETag, state::AppState};
-use skyglow_engine::{BrightnessMap, BrightnessRequest};
+use skyglow_app::error::AppError;
+use skyglow_observatory::{BrightnessMap, BrightnessRequest};
 use skyglow_scene::SceneMetadata;
 use std::sync::Arc;
 use tracing::Instrument;
@@ -48,13 +49,13 @@ impl AskedBrightness {
     /// Finds the map, or takes the one found before.
     ///
     /// # Errors
-    /// As [`AppState::brightness`], and [`ApiError::Busy`] where the scene was ingested again meanwhile.
+    /// As [`AppState::brightness`], and [`AppError::Busy`] where the scene was ingested again meanwhile.
     pub(super) async fn find(&self, state: &AppState) -> Result<Arc<BrightnessMap>, ApiError> {
         let map = state.brightness(&self.key, Arc::clone(&self.query)).await?;
         if map.scene().version != self.scene.version {
             // The key is that of the scene before.
             state.forget_brightness(&self.key).await;
-            return Err(ApiError::Busy { retry_after_s: 1 });
+            return Err(ApiError::App(AppError::Busy { retry_after_s: 1 }));
         }
         Ok(map)
     }

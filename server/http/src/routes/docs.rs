@@ -3,7 +3,6 @@
 use crate::{
     error::ApiError,
     problem::Problem,
-    request::no_parameters,
     respond::{Keep, bytes_by_content},
     state::AppState,
 };
@@ -12,6 +11,7 @@ use axum::{
     extract::{RawQuery, State},
     http::{HeaderMap, HeaderValue, Response, header},
 };
+use skyglow_app::request::no_parameters;
 
 /// The page may load what lies beside it and ask this server, nothing else.
 const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; \

@@ -2,9 +2,7 @@
 
 use crate::{
     error::ApiError,
-    request::{no_parameters, scene_id},
     respond::{Keep, json_by_content},
-    source::SkySource,
     state::AppState,
 };
 use axum::{
@@ -13,6 +11,10 @@ use axum::{
     http::{HeaderMap, Response, request::Parts},
 };
 use serde::Serialize;
+use skyglow_app::{
+    request::{no_parameters, scene_id},
+    source::SkySource,
+};
 use skyglow_scene::SceneId;
 
 /// What a handler answers.
@@ -41,12 +43,12 @@ impl FromRequestParts<AppState> for Asked {
 impl Asked {
     /// The scene that the path names.
     pub(super) fn scene(&self) -> Result<SceneId, ApiError> {
-        scene_id(self.scene.as_deref().unwrap_or_default())
+        Ok(scene_id(self.scene.as_deref().unwrap_or_default())?)
     }
 
     /// Checks that there are no parameters.
     pub(super) fn without_parameters(&self) -> Result<(), ApiError> {
-        no_parameters(self.query.as_deref())
+        Ok(no_parameters(self.query.as_deref())?)
     }
 
     /// Reads something off the async threads and answers it, tagged by its content.

@@ -1,14 +1,13 @@
 //! Whether the server lives and is ready, and its counters.
 
-use crate::{
-    answers::HealthAnswer, error::ApiError, problem::Problem, request::no_parameters, respond::json_bytes,
-    state::AppState,
-};
+use crate::{error::ApiError, problem::Problem, respond::json_bytes, state::AppState};
 use axum::{
     body::Body,
     extract::{RawQuery, State},
     http::{HeaderValue, Response, header},
 };
+use skyglow_app::error::AppError;
+use skyglow_app::{answers::HealthAnswer, request::no_parameters};
 
 /// A body that nobody keeps.
 fn fresh(media_type: &'static str, body: Vec<u8>) -> Response<Body> {
@@ -51,7 +50,7 @@ pub async fn get_readiness(
 ) -> Result<Response<Body>, ApiError> {
     no_parameters(query.as_deref())?;
     if !state.source.is_ready() {
-        return Err(ApiError::EngineDown);
+        return Err(ApiError::App(AppError::EngineDown));
     }
     let executor = Some(state.source.facts().executor.clone());
     Ok(fresh("application/json", json_bytes(&HealthAnswer { status: "ok".to_owned(), executor })?))

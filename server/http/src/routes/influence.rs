@@ -2,16 +2,10 @@
 
 use super::sky::{AskedSky, put_warnings};
 use crate::{
-    accept::{INFLUENCES_OFFERED, InfluenceFormat, negotiate_influence},
-    answers::{Assumptions, InfluenceAnswer},
     error::ApiError,
     etag::ETag,
-    influence_file::encode_influences,
-    parameters::{InfluenceParameters, InfluenceRasterParameters},
     problem::Problem,
-    request::{InfluenceAsk, InfluenceBody, influence, scene_id},
     respond::{Caching, Keep},
-    source::{InfluenceQuery, SkySource},
     state::AppState,
 };
 use axum::{
@@ -19,7 +13,16 @@ use axum::{
     extract::{Path, RawQuery, State},
     http::{HeaderMap, HeaderValue, Response, header},
 };
-use skyglow_engine::InfluenceMap;
+use skyglow_app::error::AppError;
+use skyglow_app::{
+    accept::{INFLUENCES_OFFERED, InfluenceFormat, negotiate_influence},
+    answers::{Assumptions, InfluenceAnswer},
+    influence_file::encode_influences,
+    parameters::{InfluenceParameters, InfluenceRasterParameters},
+    request::{InfluenceAsk, InfluenceBody, influence, scene_id},
+    source::{InfluenceQuery, SkySource},
+};
+use skyglow_observatory::InfluenceMap;
 use std::sync::Arc;
 
 /// Influences that may be found: the place is in the scene, the scene's version is known.
@@ -45,14 +48,14 @@ impl AskedInfluence {
     /// Finds the influences, or takes those found before.
     ///
     /// # Errors
-    /// As [`AskedSky::render`], a region without a visible direction, and [`ApiError::Busy`] where the scene was ingested again
+    /// As [`AskedSky::render`], a region without a visible direction, and [`AppError::Busy`] where the scene was ingested again
     /// meanwhile.
     pub async fn find(&self, state: &AppState) -> Result<Arc<InfluenceMap>, ApiError> {
         let map = state.influence(&self.key, self.query.clone()).await?;
         if map.scene().version != self.sky.scene.version {
             // The key is that of the scene before.
             state.forget_influence(&self.key).await;
-            return Err(ApiError::Busy { retry_after_s: 1 });
+            return Err(ApiError::App(AppError::Busy { retry_after_s: 1 }));
         }
         Ok(map)
     }
@@ -171,8 +174,9 @@ async fn answer(
     let body_tag = body.as_ref().map(|body| ETag::of_bytes(body).header());
     let is_get = body.is_none();
     // A body may be megabytes.
-    let read =
-        move |source: &dyn SkySource| influence(text.as_deref(), body.as_deref(), id, source.facts(), format);
+    let read = move |source: &dyn SkySource| {
+        Ok(influence(text.as_deref(), body.as_deref(), id, source.facts(), format)?)
+    };
     let ask = if is_get { read(state.source.as_ref())? } else { state.blocking(read).await? };
     let asked = AskedInfluence::prepare(&state, ask.query.clone()).await?;
     let listed = format.is_list().then_some(ask.limit);

@@ -6,20 +6,22 @@ use super::{
     tiles::{metadata, scenario_of},
 };
 use crate::{
-    answers::BrightnessAssumptions,
     error::ApiError,
     etag::ETag,
-    parameters::{BrightnessParameters, NoParameters, ScenarioParameters},
     problem::Problem,
-    request::{brightness, scene_id},
     respond::{Caching, Keep},
-    source::SkySource,
     state::{AppState, MadeAnswer},
 };
 use axum::{
     body::Body,
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
+};
+use skyglow_app::{
+    answers::BrightnessAssumptions,
+    parameters::{BrightnessParameters, NoParameters, ScenarioParameters},
+    request::{brightness, scene_id},
+    source::SkySource,
 };
 use skyglow_display::notes::said_of;
 use skyglow_scene::{RasterMetadata, TileLayer};

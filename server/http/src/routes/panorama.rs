@@ -2,14 +2,9 @@
 
 use super::sky::{AskedSky, put_times, put_warnings, times_of};
 use crate::{
-    accept::{Format, OFFERED, negotiate},
-    answers::{PanoramaAnswer, sky_warnings},
-    drawing::draw,
     error::ApiError,
     etag::ETag,
-    parameters::{GridParameters, PanoramaParameters, RasterParameters},
     problem::Problem,
-    request::{panorama, scene_id},
     respond::{Caching, Keep},
     state::{AppState, MadeAnswer},
 };
@@ -17,6 +12,13 @@ use axum::{
     body::Body,
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response, header},
+};
+use skyglow_app::{
+    accept::{Format, OFFERED, negotiate},
+    answers::{PanoramaAnswer, sky_warnings},
+    drawing::draw,
+    parameters::{GridParameters, PanoramaParameters, RasterParameters},
+    request::{panorama, scene_id},
 };
 
 /// The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for

@@ -6,24 +6,27 @@ use super::{
     sky::AskedSky,
 };
 use crate::{
-    accept::InfluenceFormat,
-    answers::{PlanAnswer, PlanEntry},
     error::ApiError,
     etag::ETag,
     layers::KeptLength,
-    parameters::{PlanListParameters, PlanPostParameters},
-    plan_file::{encode_plan, plan_answer},
-    planning::{find_plan, make_plan},
     problem::Problem,
-    request::{PlanBody, change_id, no_parameters, plan, plan_limit, scene_id},
     respond::{Caching, Keep, created},
-    source::SkySource,
     state::AppState,
 };
 use axum::{
     body::{Body, Bytes},
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
+};
+use skyglow_app::error::AppError;
+use skyglow_app::{
+    accept::InfluenceFormat,
+    answers::{PlanAnswer, PlanEntry},
+    parameters::{PlanListParameters, PlanPostParameters},
+    plan_file::{encode_plan, plan_answer},
+    planning::{find_plan, make_plan},
+    request::{PlanBody, change_id, no_parameters, plan, plan_limit, scene_id},
+    source::SkySource,
 };
 
 /// Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites
@@ -54,7 +57,7 @@ pub async fn post_plan(
     body: Bytes,
 ) -> Result<Response<Body>, ApiError> {
     let scene = scene_id(&scene)?;
-    let read = move |source: &dyn SkySource| plan(query.as_deref(), &body, scene, source.facts());
+    let read = move |source: &dyn SkySource| Ok(plan(query.as_deref(), &body, scene, source.facts())?);
     let ask = state.blocking(read).await?;
     // Places and altitudes are refused as those of any sky.
     for sky in &ask.skies {
@@ -130,7 +133,12 @@ pub async fn get_plan(
     let (id, format) = match file.split_once('.') {
         Some((id, end)) => {
             let format = InfluenceFormat::from_extension(end);
-            (id, Some(format.ok_or_else(|| ApiError::UnknownScenario { id: crate::problem::echo(&file) })?))
+            (
+                id,
+                Some(format.ok_or_else(|| {
+                    ApiError::App(AppError::UnknownScenario { id: skyglow_app::validation::echo(&file) })
+                })?),
+            )
         }
         None => (file.as_str(), None),
     };

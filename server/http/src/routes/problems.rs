@@ -75,47 +75,48 @@ pub async fn get_problem(Path(kind): Path<String>, headers: HeaderMap) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{FieldError, Mistake};
+    use skyglow_app::error::AppError;
+    use skyglow_app::validation::{FieldError, Mistake};
 
     #[test]
     fn every_kind_that_the_table_of_status_codes_has_is_explained() {
         let wrong = |code: Mistake| {
-            ApiError::Parameters(vec![FieldError {
+            ApiError::App(AppError::Parameters(vec![FieldError {
                 parameter: String::new(),
                 value: None,
                 allowed: String::new(),
                 message: String::new(),
                 code,
-            }])
+            }]))
         };
         let errors = [
             wrong(Mistake::UnknownParameter),
             wrong(Mistake::Malformed),
             wrong(Mistake::OutOfRange),
             wrong(Mistake::NotResident),
-            ApiError::UnknownScenario { id: String::new() },
-            ApiError::StalePlan { id: String::new() },
-            ApiError::DraftPlan { id: String::new() },
+            ApiError::App(AppError::UnknownScenario { id: String::new() }),
+            ApiError::App(AppError::StalePlan { id: String::new() }),
+            ApiError::App(AppError::DraftPlan { id: String::new() }),
             ApiError::Unauthorized,
             ApiError::UploadsOff,
             ApiError::ForeignOrigin,
             ApiError::KeptEnough { retry_after_s: 1 },
             ApiError::OperatorOnly,
-            ApiError::BadUpload { reason: String::new() },
+            ApiError::App(AppError::BadUpload { reason: String::new() }),
             ApiError::QuotaUsed { retry_after_s: 1 },
-            ApiError::Storage { reason: String::new() },
-            ApiError::UnknownScene { id: String::new() },
-            ApiError::OutsideScene { latitude_deg: 0.0, longitude_deg: 0.0, bounds: [0.0; 4] },
-            ApiError::UnknownTile { reason: String::new() },
+            ApiError::App(AppError::Storage { reason: String::new() }),
+            ApiError::App(AppError::UnknownScene { id: String::new() }),
+            ApiError::App(AppError::OutsideScene { latitude_deg: 0.0, longitude_deg: 0.0, bounds: [0.0; 4] }),
+            ApiError::App(AppError::UnknownTile { reason: String::new() }),
             ApiError::NotFound,
             ApiError::MethodNotAllowed,
             ApiError::NotAcceptable { offered: "" },
             ApiError::BodyTooLong { limit_bytes: 1 },
             ApiError::Unreadable(400),
             ApiError::TooManyRequests { retry_after_s: 1 },
-            ApiError::Busy { retry_after_s: 1 },
+            ApiError::App(AppError::Busy { retry_after_s: 1 }),
             ApiError::Timeout { limit_s: 1.0 },
-            ApiError::EngineDown,
+            ApiError::App(AppError::EngineDown),
             ApiError::internal(""),
         ];
         let mut kinds: Vec<&str> = errors.iter().map(|error| error.row().1).collect();

@@ -2,19 +2,22 @@
 
 use super::frame::{Answer, Asked};
 use crate::{
-    answers::{ScenarioAnswer, ScenarioEntry},
     error::ApiError,
-    parameters::NoParameters,
     problem::Problem,
-    request::{ScenarioBody, change_id, no_parameters, scenario, scene_id},
     respond::{Keep, created, json_by_content},
-    source::{SkySource, SourceError},
     state::AppState,
 };
 use axum::{
     body::{Body, Bytes},
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
+};
+use skyglow_app::error::AppError;
+use skyglow_app::{
+    answers::{ScenarioAnswer, ScenarioEntry},
+    parameters::NoParameters,
+    request::{ScenarioBody, change_id, no_parameters, scenario, scene_id},
+    source::{SkySource, SourceError},
 };
 use skyglow_scene::ChangeId;
 
@@ -82,7 +85,7 @@ pub async fn get_scenario(
     no_parameters(query.as_deref())?;
     let id = change_id(&scenario)?;
     if id.is_plan() {
-        return Err(ApiError::UnknownScenario { id: id.to_string() });
+        return Err(ApiError::App(AppError::UnknownScenario { id: id.to_string() }));
     }
     let answer = state.heavy(move |source| Ok(read_answer(source, &id)?)).await?;
     json_by_content(&headers, Keep::Revalidate, &answer)

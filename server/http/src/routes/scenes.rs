@@ -2,10 +2,12 @@
 
 use super::frame::{Answer, Asked};
 use crate::{
-    answers::{PlaceAnswer, SceneAnswer},
     etag::ETag,
     problem::Problem,
     respond::{Caching, Keep},
+};
+use skyglow_app::{
+    answers::{PlaceAnswer, SceneAnswer},
     source::SkySource,
 };
 

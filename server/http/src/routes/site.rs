@@ -1,10 +1,8 @@
 //! What is at a place: the cheap call that a click makes first.
 
 use super::frame::{Answer, Asked};
-use crate::{
-    answers::SiteAnswer, parameters::PlaceParameters, problem::Problem, request::place, respond::Keep,
-    source::SkySource,
-};
+use crate::{problem::Problem, respond::Keep};
+use skyglow_app::{answers::SiteAnswer, parameters::PlaceParameters, request::place, source::SkySource};
 
 /// Says what is at a place.
 #[utoipa::path(

@@ -1,20 +1,22 @@
 //! The numbers of a sky.
 
 use crate::{
-    answers::{Assumptions, SkyAnswer},
     error::ApiError,
     etag::ETag,
-    parameters::SkyParameters,
     problem::Problem,
-    request::{scene_id, sky},
     respond::{Caching, Keep},
-    source::{RenderedSky, SkyQuery, SkySource, SourceError},
     state::AppState,
 };
 use axum::{
     body::Body,
     extract::{Path, RawQuery, State},
     http::{HeaderMap, HeaderValue, Response},
+};
+use skyglow_app::{
+    answers::{Assumptions, SkyAnswer},
+    parameters::SkyParameters,
+    request::{scene_id, sky},
+    source::{RenderedSky, SkyQuery, SkySource, SourceError},
 };
 use skyglow_scene::{Ground, SceneMetadata};
 use std::sync::Arc;
@@ -75,11 +77,11 @@ impl AskedSky {
     /// Looks up the scene and checks the place; renders nothing.
     ///
     /// # Errors
-    /// [`ApiError::UnknownScene`], [`ApiError::OutsideScene`], an altitude out of range.
+    /// [`AppError::UnknownScene`](skyglow_app::AppError::UnknownScene), [`AppError::OutsideScene`], an altitude out of range.
     pub async fn prepare(state: &AppState, query: SkyQuery) -> Result<Self, ApiError> {
         let (id, scenario, place) = (query.scene.clone(), query.scenario.clone(), query.place);
         let look = move |source: &dyn SkySource| {
-            source.site(&id, scenario.as_ref(), place).map_err(|error| error.at(place))
+            Ok(source.site(&id, scenario.as_ref(), place).map_err(|error| error.at(place))?)
         };
         let site = state.blocking(look).await?;
         check_altitude(&query, site.ground, state.source.facts().altitude_range_m)?;
@@ -90,9 +92,9 @@ impl AskedSky {
     /// Renders the sky, or takes the one rendered before.
     ///
     /// # Errors
-    /// [`ApiError::Busy`], [`ApiError::EngineDown`], an altitude out of range.
+    /// [`AppError::Busy`](skyglow_app::AppError::Busy), [`AppError::EngineDown`], an altitude out of range.
     pub async fn render(&self, state: &AppState) -> Result<Arc<RenderedSky>, ApiError> {
-        state.sky(&self.key, self.query.clone()).await.map_err(|error| error.of_sky(&self.query))
+        Ok(state.sky(&self.key, self.query.clone()).await.map_err(|error| error.of_sky(&self.query))?)
     }
 
     /// What the numbers depend on.
@@ -109,7 +111,9 @@ fn check_altitude(
 ) -> Result<(), ApiError> {
     let altitude_m = query.eye_height.altitude_m(ground);
     if altitude_m > maximum_m {
-        return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }.of_sky(query));
+        return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m, maximum_m }
+            .of_sky(query)
+            .into());
     }
     Ok(())
 }

@@ -7,25 +7,21 @@ use super::{
         Layer, brightness_description, description, influence_description, layer, metadata, scenario_of,
     },
 };
-use crate::{
-    accept::InfluenceFormat,
-    answers::TileJson,
-    error::ApiError,
-    listener::Ends,
-    parameters::OptionalInfluenceParameters,
-    problem::Problem,
-    request::{brightness, influence, scene_id},
-    respond::Keep,
-    state::AppState,
-};
+use crate::{error::ApiError, listener::Ends, problem::Problem, respond::Keep, state::AppState};
 use axum::{
     Extension,
     body::Body,
     extract::{ConnectInfo, Path, RawQuery, State},
     http::{HeaderMap, Response, header},
 };
+use skyglow_app::{
+    accept::InfluenceFormat,
+    answers::TileJson,
+    parameters::OptionalInfluenceParameters,
+    request::{brightness, influence, scene_id},
+};
 use skyglow_display::tile::{BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
-use skyglow_engine::Measure;
+use skyglow_observatory::Measure;
 use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
 use std::net::{Ipv6Addr, SocketAddr};
 

@@ -2,21 +2,25 @@
 
 use super::{brightness::AskedBrightness, influence::AskedInfluence};
 use crate::{
-    accept::InfluenceFormat,
-    answers::measure_name,
     error::ApiError,
     etag::ETag,
-    parameters::OptionalInfluenceParameters,
-    problem::{Problem, echo},
-    request::{brightness, influence, no_parameters, scenario_alone, scene_id},
+    problem::Problem,
     respond::{Caching, Keep},
-    source::{SkySource, SourceError},
     state::{AppState, MadeAnswer},
 };
 use axum::{
     body::Body,
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
+};
+use skyglow_app::error::AppError;
+use skyglow_app::{
+    accept::InfluenceFormat,
+    answers::measure_name,
+    parameters::OptionalInfluenceParameters,
+    request::{brightness, influence, no_parameters, scenario_alone, scene_id},
+    source::{SkySource, SourceError},
+    validation::echo,
 };
 use skyglow_display::{
     Notes,
@@ -26,7 +30,7 @@ use skyglow_display::{
         elevation_tile_png, influence_tile_png, radiance_tile_png,
     },
 };
-use skyglow_engine::Measure;
+use skyglow_observatory::Measure;
 use skyglow_scene::{ChangeId, SceneId, SceneMetadata, TileLayer, tile_pixel_m};
 use std::future::Future;
 use utoipa::OpenApi;
@@ -53,12 +57,12 @@ pub(super) fn layer(name: &str) -> Result<Layer, ApiError> {
         "elevation" => Ok(Layer::Scene(TileLayer::Elevation)),
         "influence" => Ok(Layer::Influence),
         "brightness" => Ok(Layer::Brightness),
-        other => Err(ApiError::UnknownTile {
+        other => Err(ApiError::App(AppError::UnknownTile {
             reason: format!(
                 "the layers are radiance, elevation, brightness and influence, not \"{}\"",
                 echo(other)
             ),
-        }),
+        })),
     }
 }
 
@@ -104,8 +108,10 @@ pub async fn get_tile(
 ) -> Result<Response<Body>, ApiError> {
     let id = scene_id(&scene)?;
     let layer = layer(&layer_name)?;
-    let address = address(&z, &x, &file).ok_or_else(|| ApiError::UnknownTile {
-        reason: "a tile's address ends in z/x/y.png or z/x/y@2x.png with whole numbers".to_owned(),
+    let address = address(&z, &x, &file).ok_or_else(|| {
+        ApiError::App(AppError::UnknownTile {
+            reason: "a tile's address ends in z/x/y.png or z/x/y@2x.png with whole numbers".to_owned(),
+        })
     })?;
     match layer {
         Layer::Scene(layer) => {
@@ -161,8 +167,11 @@ async fn kept(
 /// The scenario that a layer is shown of: terrain has none.
 pub(super) fn scenario_of(query: Option<&str>, layer: TileLayer) -> Result<Option<ChangeId>, ApiError> {
     match layer {
-        TileLayer::Radiance => scenario_alone(query),
-        TileLayer::Elevation => no_parameters(query).map(|()| None),
+        TileLayer::Radiance => Ok(scenario_alone(query)?),
+        TileLayer::Elevation => {
+            no_parameters(query)?;
+            Ok(None)
+        }
     }
 }
 
@@ -226,7 +235,7 @@ async fn brightness_tile(
     }
     if !exists(address) {
         // Nobody is to wait seconds to be told so.
-        return Err(ApiError::UnknownTile { reason: "there is no such tile".to_owned() });
+        return Err(ApiError::App(AppError::UnknownTile { reason: "there is no such tile".to_owned() }));
     }
     let draw = async {
         let map = asked.find(state).await?;

@@ -3,10 +3,8 @@
 use crate::etag::ETag;
 use crate::{
     access::Client,
-    answers::SceneAnswer,
     error::ApiError,
-    problem::{FieldError, Mistake, Problem, echo},
-    request::{no_parameters, scene_id},
+    problem::Problem,
     respond::{Caching, Keep},
     state::AppState,
 };
@@ -14,6 +12,12 @@ use axum::{
     body::Body,
     extract::{FromRequest, Multipart, Path, RawQuery, Request, State, multipart::Field},
     http::{HeaderMap, HeaderValue, Response, StatusCode, header},
+};
+use skyglow_app::error::AppError;
+use skyglow_app::{
+    answers::SceneAnswer,
+    request::{no_parameters, scene_id},
+    validation::{FieldError, Mistake, echo},
 };
 use skyglow_scene::{IngestOptions, RadianceUnit, SceneId};
 use std::{
@@ -91,7 +95,7 @@ pub async fn put_scene(
     no_parameters(query.as_deref())?;
     let Ok(place) = state.uploads.clone().try_acquire_owned() else {
         state.metrics.count_refused("busy");
-        return Err(ApiError::Busy { retry_after_s: 30 });
+        return Err(ApiError::App(AppError::Busy { retry_after_s: 30 }));
     };
     let limit = state.config.upload_timeout();
     match tokio::time::timeout(limit, upload(&state, id, request, place)).await {
@@ -256,7 +260,7 @@ async fn keep(
     ending: &str,
     mut field: Field<'_>,
 ) -> Result<PathBuf, ApiError> {
-    let storage = |error: std::io::Error| ApiError::Storage { reason: error.to_string() };
+    let storage = |error: std::io::Error| ApiError::App(AppError::Storage { reason: error.to_string() });
     let own = folder.join(part);
     tokio::fs::create_dir(&own).await.map_err(storage)?;
     let path = own.join(field.file_name().and_then(plain_name).unwrap_or_else(|| format!("{part}.{ending}")));
@@ -297,13 +301,13 @@ async fn text_of(state: &AppState, name: &str, mut field: Field<'_>) -> Result<S
 }
 
 fn field_error(name: &str, value: Option<&str>, message: String, allowed: &str) -> ApiError {
-    ApiError::Parameters(vec![FieldError {
+    ApiError::App(AppError::Parameters(vec![FieldError {
         parameter: name.to_owned(),
         value: value.map(echo),
         allowed: allowed.to_owned(),
         message,
         code: Mistake::NotAllowed,
-    }])
+    }]))
 }
 
 fn too_slow() -> ApiError {

@@ -1,7 +1,6 @@
 //! A program behind the interface that does as it is told.
 
-use skyglow_engine::{BrightnessMap, BrightnessRequest, EngineStats, InfluenceMap, PlanOutcome, PlanRequest};
-use skyglow_http::{
+use skyglow_app::{
     SkySource,
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     kind_facts::KindFacts,
@@ -9,9 +8,11 @@ use skyglow_http::{
         BoxFuture, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
     },
 };
+use skyglow_observatory::{BrightnessMap, BrightnessRequest, InfluenceMap, PlanOutcome, PlanRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
 };
+use skyglow_render::EngineStats;
 use skyglow_scene::{
     ChangeId, ChangeSummary, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, PatchStore,
     RasterTile, Scenario, Scene, SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder,
@@ -220,7 +221,7 @@ impl SkySource for Fake {
             mixed_nodes: 0,
             lit_cells: 0,
             lit_columns: 0,
-            passes: vec![skyglow_engine::PassTime { name: "coefficients", microseconds: 1500.0 }],
+            passes: vec![skyglow_render::PassTime { name: "coefficients", microseconds: 1500.0 }],
         }
     }
 

@@ -2,7 +2,7 @@ use crate::{
     fake::{BOUNDS, Mood},
     server::{PLACE, SKY, Server, header},
 };
-use skyglow_http::source::SourceError;
+use skyglow_app::source::SourceError;
 
 /// Status and kind of a problem, checked to be a problem document.
 async fn problem(server: &Server, path: &str) -> (u16, String, serde_json::Value) {

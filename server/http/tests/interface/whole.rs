@@ -2,10 +2,10 @@
 
 use crate::{server::header, whole_layers, whole_plans, whole_refusals, whole_uploads};
 use serde_json::{Value, json};
-use skyglow_engine::{DeviceChoice, Engine, EngineConfig, Observatory, synthetic};
-use skyglow_http::{
-    Access, ApiKey, HttpConfig, ObservatorySource, SkySource, access::hash_of, router_with_access, serve,
-};
+use skyglow_app::{ObservatorySource, SkySource};
+use skyglow_http::{Access, ApiKey, HttpConfig, access::hash_of, router_with_access, serve};
+use skyglow_observatory::Observatory;
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, synthetic};
 use skyglow_scene::{SceneStore, create_demo};
 use skyglow_tables::Scattering;
 use std::sync::Arc;

@@ -11,12 +11,12 @@ use crate::{
     query::{self, QueryFlags},
 };
 use clap::{Args, ValueEnum};
-use skyglow_engine::BrightnessMap;
-use skyglow_engine::BrightnessRequest;
-use skyglow_http::{
-    answers::BrightnessAssumptions, etag::ETag, parameters::BrightnessParameters, request,
-    source::SourceFacts,
+use skyglow_app::{
+    answers::BrightnessAssumptions, parameters::BrightnessParameters, request, source::SourceFacts,
 };
+use skyglow_http::etag::ETag;
+use skyglow_observatory::BrightnessMap;
+use skyglow_observatory::BrightnessRequest;
 use skyglow_scene::{PatchStore, PlaceValues, RasterMetadata, Scene, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},

@@ -1,0 +1,244 @@
+//! What every number of a sky depends on.
+
+use super::{SceneReference, site::ground_warning};
+use crate::kind_facts::KindFacts;
+use crate::source::{Circumstances, EyeHeight, InfluenceQuery, SkyQuery, SourceFacts, rounded};
+use serde::Serialize;
+use skyglow_observatory::{InfluenceMap, Measure};
+use skyglow_physics::{EmissionMix, Lamp, LampPreset, Lobe};
+use skyglow_scene::{ChangeId, Ground, SceneMetadata};
+use utoipa::ToSchema;
+
+/// Where the observer is.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct ObserverAnswer {
+    /// Degrees north.
+    pub latitude_deg: f64,
+    /// Degrees east.
+    pub longitude_deg: f64,
+    /// Altitude of the eye above sea level, metres.
+    pub altitude_m: f64,
+    /// Altitude of the ground, metres, at least 0: where the terrain has a gap, that of the nearest terrain
+    /// within 5 km; null where there is none, then 0 counts.
+    pub terrain_altitude_m: Option<f64>,
+}
+
+/// A lamp.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct LampAnswer {
+    /// The preset's name, or null for a custom lamp.
+    pub preset: Option<String>,
+    /// Flux in R, G, B per flux weighted by the satellite's response. A satellite sees no blue: the lamp is
+    /// an assumption.
+    pub flux_per_dnb_flux: [f64; 3],
+}
+
+impl From<Lamp> for LampAnswer {
+    fn from(lamp: Lamp) -> Self {
+        Self {
+            preset: lamp.preset.map(|preset| preset.name().to_owned()),
+            flux_per_dnb_flux: lamp.flux_per_dnb_flux,
+        }
+    }
+}
+
+/// Weights of the emission lobes; they sum to 1.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct EmissionAnswer {
+    /// cos ψ / π.
+    pub lambert: f64,
+    /// Garstang's low-angle term.
+    pub horizon: f64,
+    /// Falchi's third function.
+    pub oblique: f64,
+}
+
+impl From<EmissionMix> for EmissionAnswer {
+    fn from(mix: EmissionMix) -> Self {
+        let weights = mix.weights();
+        Self {
+            lambert: weights[Lobe::Lambert.index()],
+            horizon: weights[Lobe::Horizon.index()],
+            oblique: weights[Lobe::Oblique.index()],
+        }
+    }
+}
+
+/// Covered share of the disc of 300 km from which on nothing is said of what is not covered.
+const ENOUGH_COVERAGE: f64 = 0.9;
+
+/// What every number depends on.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct Assumptions {
+    /// The scene.
+    pub scene: SceneReference,
+    /// Id of the scenario or plan that changes its lights; null for the scene as it is.
+    pub scenario: Option<String>,
+    /// Where the observer is.
+    pub observer: ObserverAnswer,
+    /// Covered share of the disc of 300 km around the place; light outside the raster is unknown, not absent.
+    pub coverage: f64,
+    /// Factor on the raster's radiances.
+    pub calibration: f64,
+    /// Turbidity at sea level.
+    pub turbidity: f64,
+    /// Vertical optical depth above the observer in R, G, B.
+    pub local_optical_depth: [f64; 3],
+    /// `single`: first order alone; `multiple`: all orders, with light that the ground sends back.
+    pub scattering: String,
+    /// Lambertian albedo of that ground; null where scattering is single.
+    pub ground_albedo: Option<f64>,
+    /// The lamp.
+    pub lamp: LampAnswer,
+    /// The emission.
+    pub emission: EmissionAnswer,
+    /// `none`, or the altitude of the base of a closed layer of cloud in metres above sea level.
+    pub clouds: String,
+    /// Lambertian albedo of that base from below; null where there are no clouds.
+    pub cloud_albedo: Option<f64>,
+    /// Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without
+    /// terrain.
+    pub terrain_occlusion: bool,
+    /// Whether light counts only above the skyline that its source sees towards the observer: false where
+    /// `terrain_occlusion` is, and where the scene or the packs know no skylines, which `warnings` then says.
+    pub hidden_lights: bool,
+    /// Upward flux within 300 km of the place, DNB watts, calibration included; that of the whole scene is
+    /// `flux_dnb_w` in its report.
+    pub flux_within_300_km_dnb_w: f64,
+    /// Basis functions used.
+    pub basis_count: usize,
+    /// With `tolerance`: the relative difference to the sky of all basis functions is at most this, in the norm over the
+    /// open sky and the worst band; 0 with all of them, null without `tolerance`.
+    pub basis_error_bound: Option<f64>,
+    /// What rendered: `gpu`, `lavapipe` or `cpu`.
+    pub executor: String,
+    /// What the numbers had to do without, one sentence each: light outside the raster, ground that the terrain does not
+    /// have, skylines that the scene or the packs do not know, the natural sky behind clouds.
+    pub warnings: Vec<String>,
+}
+
+impl Assumptions {
+    /// Those of a map of influences, which is always found on the processor.
+    pub fn of_influences(query: &InfluenceQuery, map: &InfluenceMap, facts: &SourceFacts) -> Self {
+        let circumstances = Circumstances::of_influences(map);
+        let mut assumptions = Self::new(&query.sky, map.scene(), &circumstances, facts);
+        assumptions.executor = "cpu".to_owned();
+        if query.measure == Measure::Norm && assumptions.terrain_occlusion {
+            let what = "norms are over the open sky: of what terrain hides they leave out lights and no sky";
+            assumptions.warnings.push(what.to_owned());
+        }
+        assumptions
+    }
+
+    /// Those of a sky.
+    pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &Circumstances, facts: &SourceFacts) -> Self {
+        let kind = facts.kind(query);
+        Self {
+            scene: scene.into(),
+            scenario: query.scenario.as_ref().map(ChangeId::to_string),
+            observer: ObserverAnswer {
+                latitude_deg: rounded(query.place.latitude_deg()),
+                longitude_deg: rounded(query.place.longitude_deg()),
+                altitude_m: sky.altitude_m,
+                terrain_altitude_m: sky.ground.known_altitude_m(),
+            },
+            coverage: sky.coverage,
+            calibration: sky.calibration,
+            turbidity: query.turbidity.value(),
+            local_optical_depth: sky.local_optical_depth,
+            scattering: query.scattering.name().to_owned(),
+            ground_albedo: kind.and_then(|kind| kind.ground_albedo),
+            lamp: query.lamp.into(),
+            emission: query.emission.into(),
+            clouds: query.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
+            cloud_albedo: facts.cloud_albedo(query),
+            terrain_occlusion: query.terrain_hides && scene.terrain,
+            hidden_lights: hides_lights(query.terrain_hides, scene, kind),
+            flux_within_300_km_dnb_w: sky.flux_dnb_w,
+            basis_count: sky.basis_count,
+            basis_error_bound: sky.basis_error_bound,
+            executor: facts.executor.clone(),
+            warnings: sky_warnings(query, scene, sky, facts),
+        }
+    }
+}
+
+/// What a sky had to do without, one sentence each. An eye above sea level does not ask for the ground, but may be in it.
+pub fn sky_warnings(
+    query: &SkyQuery,
+    scene: &SceneMetadata,
+    sky: &Circumstances,
+    facts: &SourceFacts,
+) -> Vec<String> {
+    let ground = match query.eye_height {
+        EyeHeight::AboveGround(_) => ground_warning(scene, sky.ground),
+        EyeHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, sky.ground),
+    };
+    let skyline = open_lights_warning(query.terrain_hides, scene, facts.kind(query));
+    let lamps = sky.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, query.lamp));
+    let words = [coverage_warning(sky.coverage), ground, skyline, cloud_warning(query)];
+    words.into_iter().flatten().chain(lamps).collect()
+}
+
+/// What is said where much of the light around is unknown.
+fn coverage_warning(coverage: f64) -> Option<String> {
+    (coverage < ENOUGH_COVERAGE).then(|| {
+        format!(
+            "light is known for {:.0} % of the 300 km around: what lies outside the raster is unknown, not absent, and \
+             the sky may be brighter than this",
+            100.0 * coverage
+        )
+    })
+}
+
+/// What is said where a scenario replaces lamps that are not there.
+fn lamp_warning(from: LampPreset, asked: Lamp) -> String {
+    let all = asked.preset.map_or("of their own kind", LampPreset::name);
+    let from = from.name();
+    format!(
+        "the scenario replaces {from} lamps, but where it does there are none of them: the lamps of the scene are taken to be \
+         {all}, as `lamp` says"
+    )
+}
+
+/// What is said of an eye more than a metre below the ground.
+fn below_ground_warning(altitude_m: f64, ground: Ground) -> Option<String> {
+    let depth_m = ground.known_altitude_m()? - altitude_m;
+    (depth_m > 1.0).then(|| {
+        format!(
+            "the observer is {depth_m:.0} m below the ground: the sky is what air there would show without it"
+        )
+    })
+}
+
+/// What is said under clouds, where some numbers are not what their names lead one to think.
+fn cloud_warning(query: &SkyQuery) -> Option<String> {
+    query.cloud_base_m.map(|_| {
+        "no natural light comes through the clouds: totals are artificial light alone, and there is neither Bortle \
+         class nor limiting magnitude"
+            .to_owned()
+    })
+}
+
+/// Whether light counts only above the skyline that its source sees towards the observer.
+pub(super) fn hides_lights(terrain_hides: bool, scene: &SceneMetadata, kind: Option<&KindFacts>) -> bool {
+    terrain_hides && scene.light_skylines && kind.and_then(|kind| kind.why_open).is_none()
+}
+
+/// What is said where terrain is wanted and lights behind it are nevertheless seen.
+pub(super) fn open_lights_warning(
+    terrain_hides: bool,
+    scene: &SceneMetadata,
+    kind: Option<&KindFacts>,
+) -> Option<String> {
+    // Without terrain there is nothing to hide behind.
+    if !terrain_hides || !scene.terrain {
+        return None;
+    }
+    let reason = match kind.and_then(|kind| kind.why_open) {
+        Some(reason) => reason,
+        None if scene.lacks_light_skylines() => "the scene was stored before skylines were: ingest it again",
+        None => return None,
+    };
+    Some(format!("lights behind ridges count as if they were not: {reason}"))
+}

@@ -1,0 +1,65 @@
+//! What a map of the zenith's brightness depends on.
+
+use super::{
+    EmissionAnswer, LampAnswer, SceneReference,
+    assumptions::{hides_lights, open_lights_warning},
+};
+use crate::source::SourceFacts;
+use serde::Serialize;
+use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M};
+use skyglow_scene::ChangeId;
+
+/// What every number of a map of brightness depends on; written into its rasters.
+#[derive(Clone, Debug, Serialize)]
+pub struct BrightnessAssumptions {
+    /// The scene.
+    pub scene: SceneReference,
+    /// Id of the scenario or plan that changes its lights; null for the scene as it is.
+    pub scenario: Option<String>,
+    /// Observers' height above the ground, metres.
+    pub height_m: f64,
+    /// Factor on the raster's radiances.
+    pub calibration: f64,
+    /// Turbidity at sea level.
+    pub turbidity: f64,
+    /// `single` or `multiple`.
+    pub scattering: String,
+    /// Lambertian albedo of the ground; null where scattering is single.
+    pub ground_albedo: Option<f64>,
+    /// The lamp.
+    pub lamp: LampAnswer,
+    /// The emission.
+    pub emission: EmissionAnswer,
+    /// Whether light counts only above the skyline that its source sees towards the observer.
+    pub hidden_lights: bool,
+    /// Pixels of the scene from one place to the next.
+    pub step_pixels: u32,
+    /// What the numbers had to do without, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl BrightnessAssumptions {
+    /// Those of a map.
+    pub fn new(query: &BrightnessRequest, map: &BrightnessMap, facts: &SourceFacts) -> Self {
+        let scene = map.scene();
+        let kind = facts.kinds_under(None).find(|kind| kind.scattering == query.scattering);
+        let edge =
+            "light outside the raster is unknown, not absent: near its edges the sky is brighter than this"
+                .to_owned();
+        let open = open_lights_warning(query.terrain_hides, scene, kind);
+        Self {
+            scene: scene.into(),
+            scenario: query.scenario.as_ref().map(ChangeId::to_string),
+            height_m: EYE_HEIGHT_M,
+            calibration: scene.calibration,
+            turbidity: query.turbidity.value(),
+            scattering: query.scattering.name().to_owned(),
+            ground_albedo: kind.and_then(|kind| kind.ground_albedo),
+            lamp: query.lamp.into(),
+            emission: query.emission.into(),
+            hidden_lights: hides_lights(query.terrain_hides, scene, kind),
+            step_pixels: map.places().lattice().step,
+            warnings: std::iter::once(edge).chain(open).collect(),
+        }
+    }
+}

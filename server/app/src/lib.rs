@@ -1,0 +1,29 @@
+//! What the program can be asked and what it answers, whoever asks: the command line and the HTTP interface share it.
+//!
+//! A question is read into a typed request ([`request`], against the table in [`parameters`]), the program behind
+//! ([`source`]) answers, and the answer becomes JSON ([`answers`]), a picture ([`drawing`]) or a file ([`influence_file`],
+//! [`plan_file`]).
+
+pub mod accept;
+pub mod answers;
+pub mod drawing;
+pub mod error;
+pub mod influence_file;
+pub mod kept;
+pub mod kind_facts;
+pub mod observatory;
+pub mod parameters;
+pub mod plan_file;
+pub mod planning;
+pub mod program;
+pub mod reader;
+pub mod request;
+pub mod source;
+pub mod stamp;
+pub mod upload_reader;
+pub mod validation;
+
+pub use error::AppError;
+pub use observatory::ObservatorySource;
+pub use source::SkySource;
+pub use upload_reader::{UploadReader, read_upload};

@@ -1,0 +1,131 @@
+//! Typed requests from query strings.
+
+mod brightness;
+pub mod geojson;
+mod influence;
+mod plan;
+mod points;
+mod scenario;
+mod sky;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub use brightness::brightness;
+pub use influence::{InfluenceAsk, InfluenceBody, influence};
+pub use plan::{PlanAsk, PlanBody, SiteBody, plan, plan_limit};
+pub use scenario::{AreaBody, BrushBody, EditBody, FixtureBody, LampBody, ScenarioBody, scenario};
+pub use view::View;
+
+use self::{
+    sky::{read_light, read_place, read_scenario, read_sky},
+    view::read_view,
+};
+use crate::{
+    accept::Format,
+    error::AppError,
+    parameters::{self as p, ParameterSet},
+    reader::Reader,
+    source::{SkyQuery, SourceFacts},
+    validation::Mistake,
+};
+use skyglow_display::Sky;
+use skyglow_physics::GeoPoint;
+use skyglow_scene::{ChangeId, SceneId};
+
+/// A scene's id from a path; a text that is none names no scene.
+///
+/// # Errors
+/// [`AppError::UnknownScene`].
+pub fn scene_id(text: &str) -> Result<SceneId, AppError> {
+    SceneId::parse(text).map_err(|_| AppError::UnknownScene { id: crate::validation::echo(text) })
+}
+
+/// Checks that there are no parameters.
+///
+/// # Errors
+/// [`AppError::Parameters`] naming all that are there.
+pub fn no_parameters(query: Option<&str>) -> Result<(), AppError> {
+    Reader::new(query, p::NoParameters::ALL).finish()
+}
+
+/// Reads the parameters of a place, and whose lights are there.
+///
+/// # Errors
+/// [`AppError::Parameters`].
+pub fn place(query: Option<&str>) -> Result<(GeoPoint, Option<ChangeId>), AppError> {
+    let mut reader = Reader::new(query, p::PlaceParameters::ALL);
+    let (place, scenario) = (read_place(&mut reader), read_scenario(&mut reader));
+    reader.finish()?;
+    let place = place.ok_or_else(|| AppError::internal("a place was neither read nor refused"))?;
+    Ok((place, scenario))
+}
+
+/// Reads the scenario, where there may be nothing else.
+///
+/// # Errors
+/// [`AppError::Parameters`].
+pub fn scenario_alone(query: Option<&str>) -> Result<Option<ChangeId>, AppError> {
+    let mut reader = Reader::new(query, p::ScenarioParameters::ALL);
+    let scenario = read_scenario(&mut reader);
+    reader.finish()?;
+    Ok(scenario)
+}
+
+/// The id of a scenario or plan from a path; a text that is none names none.
+///
+/// # Errors
+/// [`AppError::UnknownScenario`].
+pub fn change_id(text: &str) -> Result<ChangeId, AppError> {
+    ChangeId::parse(text).map_err(|_| AppError::UnknownScenario { id: crate::validation::echo(text) })
+}
+
+/// Reads the parameters of a sky and which light is shown.
+///
+/// # Errors
+/// [`AppError::Parameters`] with every mistake.
+pub fn sky(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<(SkyQuery, Sky), AppError> {
+    let mut reader = Reader::new(query, p::SkyParameters::ALL);
+    let sky = read_sky(&mut reader, scene, facts);
+    let light = read_light(&mut reader);
+    reader.finish()?;
+    let sky = sky.ok_or_else(|| AppError::internal("a sky was neither read nor refused"))?;
+    let light = light_under(&sky, light);
+    Ok((sky, light))
+}
+
+/// Reads the parameters of a panorama in a format.
+///
+/// # Errors
+/// [`AppError::Parameters`] with every mistake; what means nothing for the format is as good as unknown.
+pub fn panorama(
+    query: Option<&str>,
+    scene: SceneId,
+    facts: &SourceFacts,
+    format: Format,
+) -> Result<(SkyQuery, View), AppError> {
+    let mut reader = Reader::new(query, p::PanoramaParameters::ALL);
+    only_what_means_something(&mut reader, format);
+    let sky = read_sky(&mut reader, scene, facts);
+    let mut view = read_view(&mut reader);
+    reader.finish()?;
+    let sky = sky.ok_or_else(|| AppError::internal("a sky was neither read nor refused"))?;
+    view.options.sky = light_under(&sky, view.options.sky);
+    Ok((sky, view))
+}
+
+/// The light that there is of the light asked for: nothing natural comes through clouds.
+fn light_under(query: &SkyQuery, light: Sky) -> Sky {
+    if query.cloud_base_m.is_some() { Sky::Artificial } else { light }
+}
+
+fn only_what_means_something(reader: &mut Reader, format: Format) {
+    let known = format.parameters();
+    let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
+    for parameter in p::PanoramaParameters::ALL.iter().filter(|parameter| !names.contains(&parameter.name)) {
+        if reader.text(parameter).is_some() {
+            let message = Some(format!("means nothing for {}", format.media_type()));
+            reader.fail(parameter, Mistake::UnknownParameter, message, Some(names.join(", ")));
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Requests for the brightness of all places.
+
+use super::sky::read_conditions;
+use crate::{
+    error::AppError,
+    parameters::{BrightnessParameters, ParameterSet},
+    reader::Reader,
+    source::SourceFacts,
+};
+use skyglow_observatory::BrightnessRequest;
+use skyglow_scene::SceneId;
+
+/// Reads the parameters of the zenith's brightness at every place.
+///
+/// # Errors
+/// [`AppError::Parameters`] with every mistake.
+pub fn brightness(
+    query: Option<&str>,
+    scene: SceneId,
+    facts: &SourceFacts,
+) -> Result<BrightnessRequest, AppError> {
+    let mut reader = Reader::new(query, BrightnessParameters::ALL);
+    let conditions = read_conditions(&mut reader, facts);
+    reader.finish()?;
+    let conditions = conditions.ok_or_else(|| AppError::internal("a map was neither read nor refused"))?;
+    Ok(conditions.over_all(scene, facts.most_places))
+}

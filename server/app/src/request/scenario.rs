@@ -1,0 +1,389 @@
+//! Bodies of scenarios: where a scene is painted, and with what.
+
+use super::{
+    geojson::{BoundaryBody, polygons},
+    influence::body_of,
+    points::points_schema,
+    sky::{emission_of, lamp_of},
+};
+use crate::{
+    error::AppError,
+    parameters::{self as p, ParameterSet},
+    reader::Reader,
+    validation::Mistake,
+};
+use serde::{
+    Deserialize, Deserializer,
+    de::{Error as _, SeqAccess, Visitor},
+};
+use skyglow_physics::{EmissionMix, Lamp, LampChange, LampPreset, PreservedFlux};
+use skyglow_scene::{Area, Change, ChangeId, Edit, MAX_EDITS, Position, Scenario, SceneId};
+use utoipa::ToSchema;
+
+/// Longest title, characters.
+const LONGEST_TITLE: usize = 200;
+/// Largest factor on lights.
+const LARGEST_FACTOR: f64 = 1000.0;
+/// Brightest light that is added, nW cm⁻² sr⁻¹.
+const BRIGHTEST_NW_CM2_SR: f64 = 1e6;
+
+/// What is painted over a scene.
+#[derive(Clone, Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioBody {
+    /// Its name for people, at most 200 characters.
+    #[schema(max_length = 200)]
+    pub title: Option<String>,
+    /// Id of a scenario or plan that it goes on from.
+    #[schema(pattern = "^[sp]-[0-9a-f]{20}$")]
+    pub base: Option<String>,
+    /// The edits, one after the other: 1 to 100.
+    #[serde(deserialize_with = "few_edits")]
+    #[schema(min_items = 1, max_items = 100, example = json!([{"brush": {"points": [[8.6, 46.5]], "radius_m": 2000.0}, "factor": 0.3}]))]
+    pub edits: Vec<EditBody>,
+}
+
+/// Reads edits and stops at the first that is too many.
+fn few_edits<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<EditBody>, D::Error> {
+    struct Few;
+    impl<'de> Visitor<'de> for Few {
+        type Value = Vec<EditBody>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            write!(f, "1 to {MAX_EDITS} edits")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<EditBody>, A::Error> {
+            let mut edits = Vec::new();
+            while let Some(edit) = list.next_element()? {
+                if edits.len() == MAX_EDITS {
+                    return Err(A::Error::custom(format!("there are more than {MAX_EDITS} edits")));
+                }
+                edits.push(edit);
+            }
+            Ok(edits)
+        }
+    }
+    deserializer.deserialize_seq(Few)
+}
+
+/// One edit: an area, and either a change of the lights there or new light.
+#[derive(Clone, Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EditBody {
+    /// A GeoJSON Polygon or MultiPolygon, or a Feature or FeatureCollection of such; this or `brush`. Pixels whose centre is
+    /// inside are painted.
+    #[schema(value_type = Option<Object>)]
+    pub polygon: Option<BoundaryBody>,
+    /// A stroke of a brush.
+    pub brush: Option<BrushBody>,
+    /// Factor on the radiance of the lights that are there, 0 to 1000.
+    #[schema(minimum = 0, maximum = 1000)]
+    pub factor: Option<f64>,
+    /// Their new lamps: a preset's name or three fluxes, for all of them, or which are replaced by which; of added light what it
+    /// is.
+    pub lamp: Option<LampBody>,
+    /// Where they send their light from then on: a preset's name, or weights of lambert, horizon and oblique.
+    pub emission: Option<FixtureBody>,
+    /// Radiance added to every pixel, lit or dark, nW cm⁻² sr⁻¹: instead of `factor`.
+    pub add_radiance_nw_cm2_sr: Option<f64>,
+}
+
+/// A stroke.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BrushBody {
+    /// Longitude and latitude of its points, degrees: 1 to 1000.
+    #[schema(schema_with = points_schema)]
+    pub points: Vec<[f64; 2]>,
+    /// Radius, 1 to 50 000 m. The pixels right under the stroke are painted however fine it is.
+    #[schema(minimum = 1, maximum = 50_000)]
+    pub radius_m: f64,
+}
+
+/// A preset's name, or three numbers.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(untagged)]
+pub enum FixtureBody {
+    /// A preset.
+    Name(String),
+    /// Of a lamp fluxes in R, G, B per flux that the satellite sees; of an emission weights of lambert, horizon and oblique.
+    Numbers([f64; 3]),
+}
+
+/// Lamps.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(untagged)]
+pub enum LampBody {
+    /// All lamps become this.
+    All(FixtureBody),
+    /// Some do.
+    Replace(ReplaceBody),
+}
+
+/// Lamps replaced by others.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ReplaceBody {
+    /// Preset of those that are replaced; all without. Of `mixed` half are `hps` and half `led_4000k`.
+    pub from: Option<String>,
+    /// The new ones.
+    pub to: FixtureBody,
+    /// What stays the same: `luminous_flux` (the default: streets are as bright as before) or `dnb_flux` (what the satellite
+    /// sees).
+    pub keep: Option<String>,
+}
+
+/// An area as a body gives it, for whoever paints or protects.
+pub type AreaBody = BoundaryBody;
+
+impl FixtureBody {
+    fn text(&self) -> String {
+        match self {
+            FixtureBody::Name(name) => name.clone(),
+            FixtureBody::Numbers([a, b, c]) => format!("{a},{b},{c}"),
+        }
+    }
+}
+
+/// Reads a body into a scenario of a scene. That its areas lie in the scene is seen when it is kept.
+///
+/// # Errors
+/// [`AppError::Parameters`] with every mistake.
+pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<Scenario, AppError> {
+    let mut reader = Reader::new(query, p::NoParameters::ALL);
+    let body: ScenarioBody = body_of(body, &mut reader, "a JSON object with `edits`");
+    if body.title.as_ref().is_some_and(|title| title.chars().count() > LONGEST_TITLE) {
+        reader.fail_body("title", &"is too long", &format!("{LONGEST_TITLE} characters"));
+    }
+    let base = body.base.as_deref().and_then(|text| {
+        let id = ChangeId::parse(text);
+        if let Err(error) = &id {
+            reader.fail_body("base", error, "the id of a scenario or plan of this scene");
+        }
+        id.ok()
+    });
+    if reader.is_fine() && body.edits.is_empty() {
+        reader.fail_body("edits", &"there are none", &format!("1 to {MAX_EDITS} edits"));
+    }
+    let edits: Vec<Edit> = body
+        .edits
+        .iter()
+        .enumerate()
+        .filter_map(|(number, edit)| read_edit(&mut reader, number, edit))
+        .collect();
+    reader.finish()?;
+    Ok(Scenario { scene, title: body.title, base, edits })
+}
+
+fn read_edit(reader: &mut Reader, number: usize, body: &EditBody) -> Option<Edit> {
+    let name = |part: &str| format!("edits[{number}].{part}");
+    let area = read_area(reader, number, body);
+    let emission = body.emission.as_ref().and_then(|body| {
+        let emission = emission_of(&body.text());
+        if emission.is_none() {
+            reader.fail_body(&name("emission"), &"is no emission", &p::EMISSION.allowed());
+        }
+        emission
+    });
+    let change = match body.add_radiance_nw_cm2_sr {
+        Some(radiance) => read_addition(reader, number, body, radiance, emission),
+        None => read_alteration(reader, number, body, emission),
+    };
+    Some(Edit { area: area?, change: change? })
+}
+
+fn read_area(reader: &mut Reader, number: usize, body: &EditBody) -> Option<Area> {
+    let name = |part: &str| format!("edits[{number}].{part}");
+    let (part, area) = match (&body.polygon, &body.brush) {
+        (Some(polygon), None) => match polygons(polygon) {
+            Ok(polygons) => ("polygon", Area::Polygons(polygons)),
+            Err(error) => {
+                reader.fail_body(&name("polygon"), &error, "a GeoJSON Polygon or MultiPolygon in degrees");
+                return None;
+            }
+        },
+        (None, Some(brush)) => {
+            let points: Vec<Position> = brush.points.clone();
+            ("brush", Area::Brush { points, radius_m: brush.radius_m })
+        }
+        _ => {
+            reader.fail_body(&name("polygon"), &"an edit has one area", "either `polygon` or `brush`");
+            return None;
+        }
+    };
+    if let Err(error) = area.check() {
+        reader.fail_body(&name(part), &error, "an area of closed rings, or a stroke of places");
+        return None;
+    }
+    Some(area)
+}
+
+/// New light.
+fn read_addition(
+    reader: &mut Reader,
+    number: usize,
+    body: &EditBody,
+    radiance_nw_cm2_sr: f64,
+    emission: Option<EmissionMix>,
+) -> Option<Change> {
+    let name = |part: &str| format!("edits[{number}].{part}");
+    if body.factor.is_some() {
+        let message = "an edit changes light that is there or adds light";
+        reader.fail_part(
+            &name("factor"),
+            message,
+            "either it or `add_radiance_nw_cm2_sr`",
+            Mistake::Conflict,
+        );
+    }
+    if !(radiance_nw_cm2_sr > 0.0 && radiance_nw_cm2_sr <= BRIGHTEST_NW_CM2_SR) {
+        let allowed = format!("above 0, at most {BRIGHTEST_NW_CM2_SR} nW cm-2 sr-1");
+        reader.fail_part(&name("add_radiance_nw_cm2_sr"), "is not allowed", &allowed, Mistake::NotAllowed);
+    }
+    let lamp = match &body.lamp {
+        None => None,
+        Some(LampBody::All(lamp)) => Some(read_lamp(reader, &name("lamp"), lamp)?),
+        Some(LampBody::Replace(_)) => {
+            let message = "added light replaces no lamps";
+            reader.fail_part(&name("lamp"), message, &p::LAMP.allowed(), Mistake::Conflict);
+            return None;
+        }
+    };
+    Some(Change::Add { radiance_nw_cm2_sr, lamp, emission })
+}
+
+/// Light that is there.
+fn read_alteration(
+    reader: &mut Reader,
+    number: usize,
+    body: &EditBody,
+    emission: Option<EmissionMix>,
+) -> Option<Change> {
+    let name = |part: &str| format!("edits[{number}].{part}");
+    let factor = body.factor.unwrap_or(1.0);
+    if !(0.0..=LARGEST_FACTOR).contains(&factor) {
+        let allowed = format!("0 to {LARGEST_FACTOR}");
+        reader.fail_part(&name("factor"), "is not allowed", &allowed, Mistake::NotAllowed);
+    }
+    if body.factor.is_none() && body.lamp.is_none() && body.emission.is_none() {
+        let allowed = "`factor`, `lamp`, `emission` or `add_radiance_nw_cm2_sr`";
+        reader.fail_part(&name("factor"), "the edit changes nothing", allowed, Mistake::Missing);
+    }
+    let all = |to| LampChange { from: None, to, kept: PreservedFlux::LuminousFlux };
+    let lamp = match &body.lamp {
+        None => None,
+        Some(LampBody::All(lamp)) => Some(all(read_lamp(reader, &name("lamp"), lamp)?)),
+        Some(LampBody::Replace(replace)) => {
+            let to = read_lamp(reader, &name("lamp.to"), &replace.to)?;
+            let from = match replace.from.as_deref().map(|name| LampPreset::from_name(name).ok_or(())) {
+                None => None,
+                Some(Ok(from)) => Some(from),
+                Some(Err(())) => {
+                    let names: Vec<&str> = LampPreset::ALL.iter().map(|preset| preset.name()).collect();
+                    let (part, allowed) = (name("lamp.from"), names.join(", "));
+                    reader.fail_part(&part, "is no lamp that has a name", &allowed, Mistake::NotAllowed);
+                    return None;
+                }
+            };
+            let keep = replace.keep.as_deref().unwrap_or(PreservedFlux::LuminousFlux.name());
+            let Some(kept) = PreservedFlux::ALL.into_iter().find(|kept| kept.name() == keep) else {
+                let allowed = PreservedFlux::ALL.map(PreservedFlux::name).join(", ");
+                reader.fail_part(&name("lamp.keep"), "is not allowed", &allowed, Mistake::NotAllowed);
+                return None;
+            };
+            Some(LampChange { from, to, kept })
+        }
+    };
+    Some(Change::Alter { factor, lamp, emission })
+}
+
+fn read_lamp(reader: &mut Reader, name: &str, body: &FixtureBody) -> Option<Lamp> {
+    let lamp = lamp_of(&body.text());
+    if lamp.is_none() {
+        reader.fail_part(name, "is no lamp", &p::LAMP.allowed(), Mistake::NotAllowed);
+    }
+    lamp
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(body: &str) -> Result<Scenario, AppError> {
+        scenario(None, body.as_bytes(), SceneId::parse("demo").unwrap())
+    }
+
+    fn refused(body: &str) -> Vec<String> {
+        match read(body) {
+            Err(AppError::Parameters(errors)) => errors.into_iter().map(|error| error.parameter).collect(),
+            other => panic!("{body}: {other:?}"),
+        }
+    }
+
+    const BRUSH: &str = r#""brush": {"points": [[8.6, 46.5]], "radius_m": 500}"#;
+
+    #[test]
+    fn every_kind_of_edit_is_read() {
+        let body = format!(
+            r#"{{"title": "LEDs", "base": "s-0123456789abcdef0123", "edits": [
+                {{{BRUSH}, "factor": 0.5}},
+                {{{BRUSH}, "lamp": "led_3000k", "emission": "shielded"}},
+                {{{BRUSH}, "lamp": {{"from": "hps", "to": "led_4000k"}}}},
+                {{{BRUSH}, "lamp": {{"to": [1, 2, 3], "keep": "dnb_flux"}}, "emission": [1, 1, 0]}},
+                {{{BRUSH}, "add_radiance_nw_cm2_sr": 20, "lamp": [0.4, 0.6, 0.2]}},
+                {{"polygon": {{"type": "Polygon", "coordinates": [[[7, 46], [8, 46], [8, 47], [7, 46]]]}}, "factor": 0}}
+            ]}}"#
+        );
+        let scenario = read(&body).unwrap();
+        assert_eq!((scenario.edits.len(), scenario.title.as_deref()), (6, Some("LEDs")));
+        let lamps: Vec<_> = scenario.edits.iter().map(|edit| edit.change.clone()).collect();
+        let change = LampChange {
+            from: Some(LampPreset::Hps),
+            to: LampPreset::Led4000k.lamp(),
+            kept: PreservedFlux::LuminousFlux,
+        };
+        assert_eq!(lamps[2], Change::Alter { factor: 1.0, lamp: Some(change), emission: None });
+        assert!(matches!(lamps[4], Change::Add { radiance_nw_cm2_sr: 20.0, lamp: Some(_), emission: None }));
+        assert!(matches!(scenario.edits[5].area, Area::Polygons(_)));
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_by_the_name_of_its_part() {
+        for (edit, part) in [
+            (format!("{{{BRUSH}}}"), "edits[0].factor"),
+            (r#"{"factor": 0.5}"#.to_owned(), "edits[0].polygon"),
+            (format!(r#"{{{BRUSH}, "polygon": {{"type": "Polygon", "coordinates": []}}, "factor": 1}}"#), "edits[0].polygon"),
+            (r#"{"polygon": {"type": "Polygon", "coordinates": []}, "factor": 1}"#.to_owned(), "edits[0].polygon"),
+            (r#"{"polygon": {"type": "Polygon", "coordinates": [[[7, 46], [8, 46], [8, 47]]]}, "factor": 1}"#.to_owned(), "edits[0].polygon"),
+            (r#"{"brush": {"points": [], "radius_m": 5}, "factor": 1}"#.to_owned(), "edits[0].brush"),
+            (r#"{"brush": {"points": [[7, 95]], "radius_m": 5}, "factor": 1}"#.to_owned(), "edits[0].brush"),
+            (r#"{"brush": {"points": [[7, 46]], "radius_m": 0}, "factor": 1}"#.to_owned(), "edits[0].brush"),
+            (format!(r#"{{{BRUSH}, "factor": -1}}"#), "edits[0].factor"),
+            (format!(r#"{{{BRUSH}, "factor": 1e9}}"#), "edits[0].factor"),
+            (format!(r#"{{{BRUSH}, "factor": 1, "add_radiance_nw_cm2_sr": 5}}"#), "edits[0].factor"),
+            (format!(r#"{{{BRUSH}, "add_radiance_nw_cm2_sr": 0}}"#), "edits[0].add_radiance_nw_cm2_sr"),
+            (format!(r#"{{{BRUSH}, "lamp": "candle"}}"#), "edits[0].lamp"),
+            (format!(r#"{{{BRUSH}, "lamp": [0, 0, 0]}}"#), "edits[0].lamp"),
+            (format!(r#"{{{BRUSH}, "lamp": {{"from": "candle", "to": "hps"}}}}"#), "edits[0].lamp.from"),
+            (format!(r#"{{{BRUSH}, "lamp": {{"to": "hps", "keep": "calm"}}}}"#), "edits[0].lamp.keep"),
+            (format!(r#"{{{BRUSH}, "lamp": {{"from": "hps", "to": "lps"}}, "add_radiance_nw_cm2_sr": 5}}"#), "edits[0].lamp"),
+            (format!(r#"{{{BRUSH}, "emission": [-1, 0, 0]}}"#), "edits[0].emission"),
+            (format!(r#"{{{BRUSH}, "factor": NaN}}"#), "body"),
+            (format!(r#"{{{BRUSH}, "colour": "red"}}"#), "body"),
+        ] {
+            let body = format!(r#"{{"edits": [{edit}]}}"#);
+            assert_eq!(refused(&body), [part], "{body}");
+        }
+        assert_eq!(refused(r#"{"edits": []}"#), ["edits"]);
+        let many = vec![format!("{{{BRUSH}, \"factor\": 0.5}}"); 101].join(",");
+        assert_eq!(refused(&format!(r#"{{"edits": [{many}]}}"#)), ["body"]);
+        assert_eq!(refused("{}"), ["body"]);
+        assert_eq!(refused(&format!(r#"{{"base": "x", "edits": [{{{BRUSH}, "factor": 1}}]}}"#)), ["base"]);
+        let title = "x".repeat(300);
+        assert_eq!(
+            refused(&format!(r#"{{"title": "{title}", "edits": [{{{BRUSH}, "factor": 1}}]}}"#)),
+            ["title"]
+        );
+    }
+}

@@ -1,0 +1,265 @@
+//! The parameters of a sky: where, in what air, under which lamps.
+
+use crate::{
+    kind_facts::KindFacts,
+    parameters as p,
+    reader::Reader,
+    source::{EyeHeight, SkyQuery, SourceFacts},
+    validation::Mistake,
+};
+use skyglow_display::Sky;
+use skyglow_observatory::BrightnessRequest;
+use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
+use skyglow_scene::{ChangeId, SceneId};
+use skyglow_tables::{Clouds, Scattering};
+
+pub(super) fn read_place(reader: &mut Reader) -> Option<GeoPoint> {
+    let (latitude_deg, longitude_deg) = (reader.required_number(&p::LAT), reader.required_number(&p::LON));
+    GeoPoint::from_deg(latitude_deg?, longitude_deg?).ok()
+}
+
+pub(super) fn read_light(reader: &mut Reader) -> Sky {
+    match reader.choice(&p::SKY) {
+        Some("total") => Sky::Total,
+        _ => Sky::Artificial,
+    }
+}
+
+/// What a sky is asked with beside the place.
+#[derive(Clone, Debug)]
+pub(super) struct Conditions {
+    scenario: Option<ChangeId>,
+    turbidity: Turbidity,
+    scattering: Scattering,
+    cloud_base_m: Option<u32>,
+    lamp: Lamp,
+    emission: EmissionMix,
+    basis: Option<usize>,
+    tolerance: Option<f64>,
+    terrain_hides: bool,
+}
+
+impl Conditions {
+    /// The sky over a place.
+    pub(super) fn over(&self, scene: SceneId, place: GeoPoint, eye_height: EyeHeight) -> SkyQuery {
+        let Self {
+            turbidity, scattering, cloud_base_m, lamp, emission, basis, tolerance, terrain_hides, ..
+        } = *self;
+        SkyQuery {
+            scene,
+            scenario: self.scenario.clone(),
+            place,
+            eye_height,
+            turbidity,
+            scattering,
+            cloud_base_m,
+            lamp,
+            emission,
+            basis,
+            tolerance,
+            terrain_hides,
+        }
+    }
+
+    /// The brightness of all places of a scene under them; what means nothing there is left out.
+    pub(super) fn over_all(self, scene: SceneId, most_places: usize) -> BrightnessRequest {
+        let Self { scenario, turbidity, scattering, lamp, emission, terrain_hides, .. } = self;
+        BrightnessRequest {
+            scene,
+            scenario,
+            turbidity,
+            scattering,
+            lamp,
+            emission,
+            terrain_hides,
+            most_places,
+        }
+    }
+
+    /// The scenario that it is asked with.
+    pub(super) fn scenario(&self) -> Option<&ChangeId> {
+        self.scenario.as_ref()
+    }
+}
+
+/// The conditions; None where something is wrong so far.
+pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Option<Conditions> {
+    let scenario = read_scenario(reader);
+    let cloud_base_m = read_clouds(reader, facts);
+    let kind = cloud_base_m.and_then(|cloud_base_m| read_kind(reader, facts, cloud_base_m));
+    let turbidity = read_turbidity(reader, facts, kind);
+    let lamp = read_lamp(reader);
+    let emission = read_emission(reader);
+    let basis = read_basis(reader, facts, kind);
+    let tolerance = read_tolerance(reader);
+    let terrain_hides = reader.choice(&p::TERRAIN) != Some("off");
+    reader.is_fine().then_some(())?;
+    Some(Conditions {
+        scenario,
+        turbidity: turbidity?,
+        scattering: kind?.scattering,
+        cloud_base_m: cloud_base_m?,
+        lamp,
+        emission,
+        basis,
+        tolerance,
+        terrain_hides,
+    })
+}
+
+pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyQuery> {
+    let place = read_place(reader);
+    let eye_height = read_eye_height(reader, facts);
+    let conditions = read_conditions(reader, facts)?;
+    Some(conditions.over(scene, place?, eye_height))
+}
+
+/// The id of a scenario or plan; None where none is given, or it is refused.
+pub(super) fn read_scenario(reader: &mut Reader) -> Option<ChangeId> {
+    let id = ChangeId::parse(reader.text(&p::SCENARIO)?).ok();
+    if id.is_none() {
+        reader.fail(&p::SCENARIO, Mistake::Malformed, None, None);
+    }
+    id
+}
+
+fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
+    let height_m = reader.number_of_any_size(&p::HEIGHT);
+    let altitude_m = reader.number_of_any_size(&p::ALTITUDE);
+    if reader.text(&p::HEIGHT).is_some() && reader.text(&p::ALTITUDE).is_some() {
+        let message = Some("excludes `height`, which is given too".to_owned());
+        reader.fail(&p::ALTITUDE, Mistake::Conflict, message, Some("one of the two".to_owned()));
+    }
+    let maximum_m = facts.altitude_range_m.1;
+    if let Some(altitude_m) = altitude_m {
+        if altitude_m > maximum_m {
+            let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
+            reader.fail(&p::ALTITUDE, Mistake::OutOfRange, None, Some(allowed));
+        }
+        return EyeHeight::AboveSea(altitude_m.max(0.0));
+    }
+    if let Some(height_m) = height_m {
+        let allowed = || Some(format!("0 to {maximum_m} m, less the altitude of the ground"));
+        if height_m < 0.0 {
+            reader.fail(&p::HEIGHT, Mistake::NotAllowed, None, allowed());
+        } else if height_m > maximum_m {
+            // Too high over any ground: the same mistake as too high over this one, which the scene knows.
+            reader.fail(&p::HEIGHT, Mistake::OutOfRange, None, allowed());
+        }
+    }
+    EyeHeight::AboveGround(height_m.unwrap_or(2.0))
+}
+
+/// The packs that the scattering asks for; None where it is refused, and what depends on it cannot be checked.
+fn read_kind<'a>(
+    reader: &mut Reader,
+    facts: &'a SourceFacts,
+    cloud_base_m: Option<u32>,
+) -> Option<&'a KindFacts> {
+    let Some(name) = reader.choice(&p::SCATTERING) else {
+        return reader.text(&p::SCATTERING).is_none().then(|| facts.best_kind(cloud_base_m)).flatten();
+    };
+    let kind = facts.kinds_under(cloud_base_m).find(|kind| kind.scattering.name() == name);
+    if kind.is_none() {
+        reader.fail(&p::SCATTERING, Mistake::NotResident, None, Some(facts.scatterings(cloud_base_m)));
+    }
+    kind
+}
+
+/// The base of the clouds, Some(None) under a clear sky; None where it is refused.
+fn read_clouds(reader: &mut Reader, facts: &SourceFacts) -> Option<Option<u32>> {
+    let Some(text) = reader.text(&p::CLOUDS).filter(|text| *text != "none") else { return Some(None) };
+    let Some(base_m) = text.parse().ok().filter(|&base_m| Clouds::new(base_m, 0.0).is_ok()) else {
+        reader.fail(&p::CLOUDS, Mistake::NotAllowed, None, None);
+        return None;
+    };
+    if facts.best_kind(Some(base_m)).is_some() {
+        return Some(Some(base_m));
+    }
+    let bases_m: Vec<String> = facts.cloud_bases_m().iter().map(u32::to_string).collect();
+    let allowed = match bases_m.as_slice() {
+        [] => "none: no packs under clouds are resident; `skyglow precompute --cloud-base` makes them"
+            .to_owned(),
+        bases_m => format!("none, {}", bases_m.join(", ")),
+    };
+    reader.fail(&p::CLOUDS, Mistake::NotResident, None, Some(allowed));
+    None
+}
+
+fn read_basis(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>) -> Option<usize> {
+    let basis = reader.whole_number_of_any_size(&p::BASIS)?;
+    let allowed =
+        kind.map(|kind| facts.allowed_with(kind, format!("a whole number from 1 to {}", kind.basis_count)));
+    if basis < 1 {
+        reader.fail(&p::BASIS, Mistake::NotAllowed, None, allowed);
+        return None;
+    }
+    let basis = usize::try_from(basis).unwrap_or(usize::MAX);
+    if kind.is_some_and(|kind| basis > kind.basis_count) {
+        let message = Some("is more than is resident".to_owned());
+        reader.fail(&p::BASIS, Mistake::NotResident, message, allowed);
+    }
+    Some(basis)
+}
+
+fn read_tolerance(reader: &mut Reader) -> Option<f64> {
+    let tolerance = reader.number(&p::TOLERANCE);
+    if reader.text(&p::TOLERANCE).is_some() && reader.text(&p::BASIS).is_some() {
+        let message = Some("excludes `basis`, which is given too".to_owned());
+        reader.fail(&p::TOLERANCE, Mistake::Conflict, message, Some("one of the two".to_owned()));
+    }
+    tolerance
+}
+
+fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>) -> Option<Turbidity> {
+    let given = reader.number_of_any_size(&p::TURBIDITY);
+    if reader.text(&p::TURBIDITY).is_some() && given.is_none() {
+        return None;
+    }
+    let value = given.unwrap_or(Turbidity::default().value());
+    if let Some(kind) = kind
+        && let (minimum, maximum) = kind.turbidity_range
+        && !(minimum..=maximum).contains(&value)
+    {
+        let allowed = facts.allowed_with(kind, format!("{minimum} to {maximum}"));
+        reader.fail(&p::TURBIDITY, Mistake::OutOfRange, None, Some(allowed));
+        return None;
+    }
+    match Turbidity::new(value) {
+        Ok(turbidity) => Some(turbidity),
+        Err(_) => {
+            reader.fail(&p::TURBIDITY, Mistake::OutOfRange, None, None);
+            None
+        }
+    }
+}
+
+fn read_lamp(reader: &mut Reader) -> Lamp {
+    let Some(text) = reader.text(&p::LAMP) else { return Lamp::default() };
+    let lamp = lamp_of(text);
+    if lamp.is_none() {
+        reader.fail(&p::LAMP, Mistake::NotAllowed, None, None);
+    }
+    lamp.unwrap_or_default()
+}
+
+/// A lamp by its preset's name, or by three fluxes `r,g,b`.
+pub(super) fn lamp_of(text: &str) -> Option<Lamp> {
+    let preset = LampPreset::from_name(text).map(LampPreset::lamp);
+    preset.or_else(|| Reader::three_numbers(text).and_then(|fluxes| Lamp::custom(fluxes).ok()))
+}
+
+/// An emission by its preset's name, or by three weights `lambert,horizon,oblique`.
+pub(super) fn emission_of(text: &str) -> Option<EmissionMix> {
+    let preset = EmissionMix::from_name(text);
+    preset.or_else(|| Reader::three_numbers(text).and_then(|weights| EmissionMix::new(weights).ok()))
+}
+
+fn read_emission(reader: &mut Reader) -> EmissionMix {
+    let Some(text) = reader.text(&p::EMISSION) else { return EmissionMix::default() };
+    let mix = emission_of(text);
+    if mix.is_none() {
+        reader.fail(&p::EMISSION, Mistake::NotAllowed, None, None);
+    }
+    mix.unwrap_or_default()
+}

@@ -1,0 +1,254 @@
+//! What is read and what is refused.
+
+use super::*;
+use crate::{
+    kind_facts::KindFacts,
+    source::EyeHeight,
+    validation::{Mistake, Refusal},
+};
+use skyglow_display::{PictureOptions, Projection};
+use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
+use skyglow_tables::{Clouds, Scattering};
+
+pub(super) fn facts() -> SourceFacts {
+    SourceFacts {
+        most_places: 1000,
+        executor: "cpu".into(),
+        adapter: "none".into(),
+        kinds: vec![kind(Scattering::Single, (1.5, 6.0), 64)],
+        any_cloud_albedo: None,
+        altitude_range_m: (0.0, 6000.0),
+        pack_checksums: "x".into(),
+    }
+}
+
+fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize) -> KindFacts {
+    KindFacts { clouds: None, scattering, turbidity_range, basis_count, ground_albedo: None, why_open: None }
+}
+
+fn read(query: &str) -> Result<(SkyQuery, View), AppError> {
+    read_as(query, Format::Png)
+}
+
+fn read_as(query: &str, format: Format) -> Result<(SkyQuery, View), AppError> {
+    panorama(Some(query), SceneId::parse("demo").unwrap(), &facts(), format)
+}
+
+fn refused(query: &str) -> (Refusal, Vec<(String, Mistake)>) {
+    let error = read(query).unwrap_err();
+    let errors = error.field_errors();
+    (Refusal::of(errors), errors.iter().map(|e| (e.parameter.clone(), e.code)).collect())
+}
+
+#[test]
+fn the_defaults_are_those_of_the_interface() {
+    let (sky, view) = read("lat=-1&lon=36").unwrap();
+    assert_eq!(sky.eye_height, EyeHeight::AboveGround(2.0));
+    assert_eq!(sky.turbidity, Turbidity::default());
+    assert_eq!(sky.lamp, LampPreset::Mixed.lamp());
+    assert_eq!(sky.emission, EmissionMix::garstang());
+    assert_eq!((sky.scattering, sky.basis), (Scattering::Single, None));
+    assert!(sky.terrain_hides && !read("lat=-1&lon=36&terrain=off").unwrap().0.terrain_hides);
+    assert_eq!(view.options, PictureOptions::new(Projection::Equirectangular));
+    assert_eq!(view.raster_size_px, (256, 64));
+}
+
+#[test]
+fn turbidity_0_and_100_and_altitude_9000_are_out_of_range_with_the_range() {
+    for query in ["turbidity=0", "turbidity=100", "altitude=9000"] {
+        let error = read(&format!("lat=-1&lon=36&{query}")).unwrap_err();
+        let errors = error.field_errors();
+        assert_eq!(Refusal::of(errors), Refusal::OutOfRange, "{query}");
+        let allowed = &errors[0].allowed;
+        assert!(allowed.contains("1.5 to 6") || allowed.contains("0 to 6000 m"), "{allowed}");
+    }
+}
+
+#[test]
+fn a_height_is_refused_by_its_own_name_below_the_ground_and_above_the_tables() {
+    for (query, refusal, code) in [
+        ("height=-1", Refusal::BadParameters, Mistake::NotAllowed),
+        ("height=200000", Refusal::OutOfRange, Mistake::OutOfRange),
+    ] {
+        let error = read(&format!("lat=-1&lon=36&{query}")).unwrap_err();
+        let errors = error.field_errors();
+        assert_eq!((Refusal::of(errors), errors[0].code), (refusal, code), "{query}");
+        assert_eq!(errors[0].parameter, "height");
+        assert!(errors[0].allowed.starts_with("0 to 6000 m"), "{errors:?}");
+    }
+    assert!(read("lat=-1&lon=36&height=6000").is_ok());
+}
+
+#[test]
+fn altitudes_below_the_sea_count_as_0() {
+    let (sky, _) = read("lat=-1&lon=36&altitude=-430").unwrap();
+    assert_eq!(sky.eye_height, EyeHeight::AboveSea(0.0));
+}
+
+#[test]
+fn what_is_not_resident_is_said_to_be_so() {
+    let (kind, errors) = refused("lat=-1&lon=36&scenario=abc");
+    assert_eq!(kind, Refusal::BadParameters);
+    assert_eq!(errors.len(), 1);
+    let (sky, _) = read("lat=-1&lon=36&scenario=p-0123456789abcdef0123").unwrap();
+    assert!(sky.scenario.unwrap().is_plan());
+    assert_eq!(refused("lat=-1&lon=36&scattering=multiple").0, Refusal::NotResident);
+    assert_eq!(refused("lat=-1&lon=36&basis=128").0, Refusal::NotResident);
+    for fine in ["clouds=none", "scattering=single", "terrain=on", "terrain=off", "basis=64"] {
+        assert!(read(&format!("lat=-1&lon=36&{fine}")).is_ok(), "{fine}");
+    }
+}
+
+#[test]
+fn clouds_are_those_that_tables_are_resident_for_and_let_nothing_natural_through() {
+    let errors = read("lat=-1&lon=36&clouds=1500").unwrap_err().field_errors().to_vec();
+    assert_eq!((errors[0].parameter.as_str(), errors[0].code), ("clouds", Mistake::NotResident));
+    assert!(errors[0].allowed.contains("precompute --cloud-base"), "{errors:?}");
+    let mut facts = facts();
+    let under = |base_m, scattering, range| KindFacts {
+        clouds: Some(Clouds::new(base_m, 0.5).unwrap()),
+        ..kind(scattering, range, 32)
+    };
+    facts.kinds.push(under(1_000, Scattering::Multiple, (2.5, 2.5)));
+    facts.kinds.push(under(2_000, Scattering::Single, (2.0, 3.0)));
+    let read = |query: &str| {
+        panorama(Some(&format!("lat=-1&lon=36{query}")), SceneId::parse("demo").unwrap(), &facts, Format::Png)
+    };
+    let (sky, view) = read("&clouds=2000&sky=total&turbidity=3").unwrap();
+    assert_eq!((sky.cloud_base_m, sky.scattering), (Some(2_000), Scattering::Single));
+    assert_eq!(view.options.sky, Sky::Artificial);
+    assert_eq!(read("&sky=total").unwrap().1.options.sky, Sky::Total);
+    // The best resident is that of a clear sky, whatever comes after it.
+    assert_eq!(read("").unwrap().0.scattering, Scattering::Single);
+    for (query, allowed) in [
+        ("&clouds=1500", "none, 1000, 2000"),
+        ("&clouds=low", "none, or a whole number from 200 to 12000 m"),
+        ("&clouds=100", "none, or a whole number from 200 to 12000 m"),
+        ("&clouds=1000.5", "none, or a whole number from 200 to 12000 m"),
+        ("&clouds=2000&scattering=multiple", "single"),
+        ("&clouds=1000&turbidity=3", "2.5 to 2.5 with multiple scattering under clouds at 1000 m"),
+    ] {
+        let errors = read(query).unwrap_err().field_errors().to_vec();
+        assert_eq!((errors.len(), errors[0].allowed.as_str()), (1, allowed), "{query}");
+    }
+}
+
+#[test]
+fn the_default_scattering_is_the_best_resident_and_sets_the_ranges() {
+    let mut facts = facts();
+    facts.kinds.push(kind(Scattering::Multiple, (2.0, 5.0), 32));
+    let read = |query: &str| {
+        panorama(Some(&format!("lat=-1&lon=36{query}")), SceneId::parse("demo").unwrap(), &facts, Format::Png)
+    };
+    let asked = |query: &str| read(query).unwrap().0.scattering;
+    assert_eq!((asked(""), asked("&scattering=multiple")), (Scattering::Multiple, Scattering::Multiple));
+    assert_eq!(asked("&scattering=single&turbidity=5.5&basis=64"), Scattering::Single);
+    for (query, allowed) in [
+        ("&turbidity=5.5", "2 to 5 with multiple scattering"),
+        ("&scattering=single&turbidity=6.5", "1.5 to 6 with single scattering"),
+        ("&basis=33", "a whole number from 1 to 32 with multiple scattering"),
+    ] {
+        assert_eq!(read(query).unwrap_err().field_errors()[0].allowed, allowed, "{query}");
+    }
+}
+
+#[test]
+fn scattering_that_is_refused_does_not_refuse_what_depends_on_it() {
+    for (scattering, code, allowed) in
+        [("multiple", Mistake::NotResident, "single"), ("double", Mistake::NotAllowed, "single, multiple")]
+    {
+        let query = format!("lat=-1&lon=36&scattering={scattering}&turbidity=9&basis=200");
+        let errors = read(&query).unwrap_err().field_errors().to_vec();
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert_eq!((errors[0].code, errors[0].allowed.as_str()), (code, allowed));
+    }
+}
+
+#[test]
+fn a_basis_of_any_wrong_size_is_refused_with_what_is_resident() {
+    for (basis, code) in [
+        ("0", Mistake::NotAllowed),
+        ("-3", Mistake::NotAllowed),
+        ("65", Mistake::NotResident),
+        ("5000", Mistake::NotResident),
+    ] {
+        let errors = read(&format!("lat=-1&lon=36&basis={basis}")).unwrap_err().field_errors().to_vec();
+        assert_eq!(errors[0].code, code, "{basis}");
+        assert_eq!(errors[0].allowed, "a whole number from 1 to 64", "{basis}");
+    }
+    assert_eq!(refused("lat=-1&lon=36&basis=6.5").1, [("basis".to_owned(), Mistake::Malformed)]);
+}
+
+#[test]
+fn a_tolerance_out_of_range_or_beside_a_basis_is_refused_by_name() {
+    let (sky, _) = read("lat=-1&lon=36&tolerance=0.05").unwrap();
+    assert_eq!((sky.tolerance, sky.basis), (Some(0.05), None));
+    assert_eq!(read("lat=-1&lon=36").unwrap().0.tolerance, None);
+    for (query, code, allowed) in [
+        ("tolerance=0", Mistake::NotAllowed, "0.0001 to 0.5"),
+        ("tolerance=0.51", Mistake::NotAllowed, "0.0001 to 0.5"),
+        ("tolerance=few", Mistake::Malformed, "0.0001 to 0.5"),
+        ("tolerance=0.05&basis=8", Mistake::Conflict, "one of the two"),
+    ] {
+        let errors = read(&format!("lat=-1&lon=36&{query}")).unwrap_err().field_errors().to_vec();
+        assert_eq!((errors.len(), errors[0].parameter.as_str()), (1, "tolerance"), "{query}");
+        assert_eq!((errors[0].code, errors[0].allowed.as_str()), (code, allowed), "{query}");
+    }
+}
+
+#[test]
+fn what_means_nothing_for_a_format_is_refused_there_by_name() {
+    let colours = [
+        "style=realistic",
+        "colormap=grey",
+        "scale=magnitude",
+        "min=16",
+        "max=24",
+        "exposure=1",
+        "legend=off",
+    ];
+    let shape = ["projection=fisheye", "width=64", "height_px=64"];
+    let refused = |parameter: &str, format: Format| {
+        let errors = read_as(&format!("lat=-1&lon=36&{parameter}"), format).err()?.field_errors().to_vec();
+        let named = parameter.split('=').next() == Some(errors[0].parameter.as_str());
+        assert!(named && errors[0].message.contains(format.media_type()), "{errors:?}");
+        assert!(errors[0].allowed.contains("turbidity"), "{errors:?}");
+        Some(errors[0].code)
+    };
+    for format in [Format::Exr, Format::Tiff] {
+        for parameter in colours {
+            assert_eq!(refused(parameter, format), Some(Mistake::UnknownParameter), "{parameter}");
+        }
+        for parameter in shape {
+            assert_eq!(refused(parameter, format), None, "{parameter}");
+        }
+    }
+    for parameter in colours.iter().chain(&shape) {
+        assert_eq!(refused(parameter, Format::Json), Some(Mistake::UnknownParameter), "{parameter}");
+    }
+    assert!(read_as("lat=-1&lon=36&sky=total&basis=8", Format::Json).is_ok());
+}
+
+#[test]
+fn all_mistakes_of_sky_and_picture_come_in_one_answer() {
+    let (kind, errors) = refused("lon=400&turbidity=x&lamp=candle&style=pretty&fov=3&min=5&max=1&nonsense=1");
+    assert_eq!(kind, Refusal::BadParameters);
+    let names: Vec<&str> = errors.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["nonsense", "lat", "lon", "turbidity", "lamp", "fov", "style", "max"]);
+}
+
+#[test]
+fn height_and_altitude_exclude_each_other() {
+    let (_, errors) = refused("lat=-1&lon=36&height=2&altitude=1000");
+    assert_eq!(errors, [("altitude".to_owned(), Mistake::Conflict)]);
+}
+
+#[test]
+fn lamps_and_emissions_may_be_given_as_numbers() {
+    let (sky, _) = read("lat=-1&lon=36&lamp=0.1,0.2,0.3&emission=1,1,2").unwrap();
+    assert_eq!(sky.lamp.flux_per_dnb_flux, [0.1, 0.2, 0.3]);
+    assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
+    for bad in ["lamp=0,0,0", "lamp=1,2", "lamp=-1,1,1", "emission=0,0,0", "emission=a", "emission=1,2,-1"] {
+        assert_eq!(refused(&format!("lat=-1&lon=36&{bad}")).0, Refusal::BadParameters, "{bad}");
+    }
+}

@@ -1,0 +1,104 @@
+//! The parameters of a view of a sky: projection, size and colours.
+
+use super::sky::read_light;
+use crate::{parameters as p, reader::Reader, validation::Mistake};
+use skyglow_display::options::LARGEST_PICTURE_PX;
+use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Style};
+
+/// How a panorama is to be shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Picture options; width and height are those given or the projection's own.
+    pub options: PictureOptions,
+    /// Width and height of a raster: those given or the raw grid's.
+    pub raster_size_px: (u32, u32),
+}
+
+pub(super) fn read_view(reader: &mut Reader) -> View {
+    let projection = read_projection(reader);
+    let style = read_style(reader);
+    let sky = read_light(reader);
+    let (width_px, height_px) = (reader.integer(&p::WIDTH), reader.integer(&p::HEIGHT_PX));
+    let legend = reader.choice(&p::LEGEND) != Some("off");
+    let sized = |own: (u32, u32)| (width_px.unwrap_or(own.0), height_px.unwrap_or(own.1));
+    let picture_size_px = sized(projection.default_picture_size_px());
+    check_pixels(reader, picture_size_px);
+    View {
+        options: PictureOptions {
+            projection,
+            style,
+            width_px: picture_size_px.0,
+            height_px: picture_size_px.1,
+            legend,
+            sky,
+            illustrative: false,
+        },
+        raster_size_px: sized(projection.default_raster_size_px()),
+    }
+}
+
+/// Notes a picture of more pixels than one may ask for, though each side is in its range.
+fn check_pixels(reader: &mut Reader, (width_px, height_px): (u32, u32)) {
+    if u64::from(width_px) * u64::from(height_px) > u64::from(LARGEST_PICTURE_PX) {
+        let parameter = if reader.text(&p::HEIGHT_PX).is_some() { &p::HEIGHT_PX } else { &p::WIDTH };
+        let message = Some(format!("makes a picture of {width_px} x {height_px} pixels"));
+        let allowed = Some(format!("at most {LARGEST_PICTURE_PX} pixels in all"));
+        reader.fail(parameter, Mistake::NotAllowed, message, allowed);
+    }
+}
+
+/// Notes parameters that say nothing under the choice made: silence would hide a slip.
+fn only_with(reader: &mut Reader, parameters: &[&p::Parameter], choice: &str) {
+    for parameter in parameters {
+        if reader.text(parameter).is_some() {
+            let message = Some(format!("means nothing without {choice}"));
+            reader.fail(parameter, Mistake::Conflict, message, Some(format!("with {choice} alone")));
+        }
+    }
+}
+
+fn read_projection(reader: &mut Reader) -> Projection {
+    let named = reader.choice(&p::PROJECTION);
+    let azimuth_deg = reader.number(&p::AZIMUTH);
+    let elevation_deg = reader.number(&p::ELEVATION);
+    let fov_deg = reader.number(&p::FOV);
+    if named == Some("perspective") {
+        return Projection::Perspective {
+            azimuth_deg: azimuth_deg.unwrap_or(0.0),
+            elevation_deg: elevation_deg.unwrap_or(skyglow_display::options::DEFAULT_ELEVATION_DEG),
+            fov_deg: fov_deg.unwrap_or(skyglow_display::options::DEFAULT_FOV_DEG),
+        };
+    }
+    only_with(reader, &[&p::AZIMUTH, &p::ELEVATION, &p::FOV], "projection=perspective");
+    if named == Some("fisheye") { Projection::Fisheye } else { Projection::Equirectangular }
+}
+
+fn read_style(reader: &mut Reader) -> Style {
+    let realistic = reader.choice(&p::STYLE) == Some("realistic");
+    let colormap = reader.choice(&p::COLORMAP).and_then(Colormap::from_name).unwrap_or_default();
+    let scale = match reader.choice(&p::SCALE) {
+        Some("magnitude") => Scale::Magnitude,
+        _ => Scale::Luminance,
+    };
+    let exposure_ev = reader.number(&p::EXPOSURE);
+    let default = ColourRange::of(scale);
+    let min = reader.number_of_any_size(&p::MIN).unwrap_or(default.min);
+    let max = reader.number_of_any_size(&p::MAX).unwrap_or(default.max);
+    if realistic {
+        only_with(reader, &[&p::COLORMAP, &p::SCALE, &p::MIN, &p::MAX], "style=false_colour");
+        return Style::Realistic { exposure_ev: exposure_ev.unwrap_or(0.0) };
+    }
+    only_with(reader, &[&p::EXPOSURE], "style=realistic");
+    let range = ColourRange { scale, min, max };
+    if let Err(error) = range.check() {
+        // The end that the error names; where both are fine alone, the one that was given.
+        let given_max = reader.text(&p::MAX).is_some();
+        let parameter = match &error {
+            skyglow_display::DisplayError::OutOfRange { option: "max", .. } => &p::MAX,
+            skyglow_display::DisplayError::EmptyRange { .. } if given_max => &p::MAX,
+            _ => &p::MIN,
+        };
+        reader.fail(parameter, Mistake::NotAllowed, Some(error.to_string()), None);
+    }
+    Style::FalseColour { colormap, range }
+}

@@ -1,0 +1,241 @@
+//! How bright the zenith is at every place of a scene: the layer that the public knows from the World Atlas.
+
+use crate::observatory::Observatory;
+use crate::{
+    error::ObservatoryError,
+    influence::{KernelRange, zenith_kernel},
+};
+use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Turbidity};
+use skyglow_render::RenderError;
+use skyglow_render::{packs::PackKind, prepare::Prepared, request::RenderRequest};
+use skyglow_scene::{
+    ChangeId, PatchStore, PlaceKernel, PlaceValues, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata,
+};
+use skyglow_tables::Scattering;
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// The observer's eye above the ground, metres.
+pub const EYE_HEIGHT_M: f64 = 2.0;
+/// Most places of a map: more pixels share one by blocks.
+pub const MOST_PLACES: usize = 1_200_000;
+
+/// One map of the zenith's brightness asked for: under a clear sky, two metres above the ground. Its `Debug` form is its identity in
+/// ETags and the cache.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrightnessRequest {
+    /// The scene.
+    pub scene: SceneId,
+    /// The scenario or plan that changes its lights; None for the scene as it is.
+    pub scenario: Option<ChangeId>,
+    /// Turbidity, in the resident range.
+    pub turbidity: Turbidity,
+    /// Orders of scattering, of which packs are resident.
+    pub scattering: Scattering,
+    /// The lamp.
+    pub lamp: Lamp,
+    /// Where lamps send their light.
+    pub emission: EmissionMix,
+    /// Whether terrain hides the low light of lamps behind it.
+    pub terrain_hides: bool,
+    /// Places at most; beyond, pixels share one by blocks.
+    pub most_places: usize,
+}
+
+impl BrightnessRequest {
+    fn kind(&self) -> PackKind {
+        PackKind { cloud_base_m: None, scattering: self.scattering }
+    }
+}
+
+/// The artificial luminance at the zenith (the mean within 5° of it), cd m⁻², at places all over a scene.
+#[derive(Clone, Debug)]
+pub struct BrightnessMap {
+    scene: Arc<Scene>,
+    places: PlaceValues,
+    /// How long each step took.
+    pub steps: Vec<(&'static str, Duration)>,
+}
+
+impl BrightnessMap {
+    /// The scene as it was.
+    pub fn scene(&self) -> &SceneMetadata {
+        self.scene.metadata()
+    }
+
+    /// The scene, open.
+    pub fn open_scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Luminance at the places, cd m⁻²; NaN where the ground is higher than the packs reach.
+    pub fn places(&self) -> &PlaceValues {
+        &self.places
+    }
+
+    /// A map tile, cd m⁻².
+    ///
+    /// # Errors
+    /// [`ObservatoryError::Scene`] for a tile that does not exist.
+    pub fn tile(&self, (z, x, y): (u8, u32, u32), size_px: u32) -> Result<RasterTile, ObservatoryError> {
+        Ok(self.scene.places_tile(&self.places, z, x, y, size_px)?)
+    }
+
+    /// Bytes that a cache keeps with it, those of a changed scene's own lights among them; the scene itself is kept elsewhere.
+    pub fn byte_count(&self) -> usize {
+        self.places.byte_count() + self.scene.unshared_bytes()
+    }
+}
+
+impl Observatory {
+    /// How bright the zenith is at every place of a scene: the sum over its lights of what the packs say each does to it, found
+    /// on the processor. Seconds to a minute of all cores; reads files. Not for asynchronous threads.
+    ///
+    /// Of the places' panoramas it differs by what far light taken together and tables between altitudes make of it: 0.1 % in the
+    /// median. Between the packs' turbidities the logarithms of the sums are blended.
+    ///
+    /// * `store`: as in [`Scene::sum_at_places`]; the patches of a pack after the first have numbers of their own.
+    ///
+    /// # Errors
+    /// As [`Self::sky`]; [`ObservatoryError::Stopped`] where the store cancelled it.
+    pub fn brightness(
+        &self,
+        request: &BrightnessRequest,
+        store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, ObservatoryError> {
+        // Threads of its own: in those that skies are rendered by, skies would wait until the map is found.
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
+            Ok(threads) => threads.install(|| self.find_brightness(request, store)),
+            Err(_) => self.find_brightness(request, store),
+        }
+    }
+
+    fn find_brightness(
+        &self,
+        request: &BrightnessRequest,
+        store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, ObservatoryError> {
+        let mut steps = Vec::new();
+        let mut clock = Instant::now();
+        let mut step = |name: &'static str| {
+            steps.push((name, clock.elapsed()));
+            clock = Instant::now();
+        };
+        let scene = self.shelf.changed_scene(&request.scene, request.scenario.as_ref())?;
+        let solver = self.influences.solver(&self.engine);
+        let to_render = |turbidity: Turbidity| RenderRequest {
+            polar: Arc::new(dark()),
+            observer_altitude_m: 0.0,
+            turbidity,
+            scattering: request.scattering,
+            cloud_base_m: None,
+            emission: request.emission,
+            flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
+            basis: None,
+        };
+        let set = self.engine.table_set();
+        let taps = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_taps;
+        let lattice = scene.place_lattice(request.most_places);
+        let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
+        let eye_m = |ground_m: f32| {
+            let eye_m = ground_m + EYE_HEIGHT_M as f32;
+            if eye_m <= highest_m as f32 { eye_m.max(lowest_m as f32) } else { f32::NAN }
+        };
+        let altitudes_m: Vec<f32> = scene.ground_altitudes_m(lattice).into_iter().map(eye_m).collect();
+        step("ground");
+        let observers_m = altitudes_m.iter().filter(|m| !m.is_nan()).fold(None, |range, &altitude_m| {
+            let [lowest, highest]: [f32; 2] = range.unwrap_or([altitude_m; 2]);
+            Some([lowest.min(altitude_m), highest.max(altitude_m)])
+        });
+        let dark_places = || altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect::<Vec<f32>>();
+        let hides = request.terrain_hides && self.hides_lights(request.kind());
+        let (Some(observers_m), Some(lights_m)) = (observers_m, scene.light_altitude_range_m()) else {
+            return map(scene, lattice, dark_places(), steps);
+        };
+        let range =
+            KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
+        let mut of_packs: Vec<Vec<f32>> = Vec::new();
+        for &pack in taps.indices() {
+            let at_pack =
+                to_render(Turbidity::new(set.tables()[pack].turbidity).unwrap_or(request.turbidity));
+            let kernel = |fixture: &skyglow_physics::Fixture| {
+                let of_fixture = RenderRequest {
+                    emission: fixture.emission(request.emission),
+                    flux_per_dnb_flux: fixture.flux_per_dnb_flux(&request.lamp),
+                    ..at_pack.clone()
+                };
+                zenith_kernel(solver, &of_fixture, &range, hides)
+            };
+            let kernels: Vec<PlaceKernel> =
+                scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
+            step("kernel");
+            let of_pack = OfPack { store, pack: of_packs.len(), packs: taps.indices().len() };
+            let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, &of_pack);
+            of_packs.push(sums.ok_or(RenderError::Stopped)?);
+            step("sums");
+        }
+        let luminance_cd_m2 = match of_packs.len() {
+            1 => of_packs.swap_remove(0),
+            _ => blended(&of_packs, taps.weights()),
+        };
+        map(scene, lattice, luminance_cd_m2, steps)
+    }
+}
+
+/// The patches of one pack among several.
+struct OfPack<'a> {
+    store: &'a dyn PatchStore,
+    pack: usize,
+    packs: usize,
+}
+
+impl OfPack<'_> {
+    fn number(&self, patch: u64) -> u64 {
+        (self.pack as u64) << 48 | patch
+    }
+}
+
+impl PatchStore for OfPack<'_> {
+    fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
+        self.store.load(self.number(patch), count)
+    }
+
+    fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
+        self.store.store(self.number(patch), sums, (self.pack as f64 + progress) / self.packs as f64)
+    }
+}
+
+fn map(
+    scene: Arc<Scene>,
+    lattice: skyglow_scene::PlaceLattice,
+    luminance_cd_m2: Vec<f32>,
+    steps: Vec<(&'static str, Duration)>,
+) -> Result<BrightnessMap, ObservatoryError> {
+    let places = PlaceValues::new(lattice, luminance_cd_m2).ok_or(RenderError::Stopped)?;
+    Ok(BrightnessMap { scene, places, steps })
+}
+
+/// The logarithms of what the packs say, with their weights; 0 where one says 0.
+fn blended(of_packs: &[Vec<f32>], weights: &[f64]) -> Vec<f32> {
+    let of_place = |place: usize| {
+        let logs = of_packs.iter().zip(weights).map(|(sums, weight)| weight * f64::from(sums[place]).ln());
+        let is_dark = of_packs.iter().any(|sums| sums[place] == 0.0);
+        if is_dark { 0.0 } else { logs.sum::<f64>().exp() as f32 }
+    };
+    (0..of_packs[0].len()).map(of_place).collect()
+}
+
+/// A grid without light.
+fn dark() -> PolarGrid {
+    PolarGrid {
+        observer: GeoPoint::from_rad_unchecked(0.0, 0.0),
+        azimuth_start: vec![0; skyglow_scene::AZIMUTH_COLUMN_COUNT + 1],
+        cells: Vec::new(),
+        near: Vec::new(),
+        flux_dnb_w: 0.0,
+        coverage: 0.0,
+    }
+}

@@ -1,0 +1,45 @@
+//! What can go wrong between a question about a place and its answer.
+
+use skyglow_render::RenderError;
+use skyglow_scene::{ChangeError, ChangeStoreError, SceneError};
+use thiserror::Error;
+
+/// Why an observatory does not answer.
+#[derive(Debug, Error)]
+pub enum ObservatoryError {
+    /// The sky could not be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A curve on the sky that holds no direction of the panorama grid, or hidden ones alone.
+    #[error("the curve holds no visible direction of the sky; directions are 1.4 degrees apart")]
+    EmptyRegion,
+    /// The place lies off the scene's raster.
+    #[error(
+        "{latitude_deg}, {longitude_deg} lies outside scene \"{scene}\" (west, south, east, north: {bounds:?} degrees)"
+    )]
+    OutsideScene {
+        /// The scene's id.
+        scene: String,
+        /// Latitude asked for.
+        latitude_deg: f64,
+        /// Longitude asked for.
+        longitude_deg: f64,
+        /// West, south, east, north of the scene, degrees.
+        bounds: [f64; 4],
+    },
+    /// A scene that is not there or cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A plan that cannot be made.
+    #[error("the plan cannot be made: {reason}")]
+    BadPlan {
+        /// Why.
+        reason: String,
+    },
+    /// Changes that cannot be made to a scene.
+    #[error(transparent)]
+    Change(#[from] ChangeError),
+    /// A scenario or plan that is not there or cannot be read or stored.
+    #[error(transparent)]
+    ChangeStore(#[from] ChangeStoreError),
+}

@@ -1,0 +1,266 @@
+//! The measure of every lit cell of a request.
+
+use super::{
+    correlation::correlate,
+    norms::NormsOfPack,
+    products::products,
+    ready::{ReadyRequest, ReadyRequests},
+    scales::{Slope, scales_of},
+    sensitivity::sensitivities,
+};
+use crate::error::ObservatoryError;
+use rayon::prelude::*;
+use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr};
+use skyglow_render::{
+    cpu::{CpuExecutor, blend::blend},
+    prepare::{Prepared, PreparedCell, basis_count_in_use, shines},
+    request::RenderRequest,
+    table_set::TableSet,
+    taps::Taps,
+    truncation::gram_matrix,
+};
+use std::sync::{Arc, OnceLock};
+
+/// Cells that a task works on.
+const CELLS_AT_ONCE: usize = 1024;
+/// Steepest slope of ln(measure) over altitude in use, m⁻¹: next to the ground of a near lamp a step of the axis is metres.
+const STEEPEST_PER_M: f64 = 0.02;
+
+/// What is asked of every cell.
+#[derive(Clone, Copy, Debug)]
+pub enum MeasureOfCells<'a> {
+    /// A linear measure of luminance: cells add up to the sky's own value.
+    Linear(&'a LinearMeasure),
+    /// ‖luminance image of the cell alone‖ = (∫ L² dΩ)^½ over the open upper hemisphere, cd m⁻² sr^½ (paper Eq. 10–11 for any
+    /// basis: √(cᵀ·gram·c)). Between turbidities the logarithms of the packs' norms are blended.
+    Norm,
+}
+
+/// What a cell does to a measure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CellInfluence {
+    /// The measure per DNB watt of the cell. Where a dark direction hangs on rounding a share may be below 0.
+    pub per_dnb_w: f64,
+    /// d ln(measure)/d(altitude of the cell), m⁻¹; 0 where the measure is not above 0.
+    pub log_slope_per_m: f32,
+}
+
+/// What cells do to a sky.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellsInSky {
+    /// By their place in the grid.
+    pub cells: Vec<CellInfluence>,
+    /// The sky's own value of a linear measure; None for the norm.
+    pub of_sky: Option<f64>,
+}
+
+/// Finds influences, on the processor; what it needs of a pack for norms it computes once, and what maps of one light under one
+/// air have in common it keeps for a while.
+pub struct InfluenceSolver {
+    set: Arc<TableSet>,
+    executor: CpuExecutor,
+    grams: Vec<OnceLock<Vec<f32>>>,
+    ready: ReadyRequests,
+}
+
+impl std::fmt::Debug for InfluenceSolver {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("InfluenceSolver").finish_non_exhaustive()
+    }
+}
+
+impl InfluenceSolver {
+    /// For the packs of a set.
+    pub fn new(set: Arc<TableSet>) -> Self {
+        let grams = set.tables().iter().map(|_| OnceLock::new()).collect();
+        Self { executor: CpuExecutor::new(set.as_ref().clone()), set, grams, ready: ReadyRequests::new() }
+    }
+
+    /// Basis functions that a request takes.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`] for what is not resident or out of range.
+    pub(crate) fn basis_count(&self, request: &RenderRequest) -> Result<usize, ObservatoryError> {
+        Ok(basis_count_in_use(request, &self.set)?)
+    }
+
+    /// The measure of each cell of the request's grid, by its place in [`PolarGrid::cells`](skyglow_scene::PolarGrid::cells).
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn cells(
+        &self,
+        request: &RenderRequest,
+        measure: MeasureOfCells<'_>,
+    ) -> Result<Vec<CellInfluence>, ObservatoryError> {
+        Ok(self.cells_in_sky(request, request, measure)?.cells)
+    }
+
+    /// The same in the sky of another request, which may gather the same light in another way: where a direction is black, and
+    /// between turbidities, what a cell adds depends on what is there already.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`] of either.
+    pub fn cells_in_sky(
+        &self,
+        request: &RenderRequest,
+        sky: &RenderRequest,
+        measure: MeasureOfCells<'_>,
+    ) -> Result<CellsInSky, ObservatoryError> {
+        let is_linear = matches!(measure, MeasureOfCells::Linear(_));
+        // A norm asks for no sky.
+        let ready = self.ready.get(request, is_linear.then_some(sky), &self.set, &self.executor)?;
+        let prepared = &ready.prepared;
+        let mut cells = vec![CellInfluence::default(); request.polar.cells.len()];
+        let mut of_sky = None;
+        if prepared.is_dark() {
+            of_sky = is_linear.then_some(0.0);
+            return Ok(CellsInSky { cells, of_sky });
+        }
+        // Cells that shine on clouds from above are in the grid and not among those prepared.
+        let highest_source_m = request.kind().cloud_altitude_m();
+        let places: Vec<u32> = (0u32..)
+            .zip(&request.polar.cells)
+            .filter(|(_, cell)| shines(cell, highest_source_m))
+            .map(|(at, _)| at)
+            .collect();
+        let mut of_cells = vec![Slope::default(); prepared.cells.len()];
+        match measure {
+            MeasureOfCells::Linear(measure) => {
+                of_sky = Some(self.linear(&ready, measure, &mut of_cells));
+            }
+            MeasureOfCells::Norm => self.norms(&ready, &mut of_cells),
+        }
+        let found: Vec<CellInfluence> = (places.par_iter().zip(&of_cells).zip(&prepared.cells))
+            .with_min_len(CELLS_AT_ONCE)
+            .map(|((&at, of_cell), cell)| {
+                let per_m = self.upper_weight_per_m(request, prepared, at as usize, cell);
+                let slope = (of_cell.log_slope() * f64::from(per_m)).clamp(-STEEPEST_PER_M, STEEPEST_PER_M);
+                CellInfluence { per_dnb_w: of_cell.value, log_slope_per_m: slope as f32 }
+            })
+            .collect();
+        if found.len() == cells.len() {
+            return Ok(CellsInSky { cells: found, of_sky });
+        }
+        for (at, cell) in places.into_iter().zip(found) {
+            cells[at as usize] = cell;
+        }
+        Ok(CellsInSky { cells, of_sky })
+    }
+
+    /// The norm of the sky of a request, as [`MeasureOfCells::Norm`] has it of a cell's.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn norm(&self, request: &RenderRequest) -> Result<f64, ObservatoryError> {
+        let prepared = Prepared::new(request, &self.set)?;
+        if prepared.is_dark() {
+            return Ok(0.0);
+        }
+        let taps = &prepared.turbidity_taps;
+        let skies: Vec<Vec<f32>> =
+            taps.indices().iter().map(|&pack| self.executor.sky(&prepared, pack, false)).collect();
+        Ok(blended(skies, taps, false).map_or(0.0, |mut sky| {
+            if let Some(near) = &prepared.near {
+                near.add_to(&self.set, sky.samples_mut());
+            }
+            luminance_norm(&sky)
+        }))
+    }
+
+    /// What near lights do to a linear measure of the sky of `sky` beyond what its cells have of them, by their place in the
+    /// `near` of its grid; `request` is that of [`Self::cells_in_sky`].
+    ///
+    /// # Errors
+    /// As [`Prepared::new`] of either.
+    pub fn near_lights(
+        &self,
+        request: &RenderRequest,
+        sky: &RenderRequest,
+        measure: &LinearMeasure,
+    ) -> Result<Vec<(usize, f64)>, ObservatoryError> {
+        let ready = self.ready.get(request, Some(sky), &self.set, &self.executor)?;
+        let known = ready.sky.as_ref().and_then(|sky| sky.between.as_ref().zip(sky.near.as_ref()));
+        Ok(known.map_or_else(Vec::new, |(between, (near, shown))| {
+            near.influences(&self.set, between.samples(), shown, measure)
+        }))
+    }
+
+    /// d(place on the offset axis)/d(altitude) of a cell, m⁻¹.
+    fn upper_weight_per_m(
+        &self,
+        request: &RenderRequest,
+        prepared: &Prepared,
+        at: usize,
+        cell: &PreparedCell,
+    ) -> f32 {
+        let node = prepared.nodes[cell.lower_node as usize];
+        let ring = node.ring as usize;
+        let axis = match (node.blocking, self.set.blocked()) {
+            (0, _) | (_, None) => self.set.axis(ring),
+            (blocking, Some(blocked)) => blocked.axis(blocking as usize, ring),
+        };
+        let offset_m = request.polar.cells[at].altitude_m - request.observer_altitude_m.max(0.0) as f32;
+        axis.position_per_m(offset_m)
+    }
+
+    /// Adds up what cells do, and gives the sky's own value.
+    fn linear(&self, ready: &ReadyRequest, measure: &LinearMeasure, sum: &mut [Slope]) -> f64 {
+        let (request, Some(sky)) = (&ready.prepared, &ready.sky) else { return 0.0 };
+        let taps = &request.turbidity_taps;
+        let weights = sensitivities(&sky.of_packs, taps, measure);
+        for ((&pack, weights), nodes) in taps.indices().iter().zip(&weights).zip(&ready.nodes) {
+            let tables = &self.set.tables()[pack];
+            let basis_count = request.basis_count.min(tables.basis_count);
+            let correlated = correlate(self.executor.transforms(), tables, basis_count, weights);
+            let products = products(request, &nodes.mixed, &correlated);
+            let cells = sum.par_iter_mut().zip(&request.cells).zip(&products).with_min_len(CELLS_AT_ONCE);
+            cells.for_each(|((sum, cell), products)| {
+                sum.add(scales_of(cell, &nodes.scales).times(
+                    request.flux_per_dnb_flux,
+                    cell.upper_weight,
+                    products,
+                ));
+            });
+        }
+        sky.between.as_ref().map_or(0.0, |sky| measure.of(sky))
+    }
+
+    fn norms(&self, ready: &ReadyRequest, logs: &mut [Slope]) {
+        let (request, taps) = (&ready.prepared, &ready.prepared.turbidity_taps);
+        for ((&pack, weight), nodes) in taps.indices().iter().zip(taps.weights()).zip(&ready.nodes) {
+            let tables = &self.set.tables()[pack];
+            let gram = self.grams[pack]
+                .get_or_init(|| gram_matrix(tables).into_iter().map(|value| value as f32).collect());
+            let basis_count = request.basis_count.min(tables.basis_count);
+            // The nodes alone: a norm knows no azimuth, and no sky is needed.
+            let (scales, mixed, stride) = (&nodes.scales, &nodes.mixed, tables.basis_count);
+            let of_pack = NormsOfPack { request, scales, mixed, gram, basis_count, stride };
+            logs.par_iter_mut().zip(&request.cells).with_min_len(64).for_each(|(log, cell)| {
+                let norm = of_pack.norm(cell);
+                log.value += weight * norm.value.max(f64::MIN_POSITIVE).ln();
+                log.slope += weight * norm.log_slope();
+            });
+        }
+        for log in logs {
+            log.value = log.value.exp();
+            log.slope *= log.value;
+        }
+    }
+}
+
+/// (∫ L² dΩ)^½ of the luminance of a sky, cd m⁻² sr^½.
+pub(crate) fn luminance_norm(sky: &Panorama) -> f64 {
+    let square = |row: usize, column: usize| solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2);
+    let directions = (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| (row, column)));
+    directions.map(|(row, column)| square(row, column)).sum::<f64>().sqrt()
+}
+
+/// The sky between those of packs.
+pub(super) fn blended(mut skies: Vec<Vec<f32>>, taps: &Taps, side_by_side: bool) -> Option<Panorama> {
+    let samples = match skies.len() {
+        1 => skies.swap_remove(0),
+        _ => blend(&skies.iter().map(Vec::as_slice).collect::<Vec<_>>(), taps, side_by_side),
+    };
+    Panorama::from_samples(samples)
+}

@@ -1,0 +1,29 @@
+//! Which lights cause it (paper Eq. 10–14, model section 7): the measure of every lit cell by one correlation with the basis,
+//! and from cells to pixels.
+//!
+//! A linear measure is Σ_p w(p)·L(p) over directions p. With the coefficients c of a cell at azimuth θ_i,
+//!
+//! ```text
+//! Σ_p w(p)·b(θ_p − θ_i, φ_p) = Σ_k c_k·G_k(θ_i),    G_k(θ) = Σ_p w(p)·B_k(θ_p − θ, φ_p)
+//! ```
+//!
+//! G is a correlation along azimuth: a product of spectra ([`correlation`]). Between turbidities, where logarithms are blended, w is
+//! the derivative of the blend, which is homogeneous of the first degree: cells still add up to the sky's own value ([`sensitivity`]).
+
+mod cells;
+mod correlation;
+mod norms;
+mod pixels;
+mod products;
+mod ready;
+mod scales;
+mod sensitivity;
+mod zenith_kernel;
+
+pub(crate) use cells::luminance_norm;
+pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
+pub use pixels::influence_of_pixels;
+pub use zenith_kernel::{KernelRange, zenith_kernel};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,158 @@
+use super::*;
+use proptest::prelude::*;
+use skyglow_physics::{
+    Direction, Horizon, LinearMeasure, Panorama, SkyCurve, Turbidity, panorama::solid_angle_sr,
+};
+use skyglow_render::{
+    prepare::Prepared, reference::render_f64, request::RenderRequest, synthetic, table_set::TableSet,
+};
+use skyglow_scene::PolarGrid;
+use std::sync::{Arc, LazyLock};
+
+static SOLVER: LazyLock<InfluenceSolver> = LazyLock::new(|| InfluenceSolver::new(SET.clone()));
+static SET: LazyLock<Arc<TableSet>> = LazyLock::new(|| {
+    Arc::new(TableSet::new(synthetic::table_set_with_skylines(&[1.5, 2.5, 3.5, 4.75], 24)).unwrap())
+});
+
+fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
+    let request = synthetic::request(polar, Turbidity::new(turbidity).unwrap());
+    RenderRequest { observer_altitude_m: 640.0, ..request }
+}
+
+fn exact_sky(request: &RenderRequest) -> Panorama {
+    let prepared = Prepared::new(request, &SET).unwrap();
+    let sky = render_f64(&prepared, &SET);
+    Panorama::from_samples(sky.into_iter().map(|value| value as f32).collect()).unwrap()
+}
+
+fn measures() -> Vec<(&'static str, LinearMeasure)> {
+    let hills = (0..256).map(|column| (f64::from(column) * 0.2).sin().max(0.0) * 0.3).collect();
+    let horizon = Horizon::new(hills).unwrap();
+    let at = |azimuth_deg: f64, elevation_deg: f64| Direction {
+        azimuth_rad: azimuth_deg.to_radians(),
+        elevation_rad: elevation_deg.to_radians(),
+    };
+    let north = SkyCurve::new(vec![at(340.0, 5.0), at(20.0, 5.0), at(30.0, 60.0), at(330.0, 40.0)]).unwrap();
+    let to_zenith = SkyCurve::new(vec![at(90.0, 90.0), at(60.0, 10.0), at(130.0, 10.0)]).unwrap();
+    let eight = SkyCurve::new(vec![at(0.0, 20.0), at(40.0, 40.0), at(40.0, 20.0), at(0.0, 40.0)]).unwrap();
+    vec![
+        ("zenith", LinearMeasure::zenith(&horizon)),
+        ("mean", LinearMeasure::mean(&horizon)),
+        ("horizontal", LinearMeasure::horizontal(&horizon)),
+        ("region that wraps north", LinearMeasure::region(&north, &horizon)),
+        ("region that touches the zenith", LinearMeasure::region(&to_zenith, &horizon)),
+        ("region that crosses itself", LinearMeasure::region(&eight, &horizon)),
+    ]
+}
+
+fn total(request: &RenderRequest, cells: &[CellInfluence]) -> f64 {
+    let cells = cells.iter().zip(&request.polar.cells);
+    cells.map(|(influence, cell)| influence.per_dnb_w * f64::from(cell.flux_dnb_w)).sum()
+}
+
+#[test]
+fn linear_measures_of_cells_add_up_to_those_of_the_sky_at_and_between_packs() {
+    for turbidity in [2.5, 1.9, 4.0] {
+        for polar in [synthetic::polar_grid(3, 2_000), synthetic::polar_grid_with_skylines(4, 2_000)] {
+            let request = request(polar, turbidity);
+            let sky = exact_sky(&request);
+            for (name, measure) in measures() {
+                let cells = SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap();
+                let (sum, value) = (total(&request, &cells), measure.of(&sky));
+                assert!((sum / value - 1.0).abs() < 1e-4, "{name}, turbidity {turbidity}: {sum:e} {value:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cell_switched_off_takes_its_own_influence_away() {
+    let request = request(synthetic::polar_grid_with_skylines(8, 400), 2.5);
+    let with_all = exact_sky(&request);
+    for (name, measure) in measures() {
+        let cells = SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap();
+        // The brightest, and one in the middle.
+        let light = |at: usize| cells[at].per_dnb_w * f64::from(request.polar.cells[at].flux_dnb_w);
+        let brightest = (0..cells.len()).max_by(|&a, &b| light(a).total_cmp(&light(b))).unwrap();
+        for off in [brightest, cells.len() / 2] {
+            let mut polar = request.polar.as_ref().clone();
+            polar.cells[off].flux_dnb_w = 0.0;
+            let without = exact_sky(&RenderRequest { polar: Arc::new(polar), ..request.clone() });
+            let taken = measure.of(&with_all) - measure.of(&without);
+            let error = (light(off) - taken).abs();
+            assert!(
+                error < 1e-3 * taken.abs() + 1e-6 * measure.of(&with_all),
+                "{name}: {:e} {taken:e}",
+                light(off)
+            );
+        }
+    }
+}
+
+#[test]
+fn the_slope_over_altitude_is_what_raising_the_cell_changes() {
+    for turbidity in [2.5, 3.0] {
+        let at = |altitude_m: f32| {
+            let request = request(synthetic::polar_grid_of(&[(17, 120, 1e6, altitude_m)]), turbidity);
+            let measure = LinearMeasure::zenith(&Horizon::flat());
+            SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap()[0]
+        };
+        let (low, middle, high) = (at(1_290.0), at(1_300.0), at(1_310.0));
+        let wanted = (high.per_dnb_w / low.per_dnb_w).ln() / 20.0;
+        let slope = f64::from(middle.log_slope_per_m);
+        assert!((slope - wanted).abs() < 0.05 * wanted.abs() + 1e-6, "{slope:e} {wanted:e}");
+    }
+}
+
+#[test]
+fn the_norm_of_a_cell_is_that_of_its_own_sky_wherever_it_stands() {
+    let norm_of = |polar: PolarGrid| {
+        let request = request(polar, 2.5);
+        let cells = SOLVER.cells(&request, MeasureOfCells::Norm).unwrap();
+        let prepared = Prepared::new(&request, &SET).unwrap();
+        // Not clamped at 0, as a norm is of the image itself: few of these are below.
+        let sky = exact_sky(&request);
+        let square: f64 = (0..64)
+            .flat_map(|row| (0..256).map(move |column| (row, column)))
+            .map(|(row, column)| solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2))
+            .sum();
+        assert_eq!(prepared.cells.len(), 1);
+        (cells[0].per_dnb_w * f64::from(request.polar.cells[0].flux_dnb_w), square.sqrt())
+    };
+    let (here, wanted) = norm_of(synthetic::polar_grid_of(&[(17, 120, 1e6, 800.0)]));
+    assert!((here / wanted - 1.0).abs() < 0.02, "{here:e} {wanted:e}");
+    let (turned, _) = norm_of(synthetic::polar_grid_of(&[(200, 120, 1e6, 800.0)]));
+    assert!((turned / here - 1.0).abs() < 1e-5);
+    let (farther, _) = norm_of(synthetic::polar_grid_of(&[(17, 150, 1e6, 800.0)]));
+    assert!((farther / here - 1.0).abs() > 0.1);
+}
+
+#[test]
+fn dark_scenes_and_lamps_without_light_have_no_influence() {
+    let dark = request(synthetic::dark_grid(), 2.5);
+    assert!(SOLVER.cells(&dark, MeasureOfCells::Norm).unwrap().is_empty());
+    let mut off = request(synthetic::polar_grid(3, 10), 2.5);
+    off.flux_per_dnb_flux = [0.0; 3];
+    let measure = LinearMeasure::mean(&Horizon::flat());
+    let cells = SOLVER.cells(&off, MeasureOfCells::Linear(&measure)).unwrap();
+    assert!(cells.len() == off.polar.cells.len() && cells.iter().all(|cell| cell.per_dnb_w == 0.0));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn influence_is_in_proportion_to_flux_and_turns_with_the_light(
+        column in 0usize..256, ring in 0u32..192, turns in 1usize..256, more in 1.5f32..20.0,
+    ) {
+        let measure = LinearMeasure::mean(&Horizon::flat());
+        let value = |column: usize, flux: f32| {
+            let request = request(synthetic::polar_grid_of(&[(column % 256, ring, flux, 500.0)]), 2.5);
+            let cells = SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap();
+            cells[0].per_dnb_w
+        };
+        let here = value(column, 1e5);
+        prop_assert!((value(column, 1e5 * more) / here - 1.0).abs() < 1e-5);
+        prop_assert!((value(column + turns, 1e5) / here - 1.0).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,101 @@
+//! What a light does to the zenith's luminance, by altitude of the place, distance, height of the light over the place and
+//! skyline: a table of the packs' own numbers, for sums over all lights at many places.
+
+use super::{InfluenceSolver, MeasureOfCells};
+use crate::error::ObservatoryError;
+use rayon::prelude::*;
+use skyglow_physics::{AZIMUTH_COUNT, GeoPoint, Horizon, LinearMeasure, blocking::BLOCKING_COUNT};
+use skyglow_render::RenderError;
+use skyglow_render::request::RenderRequest;
+use skyglow_scene::{PlaceKernel, PolarCell, PolarGrid, RING_COUNT, UniformAxis};
+use std::sync::Arc;
+
+/// Step of the altitudes of places, metres: between them the zenith is linear to 0.3 %.
+const ALTITUDE_STEP_M: f64 = 250.0;
+/// Smallest step of the heights of lights over places, metres: a fifth of the nearest distance.
+const OFFSET_STEP_M: f64 = 50.0;
+/// Most heights of lights over places: each has a column of a grid.
+const MOST_OFFSETS: usize = AZIMUTH_COUNT;
+
+/// Places and lights that a table is to be for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelRange {
+    /// Lowest and highest altitude of observers, metres above sea level, within the packs' range.
+    pub observers_m: [f64; 2],
+    /// Lowest and highest altitude of lights, metres above sea level, at least 0.
+    pub lights_m: [f64; 2],
+}
+
+impl KernelRange {
+    fn altitudes(&self) -> UniformAxis {
+        let [lowest_m, highest_m] = self.observers_m;
+        UniformAxis::between(lowest_m, highest_m, ALTITUDE_STEP_M, usize::MAX)
+    }
+
+    fn offsets(&self) -> UniformAxis {
+        let first_m = self.lights_m[0] - self.observers_m[1];
+        let last_m = self.lights_m[1] - self.observers_m[0];
+        UniformAxis::between(first_m, last_m, OFFSET_STEP_M, MOST_OFFSETS - 1)
+    }
+}
+
+/// The table for a request's air, lamps and emission; its grid, place and altitude do not matter. The turbidity is to be one of
+/// the packs': between them skies are no sums over lights.
+///
+/// * `skylines`: whether lights behind skylines are to be told apart, which the packs must know.
+///
+/// # Errors
+/// As [`InfluenceSolver::cells`].
+pub fn zenith_kernel(
+    solver: &InfluenceSolver,
+    request: &RenderRequest,
+    range: &KernelRange,
+    skylines: bool,
+) -> Result<PlaceKernel, ObservatoryError> {
+    let (altitudes, offsets) = (range.altitudes(), range.offsets());
+    let blocking_count = if skylines { BLOCKING_COUNT } else { 1 };
+    let measure = LinearMeasure::zenith(&Horizon::flat());
+    let of_altitude = |altitude: usize| {
+        let observer_altitude_m = altitudes.node_m(altitude).min(range.observers_m[1]);
+        let polar = lights_at_every_node(observer_altitude_m, offsets, blocking_count);
+        let request = RenderRequest { polar: Arc::new(polar), observer_altitude_m, ..request.clone() };
+        let cells = solver.cells(&request, MeasureOfCells::Linear(&measure))?;
+        // Cells are by offset, then ring, then blocking angle.
+        let of_ring = |ring: usize| (0..offsets.count).map(move |offset| offset * RING_COUNT + ring);
+        let values = (0..RING_COUNT).flat_map(of_ring).flat_map(|at| {
+            cells[at * blocking_count..(at + 1) * blocking_count]
+                .iter()
+                .map(|cell| cell.per_dnb_w.max(0.0) as f32)
+        });
+        Ok(values.collect())
+    };
+    let values: Vec<Vec<f32>> =
+        (0..altitudes.count).into_par_iter().map(of_altitude).collect::<Result<_, ObservatoryError>>()?;
+    PlaceKernel::new(altitudes, offsets, blocking_count, values.concat()).ok_or_else(|| {
+        RenderError::BadPolarGrid { reason: "a watt at every node has other cells".to_owned() }.into()
+    })
+}
+
+/// A grid with a watt at every ring and blocking angle, those of each offset in a column of its own: the zenith knows no azimuth.
+fn lights_at_every_node(observer_altitude_m: f64, offsets: UniformAxis, blocking_count: usize) -> PolarGrid {
+    let mut cells = Vec::with_capacity(offsets.count * RING_COUNT * blocking_count);
+    let mut azimuth_start = vec![0u32];
+    for column in 0..AZIMUTH_COUNT {
+        if column < offsets.count {
+            let altitude_m = (observer_altitude_m + offsets.node_m(column)).max(0.0) as f32;
+            for ring in 0..RING_COUNT as u32 {
+                let cell = |blocking| PolarCell { ring, flux_dnb_w: 1.0, altitude_m, blocking };
+                cells.extend((0..blocking_count as u32).map(cell));
+            }
+        }
+        azimuth_start.push(cells.len() as u32);
+    }
+    PolarGrid {
+        observer: GeoPoint::from_rad_unchecked(0.0, 0.0),
+        azimuth_start,
+        flux_dnb_w: cells.len() as f64,
+        cells,
+        near: Vec::new(),
+        coverage: 1.0,
+    }
+}

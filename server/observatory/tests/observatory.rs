@@ -1,0 +1,200 @@
+//! From a place in a stored scene to its sky.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
+mod common;
+
+use common::{engine, sky, store_town_on, town};
+use skyglow_observatory::ObservatoryError;
+use skyglow_observatory::{Observatory, ObserverHeight, SkyRequest};
+use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, GeoPoint, Horizon, Panorama};
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, synthetic};
+use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
+use std::path::Path;
+
+/// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, and ground at 1000 m.
+fn store_town(data_dir: &Path, calibration: f64) {
+    store_town_on(data_dir, calibration, &|_, _| 1000.25);
+}
+
+fn request(latitude_deg: f64, longitude_deg: f64, observer_height: ObserverHeight) -> SkyRequest {
+    SkyRequest { observer_height, ..sky(2.5, latitude_deg, longitude_deg) }
+}
+
+fn observatory(data_dir: &Path) -> Observatory {
+    Observatory::new(engine(DeviceChoice::Cpu, &[2.0, 3.0], 8), Vec::new(), data_dir, 2)
+}
+
+#[test]
+fn a_place_gets_its_sky_with_everything_it_depends_on() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let observatory = observatory(data.path());
+    let request = request(-1.35, 36.5, ObserverHeight::AboveGround(2.0));
+    let answer = observatory.sky_blocking(&request).unwrap();
+    assert!((answer.observer.altitude_m - 1002.25).abs() < 0.01, "{:?}", answer.observer);
+    assert!((answer.observer.ground.known_altitude_m().unwrap() - 1000.25).abs() < 0.01);
+    assert!(answer.flux_dnb_w > 0.0 && answer.coverage > 0.0 && answer.coverage < 0.1);
+    let atmosphere = Atmosphere::new(request.turbidity);
+    assert_eq!(answer.local_optical_depth, atmosphere.vertical_optical_depth(answer.observer.altitude_m));
+    // The town lies to the south-east: (0.105° east, 0.055° south).
+    assert!((answer.quantities.brightest_azimuth_deg - 118.0).abs() < 4.0);
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    let again = runtime.block_on(observatory.sky(request)).unwrap();
+    assert_eq!(again.rendered.panorama, answer.rendered.panorama);
+    assert_eq!(observatory.open_scene_count(), 1);
+}
+
+#[test]
+fn a_site_says_what_is_there() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let site = |latitude_deg, longitude_deg| {
+        observatory(data.path()).site(&town(), None, GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
+    };
+    assert_eq!(site(-1.405, 36.605).unwrap().radiance_nw_cm2_sr, Some(25.5));
+    assert_eq!(site(-1.3, 36.5).unwrap().radiance_nw_cm2_sr, Some(0.0));
+    match site(10.0, 36.5).unwrap_err() {
+        ObservatoryError::OutsideScene { bounds: [west, south, east, north], scene, .. } => {
+            assert_eq!(scene, "town");
+            for (got, expected) in [(west, 36.4), (south, -1.6), (east, 36.8), (north, -1.2)] {
+                assert!((got - expected).abs() < 1e-9);
+            }
+        }
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn an_observer_over_a_gap_in_the_terrain_stands_on_the_nearest_within_5_km() {
+    let data = tempfile::tempdir().unwrap();
+    // Ground in the west alone: column 20 ends at 36.6° E.
+    store_town_on(data.path(), 1.0, &|_, column| if column < 20 { 1000.25 } else { -32_768.0 });
+    let observatory = observatory(data.path());
+    let observer = |longitude_deg| {
+        let request = request(-1.35, longitude_deg, ObserverHeight::AboveGround(2.0));
+        observatory.sky_blocking(&request).unwrap().observer
+    };
+    assert!(matches!(observer(36.5).ground, Ground::Here { .. }));
+    let beside = observer(36.622);
+    assert!((beside.altitude_m - 1002.25).abs() < 0.01, "{beside:?}");
+    assert!(matches!(beside.ground, Ground::Nearest { .. }), "{beside:?}");
+    let beyond = observer(36.7);
+    assert_eq!((beyond.altitude_m, beyond.ground), (2.0, Ground::Unknown));
+}
+
+#[test]
+fn altitudes_too_high_and_unknown_scenes_are_named() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let observatory = observatory(data.path());
+    let error = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(9000.0))).unwrap_err();
+    assert_eq!(error.to_string(), "altitude is 9000 m; allowed is 0 to 6000 m");
+    let error = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveGround(5500.0)));
+    assert!(matches!(error, Err(ObservatoryError::Render(RenderError::AltitudeOutOfRange { .. }))));
+    let error = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(f64::NAN)));
+    assert!(matches!(error, Err(ObservatoryError::Render(RenderError::AltitudeOutOfRange { .. }))));
+    let below = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(-50.0))).unwrap();
+    assert_eq!(below.observer.altitude_m, 0.0);
+    let mut elsewhere = request(-1.3, 36.5, ObserverHeight::AboveSea(0.0));
+    elsewhere.scene = SceneId::parse("nowhere").unwrap();
+    let error = observatory.sky_blocking(&elsewhere).unwrap_err();
+    assert!(matches!(error, ObservatoryError::Scene(SceneError::UnknownScene { .. })), "{error}");
+}
+
+#[test]
+fn a_scene_that_changes_on_disk_is_opened_again() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let observatory = observatory(data.path());
+    let request = request(-1.3, 36.5, ObserverHeight::AboveSea(1500.0));
+    let before = observatory.sky_blocking(&request).unwrap();
+    assert_eq!(observatory.scene(&town()).unwrap().metadata().version, before.scene.version);
+    store_town(data.path(), 2.0);
+    let after = observatory.sky_blocking(&request).unwrap();
+    assert_ne!(after.scene.version, before.scene.version);
+    assert!((after.flux_dnb_w / before.flux_dnb_w - 2.0).abs() < 1e-6);
+    assert_eq!(observatory.open_scene_count(), 1);
+    std::fs::remove_dir_all(data.path().join("scenes/town")).unwrap();
+    assert!(observatory.sky_blocking(&request).is_err());
+    assert_eq!(observatory.open_scene_count(), 0);
+}
+
+#[test]
+fn terrain_makes_the_sky_below_its_horizon_dark_and_leaves_the_rest_bit_for_bit() {
+    let data = tempfile::tempdir().unwrap();
+    // A wall of 4 km along column 5, 5.6 km west of the observer, who has the town in the east.
+    store_town_on(data.path(), 1.0, &|_, column| if column == 5 { 5000.0 } else { 1000.25 });
+    let observatory = observatory(data.path());
+    let on = request(-1.4, 36.505, ObserverHeight::AboveGround(2.0));
+    let off = SkyRequest { terrain_hides: false, ..on.clone() };
+    let (on, off) = (observatory.sky_blocking(&on).unwrap(), observatory.sky_blocking(&off).unwrap());
+    let west_deg = on.horizon.elevations_rad()[192].to_degrees();
+    assert!((west_deg - (4000.0f64 / 5560.0).atan().to_degrees()).abs() < 1.0, "{west_deg}");
+    assert_eq!(on.horizon.elevations_rad()[64], 0.0, "the plain in the east");
+    let mut hidden = 0;
+    for band in 0..3 {
+        for row in 0..64 {
+            for column in 0..AZIMUTH_COUNT {
+                let at = Panorama::index(band, row, column);
+                let (masked, open) =
+                    (on.rendered.panorama.samples()[at], off.rendered.panorama.samples()[at]);
+                let is_hidden = on.horizon.hides_sample(row, column);
+                assert_eq!(masked, if is_hidden { 0.0 } else { open }, "{band} {row} {column}");
+                hidden += usize::from(is_hidden);
+            }
+        }
+    }
+    assert!(hidden > 1000, "{hidden}");
+    assert!(on.quantities.horizontal_illuminance_lx < off.quantities.horizontal_illuminance_lx);
+    assert_eq!(on.quantities.zenith_luminance_cd_m2, off.quantities.zenith_luminance_cd_m2);
+    assert!(on.horizon_time.is_some() && off.horizon_time.is_none());
+}
+
+#[test]
+fn over_flat_ground_terrain_changes_no_bit_and_without_it_there_is_no_work_for_it() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let with_terrain = observatory(data.path());
+    let on = request(-1.35, 36.5, ObserverHeight::AboveGround(2.0));
+    let off = SkyRequest { terrain_hides: false, ..on.clone() };
+    let (on, off) = (with_terrain.sky_blocking(&on).unwrap(), with_terrain.sky_blocking(&off).unwrap());
+    assert_eq!(on.horizon, Horizon::flat());
+    assert_eq!(on.rendered.panorama, off.rendered.panorama);
+    assert_eq!(on.quantities, off.quantities);
+    assert!(on.horizon_time.is_some() && off.horizon_time.is_none());
+
+    let bare = tempfile::tempdir().unwrap();
+    let options = IngestOptions { id: Some(town()), ..IngestOptions::new(data.path().join("lights.tif")) };
+    ingest(&SceneStore::new(bare.path()), &options, &mut |_| {}).unwrap();
+    let request = request(-1.35, 36.5, ObserverHeight::AboveSea(1002.25));
+    let answer = observatory(bare.path()).sky_blocking(&request).unwrap();
+    assert!(answer.horizon_time.is_none() && answer.horizon.is_flat());
+}
+
+#[test]
+fn an_overcast_sky_has_no_stars_and_none_is_seen_from_above_the_clouds() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let mut tables = synthetic::table_set(&[2.0, 3.0], 8);
+    tables.extend(synthetic::under_clouds(synthetic::table_set(&[2.0, 3.0], 8), 2_000));
+    let engine =
+        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() }).unwrap();
+    let observatory = Observatory::new(engine, Vec::new(), data.path(), 2);
+    let asked = |height_m, cloud_base_m| SkyRequest {
+        cloud_base_m,
+        ..request(-1.35, 36.5, ObserverHeight::AboveGround(height_m))
+    };
+    let clear = observatory.sky_blocking(&asked(2.0, None)).unwrap();
+    let overcast = observatory.sky_blocking(&asked(2.0, Some(2_000))).unwrap();
+    // The made-up packs are the same under both skies: what differs is what clouds are said to do.
+    assert_eq!(overcast.rendered.panorama, clear.rendered.panorama);
+    assert!(clear.quantities.bortle_class.is_some() && overcast.quantities.bortle_class.is_none());
+    assert_eq!(overcast.quantities.zenith_total_luminance_cd_m2, overcast.quantities.zenith_luminance_cd_m2);
+    assert!(observatory.sky_blocking(&asked(950.0, None)).is_ok());
+    match observatory.sky_blocking(&asked(950.0, Some(2_000))) {
+        Err(ObservatoryError::Render(RenderError::AboveClouds { base_m: 2_000, altitude_m, .. })) => {
+            assert!((altitude_m - 1_950.25).abs() < 0.01);
+        }
+        other => panic!("{other:?}"),
+    }
+}

@@ -1,0 +1,287 @@
+//! Changed scenes and reduction plans, against the skies of the scenes that they make.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
+mod common;
+
+use common::{engine, sky, store_scene, town};
+use skyglow_observatory::ObservatoryError;
+use skyglow_observatory::{
+    InfluenceRequest, Level, Limit, Measure, Observatory, PlanMethod, PlanOutcome, PlanRequest, SkyRequest,
+    TargetSite,
+};
+use skyglow_physics::{EmissionMix, Lamp, LampChange, LampPreset, Panorama, PreservedFlux};
+use skyglow_render::DeviceChoice;
+use skyglow_scene::{Area, Boundary, Change, ChangeId, ChangeStore, Edit, Scenario, Scene, StoredPlan};
+use std::path::Path;
+
+/// An observatory over a scene of 80 × 80 pixels at 36.4–37.2° E, 2.0–1.2° S, hilly and lit unevenly.
+fn observatory(folder: &Path) -> Observatory {
+    let ground_m = |row: usize, column: usize| 300.0 + 40.0 * ((row * 7 + column * 13) % 23) as f32;
+    let light = |row: usize, column: usize| ((row * 31 + column * 17) % 19) as f32 * 0.7;
+    store_scene(folder, 80, [36.4, -1.2, 0.01], 1.0, &ground_m, &light);
+    Observatory::new(engine(DeviceChoice::Cpu, &[1.5, 2.5, 3.5], 24), Vec::new(), folder, 1)
+}
+
+fn polygon(west: f64, south: f64, east: f64, north: f64) -> Vec<Vec<Vec<[f64; 2]>>> {
+    vec![vec![vec![[west, south], [east, south], [east, north], [west, north], [west, south]]]]
+}
+
+/// The western half of the scene; no pixel's centre is on its edge.
+fn west() -> Area {
+    Area::Polygons(polygon(36.0, -3.0, 36.8, 0.0))
+}
+
+fn east() -> Area {
+    Area::Polygons(polygon(36.8, -3.0, 38.0, 0.0))
+}
+
+fn alter(area: Area, factor: f64, lamp: Option<LampChange>, emission: Option<EmissionMix>) -> Edit {
+    Edit { area, change: Change::Alter { factor, lamp, emission } }
+}
+
+fn painted(observatory: &Observatory, base: Option<ChangeId>, edits: Vec<Edit>) -> ChangeId {
+    observatory.store_scenario(&Scenario { scene: town(), title: None, base, edits }).unwrap().0
+}
+
+fn in_scenario(request: &SkyRequest, scenario: &ChangeId) -> SkyRequest {
+    SkyRequest { scenario: Some(scenario.clone()), ..request.clone() }
+}
+
+fn panorama(observatory: &Observatory, request: &SkyRequest) -> Panorama {
+    observatory.sky_blocking(request).unwrap().rendered.panorama
+}
+
+/// Largest difference of samples, relative to the largest sample of the band.
+fn difference(a: &Panorama, b: &Panorama) -> f64 {
+    let band = a.samples().len() / 3;
+    let of_band = |a: &[f32], b: &[f32]| {
+        let most = b.iter().copied().fold(0f32, f32::max).max(1e-30);
+        a.iter().zip(b).map(|(a, b)| (a - b).abs() / most).fold(0f32, f32::max)
+    };
+    let bands = a.samples().chunks(band).zip(b.samples().chunks(band));
+    f64::from(bands.map(|(a, b)| of_band(a, b)).fold(0f32, f32::max))
+}
+
+fn sum(a: &Panorama, b: &Panorama) -> Panorama {
+    Panorama::from_samples(a.samples().iter().zip(b.samples()).map(|(a, b)| a + b).collect()).unwrap()
+}
+
+#[test]
+fn lights_with_other_lamps_and_shades_shine_as_if_the_sky_were_asked_with_those() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let request = sky(2.5, -1.43, 36.93);
+    let lamp = LampChange { from: None, to: LampPreset::PcAmber.lamp(), kept: PreservedFlux::LuminousFlux };
+    let shade = EmissionMix::lambert();
+    let fitted = painted(&observatory, None, vec![alter(west(), 1.0, Some(lamp), Some(shade))]);
+    let [only_west, only_east] =
+        [east(), west()].map(|dark| painted(&observatory, None, vec![alter(dark, 0.0, None, None)]));
+    // Of as many lumens: by hand from the table of lamps.
+    let lumens = |lamp: &Lamp| {
+        let [red, green, blue] = lamp.flux_per_dnb_flux;
+        150.0 * red + 567.0 * green + 45.0 * blue
+    };
+    let ratio = lumens(&request.lamp) / lumens(&lamp.to);
+    let amber = Lamp { flux_per_dnb_flux: lamp.to.flux_per_dnb_flux.map(|flux| ratio * flux), ..lamp.to };
+    let of_west = SkyRequest { lamp: amber, emission: shade, ..in_scenario(&request, &only_west) };
+    let wanted =
+        sum(&panorama(&observatory, &of_west), &panorama(&observatory, &in_scenario(&request, &only_east)));
+    let got = panorama(&observatory, &in_scenario(&request, &fitted));
+    assert!(difference(&got, &wanted) < 1e-4, "{}", difference(&got, &wanted));
+    assert!(difference(&got, &panorama(&observatory, &request)) > 0.01, "lamps change nothing");
+    // A tolerance holds for the sum.
+    let coarse = SkyRequest { tolerance: Some(0.3), ..in_scenario(&request, &fitted) };
+    let coarse = observatory.sky_blocking(&coarse).unwrap();
+    assert!(coarse.basis_error_bound.unwrap() <= 0.3 && coarse.rendered.basis_count <= 24);
+    // Nothing is left of the scene's own sky where the id is of no scenario, or one of another scene.
+    let unknown = in_scenario(&request, &ChangeStore::plan_id(b"none"));
+    assert!(matches!(observatory.sky_blocking(&unknown), Err(ObservatoryError::ChangeStore(_))));
+}
+
+#[test]
+fn influences_of_a_changed_scene_add_up_to_its_sky() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let lamp = LampChange {
+        from: Some(LampPreset::Hps),
+        to: LampPreset::Led4000k.lamp(),
+        kept: PreservedFlux::DnbFlux,
+    };
+    let new = Change::Add { radiance_nw_cm2_sr: 30.0, lamp: Some(LampPreset::Lps.lamp()), emission: None };
+    let brush = Area::Brush { points: vec![[36.9, -1.5], [37.0, -1.5]], radius_m: 3_000.0 };
+    let edits = vec![alter(west(), 0.5, Some(lamp), None), Edit { area: brush, change: new }];
+    let scenario = painted(&observatory, None, edits);
+    for turbidity in [2.5, 3.1] {
+        let request = in_scenario(&sky(turbidity, -1.43, 36.93), &scenario);
+        let answer = observatory.sky_blocking(&request).unwrap();
+        for (measure, wanted) in [
+            (Measure::Zenith, answer.quantities.zenith_luminance_cd_m2),
+            (Measure::Horizontal, answer.quantities.horizontal_illuminance_lx),
+        ] {
+            let map = observatory.influence(&InfluenceRequest { sky: request.clone(), measure }).unwrap();
+            assert!(
+                (map.total().influence / wanted - 1.0).abs() < 1e-4,
+                "{} {wanted}",
+                map.total().influence
+            );
+            assert!((map.scale - 1.0).abs() < 3e-3 && map.pixels().len() > 6_000);
+            assert!(map.pixels().windows(2).all(|pair| pair[0].number < pair[1].number));
+        }
+        // Norms of lights are positive whatever lamp they have.
+        let norms = InfluenceRequest { sky: request, measure: Measure::Norm };
+        assert!(observatory.influence(&norms).unwrap().influence().iter().all(|norm| *norm > 0.0));
+    }
+}
+
+fn target(request: &SkyRequest, measure: Measure, limit: Limit) -> TargetSite {
+    TargetSite { influence: InfluenceRequest { sky: request.clone(), measure }, limit }
+}
+
+fn plan(
+    observatory: &Observatory,
+    sites: Vec<TargetSite>,
+    max_cut: f64,
+    protect: Option<Boundary>,
+) -> PlanOutcome {
+    observatory.plan(&PlanRequest { method: PlanMethod::Target { sites, max_cut, protect } }).unwrap()
+}
+
+/// The plan as every query takes it.
+fn kept(observatory: &Observatory, outcome: &PlanOutcome, base: Option<ChangeId>) -> ChangeId {
+    let plan = StoredPlan {
+        scene: town(),
+        scene_version: observatory.scene(&town()).unwrap().metadata().version.clone(),
+        base,
+        answer: serde_json::Value::Null,
+        factors: outcome.factors(),
+        effects: outcome.pixels.iter().map(|pixel| pixel.effect as f32).collect(),
+    };
+    let id = ChangeStore::plan_id(format!("{:?}", outcome.pixels).as_bytes());
+    observatory.changes().store_plan(&id, &plan).unwrap();
+    id
+}
+
+#[test]
+fn a_target_is_met_by_the_sky_itself_with_the_least_flux() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    // Between packs too, where a sky is not the sum of what its lights give alone.
+    for turbidity in [2.5, 3.1] {
+        let request = sky(turbidity, -1.05, 36.8);
+        let request =
+            SkyRequest { place: skyglow_physics::GeoPoint::from_deg(-1.21, 36.8).unwrap(), ..request };
+        let outcome =
+            plan(&observatory, vec![target(&request, Measure::Zenith, Limit::ReduceBy(0.3))], 0.9, None);
+        let site = &outcome.sites[0];
+        let (before, after) = (site.before.value, site.after.value);
+        assert!((after / before - 0.7).abs() < 2e-4, "{turbidity}: {}", after / before);
+        let told = site.target.unwrap();
+        assert!(told.is_met && told.least < 0.15 * before && told.of_protected == 0.0);
+        assert!((before / site.before.sky.quantities.zenith_luminance_cd_m2 - 1.0).abs() < 1e-6);
+        // Near lights do most: a third of the light goes with much less of the flux.
+        let removed = outcome.flux_removed_dnb_w();
+        assert!(removed < 0.25 * outcome.flux_within_reach_dnb_w, "{removed:e}");
+        let least = outcome.least_flux_dnb_w.unwrap();
+        assert!(removed >= least * (1.0 - 1e-9) && removed <= least * (1.0 + 1e-9), "{removed:e} {least:e}");
+        assert!(outcome.pixels.iter().all(|pixel| pixel.cut > 1e-6 && pixel.cut <= 0.9));
+        let effects: f64 = outcome.pixels.iter().map(|pixel| pixel.effect).sum();
+        assert!((effects - 1.0).abs() < 1e-9);
+        // Its id brings the same sky to every query.
+        let id = kept(&observatory, &outcome, None);
+        let again = observatory.sky_blocking(&in_scenario(&request, &id)).unwrap();
+        assert_eq!(again.quantities, site.after.sky.quantities);
+    }
+}
+
+#[test]
+fn several_sites_share_a_plan_and_protected_lights_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let (a, b) = (sky(2.5, -1.35, 36.6), sky(2.5, -1.85, 37.05));
+    let sites = vec![
+        target(&a, Measure::Zenith, Limit::ReduceBy(0.2)),
+        target(&b, Measure::Horizontal, Limit::ReduceBy(0.1)),
+    ];
+    let protect = Boundary::new(&polygon(36.7, -1.6, 36.9, -1.4)).unwrap();
+    let together = plan(&observatory, sites.clone(), 0.8, Some(protect.clone()));
+    for site in &together.sites {
+        let told = site.target.unwrap();
+        assert!(told.is_met && told.of_protected > 0.0 && told.of_uncut > 0.0, "{told:?}");
+        assert!(site.after.value <= told.wanted * (1.0 + 1e-4));
+    }
+    for pixel in &together.pixels {
+        let (column, row) = Scene::column_and_row_of(pixel.code);
+        assert!(!protect.contains(together.scene.pixel_center(column, row)) && pixel.cut <= 0.8 + 1e-9);
+    }
+    let removed = together.flux_removed_dnb_w();
+    assert!(removed <= together.least_flux_dnb_w.unwrap() * (1.0 + 1e-4));
+    // Both together cost no more than each by itself, and no less than either.
+    let alone = sites
+        .into_iter()
+        .map(|site| plan(&observatory, vec![site], 0.8, Some(protect.clone())).flux_removed_dnb_w());
+    let alone: Vec<f64> = alone.collect();
+    assert!(removed <= (alone[0] + alone[1]) * (1.0 + 1e-3), "{removed:e} {alone:?}");
+    assert!(removed >= alone[0].max(alone[1]) * (1.0 - 1e-3));
+}
+
+#[test]
+fn what_is_out_of_reach_is_brought_as_near_as_it_can_be_and_said_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let request = sky(2.5, -1.35, 36.6);
+    let protect = Boundary::new(&polygon(36.5, -1.4, 36.65, -1.3)).unwrap();
+    let outcome =
+        plan(&observatory, vec![target(&request, Measure::Mean, Limit::AtMost(0.0))], 0.5, Some(protect));
+    let site = &outcome.sites[0];
+    let told = site.target.unwrap();
+    assert!(!told.is_met && told.wanted == 0.0);
+    assert!((site.after.value / told.least - 1.0).abs() < 1e-3, "{} {}", site.after.value, told.least);
+    assert!(told.of_protected > 0.0 && told.of_uncut > 0.0);
+    assert!((told.of_protected + told.of_uncut - told.least).abs() < 1e-9 * told.least);
+    assert!(outcome.pixels.iter().all(|pixel| (pixel.cut - 0.5).abs() < 1e-9));
+    // All of the light is a wish that can be met.
+    let outcome = plan(&observatory, vec![target(&request, Measure::Mean, Limit::ReduceBy(1.0))], 1.0, None);
+    assert!(outcome.sites[0].target.unwrap().is_met, "{:?}", outcome.sites[0].target);
+    let everything = outcome.flux_removed_dnb_w() / outcome.flux_within_reach_dnb_w;
+    // To what f32 holds of influences.
+    assert!(everything > 0.99999 && everything <= 1.0, "{everything}");
+    // What is met already costs nothing.
+    let outcome = plan(&observatory, vec![target(&request, Measure::Mean, Limit::AtMost(1.0))], 1.0, None);
+    assert!(outcome.pixels.is_empty() && outcome.sites[0].target.unwrap().is_met);
+    assert_eq!(outcome.sites[0].before.value, outcome.sites[0].after.value);
+}
+
+#[test]
+fn thresholds_cut_the_influential_and_stand_upon_scenarios() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let base = painted(&observatory, None, vec![alter(west(), 0.5, None, None)]);
+    let request = in_scenario(&sky(2.5, -1.43, 36.73), &base);
+    for measure in [Measure::Norm, Measure::Horizontal] {
+        let site = InfluenceRequest { sky: request.clone(), measure };
+        let method = PlanMethod::Threshold {
+            site: site.clone(),
+            from: Level::Percentile(80.0),
+            to: Level::Percentile(95.0),
+            gamma: 0.6,
+        };
+        let outcome = observatory.plan(&PlanRequest { method }).unwrap();
+        let map = observatory.influence(&site).unwrap();
+        let [from, to] = outcome.thresholds.unwrap();
+        let above = |level: f64| map.influence().iter().filter(|q| f64::from(**q) > level).count();
+        let count = map.pixels().len();
+        assert!(above(from).abs_diff(count / 5) < 3 && above(to).abs_diff(count / 20) < 3);
+        assert_eq!(outcome.pixels.len(), above(from));
+        let full = outcome.pixels.iter().filter(|pixel| (pixel.cut - 0.6).abs() < 1e-12).count();
+        assert!(full.abs_diff(above(to)) < 3 && outcome.pixels.iter().all(|pixel| pixel.cut <= 0.6));
+        let site = &outcome.sites[0];
+        assert!(site.after.value < 0.9 * site.before.value && site.target.is_none());
+        let id = kept(&observatory, &outcome, Some(base.clone()));
+        let again = observatory.sky_blocking(&SkyRequest { scenario: Some(id), ..request.clone() }).unwrap();
+        assert_eq!(again.quantities, site.after.sky.quantities);
+    }
+    let site = InfluenceRequest { sky: request, measure: Measure::Zenith };
+    let (from, to) = (Level::Value(1.0), Level::Percentile(50.0));
+    let method = PlanMethod::Threshold { site, from, to, gamma: 1.0 };
+    assert!(matches!(observatory.plan(&PlanRequest { method }), Err(ObservatoryError::BadPlan { .. })));
+}

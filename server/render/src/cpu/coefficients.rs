@@ -1,0 +1,193 @@
+//! H_k per azimuth column: the sum over its lit cells.
+
+use super::{
+    dispatch::{Aligned, dispatch_wide, multiply_add},
+    mix::{BLOCK, MixedNode, NodeScales},
+    work::for_each_part,
+};
+use crate::{
+    prepare::{LitColumn, Prepared, PreparedCell},
+    twin::{log_scale_between, natural_exp},
+};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT};
+
+/// Weights of a cell's lower and upper node in every band, and a 0 that makes each a vector.
+pub type CellWeights = [[f32; 4]; 2];
+/// H of one azimuth in one block of functions: `[band][function]`.
+pub type ColumnBlock = Aligned<[[f32; BLOCK]; BAND_COUNT]>;
+
+/// Cells weighed side by side: enough that the compiler makes a loop of vectors of the arithmetic.
+const LANES: usize = 64;
+/// Cells that a task weighs.
+const CELLS_PER_TASK: usize = 2048;
+/// Azimuths that a task sums.
+const AZIMUTHS_PER_TASK: usize = 16;
+
+/// Weights of every cell.
+pub fn weigh_cells(
+    request: &Prepared,
+    scales: &[NodeScales],
+    side_by_side: bool,
+    weights: &mut Vec<CellWeights>,
+) {
+    weights.resize(request.cells.len(), [[0.0; 4]; 2]);
+    for_each_part(side_by_side, weights, CELLS_PER_TASK, |task, weights| {
+        let cells = &request.cells[task * CELLS_PER_TASK..][..weights.len()];
+        weigh(cells, scales, request.flux_per_dnb_flux, weights);
+    });
+}
+
+dispatch_wide!(
+    /// [`crate::twin::cell_weights`] of cells whose lamps have `flux_per_dnb_flux`.
+    weigh, weigh_wide, weigh_body,
+    (
+        cells: &[PreparedCell],
+        scales: &[NodeScales],
+        flux_per_dnb_flux: [f32; BAND_COUNT],
+        weights: &mut [CellWeights]
+    )
+);
+
+#[inline(always)]
+fn weigh_body<const FUSED: bool>(
+    cells: &[PreparedCell],
+    scales: &[NodeScales],
+    flux_per_dnb_flux: [f32; BAND_COUNT],
+    weights: &mut [CellWeights],
+) {
+    let [red, green, blue] = flux_per_dnb_flux;
+    let flux_per_dnb_flux = [red, green, blue, 0.0];
+    for (cells, weights) in cells.chunks(LANES).zip(weights.chunks_mut(LANES)) {
+        let mut scale = [[0f32; 4]; LANES];
+        for (cell, scale) in cells.iter().zip(&mut scale) {
+            let [lower, upper] = [cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]);
+            for (band, scale) in scale.iter_mut().enumerate() {
+                let log_scale = [lower.log_scale[band], upper.log_scale[band]];
+                *scale = log_scale_between(
+                    log_scale,
+                    [lower.curvature[band], upper.curvature[band]],
+                    cell.upper_weight,
+                );
+            }
+        }
+        for scale in scale.as_flattened_mut() {
+            *scale = natural_exp(*scale);
+        }
+        for ((cell, scale), weights) in cells.iter().zip(&scale).zip(weights) {
+            let mut weighed = [[0f32; 4]; 2];
+            for band in 0..4 {
+                let scale = cell.flux_dnb_w * flux_per_dnb_flux[band] * scale[band];
+                weighed[0][band] = scale * (1.0 - cell.upper_weight);
+                weighed[1][band] = scale * cell.upper_weight;
+            }
+            *weights = weighed;
+        }
+    }
+}
+
+/// H, `[block of functions][azimuth]`; azimuths without light are 0. `mixed` is `[block][node]`.
+pub fn sum_columns(
+    request: &Prepared,
+    mixed: &[MixedNode],
+    weights: &[CellWeights],
+    side_by_side: bool,
+    columns: &mut Vec<ColumnBlock>,
+) {
+    let node_count = request.nodes.len();
+    let dark = Aligned([[0.0; BLOCK]; BAND_COUNT]);
+    columns.clear();
+    columns.resize(mixed.len() / node_count.max(1) * AZIMUTH_COUNT, dark);
+    for_each_part(side_by_side, columns, AZIMUTHS_PER_TASK, |task, columns| {
+        let first = task * AZIMUTHS_PER_TASK;
+        let (block, first) = (first / AZIMUTH_COUNT, (first % AZIMUTH_COUNT) as u32);
+        let lit = request.columns.partition_point(|lit| lit.azimuth < first);
+        let end = request.columns.partition_point(|lit| lit.azimuth < first + AZIMUTHS_PER_TASK as u32);
+        let nodes = &mixed[block * node_count..][..node_count];
+        let lit = &request.columns[lit..end];
+        if request.lit_bands().all(|is_lit| is_lit) {
+            sum_cells(lit, &request.cells, weights, nodes, first, columns);
+            return;
+        }
+        for (band, _) in request.lit_bands().enumerate().filter(|(_, is_lit)| *is_lit) {
+            sum_cells_in_band(lit, &request.cells, weights, nodes, first, band, columns);
+        }
+    });
+}
+
+dispatch_wide!(
+    /// Adds up the cells of lit columns in one block of functions; `sums` are the azimuths from `first` on.
+    sum_cells, sum_cells_wide, sum_cells_body,
+    (
+        lit: &[LitColumn],
+        cells: &[PreparedCell],
+        weights: &[CellWeights],
+        nodes: &[MixedNode],
+        first: u32,
+        sums: &mut [ColumnBlock]
+    )
+);
+
+#[inline(always)]
+fn sum_cells_body<const FUSED: bool>(
+    lit: &[LitColumn],
+    cells: &[PreparedCell],
+    weights: &[CellWeights],
+    nodes: &[MixedNode],
+    first: u32,
+    sums: &mut [ColumnBlock],
+) {
+    for lit in lit {
+        let range = lit.first_cell as usize..lit.end_cell as usize;
+        let mut sum = [[0f32; BLOCK]; BAND_COUNT];
+        for (cell, weights) in cells[range.clone()].iter().zip(&weights[range]) {
+            let (lower, upper) = (&nodes[cell.lower_node as usize].0, &nodes[cell.upper_node() as usize].0);
+            for band in 0..BAND_COUNT {
+                let (to_lower, to_upper) = (weights[0][band], weights[1][band]);
+                for k in 0..BLOCK {
+                    let with_lower = multiply_add::<FUSED>(to_lower, lower[band][k], sum[band][k]);
+                    sum[band][k] = multiply_add::<FUSED>(to_upper, upper[band][k], with_lower);
+                }
+            }
+        }
+        sums[(lit.azimuth - first) as usize] = Aligned(sum);
+    }
+}
+
+dispatch_wide!(
+    /// The same in one band alone, bit for bit.
+    sum_cells_in_band, sum_cells_in_band_wide, sum_cells_in_band_body,
+    (
+        lit: &[LitColumn],
+        cells: &[PreparedCell],
+        weights: &[CellWeights],
+        nodes: &[MixedNode],
+        first: u32,
+        band: usize,
+        sums: &mut [ColumnBlock]
+    )
+);
+
+#[inline(always)]
+fn sum_cells_in_band_body<const FUSED: bool>(
+    lit: &[LitColumn],
+    cells: &[PreparedCell],
+    weights: &[CellWeights],
+    nodes: &[MixedNode],
+    first: u32,
+    band: usize,
+    sums: &mut [ColumnBlock],
+) {
+    for lit in lit {
+        let range = lit.first_cell as usize..lit.end_cell as usize;
+        let mut sum = [0f32; BLOCK];
+        for (cell, weights) in cells[range.clone()].iter().zip(&weights[range]) {
+            let lower = &nodes[cell.lower_node as usize].0[band];
+            let upper = &nodes[cell.upper_node() as usize].0[band];
+            for k in 0..BLOCK {
+                let with_lower = multiply_add::<FUSED>(weights[0][band], lower[k], sum[k]);
+                sum[k] = multiply_add::<FUSED>(weights[1][band], upper[k], with_lower);
+            }
+        }
+        sums[(lit.azimuth - first) as usize].0[band] = sum;
+    }
+}

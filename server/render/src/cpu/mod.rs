@@ -1,0 +1,219 @@
+//! The same pipeline in plain Rust f32: the executor for machines without Vulkan, and the passes' twins.
+
+pub mod basis_sum;
+pub mod blend;
+pub mod coefficients;
+pub mod dispatch;
+pub mod mix;
+pub mod scratch;
+pub mod transforms;
+mod work;
+
+use crate::{
+    error::DeviceFault,
+    executor::{BatchOutput, Executor, PassClock},
+    plan::Pass,
+    prepare::Prepared,
+    request::ExecutorKind,
+    table_set::TableSet,
+};
+use basis_sum::BlockedBasis;
+use rayon::prelude::*;
+use scratch::{Scratch, ScratchPool};
+use skyglow_physics::Panorama;
+use std::time::Instant;
+use transforms::Transforms;
+
+pub use dispatch::instruction_set;
+
+/// Renders the packs of all requests of a batch side by side, one on each core; where there are fewer of them than
+/// cores, the cores share the work within each.
+pub struct CpuExecutor {
+    set: TableSet,
+    basis: Vec<BlockedBasis>,
+    transforms: Transforms,
+    scratch: ScratchPool,
+}
+
+/// One pack's share of one request.
+struct Item<'a> {
+    request: &'a Prepared,
+    pack: usize,
+}
+
+impl CpuExecutor {
+    /// Lays the tables out for the passes.
+    pub fn new(set: TableSet) -> Self {
+        let basis = set.tables().iter().map(|tables| BlockedBasis::of(tables)).collect();
+        Self { set, basis, transforms: Transforms::new(), scratch: ScratchPool::default() }
+    }
+
+    /// Renders a batch on the threads of the pool, of which the calling thread is one.
+    fn render_all(&self, batch: &[&Prepared]) -> BatchOutput {
+        let start = Instant::now();
+        let items: Vec<Item<'_>> = batch
+            .iter()
+            .flat_map(|&request| {
+                request.turbidity_taps.indices().iter().map(move |&pack| Item { request, pack })
+            })
+            .collect();
+        let cores = rayon::current_num_threads();
+        // Cores that would be left without an item of their own help with those of others.
+        let share_within = cores > 1 && !items.len().is_multiple_of(cores) && items.len() < 4 * cores;
+        let rendered: Vec<(Vec<f32>, PassClock)> =
+            items.par_iter().with_max_len(1).map(|item| self.render_pack(item, share_within)).collect();
+        let mut clock = PassClock::default();
+        let mut rendered = rendered.into_iter().map(|(sky, times)| {
+            clock.merge(&times);
+            sky
+        });
+        let mut radiance_w_m2_sr = Vec::with_capacity(batch.len());
+        let mut skies: Vec<Vec<Vec<f32>>> = Vec::with_capacity(batch.len());
+        for request in batch {
+            skies.push(rendered.by_ref().take(request.turbidity_taps.indices().len()).collect());
+        }
+        drop(rendered);
+        // Passes that ran side by side took less than their sum.
+        clock.scale_to(start.elapsed().as_secs_f64() * 1e6);
+        for (request, mut packs) in batch.iter().zip(skies) {
+            let sky = match packs.len() {
+                1 => packs.swap_remove(0),
+                _ => clock.time(Pass::Blend, || {
+                    let sources: Vec<&[f32]> = packs.iter().map(Vec::as_slice).collect();
+                    blend::blend(&sources, &request.turbidity_taps, true)
+                }),
+            };
+            packs.into_iter().for_each(|sky| self.scratch.keep_panorama(sky));
+            radiance_w_m2_sr.push(sky);
+        }
+        debug_assert!(radiance_w_m2_sr.iter().all(|sky| sky.len() == Panorama::LEN));
+        BatchOutput { radiance_w_m2_sr, passes: clock.into_passes() }
+    }
+
+    /// The sky of one pack of a request; with all cores where `side_by_side`.
+    pub fn sky(&self, request: &Prepared, pack: usize, side_by_side: bool) -> Vec<f32> {
+        self.render_pack(&Item { request, pack }, side_by_side).0
+    }
+
+    /// The tables of its transforms.
+    pub fn transforms(&self) -> &Transforms {
+        &self.transforms
+    }
+
+    fn render_pack(&self, item: &Item<'_>, side_by_side: bool) -> (Vec<f32>, PassClock) {
+        let (mut scratch, mut sky) = (self.scratch.take(), self.scratch.take_panorama());
+        let clock = self.run_passes(item, side_by_side, &mut scratch, &mut sky);
+        self.scratch.keep(scratch);
+        (sky, clock)
+    }
+
+    fn run_passes(
+        &self,
+        item: &Item<'_>,
+        side_by_side: bool,
+        scratch: &mut Scratch,
+        sky: &mut Vec<f32>,
+    ) -> PassClock {
+        let (request, tables) = (item.request, &self.set.tables()[item.pack]);
+        let basis_count = request.basis_count.min(tables.basis_count);
+        let lit_bands = request.flux_per_dnb_flux.map(|flux| flux > 0.0);
+        let mut clock = PassClock::default();
+        let Scratch { scales, mixed, weights, columns, spectra, sums } = scratch;
+        clock.time(Pass::MixScale, || mix::mix_scale(tables, request, side_by_side, scales));
+        clock.time(Pass::MixShape, || mix::mix_shape(tables, request, scales, side_by_side, mixed));
+        clock.time(Pass::CellWeights, || coefficients::weigh_cells(request, scales, side_by_side, weights));
+        clock.time(Pass::Coefficients, || {
+            coefficients::sum_columns(request, mixed, weights, side_by_side, columns);
+        });
+        clock.time(Pass::AzimuthFft, || {
+            self.transforms.forward(lit_bands, columns, basis_count, side_by_side, spectra);
+        });
+        clock.time(Pass::BasisSum, || {
+            basis_sum::basis_sum(&self.basis[item.pack], spectra, basis_count, side_by_side, sums);
+        });
+        clock.time(Pass::InverseFft, || self.transforms.inverse(lit_bands, sums, side_by_side, sky));
+        clock
+    }
+}
+
+impl Executor for CpuExecutor {
+    fn kind(&self) -> ExecutorKind {
+        ExecutorKind::Cpu
+    }
+
+    fn resident_bytes(&self) -> u64 {
+        let tables: usize = self
+            .set
+            .tables()
+            .iter()
+            .map(|pack| {
+                let blocked = pack.blocked.as_ref();
+                4 * (pack.log_scale.len() + blocked.map_or(0, |blocked| blocked.log_scale.len()))
+                    + 2 * (pack.shape.len() + blocked.map_or(0, |blocked| blocked.shape.len()))
+                    + 4 * pack.basis_spectrum.len()
+            })
+            .sum();
+        tables as u64 + self.basis.iter().map(BlockedBasis::bytes).sum::<u64>()
+    }
+
+    fn render(&mut self, batch: &[&Prepared]) -> Result<BatchOutput, DeviceFault> {
+        // One step into the pool for the whole batch: every step from outside wakes its threads anew.
+        Ok(rayon::scope(|_| self.render_all(batch)))
+    }
+
+    fn lose(&mut self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{device::warm_up_requests, request::RenderRequest, synthetic};
+    use skyglow_physics::Turbidity;
+
+    fn prepared(set: &TableSet, basis: usize) -> Prepared {
+        let polar = synthetic::polar_grid_with_skylines(7, 3000);
+        let request = synthetic::request(polar, Turbidity::new(2.0).unwrap());
+        Prepared::new(&RenderRequest { basis: Some(basis), ..request }, set).unwrap()
+    }
+
+    fn render(executor: &CpuExecutor, request: &Prepared, baseline: bool) -> Vec<f32> {
+        dispatch::tests::BASELINE.set(baseline);
+        let (sky, _) = executor.render_pack(&Item { request, pack: 0 }, false);
+        dispatch::tests::BASELINE.set(false);
+        sky
+    }
+
+    #[test]
+    fn loops_without_the_fast_instructions_give_the_same_sky() {
+        let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0], 44)).unwrap();
+        let executor = CpuExecutor::new(set.clone());
+        // Not a multiple of the block, the group or the vector.
+        let request = prepared(&set, 43);
+        let difference = |a: &[f32], b: &[f32]| {
+            let mean = b.iter().sum::<f32>() / b.len() as f32;
+            a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(1e-3 * mean)).fold(0f32, f32::max)
+        };
+        let (wide, baseline) = (render(&executor, &request, false), render(&executor, &request, true));
+        assert!(difference(&wide, &baseline) < 1e-5, "{:e}", difference(&wide, &baseline));
+        let fewer = render(&executor, &prepared(&set, 42), true);
+        assert!(difference(&wide, &fewer) > 1e-5);
+    }
+
+    #[test]
+    fn buffers_left_over_from_another_request_leave_no_trace() {
+        let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0], 44)).unwrap();
+        let used = CpuExecutor::new(set.clone());
+        let (large, small) = (prepared(&set, 44), prepared(&set, 5));
+        let warm_up = warm_up_requests(&set);
+        for request in [&large, &warm_up[0], &small, &large] {
+            let fresh = CpuExecutor::new(set.clone());
+            assert_eq!(render(&used, request, false), render(&fresh, request, false));
+        }
+        assert_ne!(render(&used, &small, false), render(&used, &large, false));
+        let batch: Vec<&Prepared> = vec![&large, &small, &large];
+        let together = used.render_all(&batch).radiance_w_m2_sr;
+        for (sky, request) in together.iter().zip(batch) {
+            assert_eq!(*sky, render(&used, request, false));
+        }
+    }
+}
