@@ -1,4 +1,4 @@
-//! Panoramas against the truth files of the `truth` example: the error of model section 9 at every place and
+//! Panoramas against the truth files of the `truth` example: the error of `docs/model.md#error` at every place and
 //! turbidity, none left out.
 //!
 //! `accuracy DATA_DIR PACKS_DIR auto|gpu|lavapipe|cpu TRUTH_FILE...`: a table on stdout.

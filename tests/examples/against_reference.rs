@@ -1,4 +1,4 @@
-//! A panorama against the reference at the same place, both as JSON: the error of model section 9 over the directions
+//! A panorama against the reference at the same place, both as JSON: the error of `docs/model.md#error` over the directions
 //! of the reference that terrain does not hide.
 //!
 //! `against_reference REFERENCE.json PANORAMA.json`, made by `skyglow reference … > REFERENCE.json` and `skyglow panorama

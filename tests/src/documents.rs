@@ -1,4 +1,4 @@
-//! What README.md and ARCHITECTURE.md promise: commands, files and tests that exist.
+//! What the documents promise: commands, files, tests, links and sections of the model that exist.
 
 use crate::tree::SourceFile;
 use std::path::Path;
@@ -49,12 +49,12 @@ const FOLDERS: [&str; 8] =
     ["server/", "shaders/", "web/", "tests/", "scripts/", "deploy/", "precomputed/", "docs/"];
 
 /// Files and folders that `document` names in backticks and that are not below `root`. A `*` stands for the
-/// rest of the path.
+/// rest of the path, and what follows a `#` is an anchor.
 pub fn missing_paths<'a>(document: &'a str, root: &Path) -> Vec<&'a str> {
     code_spans(document)
         .into_iter()
         .filter(|span| FOLDERS.iter().any(|folder| span.starts_with(folder)) && !span.contains(' '))
-        .filter(|span| !root.join(span.split('*').next().unwrap_or(span)).exists())
+        .filter(|span| !root.join(span.split(['*', '#']).next().unwrap_or(span)).exists())
         .collect()
 }
 
@@ -69,4 +69,73 @@ pub fn missing_tests<'a>(document: &'a str, rust_files: &[SourceFile]) -> Vec<&'
         rust_files.iter().any(|file| file.text.contains(&head))
     };
     code_spans(document).into_iter().filter(is_test_name).filter(|name| !is_defined(name)).collect()
+}
+
+/// Where the model is cited: the page, and an anchor of it.
+const CITED: &str = "docs/model.md#";
+/// Ways of citing the model that name no section of the page.
+const VAGUE: [&str; 3] = ["model, section", "model section", "model.md"];
+
+/// Anchors that a document defines with `<a id="…">`.
+pub fn anchors(document: &str) -> Vec<&str> {
+    document.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect()
+}
+
+/// Citations of the model in `files` that name no section which `model` has, as `FILE: CITATION`.
+pub fn broken_citations(model: &str, files: &[SourceFile]) -> Vec<String> {
+    let anchors = anchors(model);
+    let mut broken = Vec::new();
+    for file in files {
+        for line in file.text.lines() {
+            let mut rest = String::new();
+            for (place, part) in line.split(CITED).enumerate() {
+                let end = if place == 0 { 0 } else { anchor_length(part) };
+                if place > 0 && !anchors.contains(&&part[..end]) {
+                    broken.push(format!("{}: {CITED}{}", file.path, &part[..end]));
+                }
+                rest.push_str(&part[end..]);
+            }
+            if VAGUE.iter().any(|words| rest.contains(words)) {
+                broken.push(format!("{}: {}", file.path, line.trim()));
+            }
+        }
+    }
+    broken
+}
+
+/// Length of the anchor that a text starts with.
+fn anchor_length(text: &str) -> usize {
+    text.find(|c: char| !c.is_ascii_lowercase() && !c.is_ascii_digit() && c != '-').unwrap_or(text.len())
+}
+
+/// Links of a document to files of the project, relative to `folder` below `root`, that lead nowhere; with an anchor, to
+/// a heading or an anchor that the file does not have.
+pub fn broken_links<'a>(document: &'a str, folder: &Path) -> Vec<&'a str> {
+    let targets = document.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let leads_nowhere = |target: &&str| {
+        if target.starts_with("http") || target.contains(' ') {
+            return false;
+        }
+        let (path, anchor) = target.split_once('#').unwrap_or((*target, ""));
+        let there = if path.is_empty() { document.to_owned() } else { read(&folder.join(path)) };
+        let exists = path.is_empty() || folder.join(path).exists();
+        !exists || !(anchor.is_empty() || has_anchor(&there, anchor))
+    };
+    targets.filter(leads_nowhere).collect()
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_default()
+}
+
+/// Whether a document has an anchor: one of its own, or that of a heading.
+fn has_anchor(document: &str, anchor: &str) -> bool {
+    let slug = |heading: &str| -> String {
+        let kept = heading.trim().to_lowercase();
+        let kept = kept.chars().filter(|c| c.is_alphanumeric() || *c == '-' || *c == ' ' || *c == '_');
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    let headings =
+        document.lines().filter(|line| line.starts_with('#')).map(|line| slug(line.trim_start_matches('#')));
+    anchors(document).contains(&anchor) || headings.into_iter().any(|heading| heading == anchor)
 }

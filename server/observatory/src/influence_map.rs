@@ -28,7 +28,7 @@ const KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
 /// Bytes that what is kept takes where there is no light: nothing weighs nothing.
 const BYTES_AT_LEAST: usize = 8 << 10;
 
-/// A measure of the sky that every light has a part in (model, section 7).
+/// A measure of the sky that every light has a part in (`docs/model.md#influence`).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
     /// ‖luminance image of the light alone‖ over the open upper hemisphere, cd m⁻² sr^½. Parts do not add up to that of the sky.

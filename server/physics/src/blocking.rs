@@ -1,7 +1,7 @@
 //! Skylines that block a source's low light: the blocking angle, and the angles that tables are computed for.
 //!
 //! Of a source's light, what leaves below the skyline in the vertical plane from source to observer, as seen from the
-//! source, does not count in any order (`model.md`, section 4). In the tables that plane stands for all azimuths: the
+//! source, does not count in any order (`docs/model.md#blocking`). In the tables that plane stands for all azimuths: the
 //! lobe is cut at the blocking angle all around.
 
 /// Number of blocking angles that tables are made for, the open sky among them.

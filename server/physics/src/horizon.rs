@@ -1,4 +1,4 @@
-//! The skyline of an observer: in which directions the ground hides the sky.
+//! The skyline of an observer: in which directions the ground hides the sky (`docs/model.md#horizon`).
 //!
 //! A terrain point at altitude h and arc distance d is seen from an eye at altitude h_o at the elevation e with
 //!

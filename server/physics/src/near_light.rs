@@ -3,7 +3,7 @@
 //! Let a view ray pass the source at the distance D, n be the unit vector from the source to the ray's nearest point, v the
 //! view, ŝ the vertical at the source, and α the angle at the source from that nearest point: u = u_c + D·tan α, so that
 //! du/d² = dα/D, cos γ = −sin α and cos ψ = (n·ŝ)·cos α + (v·ŝ)·sin α. Close to the source the air's densities and what gets
-//! through hardly change over the α that matter, and model section 4 becomes
+//! through hardly change over the α that matter, and the integral of `docs/model.md#first-order` becomes
 //!
 //! ```text
 //! b ≈ 1/D · Σ_species ω β(z_D) e^{−τ(S,O)} · F,    F = ∫ f(ψ(α)) p(γ(α)) dα     [m⁻² sr⁻¹]

@@ -1,4 +1,4 @@
-//! Linear measures of a sky: Σ weight · luminance over the directions of the panorama grid (model, sections 6 and 7).
+//! Linear measures of a sky: Σ weight · luminance over the directions of the panorama grid (`docs/model.md#influence`).
 //!
 //! What is linear in the luminance adds up over the sources, so each source has a share of it. All measures are of the
 //! visible sky, as [`SkyQuantities`](crate::SkyQuantities) does: hidden directions weigh nothing, and means are over those that

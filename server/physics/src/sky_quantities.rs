@@ -1,4 +1,4 @@
-//! The numbers reported for a panorama: artificial light alone, and with the natural sky.
+//! The numbers reported for a panorama: artificial light alone, and with the natural sky (`docs/model.md#quantities`).
 
 use crate::{
     horizon::Horizon,

@@ -1,5 +1,5 @@
 //! From a polar grid of light to a panorama: table packs resident on a device, the passes of the fast evaluation
-//! (model, section 5), batches, read-back. The only crate that names wgpu.
+//! (`docs/model.md#rendering`), batches, read-back. The only crate that names wgpu.
 //!
 //! A request is prepared on the caller's thread ([`prepare`]: what must be computed, as lists), waits in a bounded
 //! queue, and is rendered together with compatible ones by the one thread that owns the device. Two executors

@@ -1,5 +1,5 @@
 //! How far a sky of the first basis functions alone can be from that of all: bounds from the tables, before anything is
-//! rendered.
+//! rendered (`docs/model.md#truncation`).
 //!
 //! The measure is the norm over the open sky, ‖L‖² = Σ_samples ω·L², relative to the whole sky's, in the worst band.
 //! With the cells' weights w (flux × scale), the shape coefficients c of their nodes and all K functions,

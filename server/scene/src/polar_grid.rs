@@ -1,4 +1,5 @@
-//! The light around an observer by azimuth and distance: what the engine turns into a sky.
+//! The light around an observer by azimuth and distance: what the engine turns into a sky
+//! (`docs/model.md#polar-grid`).
 
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};

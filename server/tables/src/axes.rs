@@ -1,4 +1,5 @@
-//! The sample points of a pack: distances, observer altitudes, and how far the source lies above the observer.
+//! The sample points of a pack: distances, observer altitudes, and how far the source lies above the observer
+//! (`docs/model.md#axes`).
 //!
 //! The third axis is not the source's altitude h_c but its offset Δ = h_c − h_o. Shifting observer and source
 //! up together changes only densities, which the logarithm of the scale follows well, while Δ against distance

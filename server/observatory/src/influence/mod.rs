@@ -1,4 +1,4 @@
-//! Which lights cause it (paper Eq. 10–14, model section 7): the measure of every lit cell by one correlation with the basis,
+//! Which lights cause it (paper Eq. 10–14, `docs/model.md#influence`): the measure of every lit cell by one correlation with the basis,
 //! and from cells to pixels.
 //!
 //! A linear measure is Σ_p w(p)·L(p) over directions p. With the coefficients c of a cell at azimuth θ_i,

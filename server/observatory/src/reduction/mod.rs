@@ -1,4 +1,4 @@
-//! What to dim (paper Eq. 12, model section 8): from what lights do to the sky to how much of each goes.
+//! What to dim (paper Eq. 12, `docs/model.md#plans`): from what lights do to the sky to how much of each goes.
 //!
 //! Pure functions of influences and fluxes; [`Observatory::plan`](crate::Observatory::plan) asks them and looks at the sky
 //! before and after.

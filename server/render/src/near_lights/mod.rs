@@ -1,4 +1,4 @@
-//! What the polar grid blurs of near lights, put right.
+//! Near-field correction: what the polar grid blurs of near lights (`docs/model.md#near-field`).
 //!
 //! The grid shares a light among two columns and two rings, packs hold images averaged across a column, and between two
 //! offsets a light above the observer has two peaks. In the sum over many lights this averages out; in a direction that looks

@@ -1,4 +1,4 @@
-//! Interpolation between packs of different turbidity.
+//! Interpolation between packs of different turbidity (`docs/model.md#turbidity`).
 
 use super::elementary::{natural_exp, natural_log};
 
