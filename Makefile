@@ -1,14 +1,20 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve test packs bench measurements stress load soak faults container fuzz deny viewer
+.PHONY: help serve check test test-browser packs bench measurements stress load soak faults container fuzz deny viewer
 
 help: ## this list
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
 
 serve: ## install, build, and serve the demo at http://127.0.0.1:8080
 	@scripts/serve.sh
 
+check: ## format, lints and unit tests, in a minute once everything is built
+	@scripts/test.sh check
+
 test: ## set up and run every check and test, browser tests included
 	@scripts/test.sh
+
+test-browser: ## the viewer in a real browser alone
+	@scripts/test.sh browser
 
 stress: ## hunt for NaN, negative radiance, jumps and lost digits (minutes; OUT=FILE.json keeps the figures)
 	@scripts/stress.sh $(if $(OUT),--out "$(OUT)")
