@@ -1,5 +1,5 @@
 //! The model atmosphere: molecules and aerosol, each exponential in altitude (Garstang 1986), the aerosol by turbidity
-//! (Preetham et al. 1999).
+//! (Preetham et al. 1999; `docs/model.md#atmosphere`).
 
 use crate::{
     bands::{BAND_COUNT, Band},

@@ -1,4 +1,5 @@
-//! Columns through an exponential species of a spherical atmosphere: the Chapman function (Chapman 1931), tabulated.
+//! Columns through an exponential species of a spherical atmosphere: the Chapman function (Chapman 1931), tabulated
+//! (`docs/model.md#optical-depth`).
 //!
 //! For a ray that starts at altitude z with cosine of the zenith angle μ ≥ 0, the column above it is
 //! `∫₀^∞ e^{−z(t)/H} dt = H · e^{−z/H} · Ch(X, μ)`, with X = (R + z)/H and Ch the Chapman function. With

@@ -1,4 +1,4 @@
-//! The base of an overcast sky: a Lambertian surface (`model.md`, section 4, "Overcast").
+//! The base of an overcast sky: a Lambertian surface (`docs/model.md#overcast`).
 
 use crate::error::{PhysicsError, check_range};
 

@@ -1,4 +1,5 @@
-//! The reference solution, first order: the sum over every point source, each by converged quadrature (paper Eq. 3).
+//! The reference solution, first order: the sum over every point source, each by converged quadrature (paper Eq. 3,
+//! `docs/model.md#reference`).
 //!
 //! L(θ, φ) = Σ_i Φ_i · b(θ − θ_i, φ; r_i, h_i, h_o). Slow and simple on purpose: nothing is skipped, merged or
 //! tabulated but the optical columns (good to 1e-9). Every fast path is measured against it.

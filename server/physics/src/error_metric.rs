@@ -1,4 +1,4 @@
-//! Relative error of a fast answer, with a floor below what can be seen.
+//! Relative error of a fast answer, with a floor below what can be seen (`docs/model.md#error`).
 
 use crate::{bands::BAND_COUNT, photometry::luminance_cd_m2};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Sources whose lamps or emission differ from those of the request.
+//! Sources whose lamps or emission differ from those of the request (`docs/model.md#fixtures`).
 
 use crate::{
     bands::{BAND_COUNT, Band},

@@ -1,5 +1,5 @@
 //! The reference solution for sources behind terrain: first-order light, each segment from a source to a point of the
-//! view ray tested against the ground (`model.md`, section 4, "Terrain that hides").
+//! view ray tested against the ground (`docs/model.md#reference`).
 //!
 //! Slow and simple on purpose. The ground is the caller's: a function tells whether it hides one point from another.
 //! Beside it is the definition that the tables follow, each source's lobe cut at one blocking angle

@@ -1,4 +1,4 @@
-//! Lamps: flux of a source in each band per flux seen by the satellite.
+//! Lamps: flux of a source in each band per flux seen by the satellite (`docs/model.md#lamps`).
 
 use crate::{
     bands::BAND_COUNT,

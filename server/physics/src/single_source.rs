@@ -1,4 +1,5 @@
-//! Skyglow of one source: single scattering along a view ray (Garstang 1986; paper Eq. 1–2, on a spherical Earth).
+//! Skyglow of one source: single scattering along a view ray (Garstang 1986; paper Eq. 1–2, on a spherical Earth;
+//! `docs/model.md#first-order`).
 //!
 //!   b = ∫ f(ψ)/d² · [β_m(z)p_m(γ) + 0.9β_a(z)p_a(γ)] · exp(−τ(S,P) − τ(P,O)) du     [m⁻² sr⁻¹]
 //!

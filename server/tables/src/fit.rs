@@ -1,4 +1,5 @@
-//! The basis: weighted low-rank approximation by alternating least squares (Gabriel and Zamir 1979).
+//! The basis: weighted low-rank approximation by alternating least squares (Gabriel and Zamir 1979;
+//! `docs/model.md#basis`).
 //!
 //! Plain PCA (the paper's Eq. 4) minimises absolute error and is wrong by 70–700 % for a dark place near a
 //! city. Here image n at direction p weighs w = max(x, δ)^−q, x the image over its mean, δ a thousandth of

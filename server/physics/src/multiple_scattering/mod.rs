@@ -1,4 +1,5 @@
-//! Multiple scattering by successive orders (van de Hulst 1948): all orders beyond the first, over a Lambertian ground.
+//! Multiple scattering by successive orders (van de Hulst 1948): all orders beyond the first, over a Lambertian ground
+//! (`docs/model.md#multiple-scattering`).
 //!
 //! The light of one source is symmetric about the source's vertical. So the radiance of each order is stored on
 //! a two-dimensional grid (distance from the vertical by altitude) as moments over direction, which a phase

@@ -1,4 +1,4 @@
-//! Light that the Lambertian base of a cloud adds to a view ray (`model.md`, section 4, "Overcast").
+//! Light that the Lambertian base of a cloud adds to a view ray (`docs/model.md#overcast`).
 //!
 //!   b_base = E(P)·A/π · exp(−τ(P,O)),   E(P) = f(ψ)/d² · cos i · exp(−τ(S,P))     [m⁻² sr⁻¹ per watt]
 //!
