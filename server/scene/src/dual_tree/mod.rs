@@ -1,4 +1,5 @@
-//! Dual-tree (Barnes & Hut 1986) sum of all lights at every place of a lattice: Σ flux · kernel(distance, altitudes, skyline).
+//! Dual-tree (Barnes & Hut 1986, Gray & Moore 2001) sum of all lights at every place of a lattice:
+//! Σ flux · kernel(distance, altitudes, skyline) (`docs/model.md#brightness`).
 //!
 //! The direct sum takes places × lights. Here both are trees, patches of the lattice halved again and again and the light pyramid,
 //! and far pairs interact high up in both:
