@@ -190,13 +190,13 @@ mod tests {
         )
     }
 
-    const LOOK: Direction = Direction { azimuth_rad: 0.9, elevation_rad: 0.4 };
+    const VIEW: Direction = Direction { azimuth_rad: 0.9, elevation_rad: 0.4 };
 
     /// Skylines of no height change no bit, and higher ones leave less, down to darkness.
     #[test]
     fn higher_skylines_leave_less() {
         let sources = [source(0.2, 9_000.0, 5e6), source(2.0, 60_000.0, 4e7)];
-        let looks = [LOOK, Direction { azimuth_rad: 3.0, elevation_rad: 0.05 }];
+        let directions = [VIEW, Direction { azimuth_rad: 3.0, elevation_rad: 0.05 }];
         let behind = |skylines_deg: [f64; 2]| -> Vec<[f64; 3]> {
             let blocked = sources
                 .iter()
@@ -208,11 +208,11 @@ mod tests {
                 300.0,
                 EmissionMix::garstang(),
                 LampPreset::Hps.lamp().flux_per_dnb_flux,
-                &looks,
+                &directions,
                 &|| (),
             )
         };
-        let open = sum(&sources, &looks);
+        let open = sum(&sources, &directions);
         assert_eq!(behind([0.0, 0.0]), open);
         let steps = [0.0, 0.3, 2.0, 9.0, 40.0, 89.0].map(|angle_deg| behind([angle_deg; 2]));
         for pair in steps.windows(2) {
@@ -223,13 +223,13 @@ mod tests {
         }
         assert!(steps[3][0].iter().all(|value| *value > 0.0));
         // Each source has its own skyline: with one dark the other is left, as if it stood alone.
-        assert_eq!(behind([90.0, 0.0]), sum(&sources[1..], &looks));
+        assert_eq!(behind([90.0, 0.0]), sum(&sources[1..], &directions));
         assert!(behind([90.0, 90.0]).iter().flatten().all(|value| *value == 0.0));
     }
 
     #[test]
     fn one_source_is_its_flux_times_lamp_times_lobes() {
-        let got = sum(&[source(0.2, 20_000.0, 5e6)], &[LOOK])[0];
+        let got = sum(&[source(0.2, 20_000.0, 5e6)], &[VIEW])[0];
         let per_watt = radiance_per_watt_of(
             &Atmosphere::new(Turbidity::default()),
             &SourceGeometry { distance_m: 20_000.0, source_altitude_m: 120.0, observer_altitude_m: 300.0 },
@@ -249,8 +249,8 @@ mod tests {
     fn lobes_apart_add_up_to_their_mix() {
         let sources = [source(0.2, 9_000.0, 5e6), source(2.0, 60_000.0, 4e7)];
         let atmosphere = Atmosphere::new(Turbidity::default());
-        let by_lobe: Vec<[f64; 9]> = direct_sum_by_lobe(&[atmosphere], &sources, 300.0, &[LOOK], 1e-7);
-        let (mixed, lamp) = (sum(&sources, &[LOOK])[0], LampPreset::Hps.lamp().flux_per_dnb_flux);
+        let by_lobe: Vec<[f64; 9]> = direct_sum_by_lobe(&[atmosphere], &sources, 300.0, &[VIEW], 1e-7);
+        let (mixed, lamp) = (sum(&sources, &[VIEW])[0], LampPreset::Hps.lamp().flux_per_dnb_flux);
         for band in 0..3 {
             let lobes = &by_lobe[0][band * 3..][..3];
             let weights = EmissionMix::garstang().weights();
@@ -268,12 +268,12 @@ mod tests {
             a1 in 0.0f64..6.2, a2 in 0.0f64..6.2, r1 in 250.0f64..3e5, r2 in 250.0f64..3e5, turn in 0.0f64..6.2,
         ) {
             let (one, two) = (source(a1, r1, 1e6), source(a2, r2, 3e7));
-            let both = sum(&[one, two], &[LOOK])[0];
-            let first = sum(&[one], &[LOOK])[0];
-            let second = sum(&[two], &[LOOK])[0];
+            let both = sum(&[one, two], &[VIEW])[0];
+            let first = sum(&[one], &[VIEW])[0];
+            let second = sum(&[two], &[VIEW])[0];
             let turned = sum(
                 &[source(a1 + turn, r1, 1e6), source(a2 + turn, r2, 3e7)],
-                &[Direction { azimuth_rad: LOOK.azimuth_rad + turn, ..LOOK }],
+                &[Direction { azimuth_rad: VIEW.azimuth_rad + turn, ..VIEW }],
             )[0];
             for band in 0..3 {
                 prop_assert!((both[band] - first[band] - second[band]).abs() <= 1e-12 * both[band]);

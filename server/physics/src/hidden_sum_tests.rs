@@ -25,7 +25,7 @@ fn atmosphere() -> Atmosphere {
     Atmosphere::new(Turbidity::default())
 }
 
-fn looks() -> Vec<Direction> {
+fn view_directions() -> Vec<Direction> {
     [(0.0, 0.03), (0.3, 0.2), (1.2, 0.5), (2.5, 0.9), (3.1, 0.1), (0.1, 1.55)]
         .map(|(turn, elevation_rad)| Direction { azimuth_rad: SOURCE_AZIMUTH_RAD + turn, elevation_rad })
         .to_vec()
@@ -88,7 +88,7 @@ fn check_against_the_plain_sum(
 
 #[test]
 fn without_terrain_it_is_the_plain_sum() {
-    let (sources, directions) = ([source(20_000.0), source(90_000.0)], looks());
+    let (sources, directions) = ([source(20_000.0), source(90_000.0)], view_directions());
     let sum = sky(&sources, &directions);
     check_against_the_plain_sum(&atmosphere(), &sum, &[0.0, -0.1]);
     // The control: what is hidden is missed.
@@ -100,7 +100,7 @@ fn without_terrain_it_is_the_plain_sum() {
 fn sums_agree_below_a_cloud() {
     let cloudy = atmosphere().under(Some(CloudBase::new(1_500.0, 0.5).unwrap()));
     let high = PointSource { altitude_m: 1_600.0, ..source(3_000.0) };
-    let (sources, directions) = ([source(3_000.0), source(9_000.0), high], looks());
+    let (sources, directions) = ([source(3_000.0), source(9_000.0), high], view_directions());
     let sum = sky(&sources, &directions);
     let open = check_against_the_plain_sum(&cloudy, &sum, &[0.0; 3]);
     // Above the base there is nothing, so the high source is none; the clear sky has other light.
@@ -117,7 +117,7 @@ fn sums_agree_below_a_cloud() {
 /// A wall around a source cuts its lobe at the elevation of the wall's top.
 #[test]
 fn a_ring_wall_is_a_cut_lobe() {
-    let (sources, directions) = ([source(20_000.0)], looks());
+    let (sources, directions) = ([source(20_000.0)], view_directions());
     let sum = sky(&sources, &directions);
     let open = hidden_sum(&atmosphere(), &sum, &|_, _| false);
     for height_m in [130.0, 155.0, 260.0] {
@@ -176,7 +176,7 @@ fn the_zenith_is_lit_above_a_ridge() {
 /// A ridge on one side hides nothing on the other.
 #[test]
 fn a_ridge_hides_on_its_own_side_only() {
-    let (sources, directions) = ([source(20_000.0)], looks());
+    let (sources, directions) = ([source(20_000.0)], view_directions());
     let sum = sky(&sources, &directions);
     let wall = ring_wall(500.0, 260.0);
     let frame = LocalFrame::at(place());
@@ -197,7 +197,7 @@ fn a_ridge_hides_on_its_own_side_only() {
 /// A wall below the curve of the Earth hides nothing.
 #[test]
 fn a_wall_below_the_horizon_hides_nothing() {
-    let (sources, directions) = ([source(80_000.0)], looks());
+    let (sources, directions) = ([source(80_000.0)], view_directions());
     let sum = sky(&sources, &directions);
     let open = hidden_sum(&atmosphere(), &sum, &|_, _| false);
     // 50 km away the Earth has dropped by 196 m; over a flat one a wall 150 m high would hide 0.17 degrees.

@@ -3,7 +3,7 @@
 use crate::bands::BAND_COUNT;
 use glam::DVec3;
 
-/// N_θ: columns, at azimuth i·360/256 degrees clockwise from north; column 0 looks north.
+/// N_θ: columns, at azimuth i·360/256 degrees clockwise from north; column 0 is north.
 pub const AZIMUTH_COUNT: usize = 256;
 /// N_φ: rows, at elevation (j + ½)·90/64 degrees; row 0 is lowest.
 pub const ELEVATION_COUNT: usize = 64;

@@ -22,9 +22,9 @@ pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
 /// What is reported of a sky. Luminances are artificial light alone unless the name says `total`; `total`
 /// is artificial plus a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are None for a sky without light.
 ///
-/// Under clouds nothing natural comes through: totals are artificial light alone, and what speaks of stars is None.
+/// Under clouds nothing natural comes through: totals are artificial light alone, and quantities of stars are None.
 ///
-/// Where terrain hides part of the sky, all of them speak of the visible part: means are over visible directions,
+/// Where terrain hides part of the sky, all of them are of the visible part: means are over visible directions,
 /// illuminances are what the visible sky gives, and the brightest direction is one of them. A mean over no visible
 /// direction at all is 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -143,7 +143,7 @@ impl SkyQuantities {
         }
     }
 
-    /// All but what speaks of stars, with a uniform natural sky of `natural` cd m⁻².
+    /// All but quantities of stars, with a uniform natural sky of `natural` cd m⁻².
     fn with_natural(panorama: &Panorama, horizon: &Horizon, natural: f64) -> Self {
         let zenith_radiance_w_m2_sr =
             weighted_mean_radiance(

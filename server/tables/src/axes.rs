@@ -10,8 +10,7 @@
 //! The first order bends at −r²/2R: a source higher than that has the observer, and the lowest part of every ray, below its
 //! horizontal plane, in the Earth's shadow. The later orders bend at 0, for the ground that sends light back is that of the
 //! lower of source and observer. Under the open sky Δ₀ is the first up to some 80 km, where both are some hundred metres apart
-//! at most, and the second from 100 km on, where the lowest row looks so far above the ground that the shadow's edge is no kink
-//! any more. Behind a skyline it is where the skyline's cone meets the observer.
+//! at most, and the second from 100 km on, where the lowest row is so far above the ground that the shadow's edge is no kink. Behind a skyline it is where the skyline's cone meets the observer.
 
 use crate::clouds::{Clouds, altitudes_below, clamped_geometry};
 use serde::{Deserialize, Serialize};
@@ -38,22 +37,22 @@ const LEVEL_EXPONENT: i32 = 12;
 /// Part of an open axis's steps that lie below the bend. A ray 0.7° up passes a source below the observer at |Δ| + 0.012 r,
 /// and what it gathers there goes as one over that: where nodes are some 0.02 r apart at the bend, the line between two is
 /// 1 % off in the lowest row; far below, where a step is to be short beside the haze's 1 200 m, it takes the same number.
-const OPEN: Density = Density { share_below: 0.58, distance_per_scale: 20.0 };
+const OPEN: NodeDensity = NodeDensity { share_below: 0.58, distance_per_scale: 20.0 };
 /// The same behind a skyline, which hides the light close to the ground.
-const CUT: Density = Density { share_below: 0.4, distance_per_scale: 4.0 };
+const CUT: NodeDensity = NodeDensity { share_below: 0.4, distance_per_scale: 4.0 };
 /// Largest L below the bend, metres.
 const MAX_SCALE_BELOW_M: f64 = 1_500.0;
 
 /// How close the nodes of an offset axis lie below its bend.
 #[derive(Clone, Copy)]
-struct Density {
+struct NodeDensity {
     /// Part of the axis's steps that lie below the bend.
     share_below: f64,
     /// r/L below the bend, near the observer.
     distance_per_scale: f64,
 }
 
-/// The offset of the edge of the shadow behind a skyline of `blocking_deg`, metres: −(r²/2R + r tan e), held above `lowest_m`.
+/// The offset of the edge of the shadow behind a skyline of `blocking_deg`, metres: −(r²/2R + r tan e), clamped above `lowest_m`.
 fn shadow_edge_m(distance_m: f64, blocking_deg: f64, lowest_m: f64) -> f64 {
     let drop_m =
         distance_m * distance_m / (2.0 * EARTH_RADIUS_M) + distance_m * blocking_deg.to_radians().tan();
@@ -76,7 +75,7 @@ pub struct TableAxes {
 /// asinh((Δ − Δ₀)/L), with another L and another step on each side of the bend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetAxis {
-    /// Δ₀, metres: from the edge of the shadow nearby to 0 far away; behind a skyline Δ_e, held above −1 500 m.
+    /// Δ₀, metres: from the edge of the shadow nearby to 0 far away; behind a skyline Δ_e, clamped above −1 500 m.
     pub bend_m: f64,
     /// L below the bend, metres.
     pub scale_below_m: f64,
@@ -100,7 +99,7 @@ impl OffsetAxis {
         Self::about(bend_m, edge_m, distance_m, OPEN, count)
     }
 
-    /// The same about the edge of the Earth's shadow, −r²/2R, held above −3 000 m, where the first order bends: training
+    /// The same about the edge of the Earth's shadow, −r²/2R, clamped above −3 000 m, where the first order bends: training
     /// geometries are spread on it, which serves the functions best (`precomputed/README.md`).
     pub(crate) fn about_shadow_edge(distance_m: f64, count: usize) -> Self {
         let edge_m = shadow_edge_m(distance_m, 0.0, MIN_EDGE_M);
@@ -114,7 +113,7 @@ impl OffsetAxis {
         Self::about(edge_m, edge_m, distance_m, CUT, count)
     }
 
-    fn about(bend_m: f64, edge_m: f64, distance_m: f64, density: Density, count: usize) -> Self {
+    fn about(bend_m: f64, edge_m: f64, distance_m: f64, density: NodeDensity, count: usize) -> Self {
         let scale_below_m = 1.0 / (density.distance_per_scale / distance_m + 1.0 / MAX_SCALE_BELOW_M);
         let scale_above_m = (1.0 - edge_m / 500.0) / (16.0 / distance_m + 4.0 / MAX_SCALE_BELOW_M);
         let highest_m = 1.0 / (1.0 / (1.5 * distance_m) + 1.0 / MAX_ALTITUDE_M);
@@ -153,7 +152,7 @@ impl OffsetAxis {
     }
 }
 
-/// A source seen from an altitude, as nodes have it: held between −2 000 and 7 500 m (nodes outside repeat the last one inside;
+/// A source seen from an altitude, as nodes have it: clamped between −2 000 and 7 500 m (nodes outside repeat the last one inside;
 /// no source of the model lies there, but interpolation reaches a little beyond 0 and 6 000 m).
 pub(crate) fn clamped_node(distance_m: f64, observer_altitude_m: f64, offset_m: f64) -> SourceGeometry {
     let source_altitude_m = (observer_altitude_m + offset_m).clamp(MIN_SOURCE_M, MAX_ALTITUDE_M + 1_500.0);

@@ -30,7 +30,7 @@ pub enum TablesError {
         /// What is wrong with it.
         reason: String,
     },
-    /// A turbidity that two packs of one folder could not be told apart by.
+    /// A turbidity by which the file names of two packs would not differ.
     #[error("turbidity is {turbidity}; allowed are two decimals at most, since packs are named by them")]
     TooManyDecimals {
         /// The turbidity.

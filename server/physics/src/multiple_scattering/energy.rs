@@ -9,7 +9,7 @@
 
 use super::{
     budget::DirectBudget,
-    grid::{Between, FieldGrid},
+    grid::{FieldGrid, LinearStencil},
     lanes::{LANES, outputs_from_lanes},
     log_field::LogField,
     radiance::Radiance,
@@ -133,7 +133,7 @@ pub(super) fn field_power(
     let down = LogField::new(grid, radiance.down_flux.iter().copied());
     let stretch = (1.0 + setting.ground_altitude_m / EARTH_RADIUS_M).powi(2);
     grid.for_each_area(|ring, area_m2| {
-        let arriving = down.at(ring, Between { lower: 0, upper_weight: 0.0 });
+        let arriving = down.at(ring, LinearStencil { lower: 0, upper_weight: 0.0 });
         for (sum, arriving) in power.at_ground_w.iter_mut().zip(arriving).take(USED_LANES) {
             *sum += arriving * area_m2 * stretch;
         }
@@ -141,7 +141,7 @@ pub(super) fn field_power(
     power.returned_w = power.at_ground_w.map(|w| w * setting.ground_albedo);
     if let Some(cloud) = setting.atmosphere.cloud() {
         let up = LogField::new(grid, radiance.up_flux.iter().copied());
-        let top = Between { lower: grid.layer_count() - 1, upper_weight: 0.0 };
+        let top = LinearStencil { lower: grid.layer_count() - 1, upper_weight: 0.0 };
         let stretch = (1.0 + cloud.altitude_m() / EARTH_RADIUS_M).powi(2);
         grid.for_each_area(|ring, area_m2| {
             for (sum, arriving) in power.at_base_w.iter_mut().zip(up.at(ring, top)).take(USED_LANES) {

@@ -1,7 +1,7 @@
 //! Moments of light scattered once, arriving at every place of the grid, by direct quadrature.
 //!
 //! At a place P the directions form a polar grid about the direction to the source: the radiance grows like
-//! 1/θ towards the source, and the factor sin θ of the solid angle takes that away. Along each direction the
+//! 1/θ towards the source, and the factor sin θ of the solid angle takes that away. PathSum each direction the
 //! variable is the angle at the source (as in `single_source`), cut where the integrand bends. What the base of a
 //! cloud reflects is added by [`super::reflected`].
 

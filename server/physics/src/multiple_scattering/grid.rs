@@ -37,7 +37,7 @@ pub(super) struct FieldGrid {
 
 /// A position between two neighbours: the lower index and the weight of the upper one, 0..=1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Between {
+pub(super) struct LinearStencil {
     pub(super) lower: usize,
     pub(super) upper_weight: f64,
 }
@@ -45,7 +45,7 @@ pub(super) struct Between {
 /// An altitude among the layers: the two around it, and a cubic over four.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LayerStencil {
-    pub(super) between: Between,
+    pub(super) between: LinearStencil,
     /// Layers below, around and above; the nearest one again where there is none.
     pub(super) layers: [usize; 4],
     /// Their weights, summing to 1.
@@ -192,7 +192,7 @@ impl FieldGrid {
 
     /// Where a distance lies among the rings; None beyond the outermost.
     #[inline(always)]
-    pub(super) fn ring_at(&self, distance_m: f64) -> Option<Between> {
+    pub(super) fn ring_at(&self, distance_m: f64) -> Option<LinearStencil> {
         self.between_rings(self.ring_position(distance_m))
     }
 
@@ -204,15 +204,16 @@ impl FieldGrid {
 
     /// The rings around a position, 0 or more; None beyond the outermost.
     #[inline(always)]
-    pub(super) fn between_rings(&self, position: f64) -> Option<Between> {
+    pub(super) fn between_rings(&self, position: f64) -> Option<LinearStencil> {
         // Through i32, which converts in fewer instructions than usize.
         let lower = position as i32 as usize;
-        (lower + 1 < self.ring_m.len()).then_some(Between { lower, upper_weight: position - lower as f64 })
+        (lower + 1 < self.ring_m.len())
+            .then_some(LinearStencil { lower, upper_weight: position - lower as f64 })
     }
 
     /// The four points around a place between rings and layers, and their weights.
     #[inline(always)]
-    pub(super) fn corners(&self, ring: Between, layer: Between) -> [(usize, f32); 4] {
+    pub(super) fn corners(&self, ring: LinearStencil, layer: LinearStencil) -> [(usize, f32); 4] {
         let (wr, wz) = (ring.upper_weight as f32, layer.upper_weight as f32);
         let first = layer.lower * self.ring_count() + ring.lower;
         [
@@ -224,10 +225,10 @@ impl FieldGrid {
     }
 
     /// Where an altitude lies among the layers, clamped to the ground and the top.
-    pub(super) fn layer_at(&self, altitude_m: f64) -> Between {
+    pub(super) fn layer_at(&self, altitude_m: f64) -> LinearStencil {
         let upper = self.layer_m.partition_point(|&z| z <= altitude_m).clamp(1, self.layer_m.len() - 1);
         let (low, high) = (self.layer_m[upper - 1], self.layer_m[upper]);
-        Between { lower: upper - 1, upper_weight: ((altitude_m - low) / (high - low)).clamp(0.0, 1.0) }
+        LinearStencil { lower: upper - 1, upper_weight: ((altitude_m - low) / (high - low)).clamp(0.0, 1.0) }
     }
 
     /// As [`Self::layer_at`], with a cubic that has at both layers the slope of the parabola through each and its
@@ -266,7 +267,7 @@ impl FieldGrid {
     }
 
     /// ∫ dV over the cells of the grid [m³]: calls `visit(ring, layer, volume)` at Gauss points of every cell.
-    pub(super) fn for_each_volume(&self, mut visit: impl FnMut(Between, Between, f64, f64)) {
+    pub(super) fn for_each_volume(&self, mut visit: impl FnMut(LinearStencil, LinearStencil, f64, f64)) {
         let nodes = crate::quadrature::gauss_legendre(3);
         for layer in 0..self.layer_m.len() - 1 {
             let (low, high) = (self.layer_m[layer], self.layer_m[layer + 1]);
@@ -274,21 +275,21 @@ impl FieldGrid {
                 let altitude_m = low + (high - low) * x;
                 let stretch = 1.0 + altitude_m / EARTH_RADIUS_M;
                 let height = weight * (high - low) * stretch * stretch;
-                let layer = Between { lower: layer, upper_weight: x };
+                let layer = LinearStencil { lower: layer, upper_weight: x };
                 self.for_each_area(|ring, area_m2| visit(ring, layer, altitude_m, area_m2 * height));
             }
         }
     }
 
     /// ∫ dA over the sphere of radius R [m²] out to the last ring: `visit(ring, area)` at Gauss points.
-    pub(super) fn for_each_area(&self, mut visit: impl FnMut(Between, f64)) {
+    pub(super) fn for_each_area(&self, mut visit: impl FnMut(LinearStencil, f64)) {
         let nodes = crate::quadrature::gauss_legendre(3);
         for ring in 0..self.ring_m.len() - 1 {
             for &(t, weight) in &nodes {
                 let distance_m = ring_distance_m(self.ring_step * (ring as f64 + t));
                 let width_m = weight * self.ring_step / ring_density_per_m(distance_m);
                 let circle_m = std::f64::consts::TAU * EARTH_RADIUS_M * (distance_m / EARTH_RADIUS_M).sin();
-                visit(Between { lower: ring, upper_weight: t }, circle_m * width_m);
+                visit(LinearStencil { lower: ring, upper_weight: t }, circle_m * width_m);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! A positive field between the points of the grid: bilinear interpolation of its logarithm.
 
 use super::{
-    grid::{Between, FieldGrid},
+    grid::{FieldGrid, LinearStencil},
     lanes::LANES,
 };
 
@@ -16,7 +16,7 @@ impl<'a> LogField<'a> {
         Self { grid, ln: values.map(|value| value.map(|v| v.max(1e-300).ln())).collect() }
     }
 
-    pub(super) fn at(&self, ring: Between, layer: Between) -> [f64; LANES] {
+    pub(super) fn at(&self, ring: LinearStencil, layer: LinearStencil) -> [f64; LANES] {
         let first = layer.lower * self.grid.ring_count() + ring.lower;
         let above = if layer.upper_weight > 0.0 { first + self.grid.ring_count() } else { first };
         std::array::from_fn(|lane| {

@@ -38,7 +38,7 @@ fn energy_balances_below_a_cloud() {
     // Most of the direct light arrives at the base: without it the first balance fails, and the later ones too.
     assert!(powers[0].at_base_w()[1][0] > 0.8);
     assert!(powers[1..].iter().all(|power| power.at_base_w()[1][0] > 0.05 * power.sent_w()[1][0]));
-    // Half of the direct light is sent back, and with what is scattered it is the light of the first order.
+    // Half of the direct light is reflected, and with what is scattered it is the light of the first order.
     let sent = powers[0].scattered_on_w()[1][0] + 0.5 * powers[0].at_base_w()[1][0];
     assert!((powers[1].sent_w()[1][0] / sent - 1.0).abs() < 1e-6);
 }

@@ -5,7 +5,7 @@
 //! A step adds S·(T₀ − T₁): the source function times the transmission of the air between.
 
 use super::{
-    grid::{Between, FieldGrid, LayerStencil, TOP_ALTITUDE_M},
+    grid::{FieldGrid, LayerStencil, LinearStencil, TOP_ALTITUDE_M},
     lanes::{Lanes, arccos, lanes_from_bands},
     optics::{SlantPath, optical_depths},
     setting::SourceSetting,
@@ -72,7 +72,7 @@ impl Stretch {
 #[derive(Clone, Debug)]
 pub(super) struct SteppedPath {
     pub(super) steps: Vec<PathStep>,
-    /// Each of them, and its [`Stride::parts`] equal parts, one step after another; both empty where there is one.
+    /// Each of them, and its [`StepRule::parts`] equal parts, one step after another; both empty where there is one.
     pub(super) stretches: Vec<Stretch>,
     pub(super) parts: Vec<PathStep>,
     pub(super) end: Option<PathEnd>,
@@ -80,7 +80,7 @@ pub(super) struct SteppedPath {
 
 /// How long steps are.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stride {
+pub(super) struct StepRule {
     /// First step, metres.
     pub(super) first_m: f64,
     /// Step over path so far.
@@ -101,7 +101,7 @@ impl SteppedPath {
         grid: &FieldGrid,
         altitude_m: f64,
         cos_zenith: f64,
-        stride: Stride,
+        stride: StepRule,
     ) -> Self {
         let path = SlantPath::new(altitude_m, cos_zenith);
         let ground_m = path.path_down_to_m(setting.ground_altitude_m);
@@ -215,7 +215,7 @@ pub(super) trait StepSum {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepPlace {
     /// The rings around it; None beyond the outermost.
-    pub(super) ring: Option<Between>,
+    pub(super) ring: Option<LinearStencil>,
     /// Cosine of the azimuth of the ray there from the outward direction.
     pub(super) cos_azimuth: f32,
     /// That azimuth, radians, to 7e-5.

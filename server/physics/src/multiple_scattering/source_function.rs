@@ -6,7 +6,7 @@
 //! in three by lines from layer to layer, 1.3 to 2.5 % by the cubic.)
 
 use super::{
-    grid::{Between, FieldGrid, LayerStencil, set_lines_to_mean},
+    grid::{FieldGrid, LayerStencil, LinearStencil, set_lines_to_mean},
     harmonics::{cosines, legendre, pair_count, pair_index},
     lanes::{LANES, Lanes, add_two, exp_lanes},
     path::{PathStep, StepPlace, StepSum},
@@ -168,7 +168,7 @@ impl SourceFunction {
 
     /// ln of the mean over directions at a place between grid points.
     #[inline(always)]
-    pub(super) fn ln_mean_at(&self, grid: &FieldGrid, ring: Between, layer: &LayerStencil) -> Lanes {
+    pub(super) fn ln_mean_at(&self, grid: &FieldGrid, ring: LinearStencil, layer: &LayerStencil) -> Lanes {
         let wr = ring.upper_weight as f32;
         let mut ln_mean = [0.0; LANES];
         for (layer, weight) in layer.layers.into_iter().zip(layer.weights) {
@@ -186,7 +186,7 @@ impl SourceFunction {
         &self,
         table: &DirectionTable,
         grid: &FieldGrid,
-        ring: Between,
+        ring: LinearStencil,
         layer: &LayerStencil,
         azimuth_rad: f32,
     ) -> Lanes {
@@ -211,7 +211,7 @@ impl SourceFunction {
 }
 
 /// What the source function adds along a path in the direction of a table.
-pub(super) struct Along<'a> {
+pub(super) struct PathSum<'a> {
     pub(super) source: &'a SourceFunction,
     pub(super) table: &'a DirectionTable,
     pub(super) grid: &'a FieldGrid,
@@ -219,7 +219,7 @@ pub(super) struct Along<'a> {
     pub(super) sum: Lanes,
 }
 
-impl StepSum for Along<'_> {
+impl StepSum for PathSum<'_> {
     #[inline(always)]
     fn add(&mut self, step: &PathStep, at: StepPlace) {
         let Some(ring) = at.ring else { return };

@@ -32,7 +32,7 @@ use density::DARKNESS_PER_M2_SR;
 pub use density::SumDensity;
 use nodes::{ANGLES_DEG, Nodes};
 use rayon::prelude::*;
-use tables::{LogTable, TableAxes};
+use tables::{LogTable, SampleAxes};
 
 /// The sum over all orders beyond the first for one observer.
 #[derive(Clone, Debug)]
@@ -201,15 +201,15 @@ impl MultipleSum {
             return Vec::new();
         }
         let is_below = |blocked: &&BlockedSource| blocked.source.altitude_m < base_m;
-        let held = |blocked: &BlockedSource| {
+        let clamped = |blocked: &BlockedSource| {
             let altitude_m = blocked.source.altitude_m.min(base_m - MIN_BELOW_BASE_M);
             BlockedSource { source: PointSource { altitude_m, ..blocked.source }, ..*blocked }
         };
-        sources.iter().filter(is_below).map(held).collect()
+        sources.iter().filter(is_below).map(clamped).collect()
     }
 
     fn solve(&self, nodes: Nodes, rows: &[f64], advance: &(dyn Fn() + Sync)) -> Result<Tables, PhysicsError> {
-        let axes = TableAxes::new(&self.density);
+        let axes = SampleAxes::new(&self.density);
         let mut open = LogTable::new(axes.clone(), rows.len(), nodes.altitude_m.len());
         for (field, &altitude_m) in nodes.altitude_m.iter().enumerate() {
             self.tabulate(self.setting(altitude_m)?, rows, &mut open, field)?;
@@ -263,7 +263,7 @@ impl MultipleSum {
         })
     }
 
-    /// ln of the share of its light that a source behind a skyline sends out; −∞ at π/2.
+    /// ln of the share of its light that a source behind a skyline emits; −∞ at π/2.
     fn log_sent(&self, blocking_rad: f64) -> f64 {
         let shares = emitted_shares(blocking_rad);
         shares.iter().zip(self.emission.weights()).map(|(share, weight)| share * weight).sum::<f64>().ln()

@@ -1,7 +1,7 @@
 //! The two reflecting surfaces, Lambertian (Lambert 1760): the ground, and the base of a cloud.
 
 use super::{
-    grid::{Between, FieldGrid},
+    grid::{FieldGrid, LinearStencil},
     lanes::{LANES, Lanes, exp_lanes},
     path::Surface,
     radiance::Radiance,
@@ -24,7 +24,7 @@ impl SurfaceRadiance {
     }
 
     #[inline]
-    pub(super) fn at(&self, ring: Between) -> Lanes {
+    pub(super) fn at(&self, ring: LinearStencil) -> Lanes {
         let (near, far) = (&self.0[ring.lower], &self.0[ring.lower + 1]);
         let w = ring.upper_weight as f32;
         exp_lanes(&std::array::from_fn(|lane| near[lane] + w * (far[lane] - near[lane])))
@@ -52,7 +52,7 @@ impl Surfaces {
 
     /// Radiance of a surface, m⁻² sr⁻¹ per watt. A base that is not there is dark.
     #[inline]
-    pub(super) fn at(&self, surface: Surface, ring: Between) -> Lanes {
+    pub(super) fn at(&self, surface: Surface, ring: LinearStencil) -> Lanes {
         match (surface, &self.base) {
             (Surface::Ground, _) => self.ground.at(ring),
             (Surface::Base, Some(base)) => base.at(ring),

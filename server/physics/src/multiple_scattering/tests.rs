@@ -199,11 +199,11 @@ fn energy_balances_behind_a_skyline() {
 /// The solver agrees with light traced forward behind a skyline.
 #[test]
 fn solver_agrees_with_tracer_behind_a_skyline() {
-    let mut looks = detectors(&[2e3], &[(0.0, 1.57), (1.6, 0.5)]);
-    looks.extend(detectors(&[10e3], &[(0.0, 0.5), (3.1, 0.08)]));
-    let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&looks, 60_000, 7);
+    let mut rays = detectors(&[2e3], &[(0.0, 1.57), (1.6, 0.5)]);
+    rays.extend(detectors(&[10e3], &[(0.0, 0.5), (3.1, 0.08)]));
+    let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&rays, 60_000, 7);
     let mut far_off = 0;
-    for (detector, traced) in looks.iter().zip(&traced) {
+    for (detector, traced) in rays.iter().zip(&traced) {
         let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
         let more = CUT_FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1];
         let open = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1];

@@ -5,10 +5,10 @@ use super::{
     grid::FieldGrid,
     harmonics::{cosines, legendre, pair_count, pair_index},
     lanes::{LANES, Lanes},
-    path::{SteppedPath, Stride, track},
+    path::{StepRule, SteppedPath, track},
     radiance::Radiance,
     setting::{Resolution, SourceSetting},
-    source_function::{Along, DirectionTable, Moments, SourceFunction},
+    source_function::{DirectionTable, Moments, PathSum, SourceFunction},
     surfaces::Surfaces,
     wide::dispatch_wide,
 };
@@ -109,8 +109,8 @@ struct Gathered {
 /// take a quarter longer.
 const FAR_PARTS: usize = 4;
 
-fn stride(first_m: f64, parts: usize) -> Stride {
-    Stride { first_m, growth: 0.3, parts }
+fn stride(first_m: f64, parts: usize) -> StepRule {
+    StepRule { first_m, growth: 0.3, parts }
 }
 
 /// Radiance of one order from its source function and what the ground and the base of a cloud reflect.
@@ -177,7 +177,7 @@ fn transport_in_parts(
             } else {
                 &far_paths[layer]
             };
-            let sky = Sky {
+            let sky = RayBundle {
                 path,
                 grid,
                 source,
@@ -201,7 +201,7 @@ fn transport_in_parts(
 }
 
 /// What rays of one zenith angle from one place go through.
-struct Sky<'a> {
+struct RayBundle<'a> {
     path: &'a SteppedPath,
     grid: &'a FieldGrid,
     source: &'a SourceFunction,
@@ -225,7 +225,7 @@ dispatch_wide!(
     gather,
     gather_wide,
     gather_body,
-    (sky: &Sky<'_>, zenith: &Zenith<'_>, azimuths: &[Azimuth], degree: usize, place: &mut Gathered)
+    (sky: &RayBundle<'_>, zenith: &Zenith<'_>, azimuths: &[Azimuth], degree: usize, place: &mut Gathered)
 );
 
 /// sum += factor·values, by index: an array that is iterated over by value makes no vectors.
@@ -238,7 +238,7 @@ fn add(sum: &mut [f64; LANES], factor: f64, values: &[f64; LANES]) {
 
 #[inline(always)]
 fn gather_body(
-    sky: &Sky<'_>,
+    sky: &RayBundle<'_>,
     zenith: &Zenith<'_>,
     azimuths: &[Azimuth],
     degree: usize,
@@ -261,11 +261,12 @@ fn gather_body(
     }
 }
 
-impl Sky<'_> {
+impl RayBundle<'_> {
     /// Radiance at the start of a ray, m⁻² sr⁻¹ per watt.
     #[inline(always)]
     fn along(&self, cos_azimuth: f64, sin_azimuth: f64) -> Lanes {
-        let mut along = Along { source: self.source, table: self.table, grid: self.grid, sum: [0.0; LANES] };
+        let mut along =
+            PathSum { source: self.source, table: self.table, grid: self.grid, sum: [0.0; LANES] };
         let start = (self.distance_m, cos_azimuth, sin_azimuth);
         self.path.for_each_step(self.grid, self.source_altitude_m, start, &mut along);
         let mut sum = along.sum;

@@ -9,8 +9,8 @@ use super::{
     field::SourceField,
     harmonics::{cosines, legendre},
     lanes::{LANES, Lanes, exp_lanes, outputs_from_lanes},
-    path::{PathStep, StepPlace, StepSum, SteppedPath, Stride, track},
-    source_function::{Along, DirectionTable},
+    path::{PathStep, StepPlace, StepRule, StepSum, SteppedPath, track},
+    source_function::{DirectionTable, PathSum},
     wide::dispatch_wide,
 };
 use crate::{
@@ -22,7 +22,7 @@ use crate::{
 /// Steps of a view ray: the first one [m], and a step over the path so far. Far from the observer a step is kilometres long,
 /// but over a source the light of the second order peaks as the first does, within about the height at which the ray passes:
 /// with whole steps, 18 km away and 100 m up, it was wrong by factors of up to three, as the middle of a step happened to lie.
-const VIEW_STRIDE: Stride = Stride { first_m: 40.0, growth: 0.18, parts: 16 };
+const VIEW_STRIDE: StepRule = StepRule { first_m: 40.0, growth: 0.18, parts: 16 };
 /// Azimuth intervals of a row's table.
 const ROW_AZIMUTHS: usize = 36;
 /// How far an altitude may be from the one a field was solved for, metres.
@@ -87,7 +87,7 @@ dispatch_wide!(
 #[inline(always)]
 fn sum_steps_body(row: &ViewRow<'_>, distance_m: f64, cos_azimuth: f64, sin_azimuth: f64, sum: &mut Lanes) {
     let ViewRow { field, path, table } = row;
-    let mut along = Along { source: &field.source, table, grid: &field.grid, sum: *sum };
+    let mut along = PathSum { source: &field.source, table, grid: &field.grid, sum: *sum };
     let start = (distance_m, cos_azimuth, sin_azimuth);
     path.for_each_step(&field.grid, field.setting.source_altitude_m, start, &mut along);
     *sum = along.sum;

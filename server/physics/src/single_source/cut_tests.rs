@@ -1,6 +1,6 @@
 //! Sources behind a skyline.
 
-use super::{scattering::Scattering, *};
+use super::{scattering::Integrand, *};
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
     quadrature::gauss_legendre,
@@ -89,7 +89,7 @@ fn a_skyline_at_the_zenith_leaves_nothing() {
 /// above the skyline.
 fn by_plain_steps(geometry: &SourceGeometry, blocking_rad: f64, azimuth: f64, elevation: f64) -> f64 {
     let air = [atmosphere(2.5)];
-    let scattering = Scattering::new(&air, geometry, 0.0, elevation);
+    let scattering = Integrand::new(&air, geometry, 0.0, elevation);
     let ray = SourceRay::new(geometry, azimuth, elevation);
     let steps = 200_000;
     let mut sum = 0.0;

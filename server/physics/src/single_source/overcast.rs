@@ -7,7 +7,7 @@
 
 use super::{
     RayPoint, SourceGeometry, SourceRay,
-    scattering::{Scattering, relative_densities},
+    scattering::{Integrand, relative_densities},
 };
 use crate::{
     bands::BAND_COUNT,
@@ -23,7 +23,7 @@ pub(super) fn with_base<const N: usize>(mut air: [f64; N], base: Option<[f64; N]
     air
 }
 
-impl Scattering<'_> {
+impl Integrand<'_> {
     /// The view ray past the source, behind its skyline and below the cloud.
     pub(super) fn ray(
         &self,

@@ -1,6 +1,6 @@
 //! Sources and observers below a closed layer of cloud.
 
-use super::{scattering::Scattering, *};
+use super::{scattering::Integrand, *};
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
     cloud::CloudBase,
@@ -42,7 +42,7 @@ fn sample() -> Vec<(SourceGeometry, f64, f64)> {
 #[test]
 fn the_base_beside_a_source_is_lit_as_by_hand() {
     // Straight up, in a layer of air so thin that it hardly counts: E = cos²/(π·d²) of a Lambertian source, of which
-    // the base sends back A/π.
+    // the base reflects A/π.
     let geometry = SourceGeometry { distance_m: 150.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
     let (base_m, albedo) = (200.0f64, 0.5);
     let got = sky(under(1.0, base_m, albedo), &geometry, 0.0, FRAC_PI_2)[0][0];
@@ -107,7 +107,7 @@ fn a_black_base_leaves_the_clear_sky_below_it() {
     for (geometry, azimuth, elevation) in sample() {
         let base_m = 900.0;
         let air = [clear(2.0)];
-        let scattering = Scattering::new(&air, &geometry, 0.0, elevation);
+        let scattering = Integrand::new(&air, &geometry, 0.0, elevation);
         let ray = SourceRay::new(&geometry, azimuth, elevation);
         let end_m = ray.path_to_altitude_m(base_m);
         let steps = 40_000;
@@ -177,7 +177,7 @@ fn the_base_obeys_the_sources_skyline() {
     let (open, below, above) = (zenith(0.0), zenith(24.0), zenith(25.0));
     assert!(below > 0.5 * open, "{below:e} {open:e}");
     assert_eq!(above, 0.0);
-    // What is hidden from the base by a wall is asked point by point.
+    // What is hidden from the base by a wall is tested point by point.
     let nodes = gauss_legendre(16);
     let ask = |is_lit: &dyn Fn(f64, f64) -> bool| -> [f64; BAND_COUNT] {
         let mix = EmissionMix::lambert();

@@ -1,6 +1,6 @@
 //! Skyglow of one source whose light does not reach every point of the view ray, by a fixed quadrature.
 
-use super::{SourceGeometry, overcast::with_base, scattering::Scattering};
+use super::{SourceGeometry, overcast::with_base, scattering::Integrand};
 use crate::{atmosphere::Atmosphere, bands::BAND_COUNT, emission::EmissionMix};
 
 /// As [`mixed_radiance_per_watt`](super::mixed_radiance_per_watt), m⁻² sr⁻¹, `[atmosphere][band]`, counting only
@@ -21,7 +21,7 @@ pub fn mixed_radiance_per_watt_where<const N: usize>(
     mut is_lit: impl FnMut(f64, f64) -> bool,
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * BAND_COUNT, "one slot for each atmosphere and band");
-    let scattering = Scattering::new(atmospheres, geometry, 0.0, elevation_rad);
+    let scattering = Integrand::new(atmospheres, geometry, 0.0, elevation_rad);
     let weights = emission.weights();
     let ray = scattering.ray(geometry, 0.0, relative_azimuth_rad, elevation_rad);
     let air = ray.integrate_fixed(nodes, |point| {

@@ -9,7 +9,7 @@
 //! exactly nothing, and of a source there nothing is seen. Atmospheres that are evaluated together must lie under the same
 //! cloud: the functions panic if not.
 
-use super::{OUTPUT_COUNT, RadiancePerWatt, SourceGeometry, overcast::with_base, scattering::Scattering};
+use super::{OUTPUT_COUNT, RadiancePerWatt, SourceGeometry, overcast::with_base, scattering::Integrand};
 use crate::{
     atmosphere::Atmosphere,
     bands::BAND_COUNT,
@@ -52,7 +52,7 @@ pub fn cut_radiance_per_watt<const N: usize>(
     floor_per_m2_sr: f64,
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
-    let scattering = Scattering::new(atmospheres, geometry, blocking_rad, elevation_rad);
+    let scattering = Integrand::new(atmospheres, geometry, blocking_rad, elevation_rad);
     let ray = scattering.ray(geometry, blocking_rad, relative_azimuth_rad, elevation_rad);
     let air = ray.integrate(tolerance, floor_per_m2_sr, |p| scattering.by_lobe(p));
     with_base(air, scattering.lit_base_point(&ray).map(|p| scattering.reflected_by_lobe(&p)))
@@ -79,7 +79,7 @@ pub fn cut_radiance_per_watt_fixed<const N: usize>(
     nodes: &[(f64, f64)],
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * OUTPUT_COUNT, "one slot for each atmosphere, band and lobe");
-    let scattering = Scattering::new(atmospheres, geometry, blocking_rad, elevation_rad);
+    let scattering = Integrand::new(atmospheres, geometry, blocking_rad, elevation_rad);
     let ray = scattering.ray(geometry, blocking_rad, relative_azimuth_rad, elevation_rad);
     let air = ray.integrate_fixed(nodes, |p| scattering.by_lobe(p));
     with_base(air, scattering.lit_base_point(&ray).map(|p| scattering.reflected_by_lobe(&p)))
@@ -117,7 +117,7 @@ pub fn cut_mixed_radiance_per_watt<const N: usize>(
     tolerance: f64,
 ) -> [f64; N] {
     assert_eq!(N, atmospheres.len() * BAND_COUNT, "one slot for each atmosphere and band");
-    let scattering = Scattering::new(atmospheres, geometry, blocking_rad, elevation_rad);
+    let scattering = Integrand::new(atmospheres, geometry, blocking_rad, elevation_rad);
     let weights = emission.weights();
     let ray = scattering.ray(geometry, blocking_rad, relative_azimuth_rad, elevation_rad);
     let air = ray.integrate(tolerance, 0.0, |p| scattering.of_mix(p, weights));

@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// The integrand of b for several atmospheres at once: the geometry and the columns are shared.
-pub(super) struct Scattering<'a> {
+pub(super) struct Integrand<'a> {
     pub(super) atmospheres: &'a [Atmosphere],
     /// The columns' tables of molecules and aerosol at the source.
     source_tables: [ChapmanAt<'static>; 2],
@@ -44,7 +44,7 @@ pub(super) fn relative_densities(altitude_m: f64) -> [f64; 2] {
     [(-altitude_m / MOLECULE_SCALE_HEIGHT_M).exp(), (-altitude_m / AEROSOL_SCALE_HEIGHT_M).exp()]
 }
 
-impl<'a> Scattering<'a> {
+impl<'a> Integrand<'a> {
     pub(super) fn new(
         atmospheres: &'a [Atmosphere],
         geometry: &SourceGeometry,

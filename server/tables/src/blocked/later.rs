@@ -67,7 +67,7 @@ impl LaterParts {
             let ground_m = axes.ground_altitude_m[ground];
             SourceSetting::new(atmosphere, ground_m, ground_m, multiple.ground_albedo)
         };
-        let look = |setting: SourceSetting, ground: usize| {
+        let solved_views = |setting: SourceSetting, ground: usize| {
             axes.views(&SourceField::solve(setting, &resolution), axes.ground_altitude_m[ground], distance_m)
         };
         let grounds = axes.ground_altitude_m.len();
@@ -77,7 +77,7 @@ impl LaterParts {
         let open: Vec<Vec<f32>> = (0..grounds)
             .into_par_iter()
             .map(|ground| match stored[ground * ANGLE_COUNT..][..ANGLE_COUNT].iter().any(Option::is_none) {
-                true => look(setting(ground)?, ground),
+                true => solved_views(setting(ground)?, ground),
                 false => Ok(Vec::new()),
             })
             .collect::<Result<_, TablesError>>()?;
@@ -89,7 +89,8 @@ impl LaterParts {
                     return Ok(stored);
                 }
                 let (ground, angle) = (part / ANGLE_COUNT, part % ANGLE_COUNT);
-                let mut part = look(setting(ground)?.behind(blocking_deg(angle).to_radians())?, ground)?;
+                let mut part =
+                    solved_views(setting(ground)?.behind(blocking_deg(angle).to_radians())?, ground)?;
                 for (cut, open) in part.iter_mut().zip(&open[ground]) {
                     // A skyline takes light and adds none; where both are dark nothing is known and nothing matters.
                     *cut = (*cut - open).clamp(MIN_LOG_PART, 0.0);

@@ -43,12 +43,12 @@ pub(crate) struct BlockedJob<'a> {
 }
 
 /// A pack as the stage needs it: open tables at the stage's distances, and the basis.
-struct Open {
+struct OpenTables {
     tables: ResidentTables,
     projector: Projector,
 }
 
-impl Open {
+impl OpenTables {
     /// The basis comes from the spectrum that the pack stores, so that a pack read from a file gives the same.
     fn new(pack: &Pack, axes: &BlockedAxes) -> Self {
         let spectrum = &pack.basis_spectrum[..axes.basis_count * ELEVATION_COUNT * FREQUENCY_COUNT];
@@ -64,7 +64,7 @@ impl Open {
 pub(crate) fn make_blocked(job: &BlockedJob<'_>, packs: &[Pack]) -> Result<Vec<BlockedTables>, TablesError> {
     let axes = job.axes;
     let later = later_parts(job)?;
-    let open: Vec<Open> = packs.iter().map(|pack| Open::new(pack, axes)).collect();
+    let open: Vec<OpenTables> = packs.iter().map(|pack| OpenTables::new(pack, axes)).collect();
     let (observers, distances) = (axes.observer_altitude_m.len(), axes.distance_m.len());
     job.progress.begin("sky images behind skylines", (observers * distances) as u64);
     let part_len = ANGLE_COUNT * axes.offset_count * IMAGE_COUNT * (1 + axes.basis_count);
@@ -126,7 +126,7 @@ fn later_parts(job: &BlockedJob<'_>) -> Result<Vec<LaterParts>, TablesError> {
 /// One part of every turbidity, each `[angle_index][offset][image][1 + basis]`.
 fn make_part(
     job: &BlockedJob<'_>,
-    open: &[Open],
+    open: &[OpenTables],
     later: &[LaterParts],
     observer: usize,
     distance: usize,
@@ -166,7 +166,7 @@ fn make_part(
 fn push_differences(
     part: &mut Vec<f32>,
     job: &BlockedJob<'_>,
-    open: &Open,
+    open: &OpenTables,
     images: &SourceImages,
     dim_factor: f64,
     observer_m: f64,

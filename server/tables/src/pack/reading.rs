@@ -108,7 +108,7 @@ impl<'a> Parts<'a> {
         if expected > MAX_RATIO * packed.len() {
             return Err(format!("{what} is {} bytes, too few for {expected}", packed.len()));
         }
-        // How many they say is asked before room is made.
+        // The stated size is checked before memory is allocated.
         let said = zstd::zstd_safe::get_frame_content_size(packed).ok().flatten();
         if said != Some(expected as u64) {
             let said = said.map_or_else(|| "an unknown number of".to_owned(), |bytes| bytes.to_string());

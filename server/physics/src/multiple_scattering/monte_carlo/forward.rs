@@ -234,7 +234,7 @@ impl ForwardTracer {
         }
     }
 
-    /// Counts light of a flight that goes on to the observer, `per_weight` of it.
+    /// Counts light of a flight that continues to the observer, `per_weight` of it.
     fn count(flight: &Flight, per_weight: f64, tally: &mut Tally, caught: &mut [f64; LOBE_COUNT]) {
         if per_weight <= 0.0 {
             return;

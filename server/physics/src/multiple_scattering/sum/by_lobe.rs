@@ -4,7 +4,7 @@
 use super::{
     density::{DARKNESS_PER_M2_SR, SumDensity},
     open_altitudes::OpenAltitudes,
-    tables::{FieldWeights, LogTable, TableAxes},
+    tables::{FieldWeights, LogTable, SampleAxes},
 };
 use crate::{
     atmosphere::Atmosphere,
@@ -71,7 +71,7 @@ impl FieldCache {
         let altitudes = sources.iter().map(|source| source.altitude_m);
         let nodes = OpenAltitudes::new(altitudes, observer_altitude_m, self.density.altitude_step_m);
         let mut table: LogTable<OUTPUT_COUNT> =
-            LogTable::new(TableAxes::new(&self.density), rows.len(), nodes.altitude_m.len());
+            LogTable::new(SampleAxes::new(&self.density), rows.len(), nodes.altitude_m.len());
         for (place, &altitude_m) in nodes.altitude_m.iter().enumerate() {
             let alone;
             let field = if altitude_m <= observer_altitude_m {

@@ -21,13 +21,13 @@ pub(super) type FieldWeights = Vec<(usize, f64)>;
 
 /// Distances and azimuths of a table.
 #[derive(Clone, Debug)]
-pub(super) struct TableAxes {
+pub(super) struct SampleAxes {
     pub(super) distance_m: Vec<f64>,
     log_distance: Vec<f64>,
     pub(super) azimuth_rad: Vec<f64>,
 }
 
-impl TableAxes {
+impl SampleAxes {
     pub(super) fn new(density: &SumDensity) -> Self {
         let ratio = FARTHEST_SOURCE_M / NEAREST_SOURCE_M;
         let share = |k: usize, count: usize| k as f64 / (count - 1) as f64;
@@ -48,14 +48,14 @@ impl TableAxes {
 /// Logarithms of N values for every row of the sky and every field, `[row][field][distance][azimuth]`.
 #[derive(Debug)]
 pub(super) struct LogTable<const N: usize> {
-    axes: TableAxes,
+    axes: SampleAxes,
     fields: usize,
     pub(super) log: Vec<[f32; N]>,
 }
 
 impl<const N: usize> LogTable<N> {
     /// All zero.
-    pub(super) fn new(axes: TableAxes, rows: usize, fields: usize) -> Self {
+    pub(super) fn new(axes: SampleAxes, rows: usize, fields: usize) -> Self {
         Self { log: vec![[0.0; N]; rows * fields * axes.len()], axes, fields }
     }
 

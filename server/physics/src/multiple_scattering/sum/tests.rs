@@ -19,13 +19,13 @@ fn settled(density: &SumDensity) -> MultipleSum {
     }
 }
 
-/// A source with a skyline, seen from three looks.
+/// A source with a skyline, seen in four directions.
 fn behind(blocking_deg: f64, altitude_m: f64, distance_m: f64) -> BlockedSource {
     let source = PointSource { azimuth_rad: 0.4, distance_m, altitude_m, flux_dnb_w: 1e6 };
     BlockedSource { source, blocking_rad: blocking_deg.to_radians() }
 }
 
-fn looks() -> [Direction; 4] {
+fn view_directions() -> [Direction; 4] {
     [(0, 16), (2, 80), (12, 30), (60, 0)].map(|(row, column)| Direction {
         azimuth_rad: azimuth_rad(column),
         elevation_rad: elevation_rad(row),
@@ -33,7 +33,9 @@ fn looks() -> [Direction; 4] {
 }
 
 fn cut(sources: &[BlockedSource]) -> Vec<[f64; BAND_COUNT]> {
-    settled(&SumDensity::default()).cut_radiance(sources, [1.0; BAND_COUNT], &looks(), &|| ()).unwrap()
+    settled(&SumDensity::default())
+        .cut_radiance(sources, [1.0; BAND_COUNT], &view_directions(), &|| ())
+        .unwrap()
 }
 
 /// The light of each source adds up to that of all.
@@ -43,12 +45,12 @@ fn sources_add_up() {
         .map(|(altitude_m, distance_m)| behind(0.0, altitude_m, distance_m).source)
         .to_vec();
     let density = SumDensity::default();
-    let all = sum(&density, &sources, &looks());
-    let each = settled(&density).radiance_of_each(&sources, [1.0; BAND_COUNT], &looks()).unwrap();
+    let all = sum(&density, &sources, &view_directions());
+    let each = settled(&density).radiance_of_each(&sources, [1.0; BAND_COUNT], &view_directions()).unwrap();
     assert_eq!(each.len(), sources.len());
-    for (look, all) in all.iter().enumerate() {
+    for (direction, all) in all.iter().enumerate() {
         for band in 0..BAND_COUNT {
-            let together: f64 = each.iter().map(|one| one[look][band]).sum();
+            let together: f64 = each.iter().map(|one| one[direction][band]).sum();
             assert!((together / all[band] - 1.0).abs() < 1e-12);
         }
     }
@@ -101,7 +103,7 @@ fn skylines_do_not_change_open_sources() {
     let open = [behind(0.0, 100.0, 9_000.0), behind(0.0, 400.0, 50_000.0)];
     let density = SumDensity::default();
     let alone: Vec<PointSource> = open.iter().map(|blocked| blocked.source).collect();
-    let expected = sum(&density, &alone, &looks());
+    let expected = sum(&density, &alone, &view_directions());
     assert_eq!(cut(&open), expected);
     assert_eq!(settled(&density).field_count(&open), 2);
     // A source behind a skyline up to the zenith is one that is not there.
@@ -121,7 +123,7 @@ fn skylines_do_not_change_open_sources() {
         solved.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     };
     let sources = [behind(8.0, 800.0, 4_000.0)];
-    settled(&density).cut_radiance(&sources, [1.0; BAND_COUNT], &looks(), &advance).unwrap();
+    settled(&density).cut_radiance(&sources, [1.0; BAND_COUNT], &view_directions(), &advance).unwrap();
     assert_eq!(solved.into_inner(), 3);
 }
 
@@ -133,13 +135,13 @@ fn interpolated_skylines_agree_with_fields() {
     // per cent from 8° on.
     let angles_deg = [0.0, 0.4, 1.4, 2.8, 5.6, 11.0, 22.0, 45.0];
     let largest_mean = [0.003, 0.003, 0.003, 0.003, 0.006, 0.03, 0.03, 0.06];
-    // All at once, so that each field is solved once: at every look the sum over one source alone.
+    // All at once, so that each field is solved once: in every direction the sum over one source alone.
     let sources: Vec<BlockedSource> = angles_deg
         .iter()
         .flat_map(|&angle_deg| distance_m.map(|distance_m| behind(angle_deg, 300.0, distance_m)))
         .collect();
     let settled = settled(&SumDensity::default());
-    let rows: Vec<f64> = looks().iter().map(|look| look.elevation_rad).collect();
+    let rows: Vec<f64> = view_directions().iter().map(|direction| direction.elevation_rad).collect();
     let nodes = Nodes::new(&sources, settled.observer_altitude_m, &settled.density);
     let tables = settled.solve(nodes, &rows, &|| ()).unwrap();
     let weights = settled.emission.weights();
@@ -149,14 +151,14 @@ fn interpolated_skylines_agree_with_fields() {
         let setting = settled.setting(300.0).unwrap().behind(blocking_rad).unwrap();
         let field = SourceField::solve(setting, &settled.resolution);
         let (mut errors, mut steps) = (Vec::new(), Vec::new());
-        for (row, look) in looks().iter().enumerate() {
-            let rays = ViewRow::new(&field, settled.observer_altitude_m, look.elevation_rad).unwrap();
+        for (row, direction) in view_directions().iter().enumerate() {
+            let rays = ViewRow::new(&field, settled.observer_altitude_m, direction.elevation_rad).unwrap();
             for (place, &distance_m) in distance_m.iter().enumerate() {
                 let index = number * 4 + place;
                 let source = &sources[index].source;
                 let log_sent = settled.log_sent(blocking_rad);
-                let log = tables.log_radiance(row, index, source, log_sent, look.azimuth_rad);
-                let solved = rays.radiance_per_watt(distance_m, look.azimuth_rad - source.azimuth_rad);
+                let log = tables.log_radiance(row, index, source, log_sent, direction.azimuth_rad);
+                let solved = rays.radiance_per_watt(distance_m, direction.azimuth_rad - source.azimuth_rad);
                 let solved: f64 = solved[1].iter().zip(weights).map(|(value, weight)| value * weight).sum();
                 errors.push((log[1].exp() / solved - 1.0).abs());
                 steps.push((before[row * 4 + place].exp() / solved - 1.0).abs());
@@ -183,7 +185,7 @@ fn interpolated_altitudes_agree_with_fields() {
         .iter()
         .flat_map(|&altitude_m| distance_m.map(|distance_m| behind(8.0, altitude_m, distance_m)))
         .collect();
-    let rows: Vec<f64> = looks().iter().map(|look| look.elevation_rad).collect();
+    let rows: Vec<f64> = view_directions().iter().map(|direction| direction.elevation_rad).collect();
     let log_left_with = |cut_offset_step: f64| -> Vec<f64> {
         let settled = settled(&SumDensity { cut_offset_step, altitude_step_m: 1e5, ..SumDensity::default() });
         let nodes = Nodes::new(&sources, settled.observer_altitude_m, &settled.density);
@@ -193,7 +195,7 @@ fn interpolated_altitudes_agree_with_fields() {
         let between = 3..12;
         let at = |index: usize, row: usize| {
             let (weights, source) = (&tables.nodes.cut_weights[index], &sources[index].source);
-            tables.cut.log_at(row, weights, source, looks()[row].azimuth_rad)[1] + log_sent
+            tables.cut.log_at(row, weights, source, view_directions()[row].azimuth_rad)[1] + log_sent
         };
         between
             .flat_map(|index| (0..rows.len()).map(move |row| (index, row)))
@@ -208,10 +210,11 @@ fn interpolated_altitudes_agree_with_fields() {
         let fields = [open, open.behind(8f64.to_radians()).unwrap()]
             .map(|setting| SourceField::solve(setting, &settled.resolution));
         for &distance_m in &distance_m {
-            for look in looks() {
+            for direction in view_directions() {
                 let [open, cut] = [0, 1].map(|which: usize| {
-                    let rays = ViewRow::new(&fields[which], settled.observer_altitude_m, look.elevation_rad);
-                    let lobes = rays.unwrap().radiance_per_watt(distance_m, look.azimuth_rad - 0.4)[1];
+                    let rays =
+                        ViewRow::new(&fields[which], settled.observer_altitude_m, direction.elevation_rad);
+                    let lobes = rays.unwrap().radiance_per_watt(distance_m, direction.azimuth_rad - 0.4)[1];
                     lobes.iter().zip(weights).map(|(value, weight)| value * weight).sum::<f64>()
                 });
                 log_left.push((cut / open).ln());
