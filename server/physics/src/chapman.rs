@@ -212,7 +212,7 @@ mod tests {
                 }
             }
         }
-        // The check can fail: the plane-parallel 1/μ is far outside.
+        // Negative control: the plane-parallel 1/μ is far outside.
         assert!((1.0 / 0.1 / molecules().chapman(0.0, 0.1) - 1.0).abs() > 1e-2);
         println!("worst relative error {worst:e}");
     }

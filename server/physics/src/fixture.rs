@@ -51,12 +51,12 @@ pub struct Fixture {
     pub emission: Option<EmissionMix>,
 }
 
-/// Lamps together, by their part of the flux that the satellite saw of them at first.
+/// A mixture of lamps, by their parts of the flux that the satellite saw originally.
 #[derive(Clone, Debug)]
 struct Mixture {
     /// s_b of all together.
     flux_per_dnb_flux: [f64; BAND_COUNT],
-    /// DNB flux now per DNB flux at first, by lamp where that is known.
+    /// DNB flux now per original DNB flux, by lamp where that is known.
     parts: Vec<(Option<LampPreset>, f64)>,
 }
 
@@ -74,7 +74,7 @@ impl Mixture {
         Self { flux_per_dnb_flux: lamp.flux_per_dnb_flux, parts }
     }
 
-    /// Whether lamps that a change replaces are there.
+    /// Whether a change replaces any of the lamps.
     fn meets(&self, change: &LampChange) -> bool {
         self.parts.iter().any(|(lamp, dnb)| Self::replaces(change, lamp) && *dnb > 0.0)
     }
@@ -89,7 +89,7 @@ impl Mixture {
         if dnb == 0.0 {
             return;
         }
-        // All together may differ from the sum of its parts by what tables round.
+        // The whole may differ from the sum of its parts by rounding of the lamp table.
         let all = self.parts.iter().all(|(lamp, _)| is_replaced(lamp));
         let gone = if all { self.flux_per_dnb_flux } else { self.flux_of(is_replaced) };
         let new = change.to.flux_per_dnb_flux;
@@ -244,7 +244,7 @@ mod tests {
             |lamps: &[LampChange], requested: LampPreset| fixture(lamps).lamps_not_met(&requested.lamp());
         assert_eq!(not_met(&[to_led], LampPreset::Mixed), []);
         assert_eq!(not_met(&[to_led], LampPreset::Led3000k), [LampPreset::Hps]);
-        // None are left the second time, and all that there is has always been met.
+        // None are left the second time; a change of all lamps always applies.
         assert_eq!(not_met(&[to_led, to_led], LampPreset::Hps), [LampPreset::Hps]);
         assert_eq!(
             not_met(&[change(None, LampPreset::Hps, PreservedFlux::DnbFlux), to_led], LampPreset::Led3000k),

@@ -107,7 +107,7 @@ fn sums_agree_below_a_cloud() {
     let low = sky(&sources[..2], &directions);
     assert_eq!(hidden_sum(&cloudy, &low, &|_, _| false), open);
     assert!(worst_difference(&hidden_sum(&atmosphere(), &sum, &|_, _| false), &open) > 0.5);
-    // A lid over the sources hides the base from them and leaves the air below.
+    // A lid over the sources blocks the base from them and leaves the air below.
     let lid = EARTH_RADIUS_M + 1_499.0;
     let lidded = hidden_sum(&cloudy, &sum, &|_, point_m| point_m.length() > lid);
     let zenith = directions.len() - 1;
@@ -190,7 +190,7 @@ fn a_ridge_hides_on_its_own_side_only() {
     for (one_side, all_around) in one_side.iter().flatten().zip(all_around.iter().flatten()) {
         assert!(one_side >= all_around);
     }
-    // Low towards the source the view passes over it.
+    // Low towards the source the view ray passes over it.
     assert!(one_side[0][1] > 1.005 * all_around[0][1], "{} {}", one_side[0][1], all_around[0][1]);
 }
 

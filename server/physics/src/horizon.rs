@@ -95,7 +95,7 @@ impl Horizon {
     pub fn elevation_at_rad(&self, azimuth_rad: f64) -> f64 {
         let turns = azimuth_rad * (1.0 / TAU);
         let column = (turns - turns.floor()) * AZIMUTH_COUNT as f64;
-        // A column's own azimuth comes back from its division by 2π with a last digit too many or too few.
+        // Dividing a column's own azimuth by 2π may round its last digit either way.
         let nearest = column.round();
         let column = if (column - nearest).abs() < 1e-9 { nearest } else { column };
         let weight = column - column.floor();

@@ -83,13 +83,12 @@ fn integrals(size: f64, turn_rad: f64, nodes: &[(f64, f64)]) -> [[f64; 2]; LOBE_
     sums
 }
 
-/// The whole part of a number from 0 to 2²², nothing for what is no number. It is made of additions: a cast that saturates is done lane
-/// by lane.
+/// The integer part of a number from 0 to 2²², 0 for NaN. By additions, which vectorise; a saturating cast does not.
 #[inline(always)]
 pub fn whole_part(x: f32) -> u32 {
-    /// From here on to twice as much the last bit of an f32 is 1.
+    /// From here to twice as much the last bit of an f32 is 1.
     const SHIFT: f32 = 8_388_608.0;
-    // To the nearest, a half to the even one: of a whole number that may be the one before.
+    // Rounds to the nearest, ties to even: for an integer that may be the one before.
     let nearest = ((x - 0.5).max(0.0) + SHIFT).to_bits().wrapping_sub(SHIFT.to_bits());
     nearest + u32::from(x - nearest as i32 as f32 >= 1.0)
 }
@@ -129,7 +128,7 @@ impl NearScattering {
     /// counts as 0. Linear between nodes: within 2 % of the largest value.
     #[inline(always)]
     pub fn at<const N: usize>(&self, across: &[f32; N], along: &[f32; N]) -> [[f32; N]; 2] {
-        // Places first, then what is there, then sums: the first and the last are vectors, the middle has no branches.
+        // Positions first, then table values, then sums: the first and the last vectorise, the middle has no branches.
         let (mut node, mut u, mut v) = ([0i32; N], [0f32; N], [0f32; N]);
         for ray in 0..N {
             let (across, along) = (across[ray], along[ray].max(0.0));

@@ -26,17 +26,17 @@ pub const MAX_ALTITUDE_M: f64 = 6_000.0;
 /// Lowest source of a node, metres: the model has none below 0, but a cubic over offsets reaches two nodes further down.
 const MIN_SOURCE_M: f64 = -2_000.0;
 
-/// The edge of the Earth's shadow is followed down to about this offset, metres; below, hardly any source is.
+/// The edge of the Earth's shadow is followed down to about this offset, metres; hardly any source is below.
 const MIN_EDGE_M: f64 = -3_000.0;
 /// The same behind a skyline: a source that far below the observer whose light still passes beneath is rare.
 const MIN_CUT_EDGE_M: f64 = -1_500.0;
 /// At this distance an open axis bends halfway between the edge of the shadow and level with the observer, metres; the exponent
-/// says how soon it goes from one to the other. 70 km away the lowest rows of the first order still need the edge.
+/// is the steepness of the transition. At 70 km the lowest rows of the first order still need the edge.
 const LEVEL_FROM_M: f64 = 90_000.0;
 const LEVEL_EXPONENT: i32 = 12;
 /// Part of an open axis's steps that lie below the bend. A ray 0.7° up passes a source below the observer at |Δ| + 0.012 r,
-/// and what it gathers there goes as one over that: where nodes are some 0.02 r apart at the bend, the line between two is
-/// 1 % off in the lowest row; far below, where a step is to be short beside the haze's 1 200 m, it takes the same number.
+/// and its light there is proportional to the inverse: with nodes some 0.02 r apart at the bend, linear interpolation is
+/// 1 % off in the lowest row; far below, where steps must be short against the haze's 1 200 m, as many are needed.
 const OPEN: NodeDensity = NodeDensity { share_below: 0.58, distance_per_scale: 20.0 };
 /// The same behind a skyline, which hides the light close to the ground.
 const CUT: NodeDensity = NodeDensity { share_below: 0.4, distance_per_scale: 4.0 };

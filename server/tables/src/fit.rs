@@ -44,9 +44,9 @@ pub struct Basis {
     pub functions: Vec<f32>,
 }
 
-/// What a sample's place adds to its weight when functions are sought.
+/// Weights of samples by their place, for fitting functions.
 static FUNCTION_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEAR_SOURCE_OF_FUNCTIONS));
-/// What it adds when coefficients are.
+/// The same for fitting coefficients.
 static COEFFICIENT_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEAR_SOURCE_OF_COEFFICIENTS));
 
 fn place_weights([boost, row_count, column_count]: [f64; 3]) -> Vec<f64> {
@@ -142,7 +142,7 @@ impl Projector {
     }
 }
 
-/// Packs hold coefficients in half precision; where a training set is too small for its functions they can be anything.
+/// Packs store coefficients in half precision; a training set too small for its functions gives arbitrary ones.
 ///
 /// # Errors
 /// [`TablesError::Fit`] where one of them is beyond it.
@@ -172,7 +172,7 @@ fn solve_weighted(
 }
 
 /// argmin ‖A·X − Y‖² + [`ROUNDING_VARIANCE`] · Σ_k ‖A_k‖²‖X_k‖², over columns A_k and rows X_k. Columns are brought
-/// to length 1 first, so that functions of very different size do not spoil one another.
+/// to length 1 first, so that functions of very different size do not lose precision.
 fn solve_normal_equations(
     a: MatRef<'_, f64>,
     y: Mat<f64>,

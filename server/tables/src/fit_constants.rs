@@ -8,7 +8,7 @@ pub const WEIGHT_EXPONENT: f64 = 0.93;
 /// δ over the image's zenith value.
 pub(crate) const DIM_OVER_ZENITH: f32 = 1e-3;
 /// A steeply raised source leaves low rows in the Earth's shadow: black to a thousandth of the zenith, which no
-/// smooth basis is. δ grows by up to this factor, for else the fit gives the whole image up to keep them black.
+/// smooth basis is. δ grows by up to this factor, or the fit would sacrifice the whole image to keep them black.
 pub(crate) const RAISED_DIM_FACTOR: f64 = 100.0;
 /// Elevation of the source at which half of that factor counts, degrees.
 pub(crate) const RAISED_DEG: f64 = 6.0;

@@ -20,7 +20,7 @@ pub const FORMAT_VERSION: u32 = 5;
 /// skies would be interpolated.
 pub const MODEL_VERSION: u32 = 6;
 
-/// What of a manifest decides whether the rest can be read.
+/// The versions in a manifest, which decide whether the rest can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) struct Versions {
     pub(crate) format_version: u32,
@@ -90,7 +90,7 @@ pub struct LobeError {
     pub zenith_median: f64,
 }
 
-/// What a pack is; enough to read its data and to make it again.
+/// Description of a pack, sufficient to read its data and to compute it again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// File format.

@@ -18,13 +18,12 @@ const LAYER_OFFSETS_M: [f64; 26] = [
     48_000.0, 56_000.0,
 ];
 
-/// Above a source there are layers of its own up to this share of their height over the ground. Higher up the ground's are as
-/// close, and light far away must not depend on which of both happen to be there: with all of them it changed by 1.8 % at
-/// turbidity 6 when a source 220 m up rose by 28 m, now by a tenth of that at most beside what its height is worth.
+/// A source has layers of its own up to this share of their height over the ground. Higher up the ground's layers are as
+/// close, and light far away must not depend on the choice: with all of the source's layers it changed by 1.8 % at
+/// turbidity 6 when a source at 220 m rose by 28 m, now by at most a tenth of that beyond the effect of the height.
 const OWN_SHARE: f64 = 0.5;
 
-/// Second differences of a logarithm from ring to ring that are as large are edges, as of the disc that a lobe lights on a cloud,
-/// and no curves.
+/// Second differences of a logarithm over rings above this are edges (of the disc that a lobe lights on a cloud), not curves.
 const EDGE_BEND: f32 = 0.2;
 
 /// Places (ρ, z): rings about the source's vertical by layers of altitude. Index `layer · rings + ring`.
@@ -89,8 +88,8 @@ fn ring_distance_m(coordinate: f64) -> f64 {
     distance_m
 }
 
-/// Moves the ends of the lines from ring to ring such that their mean is that of the smooth curve through the values: along a
-/// curve that bends, lines through it lie a twelfth of a second difference off in the mean, always on the same side.
+/// Shifts the values at the rings such that linear interpolation has the mean of the smooth curve through them: lines
+/// through the values of a curve are off by a twelfth of its second difference in the mean, always on the same side.
 pub(super) fn set_lines_to_mean(ln_by_ring: &mut [Lanes]) {
     let mut before = None;
     for ring in 1..ln_by_ring.len().saturating_sub(1) {
@@ -131,7 +130,7 @@ impl FieldGrid {
         }
         layers.retain(|&z| z >= ground_altitude_m && z <= top_m);
         layers.sort_by(f64::total_cmp);
-        // Layers that nearly coincide add work and nothing else; the ground, the source's and the top one stay.
+        // Layers that nearly coincide are merged; the ground, the source's and the top one stay.
         let mut kept: Vec<f64> = Vec::new();
         for z in layers {
             let must = z == source_altitude_m || z == top_m || z == ground_altitude_m;

@@ -172,7 +172,7 @@ impl SteppedPath {
         Self { steps, stretches, parts, end }
     }
 
-    /// Gives `sum` the steps, or the parts of those that pass the source next by. `start` is the ray's: its distance from the source's
+    /// Calls `sum` with the steps, or the parts of those next to the source. `start` is the ray's: its distance from the source's
     /// vertical [m], and cosine and sine of its azimuth from the outward direction.
     #[inline(always)]
     pub(super) fn for_each_step(
@@ -182,7 +182,7 @@ impl SteppedPath {
         start: (f64, f64, f64),
         sum: &mut impl StepSum,
     ) {
-        // Where steps are is found for several at once.
+        // The places of several steps are computed at once.
         for (block, steps) in self.steps.chunks(BLOCK).enumerate() {
             let places = Places::of(grid, start, steps);
             for (at, step) in steps.iter().enumerate() {
@@ -204,8 +204,8 @@ impl SteppedPath {
     }
 }
 
-/// What steps are given to. A trait and not a closure: its method can be inlined by force, and code that is not inlined lacks the
-/// vectors of eight of what calls it.
+/// Receives steps. A trait and not a closure: its method can be forced inline, and code that is not inlined is not compiled
+/// with the vectors of its caller.
 pub(super) trait StepSum {
     /// A step and where it is.
     fn add(&mut self, step: &PathStep, at: StepPlace);

@@ -7,9 +7,9 @@
 //! even in their coordinate; below a cloud, where a lobe lights a disc with a sharp
 //! edge, that of all orders alone.
 //!
-//! The curve is laid through logarithms, and then raised to the mean of the light over it: a field is sampled in logarithms, and
-//! the mean of a logarithm is less than the logarithm of the mean, by half the square of what goes up and down. Order upon order
-//! that took 2 to 3 % of the zenith 20 to 300 km away in thick haze.
+//! The curve is fitted to logarithms, and then raised to the mean of the light over it: a field is sampled in logarithms, and
+//! the mean of a logarithm is less than the logarithm of the mean, by half the variance. Over the orders that took 2 to 3 %
+//! of the zenith 20 to 300 km away in thick haze.
 
 use super::{
     grid::FieldGrid,
@@ -19,8 +19,7 @@ use super::{
 };
 use rayon::prelude::*;
 
-/// How far the rings reach on each side that a cubic is laid through, in the coordinate of the rings: light falls by about a
-/// factor e over it.
+/// Half width of the window of the cubic, in the coordinate of the rings: light falls by about a factor e over it.
 const REACH: f64 = 0.8;
 /// Rings from the second distance on are smooth in full, and those nearer than the first stay as they are, metres.
 const FROM_M: [f64; 2] = [6_000.0, 12_000.0];
@@ -49,13 +48,13 @@ struct Curves<'a> {
 struct SmoothLight {
     /// Its logarithm, smooth, `[ring]`.
     ln: Vec<Lanes>,
-    /// What each ring had over the curve through the logarithms, `[ring]`.
+    /// Excess of each ring over the curve through the logarithms, `[ring]`.
     over: Vec<Lanes>,
     /// The smooth curve of that, `[ring]`.
     mean_over: Vec<[f64; LANES]>,
 }
 
-/// What a curve is raised by at most, and what the light around a ring may be over it: beside the edge of a shadow no curve is one.
+/// Largest raise of a curve, and the range of the light around a ring over it: at the edge of a shadow no curve is smooth.
 const MAX_RAISED: f64 = 0.5;
 const OVER: [f64; 2] = [0.5, 2.0];
 

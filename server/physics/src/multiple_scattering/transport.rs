@@ -20,9 +20,9 @@ use std::f64::consts::PI;
 const TABLE_AZIMUTHS: usize = 24;
 /// Size of the bright part of the sky around a source, metres: it fills this over the distance, in radians.
 const BRIGHT_SIZE_M: f64 = 10_000.0;
-/// Zenith angles below a cloud over those under a clear sky: light that comes from afar fills a strip above the
-/// horizon that narrows like the base's height over the distance (5 % at 20 km from the source below a base at 1 km
-/// with as many as under a clear sky, 3 % with twice as many; the field is half as high and costs no more).
+/// Factor on the number of zenith angles below a cloud: light from afar fills a strip above the horizon that narrows as
+/// the base's height over the distance. Errors at 20 km from the source below a base at 1 km: 5 % with factor 1, 3 % with
+/// 2. The field is half as high and costs no more.
 const OVERCAST_ZENITHS: usize = 2;
 /// First step of paths from places farther from the source than four times this, metres: those of one layer share
 /// their steps.
@@ -103,10 +103,10 @@ struct Gathered {
     up_flux: [f64; LANES],
 }
 
-/// Parts of a step of paths from far places next to the source, over which light peaks within the height at which they pass.
-/// With whole steps later orders at the zenith 90 to 300 km away were wrong by 2 % (turbidity 2.5) and 5 % (6), with 4 parts by
-/// at most 0.7 % of what they are with 16, in the same time; cutting steps of near places too would change 0.8 % within 5 km and
-/// take a quarter longer.
+/// Parts of each step next to the source on paths from far places: the light over a source peaks within the height at which
+/// the path passes. Later orders at the zenith 90 to 300 km away were wrong by 2 % (turbidity 2.5) and 5 % (6) with whole
+/// steps, and with 4 parts differ by at most 0.7 % from those with 16, in the same time. Dividing the steps of near places
+/// too would change 0.8 % within 5 km and take a quarter longer.
 const FAR_PARTS: usize = 4;
 
 fn stride(first_m: f64, parts: usize) -> StepRule {
@@ -151,8 +151,8 @@ fn transport_in_parts(
         })
         .collect();
     for node in 0..2 * per_hemisphere {
-        // A ray's zenith angle turns by less than a degree in 100 km, and within the haze those of the layers' nodes are as
-        // near one another; the source function does not notice.
+        // A ray's zenith angle changes by less than a degree in 100 km, and those of the layers' nodes differ as little
+        // within the haze: the source function is the same.
         let cosines: Vec<f64> = nodes.iter().map(|nodes| nodes[node].0).collect();
         let table = source.table(grid, &cosines, TABLE_AZIMUTHS);
         let polar: Vec<Vec<f64>> = cosines.iter().map(|&cosine| legendre(degree, cosine)).collect();

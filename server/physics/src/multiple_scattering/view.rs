@@ -21,7 +21,7 @@ use crate::{
 
 /// Steps of a view ray: the first one [m], and a step over the path so far. Far from the observer a step is kilometres long,
 /// but over a source the light of the second order peaks as the first does, within about the height at which the ray passes:
-/// with whole steps, 18 km away and 100 m up, it was wrong by factors of up to three, as the middle of a step happened to lie.
+/// with whole steps, 18 km away and 100 m up, it was wrong by factors of up to three, depending on the middle of the step.
 const VIEW_STRIDE: StepRule = StepRule { first_m: 40.0, growth: 0.18, parts: 16 };
 /// Azimuth intervals of a row's table.
 const ROW_AZIMUTHS: usize = 36;
