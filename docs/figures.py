@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pictures of README.md that show whose light it is, what if, and what to dim, from a running server.
+"""The pictures of docs/guide.md that show whose light it is, what if, and what to dim, from a running server.
 
 Usage: docs/figures.py SERVER SCENE FOLDER. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
 On Debian: apt-get install python3-requests python3-rasterio python3-pil

@@ -18,7 +18,7 @@ const TURBIDITIES: [f64; 6] = [1.75, 2.0, 2.5, 3.0, 4.0, 6.0];
 const WITHIN: [f64; 4] = [1.75, 2.0, 2.5, 3.0];
 
 /// Largest mean, 99th percentile, zenith and horizontal illuminance of a class with a mix of lobes. Wanted are 1, 5, 0.5 and
-/// 0.5 %; wider ones are of what `precomputed/README.md` says is missed, and why.
+/// 0.5 %; wider ones are of what `docs/accuracy.md` says is missed.
 fn limits(class: Class, mix: &str, turbidity: f64) -> SkyErrors {
     let [mean, p99, zenith, horizontal] = match (class, mix) {
         _ if WITHIN.contains(&turbidity) => [1.0, 5.0, 0.5, 0.5],

@@ -100,7 +100,7 @@ impl OffsetAxis {
     }
 
     /// The same about the edge of the Earth's shadow, −r²/2R, clamped above −3 000 m, where the first order bends: training
-    /// geometries are spread on it, which serves the functions best (`precomputed/README.md`).
+    /// geometries are spread on it, which serves the functions best (`docs/notebook/2026-11-27.md`).
     pub(crate) fn about_shadow_edge(distance_m: f64, count: usize) -> Self {
         let edge_m = shadow_edge_m(distance_m, 0.0, MIN_EDGE_M);
         Self::about(edge_m, edge_m, distance_m, OPEN, count)

@@ -46,7 +46,7 @@ pub struct BasisCount {
 
 impl BasisCount {
     /// Those of the packs that come with the program: of 8, 16, 32, 64, 80, 96 and 112 the smallest with which skies of every class
-    /// hold their limits, but for two by a hundredth part (`precomputed/README.md`).
+    /// hold their limits, but for two by a hundredth part (`docs/notebook/2026-11-27.md`).
     pub const SHIPPED: Self = Self { clean: 112, hazy: 96 };
     /// Highest turbidity of clean air.
     const CLEAN: f64 = 2.0;
