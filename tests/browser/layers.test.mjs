@@ -26,7 +26,7 @@ test("the zenith's brightness is a layer of the map with a legend, of the air an
   await shot(page, "brightness");
   // Other lamps make another map. It takes as long as the first: nobody waits for it here.
   await page.selectOption("#lamp", "led_4000k");
-  await page.waitForSelector("#layer-note-brightness[data-state=finding]");
+  await page.waitForSelector("#layer-note-brightness[data-state=loading]");
   assert.ok(
     asked.some((path) => /tiles\/brightness\/tilejson.*lamp=led_4000k/.test(path)),
     "no map of the other lamps was asked for",

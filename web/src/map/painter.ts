@@ -1,8 +1,9 @@
 // Strokes on the map by mouse, finger or keyboard, and how painted areas are shown.
 
+import type { FeatureCollection } from "geojson";
 import type { GeoJSONSource, Map as MapLibreMap, PointLike } from "maplibre-gl";
 import type { EditBody } from "../api/schema.ts";
-import type { LonLat, PaintedArea } from "../painting.ts";
+import type { LonLat, PaintedArea } from "../lights/painting.ts";
 
 export interface Brush {
   shape: PaintedArea["shape"];
@@ -59,7 +60,7 @@ function show(source: GeoJSONSource | undefined, features: readonly (Feature | n
   source?.setData({
     type: "FeatureCollection",
     features: features.filter((feature) => feature !== null),
-  } as GeoJSON.FeatureCollection);
+  } as FeatureCollection);
 }
 
 export class Painter {

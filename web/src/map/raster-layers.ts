@@ -3,7 +3,7 @@
 import type { Map as MapLibreMap } from "maplibre-gl";
 import { api, type LayerQuery } from "../api/client.ts";
 import type { TileJson } from "../api/types.ts";
-import { LAYERS, type LayerName } from "../state.ts";
+import { LAYERS, type LayerName } from "../state/view-state.ts";
 import { IS_STILL } from "./motion.ts";
 import { FIRST_LAYER_ABOVE_TILES } from "./style.ts";
 

@@ -1,26 +1,19 @@
 // The map: outlines, the scene's tiles, its places, and the picked place.
 
 import type { GeoJSON } from "geojson";
-import type { ErrorEvent, GeoJSONSource } from "maplibre-gl";
-import { AttributionControl, Map as MapLibreMap, Marker, NavigationControl, ScaleControl, setWorkerUrl } from "maplibre-gl";
-import workerUrl from "maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url";
-import "maplibre-gl/dist/maplibre-gl.css";
+import { type ErrorEvent, type GeoJSONSource, type Map as MapLibreMap, Marker } from "maplibre-gl";
 import type { EditBody } from "../api/schema.ts";
 import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import type { PaintedArea } from "../painting.ts";
-import type { LayerName, MapView, Place } from "../state.ts";
+import type { PaintedArea } from "../lights/painting.ts";
+import type { LayerName, MapView, Place } from "../state/view-state.ts";
 import { make } from "../ui/dom.ts";
 import { loadBasemap } from "./basemap.ts";
 import { IS_STILL } from "./motion.ts";
+import { collapseCredits, mainMap } from "./night-map.ts";
 import { type Brush, Painter } from "./painter.ts";
 import { type LayerRequest, type LayerState, RasterLayers } from "./raster-layers.ts";
-import { reachable } from "./reachable.ts";
-import { nightStyle } from "./style.ts";
 import { Swipe } from "./swipe.ts";
-
-// Without this the map stays blank without a word.
-setWorkerUrl(workerUrl);
 
 export interface SkyMapEvents {
   picked: (place: Place) => void;
@@ -60,34 +53,9 @@ export class SkyMap {
     view: MapView | null,
     private readonly events: SkyMapEvents,
   ) {
-    this.map = new MapLibreMap({
-      container,
-      style: nightStyle(),
-      center: view === null ? [20, 15] : [view.longitude_deg, view.latitude_deg],
-      zoom: view?.zoom ?? 1.5,
-      minZoom: 1,
-      maxZoom: 14,
-      dragRotate: false,
-      pitchWithRotate: false,
-      touchPitch: false,
-      attributionControl: false,
-      fadeDuration: IS_STILL ? 0 : 300,
-      transformRequest: reachable,
-      locale: {
-        "Map.Title": words().map.title,
-        "NavigationControl.ZoomIn": words().map.zoomIn,
-        "NavigationControl.ZoomOut": words().map.zoomOut,
-        "AttributionControl.ToggleAttribution": words().map.toggleCredits,
-      },
-    });
-    this.map.touchZoomRotate.disableRotation();
-    this.map.keyboard.disableRotation();
-    this.map.addControl(new NavigationControl({ showCompass: false }), "bottom-right");
-    this.map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
-    this.map.addControl(new AttributionControl({ compact: true, customAttribution: words().map.credits }), "bottom-left");
+    this.map = mainMap(container, view);
     this.styled = new Promise((resolve) => this.map.once("load", resolve));
-    // The scene's own credits stand above the map; all of them are behind the button and hide none of it.
-    void this.styled.then(() => this.foldCredits());
+    void this.styled.then(() => collapseCredits(this.map));
     this.layers = new RasterLayers(this.map, this.styled, (name, state) => {
       this.failedSources.delete(name);
       events.layer(name, state);
@@ -134,12 +102,6 @@ export class SkyMap {
     await this.styled;
     for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) this.share(name, basemap[name]);
     this.map.getContainer().dataset.basemap = detail;
-  }
-
-  private foldCredits(): void {
-    const credits = this.map.getContainer().querySelector(".maplibregl-ctrl-attrib");
-    credits?.classList.remove("maplibregl-compact-show");
-    credits?.removeAttribute("open");
   }
 
   /** A tile that is not there is no news; a source that fails is told once, not for each tile. */
@@ -272,11 +234,6 @@ export class SkyMap {
 
   jumpTo(view: MapView): void {
     this.map.jumpTo({ center: [view.longitude_deg, view.latitude_deg], zoom: view.zoom });
-  }
-
-  /** Where a place lies inside the map's element, CSS pixels. */
-  pointOf(place: Place): { x: number; y: number } {
-    return this.map.project([place.longitude_deg, place.latitude_deg]);
   }
 
   resize(): void {

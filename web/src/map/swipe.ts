@@ -1,13 +1,11 @@
 // The map of today over the map of other lights, as far as the split: a second map that follows the first.
 
 import type { GeoJSON } from "geojson";
-import type { GeoJSONSource } from "maplibre-gl";
-import { Map as MapLibreMap } from "maplibre-gl";
-import type { LayerName } from "../state.ts";
+import type { GeoJSONSource, Map as MapLibreMap } from "maplibre-gl";
+import type { LayerName } from "../state/view-state.ts";
 import { make } from "../ui/dom.ts";
+import { nightMap } from "./night-map.ts";
 import { type LayerRequest, RasterLayers } from "./raster-layers.ts";
-import { reachable } from "./reachable.ts";
-import { nightStyle } from "./style.ts";
 
 export interface SwipeEvents {
   /** The line between the two maps was drawn to this part of the width. */
@@ -35,7 +33,8 @@ export class Swipe {
     // Below the marker of the picked place, above all that is drawn.
     this.main.getCanvas().after(this.container);
     try {
-      this.map = this.secondMap();
+      const camera = { center: main.getCenter(), zoom: main.getZoom() };
+      this.map = nightMap({ container: this.container, ...camera, interactive: false, fadeDuration: 0 });
     } catch (reason) {
       // The browser draws no more than one.
       this.container.remove();
@@ -59,21 +58,6 @@ export class Swipe {
       if (!this.line.hasPointerCapture(event.pointerId)) return;
       const { left, width } = this.main.getContainer().getBoundingClientRect();
       this.events.split(Math.min(Math.max((event.clientX - left) / width, 0), 1));
-    });
-  }
-
-  private secondMap(): MapLibreMap {
-    return new MapLibreMap({
-      container: this.container,
-      style: nightStyle(),
-      center: this.main.getCenter(),
-      zoom: this.main.getZoom(),
-      minZoom: 1,
-      maxZoom: 14,
-      interactive: false,
-      attributionControl: false,
-      fadeDuration: 0,
-      transformRequest: reachable,
     });
   }
 

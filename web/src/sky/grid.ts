@@ -19,6 +19,11 @@ export interface SkySample {
   isBelowHorizon: boolean;
 }
 
+/** The luminance of that light there, cd m⁻². */
+export function luminanceOf({ artificialCdM2, totalCdM2 }: SkySample, kind: SkyKind): number {
+  return kind === "total" ? totalCdM2 : artificialCdM2;
+}
+
 /** Luminance of the whole sky. Row 0 is lowest, column 0 looks north. */
 export class SkyGrid {
   readonly azimuthCount: number;

@@ -2,19 +2,15 @@
 
 import { words } from "../language/words.ts";
 import { brightnessMagArcsec2, luminanceFromBrightnessCdM2, NATURAL_SKY_MAG_ARCSEC2 } from "../photometry.ts";
-import { make } from "../ui/dom.ts";
+import type { AppStore } from "../state/app-store.ts";
+import type { ViewState } from "../state/view-state.ts";
+import { byId, make } from "../ui/dom.ts";
 import { decimal, inUnit } from "../ui/format.ts";
-import { colourGradient, type PictureStyle } from "./colour-maps.ts";
+import { colourGradient } from "./colour-maps.ts";
+import { luminanceOf } from "./grid.ts";
 import { ToneMap } from "./realistic.ts";
 import { SCALE, scalePosition } from "./scale.ts";
 import { type BrightnessUnit, type Tick, ticks } from "./units.ts";
-
-export interface LegendLook {
-  colours: PictureStyle;
-  /** Of the realistic picture, stops. */
-  exposureEv: number;
-  unit: BrightnessUnit;
-}
 
 /** Steps of the gradient of greys. */
 const GREYS = 40;
@@ -39,29 +35,32 @@ function round(value: string): string {
 }
 
 export class Legend {
+  private readonly container = byId("legend", HTMLElement);
+  private readonly title = byId("legend-title", HTMLElement);
   private readonly bar = make("div", "legend-bar");
   private readonly pointer = make("div", "legend-pointer");
   private readonly ticks = make("div", "legend-ticks");
 
-  constructor(
-    private readonly container: HTMLElement,
-    private readonly title: HTMLElement,
-  ) {
+  constructor(store: AppStore) {
     this.bar.append(this.pointer);
-    this.pointer.hidden = true;
-    container.append(this.bar, this.ticks);
+    this.container.append(this.bar, this.ticks);
+    store.watch(["colours", "exposureEv", "unit"], (state) => this.show(state));
+    store.watch(["pointed", "sky"], ({ pointed, sky }) => {
+      const luminanceCdM2 = pointed === null || pointed.isBelowHorizon ? null : luminanceOf(pointed, sky);
+      this.point(luminanceCdM2 === null ? null : brightnessMagArcsec2(luminanceCdM2));
+    });
   }
 
-  show({ colours, exposureEv, unit }: LegendLook): void {
+  private show({ colours, exposureEv, unit }: ViewState): void {
     const { sky } = words();
     this.container.dataset.unit = unit;
     this.title.textContent = { magnitude: sky.legend, luminance: sky.legendLuminance, ratio: sky.legendRatio }[unit];
     this.bar.style.background = colours === "realistic" ? greyGradient(exposureEv) : colourGradient(colours);
-    this.ticks.replaceChildren(...ticks(unit).map((mark) => tick(mark, unit)));
+    this.ticks.replaceChildren(...ticks(unit).map((mark) => tickElement(mark, unit)));
   }
 
   /** Marks a brightness on the bar; null takes the mark away. */
-  point(brightnessMagArcsec2: number | null): void {
+  private point(brightnessMagArcsec2: number | null): void {
     this.pointer.hidden = brightnessMagArcsec2 === null;
     if (brightnessMagArcsec2 !== null) {
       this.pointer.style.left = `${100 * scalePosition(SCALE, brightnessMagArcsec2)}%`;
@@ -69,7 +68,7 @@ export class Legend {
   }
 }
 
-function tick({ luminanceCdM2, isMinor }: Tick, unit: BrightnessUnit): HTMLElement {
+function tickElement({ luminanceCdM2, isMinor }: Tick, unit: BrightnessUnit): HTMLElement {
   const mag = brightnessMagArcsec2(luminanceCdM2) ?? SCALE.faintestMagArcsec2;
   const isNatural = Math.abs(mag - NATURAL_SKY_MAG_ARCSEC2) < 1e-6;
   const [value, name] = inUnit(luminanceCdM2, unit);

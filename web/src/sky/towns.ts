@@ -1,7 +1,7 @@
 // Which towns stand behind the glow along the horizon.
 
 import type { NamedPlace } from "../api/types.ts";
-import type { Place } from "../state.ts";
+import type { Place } from "../state/view-state.ts";
 import { distanceAndBearing } from "../ui/nearby.ts";
 
 export interface TownOnHorizon {

@@ -3,15 +3,28 @@
 import { type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
 import { words } from "../language/words.ts";
 import { luminanceFromBrightnessCdM2 } from "../photometry.ts";
+import { gazeOf, viewedPart } from "../sky/gaze.ts";
 import { SCALE } from "../sky/scale.ts";
-import type { ViewState } from "../state.ts";
-import { make } from "./dom.ts";
+import { type AppState, CONDITIONS, conditionsOf, coordinatesOf, influenceQuery, sceneOf } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId, make } from "./dom.ts";
 
-/** What a perspective shows, as the API takes it: `fov` from the left to the right edge. */
-export interface ViewedPart {
-  azimuth: number;
-  elevation: number;
-  fov: number;
+/** Follows what is shown, so that the files are of the same sky. */
+export function mountDownloads(store: AppStore): void {
+  const pictures = byId("download-links", HTMLElement);
+  const influences = byId("influence-links", HTMLElement);
+  const look = ["projection", "sky", "colours", "exposureEv", "unit", "gaze", "skyAspect", "panorama"] as const;
+  store.watch([sceneOf, "place", ...CONDITIONS, ...look], (state) => {
+    const { place } = state;
+    const scene = sceneOf(state);
+    if (scene === null || place === null) return;
+    showDownloads(pictures, scene.id, { ...coordinatesOf(place), ...conditionsOf(state) }, state);
+  });
+  store.watch([sceneOf, "place", ...CONDITIONS, "measure", "region"], (state) => {
+    const scene = sceneOf(state);
+    if (scene === null || state.place === null) return;
+    showInfluenceDownloads(influences, scene.id, influenceQuery(state, state.place, conditionsOf(state)));
+  });
 }
 
 function link(title: string, href: string, description: string): HTMLElement {
@@ -24,7 +37,7 @@ function link(title: string, href: string, description: string): HTMLElement {
 }
 
 /** Whose light it is: every lit pixel's part in the measure of the map's layer. */
-export function showInfluenceDownloads(container: HTMLElement, scene: string, query: InfluenceQuery): void {
+function showInfluenceDownloads(container: HTMLElement, scene: string, query: InfluenceQuery): void {
   const { influenceTif, influenceList } = words().downloads;
   // Of the list the thousand that do most; the raster has them all.
   const listed = { ...query, limit: 1000 };
@@ -36,13 +49,8 @@ export function showInfluenceDownloads(container: HTMLElement, scene: string, qu
   );
 }
 
-export function showDownloads(
-  container: HTMLElement,
-  scene: string,
-  parameters: SkyParameters,
-  state: ViewState,
-  view: ViewedPart | null,
-): void {
+function showDownloads(container: HTMLElement, scene: string, parameters: SkyParameters, state: AppState): void {
+  const view = state.projection === "perspective" ? viewedPart(gazeOf(state.gaze, state.panorama), state.skyAspect) : null;
   const { projection, sky, colours, exposureEv, unit } = state;
   const scale =
     unit === "luminance"

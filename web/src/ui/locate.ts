@@ -1,7 +1,8 @@
 // Where the visitor is, asked of the browser, which asks the visitor.
 
 import { words } from "../language/words.ts";
-import type { Place } from "../state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import type { Place } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
 
 const MAX_WAIT_MS = 20_000;
@@ -13,7 +14,7 @@ function locationProblem(code: number): string {
 }
 
 /** Shows the button where the browser can tell; it tells pages of secure addresses alone. */
-export function wireLocate(found: (place: Place) => void, failed: (reason: Error) => void): void {
+export function mountLocate(store: AppStore, found: (place: Place) => void): void {
   const button = byId("locate", HTMLButtonElement);
   if (!window.isSecureContext || !("geolocation" in navigator)) return;
   button.hidden = false;
@@ -26,7 +27,7 @@ export function wireLocate(found: (place: Place) => void, failed: (reason: Error
       },
       ({ code }) => {
         button.disabled = false;
-        failed(new Error(locationProblem(code)));
+        store.report(new Error(locationProblem(code)));
       },
       { timeout: MAX_WAIT_MS, maximumAge: 60_000 },
     );

@@ -3,7 +3,7 @@
 import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
-import type { Place } from "../state.ts";
+import type { Place } from "../state/view-state.ts";
 import { coordinates } from "./format.ts";
 
 const EARTH_RADIUS_KM = 6371;

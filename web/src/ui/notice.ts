@@ -2,26 +2,23 @@
 
 import { describeProblem } from "../api/problem.ts";
 import { words } from "../language/words.ts";
-import { make } from "./dom.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId, make } from "./dom.ts";
 
-export class Notice {
-  constructor(private readonly container: HTMLElement) {}
-
-  show(reason: unknown): void {
-    const { headline, sentences } = describeProblem(reason);
+export function mountNotice(store: AppStore): void {
+  const container = byId("notice", HTMLElement);
+  store.watch(["problem"], ({ problem }) => {
+    container.hidden = problem === null;
+    if (problem === null) {
+      container.replaceChildren();
+      return;
+    }
+    const { headline, sentences } = describeProblem(problem.reason);
     const close = make("button", "notice-close", "×") as HTMLButtonElement;
     close.type = "button";
     close.setAttribute("aria-label", words().problems.close);
-    close.addEventListener("click", () => this.clear());
-    this.container.replaceChildren(
-      make("div", "notice-text", make("strong", "", headline), ...sentences.map((text) => make("p", "", text))),
-      close,
-    );
-    this.container.hidden = false;
-  }
-
-  clear(): void {
-    this.container.hidden = true;
-    this.container.replaceChildren();
-  }
+    close.addEventListener("click", () => store.set({ problem: null }));
+    const text = [make("strong", "", headline), ...sentences.map((sentence) => make("p", "", sentence))];
+    container.replaceChildren(make("div", "notice-text", ...text), close);
+  });
 }

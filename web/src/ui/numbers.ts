@@ -2,14 +2,30 @@
 
 import type { Scene, Site, SkyAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import type { SkyKind } from "../sky/grid.ts";
 import { compassName } from "../sky/projection.ts";
-import type { BrightnessUnit } from "../sky/units.ts";
+import { sceneOf } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import type { ViewState } from "../state/view-state.ts";
 import { cloudsTitle } from "./clouds.ts";
-import { inEnglish, make } from "./dom.ts";
+import { byId, inEnglish, make } from "./dom.ts";
 import { fixed, inUnit, magnitude, ratio, shortNumber, withPrefix } from "./format.ts";
 import { lampTitle } from "./lamps.ts";
 import { scatteringTitle } from "./scattering.ts";
+
+/** Follows what is known of the picked place. */
+export function mountNumbers(store: AppStore): void {
+  const site = byId("site", HTMLElement);
+  const numbers = byId("numbers", HTMLElement);
+  store.watch(["site"], (state) => {
+    if (state.site === null) site.replaceChildren();
+    else showSite(site, state.site);
+  });
+  store.watch(["answer", "sky", "unit", "lamp", sceneOf], (state) => {
+    const scene = sceneOf(state);
+    if (state.answer === null || scene === null) numbers.replaceChildren();
+    else showNumbers(numbers, state.answer, state, scene);
+  });
+}
 
 function row(name: string, value: string, unit: string, key: string, note = ""): HTMLElement {
   const shown = make("dd", "", make("b", "", value), unit === "" ? "" : ` ${unit}`);
@@ -19,7 +35,7 @@ function row(name: string, value: string, unit: string, key: string, note = ""):
 }
 
 /** What is known right after a click, before the sky is computed. */
-export function showSite(container: HTMLElement, site: Site): void {
+function showSite(container: HTMLElement, site: Site): void {
   const { terrain_altitude_m: terrainM, radiance_nw_cm2_sr: radiance } = site;
   const noNumber = (value: number | null | undefined): value is null | undefined => value === null || value === undefined;
   const { ground, unknown, aboveSea, upward, noData } = words().numbers;
@@ -45,14 +61,7 @@ function warning(text: string): HTMLElement {
 }
 
 /** The numbers of a sky; the zenith figures follow the switch between artificial and total. */
-export function showNumbers(
-  container: HTMLElement,
-  answer: SkyAnswer,
-  kind: SkyKind,
-  unit: BrightnessUnit,
-  lamp: string,
-  scene: Scene,
-): void {
+function showNumbers(container: HTMLElement, answer: SkyAnswer, { sky: kind, unit, lamp }: ViewState, scene: Scene): void {
   const { sky } = answer;
   const say = words().numbers;
   const total = kind === "total";

@@ -2,23 +2,15 @@
 
 import type { Scenario } from "../api/types.ts";
 import { words } from "../language/words.ts";
+import type { Lights } from "../lights/lights.ts";
+import { type PaintChange, type Painting, type PaintKind, withRedo, withUndo } from "../lights/painting.ts";
 import type { Brush } from "../map/painter.ts";
-import type { PaintChange, Painting, PaintKind } from "../painting.ts";
+import { scenarioOf } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";
 import { fixed, whole, withPrefix } from "./format.ts";
 import { wireGroup } from "./group.ts";
 import { emissions, lamps, lampsIn } from "./lamps.ts";
-
-export interface PaintCardEvents {
-  /** The brush that strokes on the map paint with; null: none. */
-  brush: (brush: Brush | null) => void;
-  /** Somebody begins to paint. */
-  started: () => void;
-  undo: () => void;
-  redo: () => void;
-  clear: () => void;
-  title: (title: string) => void;
-}
 
 const KINDS: readonly PaintKind[] = ["factor", "lamp", "emission", "add"];
 
@@ -41,9 +33,12 @@ export class PaintCard {
   private readonly title = byId("paint-title", HTMLInputElement);
   private readonly answer = byId("paint-answer", HTMLElement);
   private shape: Brush["shape"] = "brush";
-  private painting = false;
+  private isPainting = false;
 
-  constructor(private readonly events: PaintCardEvents) {
+  constructor(
+    private readonly store: AppStore,
+    lights: Lights,
+  ) {
     for (const [select, options] of [
       [this.lamp, lamps()],
       [this.emission, emissions()],
@@ -59,14 +54,20 @@ export class PaintCard {
     press(this.shape);
     for (const control of [this.kind, this.factor, this.add, this.radius]) control.addEventListener("input", () => this.update());
     this.draw.addEventListener("click", () => {
-      this.setPainting(!this.painting);
-      if (this.painting) events.started();
+      this.setPainting(!this.isPainting);
+      if (this.isPainting) byId("map-area", HTMLElement).scrollIntoView({ block: "nearest" });
     });
-    this.undo.addEventListener("click", () => events.undo());
-    this.redo.addEventListener("click", () => events.redo());
-    this.clear.addEventListener("click", () => events.clear());
-    this.title.addEventListener("change", () => events.title(this.title.value.trim()));
+    this.undo.addEventListener("click", () => lights.repaint(withUndo(store.state.painting)));
+    this.redo.addEventListener("click", () => lights.repaint(withRedo(store.state.painting)));
+    this.clear.addEventListener("click", () => lights.clear());
+    this.title.addEventListener("change", () => lights.repaint({ ...store.state.painting, title: this.title.value.trim() }));
     this.update();
+    store.watch(["place"], ({ place }) => {
+      if (place === null) this.setPainting(false);
+    });
+    store.watch(["painting", "lamp"], ({ painting, lamp }) => this.showLamps(lamp, painting));
+    store.watch(["painting"], ({ painting }) => this.showPainting(painting));
+    store.watch([scenarioOf], (state) => this.showScenario(scenarioOf(state)));
   }
 
   /** What a stroke does to the lights below it. */
@@ -81,11 +82,11 @@ export class PaintCard {
     };
   }
 
-  /** Offers the lamps that can be replaced: those assumed, and those painted before. */
+  /** Offers the lamps that can be replaced: those assumed where nobody painted, and those painted before. */
   private showLamps(assumed: string, painting: Painting): void {
-    const painted = painting
-      .edits()
-      .flatMap(({ lamp }) => (typeof lamp === "object" && lamp !== null && "to" in lamp ? [lamp.to] : [lamp]));
+    const painted = painting.done.flatMap(({ lamp }) =>
+      typeof lamp === "object" && lamp !== null && "to" in lamp ? [lamp.to] : [lamp],
+    );
     const there = [...lampsIn(assumed), ...painted];
     const options = [["", words().paint.allLamps] as const, ...lamps().filter(([name]) => there.includes(name))];
     const isSame =
@@ -95,20 +96,22 @@ export class PaintCard {
     this.lampFrom.replaceChildren(...options.map(([name, title]) => new Option(title, name, false, name === before)));
   }
 
-  setPainting(on: boolean): void {
-    if (on === this.painting) return;
-    this.painting = on;
+  private setPainting(on: boolean): void {
+    if (on === this.isPainting) return;
+    this.isPainting = on;
     this.update();
   }
 
-  /** `assumed`: the lamps of the lights that nobody painted. */
-  show(painting: Painting, scenario: Scenario | null, assumed: string): void {
-    this.showLamps(assumed, painting);
-    this.undo.disabled = !painting.canUndo();
-    this.redo.disabled = !painting.canRedo();
-    this.clear.disabled = !painting.canUndo();
-    byId("paint-title-field", HTMLElement).hidden = !painting.canUndo();
-    if (document.activeElement !== this.title) this.title.value = painting.title;
+  private showPainting({ done, undone, title }: Painting): void {
+    const isEmpty = done.length === 0;
+    this.undo.disabled = isEmpty;
+    this.redo.disabled = undone.length === 0;
+    this.clear.disabled = isEmpty;
+    byId("paint-title-field", HTMLElement).hidden = isEmpty;
+    if (document.activeElement !== this.title) this.title.value = title;
+  }
+
+  private showScenario(scenario: Scenario | null): void {
     if (scenario === null) {
       this.answer.replaceChildren();
       return;
@@ -131,9 +134,9 @@ export class PaintCard {
     say(this.factor, this.factor.value === "0" ? words().paint.switchedOff : `${this.factor.value} %`);
     say(this.add, `${this.add.value} nW/cm²/sr`);
     say(this.radius, `${this.radius.value} km`);
-    this.draw.setAttribute("aria-pressed", String(this.painting));
-    this.draw.textContent = this.painting ? words().paint.stop : words().paint.draw;
-    byId("paint-hint", HTMLElement).textContent = this.painting ? words().paint.hint : "";
-    this.events.brush(this.painting ? { shape: this.shape, radiusM: 1000 * Number(this.radius.value) } : null);
+    this.draw.setAttribute("aria-pressed", String(this.isPainting));
+    this.draw.textContent = this.isPainting ? words().paint.stop : words().paint.draw;
+    byId("paint-hint", HTMLElement).textContent = this.isPainting ? words().paint.hint : "";
+    this.store.set({ brush: this.isPainting ? { shape: this.shape, radiusM: 1000 * Number(this.radius.value) } : null });
   }
 }

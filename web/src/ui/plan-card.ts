@@ -1,19 +1,16 @@
-// What to dim so that a sky is darker: the wish, and the plan that the server found.
+// What to dim so that a sky is darker: what it is asked to reach, and the plan that the server found.
 
 import { urlOf } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { LISTED_PIXELS, type PlanMeasure, type PlanRequest } from "../planning.ts";
-import type { Region } from "../sky/region.ts";
+import type { Lights } from "../lights/lights.ts";
+import { LISTED_PIXELS, type PlanMeasure } from "../lights/plan-request.ts";
+import { planOf } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
 import { byId, inEnglish, make } from "./dom.ts";
 import { decimal, fixed, magnitude, whole, withPrefix } from "./format.ts";
 import { nearestPlace, placeName } from "./nearby.ts";
-import { WishForm } from "./wish-form.ts";
-
-export interface PlanCardEvents {
-  find: (wish: PlanRequest, keep: boolean) => void;
-  drop: () => void;
-}
+import { PlanForm } from "./plan-form.ts";
 
 /** So many towns are named; the rest are summed up. */
 const NAMED_TOWNS = 6;
@@ -44,46 +41,26 @@ export function effectByTown(pixels: readonly DimmedPixel[], places: readonly Na
 
 export class PlanCard {
   private readonly card = byId("plan-card", HTMLElement);
-  private readonly form: WishForm;
-  private shown: { plan: Plan | null; places: readonly NamedPlace[] } = { plan: null, places: [] };
   private readonly progress = byId("plan-progress", HTMLElement);
   private readonly reached = byId("plan-reached", HTMLElement);
   private readonly answer = byId("plan-answer", HTMLElement);
 
-  constructor(private readonly events: PlanCardEvents) {
-    this.form = new WishForm({ wished: events.find });
+  constructor(
+    store: AppStore,
+    private readonly lights: Lights,
+  ) {
+    const form = new PlanForm(store, lights);
+    store.watch(["isSearching"], ({ isSearching }) => {
+      this.card.setAttribute("aria-busy", String(isSearching));
+      // Of plans that follow a slider nothing is said: the sky shows them.
+      this.progress.textContent = isSearching && !form.isLive() ? words().plan.searching : "";
+    });
+    store.watch([planOf, "places"], (state) => this.show(planOf(state), state.places));
   }
 
-  /** The part of the sky that is marked, which a wish may be about. */
-  setRegion(region: Region | null): void {
-    this.form.setRegion(region);
-  }
-
-  /** A plan is looked for, or no longer. */
-  searching(on: boolean): void {
-    this.card.setAttribute("aria-busy", String(on));
-    this.form.searching(on);
-    // Of plans that follow a slider nothing is said: the sky shows them.
-    this.progress.textContent = on && !this.form.isLive() ? words().plan.searching : "";
-  }
-
-  /** What a slider was about to ask for is no longer wanted. */
-  rest(): void {
-    this.form.rest();
-  }
-
-  /** Shows a plan; null where there is none. */
-  show(plan: Plan | null, places: readonly NamedPlace[]): void {
-    if (plan === this.shown.plan && places === this.shown.places) return;
-    this.shown = { plan, places };
+  private show(plan: Plan | null, places: readonly NamedPlace[]): void {
     this.reached.replaceChildren(...(plan === null ? [] : this.goals(plan, places)));
-    if (plan === null) this.answer.replaceChildren();
-    else this.answer.replaceChildren(...this.plan(plan, places), this.drop());
-  }
-
-  /** The wish that a plan was found for, after a reload too. */
-  showWish(plan: Plan): void {
-    this.form.show(plan);
+    this.answer.replaceChildren(...(plan === null ? [] : [...this.plan(plan, places), this.drop()]));
   }
 
   /** What the plan reaches, and why not more: this is read out. */
@@ -143,7 +120,7 @@ export class PlanCard {
     const button = make("button", "quiet", words().plan.drop) as HTMLButtonElement;
     button.type = "button";
     button.id = "plan-drop";
-    button.addEventListener("click", () => this.events.drop());
+    button.addEventListener("click", () => this.lights.drop());
     return button;
   }
 }

@@ -1,21 +1,27 @@
 // What the pointed direction of the sky shows, in words.
 
 import { words } from "../language/words.ts";
-import type { SkyKind, SkySample } from "../sky/grid.ts";
+import { luminanceOf, type SkyKind, type SkySample } from "../sky/grid.ts";
 import { compassName } from "../sky/projection.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
-import { make } from "./dom.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId, make } from "./dom.ts";
 import { fixed, inUnit } from "./format.ts";
 
-export function showReadout(container: HTMLElement, sample: SkySample | null, kind: SkyKind, unit: BrightnessUnit): void {
+export function mountReadout(store: AppStore): void {
+  const container = byId("sky-readout", HTMLElement);
+  store.watch(["pointed", "sky", "unit"], ({ pointed, sky, unit }) => showReadout(container, pointed, sky, unit));
+}
+
+function showReadout(container: HTMLElement, sample: SkySample | null, kind: SkyKind, unit: BrightnessUnit): void {
   const say = words().readout;
   if (sample === null) {
     container.replaceChildren(make("span", "hint", say.hint));
     container.removeAttribute("data-azimuth-deg");
     return;
   }
-  const luminanceCdM2 = kind === "total" ? sample.totalCdM2 : sample.artificialCdM2;
-  const otherCdM2 = kind === "total" ? sample.artificialCdM2 : sample.totalCdM2;
+  const luminanceCdM2 = luminanceOf(sample, kind);
+  const otherCdM2 = luminanceOf(sample, kind === "total" ? "artificial" : "total");
   // The exact numbers, for scripts and tests; the text rounds them.
   container.dataset.azimuthDeg = String(sample.azimuthDeg);
   container.dataset.elevationDeg = String(sample.elevationDeg);

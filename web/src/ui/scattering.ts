@@ -3,9 +3,7 @@
 import type { ScatteringName } from "../api/client.ts";
 import type { Atmosphere } from "../api/types.ts";
 import { words } from "../language/words.ts";
-
-/** The best first. */
-export const SCATTERINGS: readonly ScatteringName[] = ["multiple", "single"];
+import { SCATTERINGS } from "../state/view-state.ts";
 
 export function scatteringTitle(scattering: string): string {
   const name = SCATTERINGS.find((known) => known === scattering);
@@ -20,7 +18,7 @@ export function residentScatterings(packs: readonly Pack[]): ScatteringName[] {
 }
 
 /** Smallest and largest turbidity of a scattering (null: the best); null without packs. */
-export function turbidityRange(packs: readonly Pack[], scattering: ScatteringName | null): [least: number, most: number] | null {
+export function turbidityRange(packs: readonly Pack[], scattering: ScatteringName | null): [min: number, max: number] | null {
   const wanted = scattering ?? residentScatterings(packs)[0];
   const values = packs.filter((pack) => pack.scattering === wanted).map(({ turbidity }) => turbidity);
   return values.length === 0 ? null : [Math.min(...values), Math.max(...values)];
@@ -28,6 +26,6 @@ export function turbidityRange(packs: readonly Pack[], scattering: ScatteringNam
 
 /** A turbidity that the packs of a scattering reach; null, the server's default, stays so. */
 export function clampTurbidity(packs: readonly Pack[], scattering: ScatteringName | null, turbidity: number | null): number | null {
-  const ends = turbidityRange(packs, scattering);
-  return turbidity === null || ends === null ? turbidity : Math.min(Math.max(turbidity, ends[0]), ends[1]);
+  const range = turbidityRange(packs, scattering);
+  return turbidity === null || range === null ? turbidity : Math.min(Math.max(turbidity, range[0]), range[1]);
 }

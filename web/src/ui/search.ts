@@ -2,8 +2,9 @@
 
 import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import type { Place } from "../state.ts";
-import { make } from "./dom.ts";
+import type { AppStore } from "../state/app-store.ts";
+import type { Place } from "../state/view-state.ts";
+import { byId, make } from "./dom.ts";
 import { cardinalNames, coordinates, whole } from "./format.ts";
 
 const MAX_RESULTS = 8;
@@ -46,23 +47,20 @@ export function matchingPlaces(places: readonly NamedPlace[], text: string): Nam
 }
 
 export class Search {
-  private places: readonly NamedPlace[] = [];
+  private readonly input = byId("search", HTMLInputElement);
+  private readonly list = byId("search-list", HTMLElement);
   private found: { title: string; detail: string; place: Place }[] = [];
   private active = -1;
 
   constructor(
-    private readonly input: HTMLInputElement,
-    private readonly list: HTMLElement,
+    private readonly store: AppStore,
     private readonly chosen: (place: Place) => void,
   ) {
+    const { input } = this;
     input.addEventListener("input", () => this.lookUp());
     input.addEventListener("focus", () => this.lookUp());
     input.addEventListener("blur", () => this.close());
     input.addEventListener("keydown", (event) => this.keyPressed(event));
-  }
-
-  setPlaces(places: readonly NamedPlace[]): void {
-    this.places = places;
   }
 
   private lookUp(): void {
@@ -70,7 +68,7 @@ export class Search {
     this.found =
       at !== null
         ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: words().top.coordinates, place: at }]
-        : matchingPlaces(this.places, this.input.value).map((place) => ({
+        : matchingPlaces(this.store.state.places, this.input.value).map((place) => ({
             title: place.name,
             detail: place.population ? whole(place.population) : "",
             place,

@@ -1,17 +1,19 @@
 // The link to what is shown: handed to the phone's own list of ways to share, or copied.
 
 import { words } from "../language/words.ts";
+import type { Lights } from "../lights/lights.ts";
 import { byId } from "./dom.ts";
 
 /** How long it is said that the link is copied. */
 const STATUS_MS = 6000;
 
-/** `lasting`: when a link to what is shown will last. */
-export function wireShare(lasting: () => Promise<boolean>): void {
+export function mountShare(lights: Lights): void {
   const status = byId("share-told", HTMLElement);
   const field = byId("share-link", HTMLInputElement);
   byId("share", HTMLButtonElement).addEventListener("click", () => {
-    lasting()
+    // A link to a plan that is only tried would be dead within minutes.
+    lights
+      .lasting()
       .then(() => share(location.href))
       .then((how) => {
         status.textContent = how === "copied" ? words().downloads.copied : "";

@@ -27,7 +27,7 @@ function wireLanguage(): void {
 /** Narrower than this, the panel of layers would hide the map. */
 const NARROW = "(max-width: 860px)";
 
-export function wireSwitches(resized: () => void): void {
+export function mountSwitches(resized: () => void): void {
   byId("layers", HTMLDetailsElement).open = !matchMedia(NARROW).matches;
   wireToggle("red-light", loadSetting(RED_LIGHT_KEY) === "on", (on) => {
     document.documentElement.classList.toggle("red-light", on);

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { ApiError, describeProblem } from "../api/problem.ts";
 import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
 import { coordinates, ratio, withPrefix } from "./format.ts";
-import { scaleEnds, typeset } from "./layers.ts";
+import { scaleEnds, typeset } from "./layer-legend.ts";
 import { distanceAndBearing, placeName } from "./nearby.ts";
 import { terrainTitle } from "./numbers.ts";
 import { clampTurbidity, residentScatterings, scatteringTitle, turbidityRange } from "./scattering.ts";

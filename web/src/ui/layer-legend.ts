@@ -1,4 +1,4 @@
-// The panel of the map's layers: what each shows, what its colours mean, and whether it is still being found.
+// The legend of a layer of the map: what its colours mean, or why there are none.
 
 import { describeProblem } from "../api/problem.ts";
 import type { TileJson } from "../api/types.ts";
@@ -6,7 +6,7 @@ import { words } from "../language/words.ts";
 import type { LayerState } from "../map/raster-layers.ts";
 import { luminanceFromBrightnessCdM2, NATURAL_SKY_MAG_ARCSEC2 } from "../photometry.ts";
 import { tileGradient } from "../sky/colour-maps.ts";
-import type { LayerName } from "../state.ts";
+import type { LayerName } from "../state/view-state.ts";
 import { byId, make } from "./dom.ts";
 import { decimal, whole, withPrefix } from "./format.ts";
 
@@ -52,14 +52,6 @@ export function scaleEnds(name: LayerName, { range, unit }: Pick<TileJson, "rang
   if (name === "influence")
     return [`1/${whole(Math.round(bright / dark))}`, words().layers.aPixel(withPrefix(bright, typeset(unit)))];
   return [about(dark), `${about(bright)} ${typeset(unit)}`];
-}
-
-/** What must be so before a layer can be shown; null where it is. */
-export function showLayerHint(name: LayerName, hint: string | null): void {
-  const box = byId(`layer-${name}`, HTMLInputElement);
-  box.disabled = hint !== null;
-  box.title = hint ?? "";
-  byId(`layer-hint-${name}`, HTMLElement).textContent = hint ?? "";
 }
 
 /** Says below a layer's switch what its colours mean, or why there are none. */

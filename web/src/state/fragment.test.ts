@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_STATE, fragmentFromState, stateFromFragment, type ViewState } from "./state.ts";
+import { fragmentFromState, stateFromFragment } from "./fragment.ts";
+import { DEFAULT_STATE, type ViewState } from "./view-state.ts";
 
 const EVERYTHING: ViewState = {
   scene: "kenya-2023",

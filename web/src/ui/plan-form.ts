@@ -2,22 +2,16 @@
 
 import type { Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { PLAN_MEASURES, type PlanMethod, type PlanRequest } from "../planning.ts";
-import type { Region } from "../sky/region.ts";
-import { byId, debounced } from "./dom.ts";
+import type { Lights } from "../lights/lights.ts";
+import { PLAN_MEASURES, type PlanMethod, type PlanRequest } from "../lights/plan-request.ts";
+import { planOf } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId } from "./dom.ts";
 import { decimal } from "./format.ts";
 import { wireGroup } from "./group.ts";
-import { setRegionOption } from "./marking.ts";
+import { setRegionOption } from "./select.ts";
 
-export interface WishEvents {
-  /** A plan is wanted; without `keep` it is one of many that are only tried. */
-  wished: (wish: PlanRequest, keep: boolean) => void;
-}
-
-/** A slider at rest for this long is tried. */
-const TRIED_AFTER_MS = 120;
-
-export class WishForm {
+export class PlanForm {
   private readonly reduction = byId("plan-reduction", HTMLInputElement);
   private readonly cut = byId("plan-cut", HTMLInputElement);
   private readonly least = byId("plan-least", HTMLInputElement);
@@ -26,18 +20,18 @@ export class WishForm {
   private readonly measure = byId("plan-measure", HTMLSelectElement);
   private readonly find = byId("plan-find", HTMLButtonElement);
   private readonly pressMethod: (method: PlanMethod) => void;
-  private readonly trySoon: ReturnType<typeof debounced<[]>>;
   private method: PlanMethod = "target";
-  private region: Region | null = null;
 
-  constructor(events: WishEvents) {
-    this.trySoon = debounced(TRIED_AFTER_MS, () => events.wished(this.wish(), false));
+  constructor(
+    private readonly store: AppStore,
+    lights: Lights,
+  ) {
     const moved = () => {
       this.showValues();
-      if (this.method === "threshold") this.trySoon();
+      if (this.method === "threshold") lights.try(this.request());
     };
     this.pressMethod = wireGroup<PlanMethod>("plan-method", (method) => {
-      this.rest();
+      lights.stopTrying();
       this.setMethod(method);
     });
     for (const slider of [this.reduction, this.cut, this.gamma]) slider.addEventListener("input", moved);
@@ -51,23 +45,19 @@ export class WishForm {
       moved();
     });
     this.measure.addEventListener("change", moved);
-    this.find.addEventListener("click", () => {
-      this.rest();
-      events.wished(this.wish(), true);
-    });
+    this.find.addEventListener("click", () => lights.find(this.request()));
     this.pressMethod(this.method);
     this.setMethod(this.method);
-  }
-
-  /** The part of the sky that is marked, which a wish may be about. */
-  setRegion(region: Region | null): void {
-    this.region = region;
-    setRegionOption(this.measure, region !== null);
-  }
-
-  /** What a slider was about to ask for is no longer wanted. */
-  rest(): void {
-    this.trySoon.cancel();
+    store.watch(["region"], ({ region }) => setRegionOption(this.measure, region !== null));
+    store.watch(["isSearching"], ({ isSearching }) => {
+      // Sliders go on while the last of their plans is on its way.
+      this.find.disabled = isSearching && this.method === "target";
+    });
+    // A slider that goes on moving is not put back to where it was.
+    store.watch([planOf], (state) => {
+      const plan = planOf(state);
+      if (plan !== null && !state.isTrying) this.show(plan);
+    });
   }
 
   /** Whether the sky follows the sliders. */
@@ -75,13 +65,8 @@ export class WishForm {
     return this.method === "threshold";
   }
 
-  searching(on: boolean): void {
-    // Sliders go on while the last of their plans is on its way.
-    this.find.disabled = on && this.method === "target";
-  }
-
-  /** The wish that a plan was found for, after a reload too. */
-  show(plan: Plan): void {
+  /** What a plan was found for, after a reload too. */
+  private show(plan: Plan): void {
     const [site] = plan.sites;
     if (site === undefined) return;
     if (plan.method === "threshold") {
@@ -104,9 +89,9 @@ export class WishForm {
     this.showValues();
   }
 
-  private wish(): PlanRequest {
+  private request(): PlanRequest {
     const measure = PLAN_MEASURES.find((name) => name === this.measure.value) ?? "zenith";
-    const about = { measure, region: this.region };
+    const about = { measure, region: this.store.state.region };
     if (this.method === "target")
       return { ...about, method: "target", reduceBy: Number(this.reduction.value) / 100, maxCut: Number(this.cut.value) / 100 };
     return {

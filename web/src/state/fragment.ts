@@ -1,94 +1,10 @@
-// What the viewer shows, and its form in the URL's fragment, so that a link or a reload restores it.
+// The form of the viewer's state in the URL's fragment, so that a link or a reload restores it.
 
-import type { ScatteringName } from "./api/client.ts";
-import type { NamedPlace } from "./api/types.ts";
-import { type PictureStyle, STYLES } from "./sky/colour-maps.ts";
-import type { SkyKind } from "./sky/grid.ts";
-import { type Gaze, PROJECTIONS, type ProjectionName } from "./sky/projection.ts";
-import { type Region, regionFromText, textFromRegion } from "./sky/region.ts";
-import { type BrightnessUnit, UNITS } from "./sky/units.ts";
-
-/** A point on the ground, as the API names it. */
-export type Place = Pick<NamedPlace, "latitude_deg" | "longitude_deg">;
-export type MapView = Place & { zoom: number };
-
-const SCATTERING_NAMES: readonly ScatteringName[] = ["multiple", "single"];
-
-/** From the lowest to the highest on the map. */
-export const LAYERS = ["elevation", "brightness", "radiance", "influence"] as const;
-export type LayerName = (typeof LAYERS)[number];
-
-/** What of the sky lights have their part in, as far as the viewer shows it. */
-export const MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
-export type MeasureName = (typeof MEASURES)[number];
-
-export type TerrainKind = "on" | "off";
-
-/** The scene's lights as they are, as the scenario has them, or one beside the other. */
-export const LIGHTS = ["today", "both", "changed"] as const;
-export type LightsKind = (typeof LIGHTS)[number];
-
-export interface ViewState {
-  /** null until the list of scenes is known. */
-  scene: string | null;
-  place: Place | null;
-  /** Id of the plan or scenario that changes the scene's lights; null: there is none. */
-  scenario: string | null;
-  /** Which lights are shown where there is a scenario. */
-  lights: LightsKind;
-  /** How far today's sky and map reach from the left where both are shown, 0 to 1. */
-  split: number;
-  /** null: fit the scene. */
-  view: MapView | null;
-  /** null: the server's default. */
-  turbidity: number | null;
-  /** null: the best that the server has. */
-  scattering: ScatteringName | null;
-  /** Base of a closed layer of cloud above sea level, metres; null: a clear sky. */
-  clouds: number | null;
-  lamp: string;
-  emission: string;
-  /** Whether terrain hides the sky below the horizon. */
-  terrain: TerrainKind;
-  projection: ProjectionName;
-  /** Where the perspective looks; null: towards the brightest light. */
-  gaze: Gaze | null;
-  sky: SkyKind;
-  colours: PictureStyle;
-  /** Of the realistic picture, stops. */
-  exposureEv: number;
-  unit: BrightnessUnit;
-  /** Of the layer of influence; `region` only where there is one. */
-  measure: MeasureName;
-  /** The part of the sky that is marked. */
-  region: Region | null;
-  /** Opacity 0..1; 0 is off. */
-  layers: Record<LayerName, number>;
-}
-
-export const DEFAULT_STATE: Readonly<ViewState> = {
-  scene: null,
-  place: null,
-  scenario: null,
-  lights: "changed",
-  split: 0.5,
-  view: null,
-  turbidity: null,
-  scattering: null,
-  clouds: null,
-  lamp: "mixed",
-  emission: "garstang",
-  terrain: "on",
-  projection: "equirectangular",
-  gaze: null,
-  sky: "artificial",
-  colours: "inferno",
-  exposureEv: 0,
-  unit: "magnitude",
-  measure: "zenith",
-  region: null,
-  layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
-};
+import { STYLES } from "../sky/colour-maps.ts";
+import { type Gaze, PROJECTIONS } from "../sky/projection.ts";
+import { regionFromText, textFromRegion } from "../sky/region.ts";
+import { UNITS } from "../sky/units.ts";
+import { DEFAULT_STATE, LAYERS, LIGHTS, MEASURES, SCATTERINGS, type ViewState } from "./view-state.ts";
 
 function numberIn(text: string | null, min: number, max: number): number | null {
   if (text === null || text.trim() === "") return null;
@@ -139,7 +55,7 @@ export function stateFromFragment(fragment: string): ViewState {
         ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }
         : null,
     turbidity: numberIn(query.get("turbidity"), 1, 100),
-    scattering: SCATTERING_NAMES.find((name) => name === query.get("scattering")) ?? null,
+    scattering: SCATTERINGS.find((name) => name === query.get("scattering")) ?? null,
     clouds: numberIn(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
     emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,

@@ -1,6 +1,6 @@
 // Edits that somebody paints over the lights, with undo and redo.
 
-import type { EditAnswer, EditBody, LampBody, ScenarioAnswer, ScenarioBody } from "./api/schema.ts";
+import type { EditAnswer, EditBody, LampBody, ScenarioAnswer, ScenarioBody } from "../api/schema.ts";
 
 /** What a stroke does to the lights below it. */
 export type PaintKind = "factor" | "lamp" | "emission" | "add";
@@ -74,90 +74,41 @@ export function editFromAnswer({
   return { ...where, ...(factor == null || (factor === 1 && !onlyFactor) ? {} : { factor }), ...lamps, ...sent };
 }
 
-export interface PaintingSnapshot {
+/** What somebody painted: replaced, never changed in place. */
+export interface Painting {
   readonly done: readonly EditBody[];
   readonly undone: readonly EditBody[];
+  /** The plan or scenario that the edits go on from. */
   readonly base: string | null;
   readonly title: string;
 }
 
-export class Painting {
-  /** Never changed in place: whoever holds them may compare. */
-  private done: readonly EditBody[] = [];
-  private undone: readonly EditBody[] = [];
-  /** The plan or scenario that the edits go on from. */
-  base: string | null = null;
-  title = "";
+export const EMPTY_PAINTING: Painting = { done: [], undone: [], base: null, title: "" };
 
-  edits(): readonly EditBody[] {
-    return this.done;
-  }
+export function isFull({ done }: Painting): boolean {
+  return done.length >= MAX_EDITS;
+}
 
-  canUndo(): boolean {
-    return this.done.length > 0;
-  }
+export function withEdit(painting: Painting, edit: EditBody): Painting {
+  return { ...painting, done: [...painting.done, edit], undone: [] };
+}
 
-  canRedo(): boolean {
-    return this.undone.length > 0;
-  }
+export function withUndo(painting: Painting): Painting {
+  const edit = painting.done.at(-1);
+  return edit === undefined ? painting : { ...painting, done: painting.done.slice(0, -1), undone: [...painting.undone, edit] };
+}
 
-  isFull(): boolean {
-    return this.done.length >= MAX_EDITS;
-  }
+export function withRedo(painting: Painting): Painting {
+  const edit = painting.undone.at(-1);
+  return edit === undefined ? painting : { ...painting, done: [...painting.done, edit], undone: painting.undone.slice(0, -1) };
+}
 
-  add(edit: EditBody): void {
-    this.done = [...this.done, edit];
-    this.undone = [];
-  }
+/** What somebody painted before, to go on from. */
+export function paintingFromScenario({ edits, base, title }: Pick<ScenarioAnswer, "edits" | "base" | "title">): Painting {
+  return { done: edits.map(editFromAnswer), undone: [], base: base ?? null, title: title ?? "" };
+}
 
-  undo(): void {
-    const edit = this.done.at(-1);
-    if (edit === undefined) return;
-    this.done = this.done.slice(0, -1);
-    this.undone = [...this.undone, edit];
-  }
-
-  redo(): void {
-    const edit = this.undone.at(-1);
-    if (edit === undefined) return;
-    this.undone = this.undone.slice(0, -1);
-    this.done = [...this.done, edit];
-  }
-
-  /** Forgets all of it. */
-  clear(): void {
-    this.done = [];
-    this.undone = [];
-    this.base = null;
-    this.title = "";
-  }
-
-  /** Goes on from what somebody painted before. */
-  load({ edits, base, title }: Pick<ScenarioAnswer, "edits" | "base" | "title">): void {
-    this.done = edits.map(editFromAnswer);
-    this.undone = [];
-    this.base = base ?? null;
-    this.title = title ?? "";
-  }
-
-  /** All of it, to go back to. */
-  snapshot(): PaintingSnapshot {
-    return { done: this.done, undone: this.undone, base: this.base, title: this.title };
-  }
-
-  restore({ done, undone, base, title }: PaintingSnapshot): void {
-    this.done = done;
-    this.undone = undone;
-    this.base = base;
-    this.title = title;
-  }
-
-  /** What the server is asked to keep. */
-  body(): ScenarioBody {
-    return {
-      edits: [...this.done],
-      ...(this.base === null ? {} : { base: this.base }),
-      ...(this.title === "" ? {} : { title: this.title }),
-    };
-  }
+/** What the server is asked to store. */
+export function scenarioBody({ done, base, title }: Painting): ScenarioBody {
+  return { edits: [...done], ...(base === null ? {} : { base }), ...(title === "" ? {} : { title }) };
 }

@@ -1,7 +1,18 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { EditAnswer } from "./api/schema.ts";
-import { editFrom, editFromAnswer, type PaintChange, Painting } from "./painting.ts";
+import type { EditAnswer } from "../api/schema.ts";
+import {
+  EMPTY_PAINTING,
+  editFrom,
+  editFromAnswer,
+  isFull,
+  type PaintChange,
+  paintingFromScenario,
+  scenarioBody,
+  withEdit,
+  withRedo,
+  withUndo,
+} from "./painting.ts";
 
 const CHANGE: PaintChange = {
   kind: "factor",
@@ -97,37 +108,28 @@ test("the server's answer gives back what was sent", () => {
   assert.deepEqual(editFromAnswer({ ...none, area: polygon, radius_m: null, factor: 2 } as EditAnswer), { polygon, factor: 2 });
 });
 
-test("strokes are undone and redone in order, and a new one ends what could be redone", () => {
-  const painting = new Painting();
+test("strokes are undone and redone in order", () => {
   const [first, second, third] = [0, 0.5, 2].map((factor) => editFrom(BRUSH, { ...CHANGE, factor }));
-  painting.add(first!);
-  painting.add(second!);
-  painting.undo();
-  assert.deepEqual(painting.edits(), [first]);
-  assert.ok(painting.canRedo());
-  painting.redo();
-  assert.deepEqual(painting.edits(), [first, second]);
-  painting.undo();
-  painting.add(third!);
-  assert.deepEqual(painting.edits(), [first, third]);
-  assert.ok(!painting.canRedo());
-  painting.redo();
-  assert.deepEqual(painting.body(), { edits: [first, third] });
-  painting.base = "p-0123456789abcdef0123";
-  painting.title = "Half";
-  assert.deepEqual(painting.body(), { edits: [first, third], base: "p-0123456789abcdef0123", title: "Half" });
-  painting.clear();
-  painting.undo();
-  assert.deepEqual(painting.body(), { edits: [] });
+  let painting = withUndo(withEdit(withEdit(EMPTY_PAINTING, first!), second!));
+  assert.deepEqual(painting.done, [first]);
+  assert.deepEqual(painting.undone, [second]);
+  painting = withRedo(painting);
+  assert.deepEqual(painting.done, [first, second]);
+  // A new stroke ends what could be redone.
+  painting = withEdit(withUndo(painting), third!);
+  assert.deepEqual(painting.done, [first, third]);
+  assert.deepEqual(painting.undone, []);
+  assert.deepEqual(withRedo(painting), painting);
+  assert.deepEqual(scenarioBody(painting), { edits: [first, third] });
+  painting = { ...painting, base: "p-0123456789abcdef0123", title: "Half" };
+  assert.deepEqual(scenarioBody(painting), { edits: [first, third], base: "p-0123456789abcdef0123", title: "Half" });
+  assert.deepEqual(scenarioBody(withUndo(EMPTY_PAINTING)), { edits: [] });
 });
 
 test("painting goes on from what was painted before", () => {
-  const painting = new Painting();
-  painting.load({
-    edits: [{ area: { type: "MultiPoint", coordinates: [[9, 46]] }, radius_m: 100, factor: 0.2, lit_pixels: 1 }],
-    base: null,
-    title: null,
-  });
-  assert.deepEqual(painting.body(), { edits: [{ brush: { points: [[9, 46]], radius_m: 100 }, factor: 0.2 }] });
-  assert.ok(painting.canUndo() && !painting.isFull());
+  const edit = { area: { type: "MultiPoint", coordinates: [[9, 46]] }, radius_m: 100, factor: 0.2, lit_pixels: 1 };
+  const painting = paintingFromScenario({ edits: [edit], base: null, title: null });
+  assert.deepEqual(scenarioBody(painting), { edits: [{ brush: { points: [[9, 46]], radius_m: 100 }, factor: 0.2 }] });
+  assert.ok(!isFull(painting));
+  assert.ok(isFull({ ...painting, done: new Array(100).fill(painting.done[0]) }));
 });

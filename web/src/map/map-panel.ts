@@ -1,0 +1,108 @@
+// The map as a component: it follows the state, and what happens on it changes the state.
+
+import { words } from "../language/words.ts";
+import type { PaintedArea } from "../lights/painting.ts";
+import {
+  type AppState,
+  CONDITIONS,
+  type Conditions,
+  conditionsOf,
+  influenceQuery,
+  isCompared,
+  planOf,
+  sceneOf,
+  todaysConditions,
+} from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { LAYERS, type LayerName, type Place } from "../state/view-state.ts";
+import { byId } from "../ui/dom.ts";
+import type { LayerRequest } from "./raster-layers.ts";
+import type { SkyMap } from "./sky-map.ts";
+
+const NOTHING: readonly never[] = [];
+
+export class MapPanel {
+  private map: SkyMap | null = null;
+
+  constructor(
+    private readonly store: AppStore,
+    private readonly painted: (area: PaintedArea) => void,
+  ) {}
+
+  /** Without WebGL there is no map, but the search box still picks places. */
+  async load(): Promise<void> {
+    try {
+      const { SkyMap } = await import("./sky-map.ts");
+      this.map = this.create(SkyMap);
+      this.follow(this.map);
+    } catch (reason) {
+      this.store.report(new Error(words().problems.noMap(reason instanceof Error ? reason.message : String(reason))));
+    }
+  }
+
+  /** Moves so that a place is in view. */
+  goTo(place: Place): void {
+    this.map?.goTo(place);
+  }
+
+  resize(): void {
+    this.map?.resize();
+  }
+
+  private create(Class: typeof SkyMap): SkyMap {
+    const { store } = this;
+    return new Class(byId("map", HTMLElement), store.state.view, {
+      picked: (place) => store.pick(place),
+      painted: this.painted,
+      moved: (view) => store.set({ view }),
+      layer: (name, state) => store.set({ layerStates: { ...store.state.layerStates, [name]: state } }),
+      split: (split) => store.set({ split }),
+      failed: (reason) => store.report(reason),
+    });
+  }
+
+  private follow(map: SkyMap): void {
+    const { store } = this;
+    addEventListener("popstate", () => {
+      if (store.state.view !== null) map.jumpTo(store.state.view);
+    });
+    store.watch([sceneOf], (state) => {
+      const scene = sceneOf(state);
+      if (scene !== null) void map.showScene(scene, state.view === null);
+    });
+    store.watch(["places"], ({ places }) => void map.showPlaces(places));
+    store.watch(["place"], ({ place }) => map.mark(place));
+    store.watch(["brush"], ({ brush }) => map.setBrush(brush));
+    store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
+    store.watch([planOf, "lights"], (state) => {
+      void map.showDimmed((state.lights === "today" ? null : planOf(state)?.pixels) ?? NOTHING);
+    });
+    store.watch(["painting", "lights"], ({ painting, lights }) => {
+      void map.showPainted(lights === "today" ? NOTHING : painting.done);
+    });
+    store.watch([sceneOf, "place", ...CONDITIONS, "layers", "measure", "region", "isTrying"], (state) => {
+      for (const layer of LAYERS) showLayer(map, layer, state);
+    });
+  }
+}
+
+function showLayer(map: SkyMap, layer: LayerName, state: Readonly<AppState>): void {
+  // Its sums take seconds: of plans that are only tried they are not asked for, and what is there stays.
+  if (layer === "brightness" && state.layers.brightness > 0 && state.isTrying) return;
+  const today = isCompared(state) ? layerRequest(layer, state, todaysConditions(state)) : null;
+  map.showLayer(layer, layerRequest(layer, state, conditionsOf(state)), today);
+}
+
+/** What a layer is asked for under such conditions; null where there is nothing to show. */
+function layerRequest(layer: LayerName, state: Readonly<AppState>, conditions: Conditions): LayerRequest | null {
+  const { place, clouds, layers } = state;
+  const { scenario } = conditions;
+  const scene = sceneOf(state);
+  const query = {
+    elevation: scene?.terrain === true ? {} : null,
+    brightness: clouds === null ? conditions : null,
+    radiance: scenario === undefined ? {} : { scenario },
+    influence: place === null ? null : influenceQuery(state, place, conditions),
+  }[layer];
+  return scene === null || query === null ? null : { scene: scene.id, query, opacity: layers[layer] };
+}

@@ -1,0 +1,127 @@
+// All that the viewer knows: what a link holds, and what the server has answered to it.
+
+import type { InfluenceQuery, SkyParameters } from "../api/client.ts";
+import type { Atmosphere, NamedPlace, Plan, Scenario, Scene, Site, SkyAnswer } from "../api/types.ts";
+import { EMPTY_PAINTING, type Painting } from "../lights/painting.ts";
+import type { Change } from "../lights/plan-request.ts";
+import type { Brush } from "../map/painter.ts";
+import type { LayerState } from "../map/raster-layers.ts";
+import type { SkyGrid, SkySample } from "../sky/grid.ts";
+import { textFromRegion } from "../sky/region.ts";
+import { packsUnder } from "../ui/clouds.ts";
+import type { LayerName, Place, ViewState } from "./view-state.ts";
+
+export interface AppState extends ViewState {
+  scenes: readonly Scene[];
+  atmospheres: readonly Atmosphere[];
+  /** The scene's named places. */
+  places: readonly NamedPlace[];
+  /** What went wrong last, until it is closed. */
+  problem: { reason: unknown } | null;
+  /** How much of the picked place's sky is there. */
+  skyStage: "none" | "site" | "numbers" | "picture";
+  /** Whether a sky is on its way. */
+  isBusy: boolean;
+  site: Site | null;
+  answer: SkyAnswer | null;
+  panorama: SkyGrid | null;
+  /** The panorama of today's lights, where it is shown beside that of others. */
+  panoramaToday: SkyGrid | null;
+  /** Width of the sky's plot by its height. */
+  skyAspect: number;
+  /** What is pointed at in the sky. */
+  pointed: SkySample | null;
+  /** Whether the next curve over the sky marks a region. */
+  isDrawing: boolean;
+  /** The plan or scenario that the state names, once it is there. */
+  change: Change | null;
+  isSearching: boolean;
+  /** Whether the plan that is shown is one of many that are tried. */
+  isTrying: boolean;
+  painting: Painting;
+  /** What strokes on the map paint with; null: they move it. */
+  brush: Brush | null;
+  layerStates: Readonly<Partial<Record<LayerName, LayerState>>>;
+}
+
+export function initialState(view: ViewState): AppState {
+  return {
+    ...view,
+    scenes: [],
+    atmospheres: [],
+    places: [],
+    problem: null,
+    skyStage: "none",
+    isBusy: false,
+    site: null,
+    answer: null,
+    panorama: null,
+    panoramaToday: null,
+    skyAspect: 1,
+    pointed: null,
+    isDrawing: false,
+    change: null,
+    isSearching: false,
+    isTrying: false,
+    painting: EMPTY_PAINTING,
+    brush: null,
+    layerStates: {},
+  };
+}
+
+type State = Readonly<AppState>;
+/** What the sky of any place depends on. */
+export type Conditions = Omit<SkyParameters, "lat" | "lon">;
+
+/** The scene that is shown; null until the list of scenes is known. */
+export function sceneOf({ scenes, scene }: State): Scene | null {
+  return scenes.find(({ id }) => id === scene) ?? null;
+}
+
+/** The packs under the clouds of the state. */
+export function packsOf({ atmospheres, clouds }: State): Atmosphere[] {
+  return packsUnder(atmospheres, clouds);
+}
+
+export function planOf({ change }: State): Plan | null {
+  return change?.kind === "plan" ? change.plan : null;
+}
+
+export function scenarioOf({ change }: State): Scenario | null {
+  return change?.kind === "scenario" ? change.scenario : null;
+}
+
+/** Whether the lights of today are shown beside the changed ones. */
+export function isCompared({ scenario, lights }: State): boolean {
+  return scenario !== null && lights === "both";
+}
+
+/** What `conditionsOf` is made of. */
+export const CONDITIONS = ["turbidity", "scattering", "clouds", "lamp", "emission", "terrain", "scenario", "lights"] as const;
+
+export function conditionsOf({ turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights }: State): Conditions {
+  return {
+    lamp,
+    emission,
+    ...(terrain === "on" ? {} : { terrain }),
+    ...(turbidity === null ? {} : { turbidity }),
+    ...(scattering === null ? {} : { scattering }),
+    ...(clouds === null ? {} : { clouds: String(clouds) }),
+    ...(scenario === null || lights === "today" ? {} : { scenario }),
+  };
+}
+
+export function todaysConditions(state: State): Omit<Conditions, "scenario"> {
+  const { scenario: _, ...today } = conditionsOf(state);
+  return today;
+}
+
+/** As requests have them. Five decimals are a metre; a link restores the very same request. */
+export function coordinatesOf({ latitude_deg, longitude_deg }: Place): { lat: number; lon: number } {
+  return { lat: +latitude_deg.toFixed(5), lon: +longitude_deg.toFixed(5) };
+}
+
+export function influenceQuery({ measure, region }: State, place: Place, conditions: Conditions): InfluenceQuery {
+  const marked = measure === "region" && region !== null ? { region: textFromRegion(region) } : {};
+  return { ...coordinatesOf(place), ...conditions, measure, ...marked };
+}

@@ -1,0 +1,55 @@
+// The panel of the map's layers: which are shown, how opaque, and what must be so before.
+
+import { words } from "../language/words.ts";
+import { type AppState, sceneOf } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { LAYERS, type LayerName, type MeasureName } from "../state/view-state.ts";
+import { byId } from "./dom.ts";
+import { showLayerState } from "./layer-legend.ts";
+import { setRegionOption } from "./select.ts";
+
+export function mountLayerPanel(store: AppStore): void {
+  for (const layer of LAYERS) mountLayer(store, layer);
+  const measure = byId("measure", HTMLSelectElement);
+  measure.addEventListener("change", () => store.set({ measure: measure.value as MeasureName }));
+  store.watch(["measure", "region", "layers"], (state) => {
+    setRegionOption(measure, state.region !== null);
+    measure.value = state.measure;
+    measure.hidden = state.layers.influence === 0;
+  });
+}
+
+function mountLayer(store: AppStore, layer: LayerName): void {
+  const box = byId(`layer-${layer}`, HTMLInputElement);
+  const slider = byId(`opacity-${layer}`, HTMLInputElement);
+  const hintBelow = byId(`layer-hint-${layer}`, HTMLElement);
+  const changed = () => store.set({ layers: { ...store.state.layers, [layer]: box.checked ? Number(slider.value) : 0 } });
+  box.addEventListener("change", changed);
+  slider.addEventListener("input", changed);
+  const show = (state: Readonly<AppState>) => {
+    const hint = hintOf(layer, state);
+    box.disabled = hint !== "";
+    box.title = hint;
+    hintBelow.textContent = hint;
+    const opacity = state.layers[layer];
+    box.checked = opacity > 0 && !box.disabled;
+    slider.disabled = !box.checked;
+    if (opacity > 0) slider.value = String(opacity);
+  };
+  store.watch([sceneOf, "clouds", "place", "layers"], show);
+  store.watch([({ layerStates }) => layerStates[layer]], ({ layerStates }) => {
+    const state = layerStates[layer];
+    if (state !== undefined) showLayerState(layer, state);
+  });
+}
+
+/** What must be so before a layer can be shown; empty where it is. */
+function hintOf(layer: LayerName, state: Readonly<AppState>): string {
+  const { noTerrain, clearSkyAlone, placeFirst } = words().layers;
+  return {
+    elevation: sceneOf(state)?.terrain === false ? noTerrain : "",
+    brightness: state.clouds === null ? "" : clearSkyAlone,
+    radiance: "",
+    influence: state.place === null ? placeFirst : "",
+  }[layer];
+}

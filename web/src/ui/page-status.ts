@@ -1,0 +1,34 @@
+// What the page's styles depend on: whether a place is picked, how much of its sky is there, and how it is projected.
+
+import type { AppStore } from "../state/app-store.ts";
+import { byId, make } from "./dom.ts";
+import { coordinates } from "./format.ts";
+import { placeName } from "./nearby.ts";
+
+export function mountPageStatus(store: AppStore): void {
+  const { body } = document;
+  const numbers = byId("numbers-card", HTMLElement);
+  const title = byId("place-title", HTMLElement);
+  store.watch(["place"], ({ place }) => {
+    body.dataset.place = place === null ? "none" : "picked";
+  });
+  store.watch(["projection"], ({ projection }) => {
+    body.dataset.projection = projection;
+  });
+  store.watch(["skyStage"], ({ skyStage }) => {
+    body.dataset.sky = skyStage;
+  });
+  store.watch(["isBusy"], ({ isBusy }) => {
+    body.classList.toggle("busy", isBusy);
+    numbers.setAttribute("aria-busy", String(isBusy));
+  });
+  store.watch(["place", "places"], ({ place, places }) => {
+    if (place === null) {
+      title.replaceChildren();
+      return;
+    }
+    const name = placeName(place, places);
+    const at = coordinates(place.latitude_deg, place.longitude_deg);
+    title.replaceChildren(name, ...(name === at ? [] : [make("small", "", at)]));
+  });
+}

@@ -1,0 +1,36 @@
+// How the sky is shown: which light, in which projection, colours and unit.
+
+import type { PictureStyle } from "../sky/colour-maps.ts";
+import type { SkyKind } from "../sky/grid.ts";
+import type { ProjectionName } from "../sky/projection.ts";
+import type { BrightnessUnit } from "../sky/units.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId } from "./dom.ts";
+import { decimal } from "./format.ts";
+import { wireGroup } from "./group.ts";
+
+export function mountPictureControls(store: AppStore): void {
+  const colours = byId("colours", HTMLSelectElement);
+  const exposure = byId("exposure", HTMLInputElement);
+  const unit = byId("unit", HTMLSelectElement);
+  colours.addEventListener("change", () => store.set({ colours: colours.value as PictureStyle }));
+  exposure.addEventListener("input", () => store.set({ exposureEv: Number(exposure.value) }));
+  unit.addEventListener("change", () => store.set({ unit: unit.value as BrightnessUnit }));
+  const pressProjection = wireGroup<ProjectionName>("projection", (projection) => store.set({ projection }));
+  const pressSky = wireGroup<SkyKind>("sky-kind", (sky) => store.set({ sky }));
+  store.watch(["projection"], ({ projection }) => pressProjection(projection));
+  store.watch(["sky"], ({ sky }) => pressSky(sky));
+  store.watch(["unit"], (state) => {
+    unit.value = state.unit;
+  });
+  store.watch(["colours"], (state) => {
+    colours.value = state.colours;
+    byId("exposure-field", HTMLElement).hidden = state.colours !== "realistic";
+  });
+  store.watch(["exposureEv"], ({ exposureEv }) => {
+    exposure.value = String(exposureEv);
+    const stops = `${exposureEv > 0 ? "+" : ""}${decimal(exposureEv)} EV`;
+    byId("exposure-value", HTMLOutputElement).value = stops;
+    exposure.setAttribute("aria-valuetext", stops);
+  });
+}

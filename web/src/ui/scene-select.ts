@@ -1,0 +1,38 @@
+// The choice of the scene, and what is said of the chosen one.
+
+import type { Scene } from "../api/types.ts";
+import { words } from "../language/words.ts";
+import { sceneOf } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId } from "./dom.ts";
+
+/** Whether that text itself says that the scene is made up. */
+function saysIllustrative(text: string): boolean {
+  return /illustrative/i.test(text);
+}
+
+function option({ id, title, illustrative }: Scene): HTMLOptionElement {
+  return new Option(illustrative && !saysIllustrative(title) ? words().scene.illustrativeTitle(title) : title, id);
+}
+
+function note({ illustrative, date, attribution }: Scene): string {
+  const warning = illustrative && !saysIllustrative(attribution ?? "") ? words().scene.illustrative : "";
+  return [warning, date ?? "", attribution ?? ""].filter((part) => part !== "").join(" · ");
+}
+
+export function mountSceneSelect(store: AppStore): void {
+  const select = byId("scene", HTMLSelectElement);
+  const container = byId("scene-note", HTMLElement);
+  select.addEventListener("change", () => store.push({ scene: select.value, place: null, scenario: null, view: null }));
+  store.watch(["scenes"], ({ scenes }) => {
+    select.replaceChildren(...scenes.map(option));
+    select.disabled = scenes.length === 0;
+  });
+  store.watch([sceneOf], (state) => {
+    const scene = sceneOf(state);
+    if (scene === null) return;
+    select.value = scene.id;
+    container.textContent = note(scene);
+    container.classList.toggle("illustrative", scene.illustrative);
+  });
+}
