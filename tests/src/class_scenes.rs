@@ -167,8 +167,9 @@ mod tests {
         altitudes
     }
 
+    /// Scenes of classes are areas of pixels at few altitudes, and the same every time.
     #[test]
-    fn scenes_of_classes_are_areas_of_pixels_at_few_altitudes_and_the_same_every_time() {
+    fn class_scenes_are_reproducible_pixel_areas() {
         for class in Class::ALL {
             assert_eq!(Class::from_name(class.name()), Some(class));
             for (scene, again) in class.scenes().iter().zip(class.scenes()) {
@@ -186,8 +187,9 @@ mod tests {
         }
     }
 
+    /// The valley has lights high above, and the sea none near.
     #[test]
-    fn the_valley_has_lights_high_above_and_the_sea_none_near() {
+    fn valley_lights_are_high_and_sea_lights_far() {
         let [valley, _] = Class::Valley.scenes();
         let highest_deg = valley
             .sources

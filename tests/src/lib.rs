@@ -19,4 +19,5 @@ pub mod outside;
 pub mod packs;
 pub mod places;
 pub mod sky_errors;
+pub mod test_names;
 pub mod tree;

@@ -40,8 +40,9 @@ mod tests {
         PointSource { azimuth_rad, distance_m, altitude_m, flux_dnb_w: 1.0 + altitude_m }
     }
 
+    /// Neighbours far off become one with their flux, and others stay.
     #[test]
-    fn neighbours_far_off_become_one_with_their_flux_and_others_stay() {
+    fn far_neighbours_merge_with_their_flux() {
         let far = [source(1.003, 200_000.0, 410.0), source(1.004, 200_300.0, 405.0)];
         let one = merged(&far, 0.01);
         assert_eq!(one.len(), 1);

@@ -40,8 +40,9 @@ mod tests {
     use super::*;
     use skyglow_physics::direct_sum::stratified_samples;
 
+    /// A sky a tenth too bright is a tenth off in all four errors.
     #[test]
-    fn a_sky_a_tenth_too_bright_is_a_tenth_off_in_all_four() {
+    fn a_tenth_too_bright_is_a_tenth_off() {
         let samples = stratified_samples(100);
         let exact = vec![[2e-7; BAND_COUNT]; samples.len()];
         let fast = vec![[2.2e-7; BAND_COUNT]; samples.len()];

@@ -147,8 +147,9 @@ mod tests {
         Check::new("one", "error", 1).found(worst, limit, control)
     }
 
+    /// A check passes within its limit where the planted fault exceeds it.
     #[test]
-    fn a_check_passes_within_its_limit_where_the_planted_fault_exceeds_it() {
+    fn a_check_needs_its_fault_above_the_limit() {
         assert!(check(1.0, 2.0, 3.0).passed && check(0.0, 0.0, 1.0).passed);
         assert!(!check(2.1, 2.0, 3.0).passed);
         assert!(!check(1.0, 2.0, 1.5).passed, "a check that cannot fail");

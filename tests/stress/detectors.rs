@@ -100,8 +100,9 @@ mod tests {
         values
     }
 
+    /// A planted NaN, infinity or negative value is counted, and clean values are not.
     #[test]
-    fn a_planted_nan_infinity_or_negative_is_counted_and_clean_values_are_not() {
+    fn planted_nan_and_negatives_are_counted() {
         assert_eq!(Faults::of(CLEAN), Faults::default());
         assert_eq!(Faults::of(with(2, f64::NAN)), Faults { nan: 1, ..Faults::default() });
         assert_eq!(Faults::of(with(0, f64::INFINITY)), Faults { infinite: 1, ..Faults::default() });
@@ -113,8 +114,9 @@ mod tests {
         assert_eq!(Faults::of([-0.0]).total(), 0);
     }
 
+    /// A planted loss of digits is measured, and exact values have none.
     #[test]
-    fn a_planted_loss_of_digits_is_measured_and_exact_values_have_none() {
+    fn a_planted_loss_of_digits_is_measured() {
         assert_eq!(lost_digits(CLEAN, CLEAN, CLEAN), 0.0);
         let loss = lost_digits(with(3, 2.9 * 1.000_01), CLEAN, CLEAN);
         assert!((loss - 1e-5).abs() < 1e-9, "{loss}");
@@ -124,8 +126,9 @@ mod tests {
         assert_eq!(lost_digits([1e-30], [0.0], [0.0]), f64::INFINITY);
     }
 
+    /// A planted jump is found where it is, and a steep reference is none.
     #[test]
-    fn a_planted_jump_is_found_where_it_is_and_a_steep_truth_is_none() {
+    fn a_planted_jump_is_found_where_it_is() {
         let own: Vec<f64> = (0..100).map(|i| (-0.05 * f64::from(i)).exp()).collect();
         let (excess, _) = jump(&own, &own, 0.0);
         assert!(excess < 1e-12, "{excess}");
@@ -144,8 +147,9 @@ mod tests {
         assert!(jump(&walked, &own, 1e3).0 < 1e-3);
     }
 
+    /// A planted hole is counted, and a dim reference is none.
     #[test]
-    fn a_planted_hole_is_counted_and_a_dim_truth_is_none() {
+    fn a_planted_hole_is_counted() {
         assert_eq!(holes(CLEAN, CLEAN, 1e-9), 0);
         assert_eq!(holes(with(2, 0.0), CLEAN, 1e-9), 1);
         assert_eq!(holes(with(2, f64::NAN), CLEAN, 1e-9), 1);

@@ -173,8 +173,9 @@ fn clean_air(report: &mut Report, atmospheres: &[Atmosphere], cases: &[Case]) {
 mod tests {
     use super::*;
 
+    /// The kernel is finite and symmetric beside, under and above the source.
     #[test]
-    fn the_kernel_is_whole_and_symmetric_beside_under_and_above_the_source() {
+    fn the_kernel_is_finite_and_symmetric() {
         let atmospheres = atmospheres().unwrap();
         let mut report = Report::new();
         report.run("kernel", |report| {

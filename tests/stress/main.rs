@@ -112,8 +112,9 @@ mod tests {
         format!("stress {text}").split_whitespace().map(str::to_owned).collect::<Vec<_>>().into_iter()
     }
 
+    /// Topics are taken by name, and unknown ones are refused.
     #[test]
-    fn topics_are_taken_by_name_and_unknown_ones_are_refused() {
+    fn unknown_topics_are_refused() {
         assert_eq!(wanted(words("")).unwrap().topics.len(), TOPICS.len());
         let one = wanted(words("--only symmetry --out x.json")).unwrap();
         assert_eq!((one.topics[0].0, one.topics.len(), one.out.is_some()), ("symmetry", 1, true));

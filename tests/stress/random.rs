@@ -251,14 +251,16 @@ mod tests {
         Rig::of(synthetic::table_set_with_skylines(&[1.5, 2.5, 6.0], 8)).unwrap()
     }
 
+    /// Random scenes are finite, and alike by both executors.
     #[test]
-    fn random_scenes_are_whole_and_alike_by_both_executors() {
+    fn both_executors_agree_on_random_scenes() {
         let (found, smallest) = search(&made_up(), 8, (12, 400), &MADE_UP, |_, _| ());
         assert_eq!((found.faults, smallest), (0, None), "{found:?}");
     }
 
+    /// A fault in a random scene is found, and the scene reduced to few lights.
     #[test]
-    fn a_fault_in_a_random_scene_is_found_and_the_scene_made_small() {
+    fn a_fault_in_a_random_scene_is_reduced() {
         let tables = synthetic::table_set_with_skylines(&[1.5, 2.5, 6.0], 8);
         // Plain Rust twice: making a scene small takes hundreds of skies.
         let rig = Rig::with(tables, &[DeviceChoice::Cpu, DeviceChoice::Cpu]).unwrap();

@@ -100,8 +100,9 @@ fn compare(
     (ErrorStatistics::of(errors).unwrap(), zenith)
 }
 
+/// Skies of the demo are those of the stored reference solutions.
 #[test]
-fn skies_of_the_demo_are_those_of_the_stored_truth() {
+fn demo_skies_match_the_stored_reference() {
     let folder = tempfile::tempdir().unwrap();
     let store = SceneStore::new(folder.path());
     create_demo(&store, &mut |_| ()).unwrap();
@@ -132,7 +133,7 @@ fn skies_of_the_demo_are_those_of_the_stored_truth() {
 /// A map of every place against the skies of single places, light behind skylines hidden: what far light taken together and tables
 /// between altitudes cost.
 #[test]
-fn the_zenith_of_every_place_is_that_of_its_panorama() {
+fn each_zenith_is_that_of_its_panorama() {
     let folder = tempfile::tempdir().unwrap();
     create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();
     let observatory = observatory(folder.path(), &tree::root().join("precomputed")).unwrap();

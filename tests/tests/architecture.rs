@@ -1,9 +1,10 @@
-//! The arrows between the crates, the imports within them and the absences that ARCHITECTURE.md states.
+//! The arrows between the crates, the imports within them, the absences that ARCHITECTURE.md states, and the names of
+//! tests.
 
 use skyglow_tests::{
     absences::{self, ABSENCES},
     arrows::{self, Dependency},
-    circles,
+    circles, test_names,
     tree::{SourceFile, source_files},
 };
 
@@ -33,8 +34,9 @@ fn an_arrow_that_points_the_wrong_way_is_seen() {
     }
 }
 
+/// A crate without a place in the arrows, or gone from the workspace, is seen.
 #[test]
-fn a_crate_without_a_place_or_gone_from_the_workspace_is_seen() {
+fn an_unlisted_or_missing_crate_is_seen() {
     let mut broken = arrows::workspace_dependencies();
     broken.insert("skyglow-helpers".to_owned(), Vec::new());
     broken.remove("skyglow-display");
@@ -144,4 +146,41 @@ fn what_is_no_circle_of_imports_is_none() {
         circles_of(&[("lib.rs", "mod p;"), parent, ("p/q.rs", "use super::P;")]),
         Vec::<Vec<String>>::new()
     );
+}
+
+/// Folders whose tests may still have longer names. It only shrinks.
+const LONG_NAMES_LEFT: &[&str] = &[
+    "server/app/src/",
+    "server/bench/src/",
+    "server/cli/src/",
+    "server/display/src/",
+    "server/http/src/",
+    "server/observatory/",
+    "server/render/",
+];
+
+/// A name says what is tested; the sentence is the doc comment.
+#[test]
+fn names_of_tests_are_short() {
+    let mut files = source_files("server", &[".rs"]);
+    files.extend(source_files("tests", &[".rs"]));
+    assert_eq!(test_names::violations(&files, LONG_NAMES_LEFT), Vec::<String>::new());
+}
+
+/// Of plain, asynchronous and generated tests; other functions may be called what they like.
+#[test]
+fn a_long_name_of_a_test_is_seen() {
+    let long = "x".repeat(46);
+    let other = format!("fn {long}() {{}}\n#[test]\nfn short() {{ fn {long}() {{}} }}\n");
+    for (attribute, head) in [
+        ("#[test]\n", "fn "),
+        ("#[tokio::test(flavor = \"multi_thread\")]\n", "async fn "),
+        ("#[test]\n#[ignore = \"fn of it\"]\n", "fn "),
+        ("#[test] ", "fn "),
+    ] {
+        let text = format!("{other}{attribute}    {head}{long}(x in 0..3) {{}}\n");
+        assert_eq!(test_names::test_names(&text), ["short", &long], "{text}");
+        let file = SourceFile { path: "a/b.rs".to_owned(), text };
+        assert_eq!(test_names::violations(&[file], &["b/"]), [format!("a/b.rs: {long}: 46 characters")]);
+    }
 }

@@ -29,8 +29,9 @@ fn limits(class: Class, mix: &str, turbidity: f64) -> SkyErrors {
     [0.01 * mean, 0.01 * p99, 0.01 * zenith, 0.01 * horizontal]
 }
 
+/// Skies of every class are those of the stored reference solutions.
 #[test]
-fn skies_of_every_class_are_those_of_the_stored_truth() {
+fn class_skies_match_the_stored_reference() {
     let engine = engine_with(&tree::root().join("precomputed")).unwrap();
     let files = LobeTruth::files_in(&tree::root().join("tests/truth/classes")).unwrap();
     let mut seen = Vec::new();

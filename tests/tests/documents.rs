@@ -21,8 +21,9 @@ const DOCUMENTS: [&str; 10] = [
     "precomputed/README.md",
 ];
 
+/// Commands of `make` in the documents are in the Makefile.
 #[test]
-fn make_commands_of_the_documents_are_in_the_makefile() {
+fn documented_make_commands_exist() {
     let makefile = text("Makefile");
     for document in DOCUMENTS {
         assert_eq!(missing_targets(&text(document), &makefile), Vec::<&str>::new(), "{document}");

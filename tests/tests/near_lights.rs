@@ -46,8 +46,9 @@ fn one_light() -> Vec<PointSource> {
     sources_of_pixels([LitPixel { east_m: 5_000.0, north_m: 4_930.0, altitude_m: 700.0, flux_dnb_w: 1e4 }])
 }
 
+/// The peak next to a near light is that of the first order of scattering.
 #[test]
-fn the_peak_next_to_a_near_light_is_that_of_the_first_order() {
+fn near_light_peaks_are_those_of_first_order() {
     let engine = engine_with(&packs()).unwrap();
     let lights = one_light();
     let [light] = lights.as_slice() else { panic!("{} lights", lights.len()) };
@@ -84,8 +85,9 @@ fn the_peak_next_to_a_near_light_is_that_of_the_first_order() {
     assert!(right < 0.2 && wrong > 1.5 * right, "{right} {wrong}");
 }
 
+/// Far from near lights nothing changes, and nothing is negative.
 #[test]
-fn far_from_near_lights_nothing_changes_and_nothing_is_negative() {
+fn far_from_near_lights_nothing_changes() {
     let engine = engine_with(&packs()).unwrap();
     let lights = one_light();
     for turbidity in [2.5, 3.0] {
@@ -111,8 +113,9 @@ fn far_from_near_lights_nothing_changes_and_nothing_is_negative() {
     assert!(rendered.passes.iter().all(|pass| pass.name != "near_lights"));
 }
 
+/// Near lights are corrected only where a measure looks.
 #[test]
-fn near_lights_are_made_only_where_a_measure_looks() {
+fn near_lights_are_corrected_where_needed() {
     let (tables, _) = resident_tables(&packs_in(&packs()).unwrap()).unwrap();
     let solver = InfluenceSolver::new(Arc::new(TableSet::new(tables).unwrap()));
     // 3° high, in the north-east.
@@ -139,8 +142,9 @@ fn near_lights_are_made_only_where_a_measure_looks() {
     assert!(of(&LinearMeasure::zenith(&Horizon::flat())).is_empty());
 }
 
+/// A near light too weak to show is left as the cells have it.
 #[test]
-fn a_near_light_too_weak_to_show_is_left_as_the_cells_have_it() {
+fn weak_near_lights_are_left_to_the_cells() {
     let engine = engine_with(&packs()).unwrap();
     // A town fills the sky; one more light beside it, faint and then bright.
     let town = (0..900).map(|pixel| LitPixel {
@@ -162,8 +166,9 @@ fn a_near_light_too_weak_to_show_is_left_as_the_cells_have_it() {
     assert_ne!(with, without);
 }
 
+/// Parts of the lights around add up to the sky with near lights in it.
 #[test]
-fn parts_of_the_lights_around_add_up_to_the_sky_with_near_lights_in_it() {
+fn influences_add_up_with_near_lights() {
     let folder = tempfile::tempdir().unwrap();
     create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();
     let observatory: Observatory = observatory(folder.path(), &packs()).unwrap();

@@ -59,26 +59,30 @@ fn cut_and_altered(target: &str, rules: Rules, cases: u32) {
     run.unwrap();
 }
 
+/// Parameters and bodies are accepted or refused, whatever they are.
 #[test]
-fn parameters_and_bodies_are_taken_or_refused_whatever_they_are() {
+fn any_parameters_and_bodies_are_judged() {
     cut_and_altered("parameters", outside::parameters, 4000);
     cut_and_altered("body", outside::body, 2000);
     cut_and_altered("boundary", outside::boundary, 2000);
 }
 
+/// Packs are accepted or refused, whatever they say of themselves.
 #[test]
-fn packs_are_taken_or_refused_whatever_they_say_of_themselves() {
+fn any_packs_are_judged() {
     cut_and_altered("pack", outside::pack, 500);
 }
 
+/// Rasters and places are accepted or refused, and nothing is left of what was refused.
 #[test]
-fn rasters_and_places_are_taken_or_refused_and_nothing_is_left_of_what_was_refused() {
+fn any_rasters_and_places_are_judged() {
     cut_and_altered("raster", outside::raster, 300);
     cut_and_altered("places", outside::places, 200);
 }
 
+/// What fuzzers start from is what is accepted today.
 #[test]
-fn what_fuzzers_start_from_is_what_is_taken_today() {
+fn fuzzing_seeds_are_accepted_today() {
     let whole = seeds("pack").into_iter().find(|seed| *seed == smallest_pack());
     let write = "write it again with `cargo run --release -p skyglow-tests --example seeds`";
     assert!(whole.is_some(), "no seed is the smallest pack of this format: {write}");
@@ -105,7 +109,7 @@ fn every_rule_has_its_fuzzer_and_its_seeds() {
 
 /// Packs that lie about their sizes: what is said is looked at before room is made for it.
 #[test]
-fn a_pack_that_says_it_is_huge_is_refused_before_there_is_room_for_it() {
+fn a_huge_pack_is_refused_before_allocation() {
     let small = smallest_pack();
     let text = String::from_utf8_lossy(&small).into_owned();
     let start = 16;

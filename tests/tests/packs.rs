@@ -30,13 +30,15 @@ fn listed() -> Vec<f64> {
     listed_turbidities(&tree::text("precomputed/turbidities.txt")).unwrap()
 }
 
+/// Every precomputed file has a manifest, and all stay within 105 megabytes.
 #[test]
-fn every_precomputed_file_has_a_manifest_and_all_stay_within_105_megabytes() {
+fn precomputed_files_are_listed_and_small() {
     assert_eq!(violations(&entries(), &listed()), Vec::<String>::new());
 }
 
+/// Packs of other kinds may lie beside those that come with the project, and git does not keep them.
 #[test]
-fn packs_of_other_kinds_may_lie_beside_those_that_come_with_the_project_and_git_does_not_keep_them() {
+fn git_ignores_packs_of_other_kinds() {
     let kept = tree::text(".gitignore");
     for (name, own) in [
         ("turbidity-2.50-single.skyglow", true),
@@ -51,8 +53,9 @@ fn packs_of_other_kinds_may_lie_beside_those_that_come_with_the_project_and_git_
     }
 }
 
+/// The listed turbidities cover one and a half to six.
 #[test]
-fn the_listed_turbidities_cover_one_and_a_half_to_six() {
+fn listed_turbidities_cover_1_5_to_6() {
     let listed = listed();
     assert!(listed.contains(&1.5) && listed.contains(&6.0), "{listed:?}");
     assert!(listed.is_sorted(), "{listed:?}");

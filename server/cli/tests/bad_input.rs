@@ -54,8 +54,9 @@ fn truncated(path: &Path) {
     std::fs::write(path, &bytes[..bytes.len() / 2]).unwrap();
 }
 
+/// A raster that is no radiance is refused in one line, and nothing is left of it.
 #[test]
-fn a_raster_that_cannot_be_meant_is_refused_in_one_line_and_nothing_is_left() {
+fn bad_rasters_are_refused_in_one_line() {
     let cases: Vec<Case> = vec![
         ("wrong CRS", Box::new(with_crs(Crs::Projected(32637))), "cannot be meant"),
         ("no CRS", Box::new(with_crs(Crs::PositionOnly)), "no coordinate reference system"),
@@ -96,8 +97,9 @@ fn the_good_raster_of_these_tests_is_taken() {
     assert!(listed.stdout.contains(&format!("{lit} pixels")), "{}", listed.stdout);
 }
 
+/// NaN, infinite and negative pixels are counted apart and give no light.
 #[test]
-fn nan_infinite_and_negative_pixels_are_counted_apart_and_give_no_light() {
+fn pixels_without_a_value_give_no_light() {
     let bench = Bench::new();
     with_radiance(|index, value| match index {
         0..3 => f32::NAN,
@@ -117,8 +119,9 @@ fn nan_infinite_and_negative_pixels_are_counted_apart_and_give_no_light() {
     assert_eq!(report["negative"]["examples"].as_array().map(Vec::is_empty), Some(false));
 }
 
+/// Missing terrain is refused when it was named, and reported when there is none.
 #[test]
-fn missing_terrain_is_refused_when_named_and_said_when_absent() {
+fn missing_terrain_is_refused_or_reported() {
     let bench = Bench::new();
     write_radiance(&bench.raster(), Crs::Geographic, &town());
     let nowhere = bench.folder.path().join("nowhere.tif");

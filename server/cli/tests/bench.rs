@@ -7,8 +7,9 @@ use common::{skyglow, text};
 use skyglow_physics::Turbidity;
 use skyglow_tables::{PrecomputeOptions, Silent, precompute};
 
+/// A quick bench prints its tables and leaves rows and plots.
 #[test]
-fn a_quick_bench_prints_its_tables_and_leaves_rows_and_plots() {
+fn quick_bench_prints_tables_and_writes_files() {
     let folder = tempfile::tempdir().unwrap();
     let (packs, out) = (folder.path().join("packs"), folder.path().join("out"));
     std::fs::create_dir(&packs).unwrap();

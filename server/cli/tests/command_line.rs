@@ -37,8 +37,9 @@ fn help_and_version_succeed_on_standard_output() {
     assert!(skyglow(&["--version"]).expect_status(0).stdout.starts_with("skyglow "));
 }
 
+/// Wrong usage is status 2, and standard error says why.
 #[test]
-fn wrong_usage_is_status_2_and_says_so_on_standard_error() {
+fn wrong_usage_is_status_2() {
     let wrong: &[&[&str]] = &[
         &[],
         &["fly"],
@@ -97,8 +98,9 @@ fn wrong_usage_is_status_2_and_says_so_on_standard_error() {
     }
 }
 
+/// A refused turbidity or basis names what the packs serve.
 #[test]
-fn a_refused_turbidity_or_basis_names_what_the_packs_serve() {
+fn refusals_name_what_the_packs_serve() {
     for (flag, value, allowed) in [
         ("--turbidity", "10", "1.5 to 6"),
         ("--turbidity", "1", "1.5 to 6"),
@@ -110,8 +112,9 @@ fn a_refused_turbidity_or_basis_names_what_the_packs_serve() {
     }
 }
 
+/// Failed work is status 1, with one line that says why.
 #[test]
-fn failed_work_is_status_1_with_one_line_that_says_why() {
+fn failed_work_is_status_1() {
     let folder = tempfile::tempdir().unwrap();
     let data = text(folder.path());
     let nowhere = text(&folder.path().join("nowhere")).to_owned();
@@ -129,8 +132,9 @@ fn failed_work_is_status_1_with_one_line_that_says_why() {
     }
 }
 
+/// A pack that was cut is listed as damaged by its name, with status 1.
 #[test]
-fn a_cut_pack_is_listed_as_damaged_by_its_name_with_status_1() {
+fn a_cut_pack_is_listed_as_damaged() {
     let precomputed = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../precomputed"));
     let folder = tempfile::tempdir().unwrap();
     // Whichever kind of packs comes with the program.
@@ -171,8 +175,9 @@ fn an_empty_data_folder_has_no_scenes() {
     assert_eq!(finished.json(), serde_json::json!([]));
 }
 
+/// File, environment and flags are layered in that order.
 #[test]
-fn the_file_the_environment_and_the_flags_are_layered_in_that_order() {
+fn flags_override_environment_overrides_file() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("skyglow.toml");
     std::fs::write(&file, "listen = \"127.0.0.1:9001\"\ndevice = \"gpu\"\ndata = \"/from/file\"\n").unwrap();
@@ -189,8 +194,9 @@ fn the_file_the_environment_and_the_flags_are_layered_in_that_order() {
     assert_eq!(printed["data"], "/from/flag");
 }
 
+/// Config check names the line and schema is json.
 #[test]
-fn config_check_names_the_line_and_schema_is_json() {
+fn config_check_names_line_and_schema_is_json() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("skyglow.toml");
     std::fs::write(&file, "device = \"cpu\"\nlisen = \"127.0.0.1:1\"\n").unwrap();

@@ -41,8 +41,9 @@ fn collect(stream: &TcpStream, sent: &Sender<Sent>) {
     }
 }
 
+/// Requests are traced to a collector, and continue the trace of their client.
 #[test]
-fn requests_are_traced_to_a_collector_and_go_on_with_the_trace_of_their_client() {
+fn requests_are_traced_to_a_collector() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let collector = format!("http://{}", listener.local_addr().unwrap());
     let (sender, sent) = channel();
@@ -88,8 +89,9 @@ fn requests_are_traced_to_a_collector_and_go_on_with_the_trace_of_their_client()
     );
 }
 
+/// A collector that is not there keeps nothing from being answered.
 #[test]
-fn a_collector_that_is_not_there_keeps_nothing_from_being_answered() {
+fn requests_are_answered_without_a_collector() {
     let data = tempfile::tempdir().unwrap();
     // A port that was free a moment ago.
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
@@ -99,8 +101,9 @@ fn a_collector_that_is_not_there_keeps_nothing_from_being_answered() {
     assert_eq!(server.terminate(), 0);
 }
 
+/// A collector's address that is none is refused by its name.
 #[test]
-fn a_collector_that_cannot_be_meant_is_refused_by_name() {
+fn a_bad_collector_address_is_refused_by_name() {
     let finished = common::skyglow(&["serve", "--otlp-endpoint", "https://collector:4318"]).expect_status(1);
     assert!(finished.stderr.contains("otlp_endpoint must be"), "{}", finished.stderr);
 }

@@ -52,8 +52,9 @@ fn the_command_line_gives_the_numbers_of_the_api() {
     }
 }
 
+/// The reference solution needs no packs and names its directions.
 #[test]
-fn the_truth_needs_no_packs_and_names_its_directions() {
+fn the_reference_needs_no_packs() {
     let folder = tempfile::tempdir().unwrap();
     let raster = folder.path().join("town.tif");
     common::geotiff::write_radiance(&raster, common::geotiff::Crs::Geographic, &common::geotiff::town());
@@ -105,8 +106,9 @@ fn the_truth_needs_no_packs_and_names_its_directions() {
     }
 }
 
+/// The reference solution hides lights behind a ridge in every order of scattering.
 #[test]
-fn the_truth_hides_lights_behind_a_ridge_in_every_order() {
+fn the_reference_hides_lights_behind_a_ridge() {
     let folder = tempfile::tempdir().unwrap();
     let (raster, terrain) = (folder.path().join("town.tif"), folder.path().join("ridge.tif"));
     common::geotiff::write_radiance(&raster, common::geotiff::Crs::Geographic, &common::geotiff::town());
@@ -156,8 +158,9 @@ fn the_truth_hides_lights_behind_a_ridge_in_every_order() {
     assert_eq!((&fast["hidden_lights"], &fast["terrain_occlusion"]), (&true.into(), &true.into()));
 }
 
+/// The command line writes the influences that the API answers.
 #[test]
-fn the_command_line_writes_the_influences_of_the_api() {
+fn commands_write_the_influences_of_the_api() {
     let server = server();
     let ground = Ground::get();
     let (data, packs) = (ground.data(), ground.packs());
@@ -197,8 +200,9 @@ fn the_command_line_writes_the_influences_of_the_api() {
     assert!(!file("none.json").exists());
 }
 
+/// Scenarios and plans of the command line are those of the API.
 #[test]
-fn scenarios_and_plans_of_the_command_line_are_those_of_the_api() {
+fn commands_and_api_share_scenarios_and_plans() {
     let server = server();
     let ground = Ground::get();
     let (data, packs) = (ground.data(), ground.packs());
@@ -270,7 +274,7 @@ fn scenarios_and_plans_of_the_command_line_are_those_of_the_api() {
 
 /// A map of brightness that is killed goes on where it was and ends with the same numbers; archives and other layers are written too.
 #[test]
-fn an_atlas_that_was_killed_goes_on_and_ends_with_the_same_numbers() {
+fn a_killed_atlas_resumes_to_the_same_numbers() {
     // It makes the demo.
     let _server = server();
     let ground = Ground::get();

@@ -87,8 +87,9 @@ fn a_clicked_place_shows_its_sky() {
     assert!(viewer.text().contains("<script"), "no viewer is built in");
 }
 
+/// The picture is a PNG of the requested size with more than one colour.
 #[test]
-fn the_picture_is_a_png_of_the_size_asked_for_with_more_than_one_colour() {
+fn the_picture_is_a_png_of_the_requested_size() {
     let server = server();
     let answer = server.get(&format!(
         "/api/v1/scenes/demo/panorama.png?{PLACE}&width=512&height_px=128&legend=off&style=false_colour"
@@ -103,8 +104,9 @@ fn the_picture_is_a_png_of_the_size_asked_for_with_more_than_one_colour() {
     assert!(colours.len() > 16, "{} colours", colours.len());
 }
 
+/// The raw grid is lit, finite, and brightest where the numbers say.
 #[test]
-fn the_raw_grid_is_lit_finite_and_brightest_where_the_numbers_say() {
+fn the_raw_grid_fits_the_reported_numbers() {
     let server = server();
     let panorama = server.get(&format!("/api/v1/scenes/demo/panorama.json?{PLACE}")).json();
     let rows = panorama["radiance"][1].as_array().unwrap();
@@ -129,8 +131,9 @@ fn the_raw_grid_is_lit_finite_and_brightest_where_the_numbers_say() {
     assert!((number(sky, "brightest_elevation_deg") - (at.0 as f64 + 0.5) * 90.0 / 64.0).abs() < 1e-6);
 }
 
+/// Every kind of bad request is told what is wrong.
 #[test]
-fn every_kind_of_bad_request_is_told_what_is_wrong() {
+fn bad_requests_are_told_what_is_wrong() {
     let server = server();
     let sky = "/api/v1/scenes/demo/sky";
     let cases = [
@@ -178,8 +181,9 @@ fn the_server_ends_with_0_when_told_to() {
     assert_eq!(server.terminate(), 0);
 }
 
+/// A taken port and missing packs are reported at once.
 #[test]
-fn a_taken_port_and_missing_packs_are_said_at_once() {
+fn a_taken_port_and_missing_packs_end_the_start() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap().to_string();
     let folder = tempfile::tempdir().unwrap();

@@ -1,7 +1,8 @@
 use crate::server::{PLACE, SKY, Server, header};
 
+/// A client that has the answer gets 304, and nothing is rendered.
 #[tokio::test]
-async fn a_client_that_has_the_answer_gets_304_and_nothing_is_rendered() {
+async fn a_known_etag_gets_304_without_rendering() {
     let server = Server::start().await;
     for path in [SKY.to_owned(), format!("/api/v1/scenes/demo/panorama.png?{PLACE}&turbidity=3")] {
         let first = server.answer(&path).await;
@@ -21,8 +22,9 @@ async fn a_client_that_has_the_answer_gets_304_and_nothing_is_rendered() {
     }
 }
 
+/// What changes the answer changes its tag, and nothing else does.
 #[tokio::test]
-async fn what_changes_the_answer_changes_its_tag_and_what_does_not_does_not() {
+async fn the_etag_changes_with_the_answer() {
     let server = Server::start().await;
     let tag = async |query: &str| {
         header(&server.answer(&format!("/api/v1/scenes/demo/panorama.png?{PLACE}{query}")).await, "etag")
@@ -49,8 +51,9 @@ async fn what_changes_the_answer_changes_its_tag_and_what_does_not_does_not() {
     assert_ne!(tag("").await, plain);
 }
 
+/// Identical requests get identical bytes and are rendered once.
 #[tokio::test]
-async fn identical_requests_answer_identical_bytes_and_are_rendered_once() {
+async fn identical_requests_are_rendered_once() {
     let server = Server::start().await;
     *server.fake.mood.lock().unwrap() = crate::fake::Mood::Slow(std::time::Duration::from_millis(100));
     let ask = || async { server.answer(SKY).await.bytes().await.unwrap() };
@@ -63,8 +66,9 @@ async fn identical_requests_answer_identical_bytes_and_are_rendered_once() {
     assert_eq!(server.renders(), 1);
 }
 
+/// Numbers and pictures of one sky, requested at once, are rendered once.
 #[tokio::test]
-async fn numbers_and_pictures_of_one_sky_asked_for_at_once_are_rendered_once() {
+async fn formats_of_one_sky_are_rendered_once() {
     let server = Server::start().await;
     *server.fake.mood.lock().unwrap() = crate::fake::Mood::Slow(std::time::Duration::from_millis(300));
     let path = |name: &str, query: &str| format!("/api/v1/scenes/demo/{name}?{PLACE}{query}");
@@ -88,8 +92,9 @@ async fn numbers_and_pictures_of_one_sky_asked_for_at_once_are_rendered_once() {
     assert_eq!(server.renders(), 2);
 }
 
+/// JSON is compressed as negotiated, each encoding with a strong tag of its own.
 #[tokio::test]
-async fn json_is_compressed_as_negotiated_each_encoding_with_its_own_strong_tag() {
+async fn each_encoding_has_its_own_strong_etag() {
     let server = Server::start().await;
     let path = format!("/api/v1/scenes/demo/panorama.json?{PLACE}");
     let plain = server.get(&path).send().await.unwrap();

@@ -10,8 +10,9 @@ async fn the_document_is_served_and_is_the_one_agreed() {
     insta::assert_json_snapshot!("openapi", document);
 }
 
+/// Every path of the document answers, and every route is in it.
 #[tokio::test]
-async fn every_path_of_the_document_answers_and_every_route_is_in_it() {
+async fn document_and_routes_are_the_same() {
     let server = Server::start().await;
     let (_, document) = server.json("/api/v1/openapi.json").await;
     let paths: Vec<&String> = document["paths"].as_object().unwrap().keys().collect();
@@ -50,8 +51,9 @@ async fn every_path_of_the_document_answers_and_every_route_is_in_it() {
     assert_eq!(paths.len() + 1, registered + by_hand.len());
 }
 
+/// Every parameter of the interface is described with what is allowed.
 #[tokio::test]
-async fn every_parameter_of_the_interface_is_described_with_what_is_allowed() {
+async fn every_parameter_is_described() {
     let server = Server::start().await;
     let (_, document) = server.json("/api/v1/openapi.json").await;
     let list =

@@ -13,8 +13,9 @@ async fn body(server: &Server, path: &str) -> (String, Vec<u8>) {
     (media_type, answer.bytes().await.unwrap().to_vec())
 }
 
+/// PNG and WebP show the same sky with a legend below it.
 #[tokio::test]
-async fn png_and_webp_show_the_same_sky_with_a_legend_below_it() {
+async fn png_and_webp_show_the_same_sky() {
     let server = Server::start().await;
     let base = "/api/v1/scenes/demo/panorama";
     let (png_type, png) = body(&server, &format!("{base}.png?{PLACE}")).await;
@@ -33,8 +34,9 @@ async fn png_and_webp_show_the_same_sky_with_a_legend_below_it() {
     assert_eq!((bare.width(), bare.height()), (300, 100));
 }
 
+/// Tiff and json hold the radiance that was rendered.
 #[tokio::test]
-async fn tiff_and_json_hold_the_radiance_that_was_rendered() {
+async fn tiff_and_json_hold_the_rendered_radiance() {
     let server = Server::start().await;
     let sky = sky_of(3.0);
     let (media_type, tif) =
@@ -67,8 +69,9 @@ async fn tiff_and_json_hold_the_radiance_that_was_rendered() {
     assert!(json["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap() > 0.0);
 }
 
+/// OpenEXR starts with its magic number and names its channels.
 #[tokio::test]
-async fn openexr_starts_with_its_magic_and_names_its_channels() {
+async fn openexr_has_its_magic_and_its_channels() {
     let server = Server::start().await;
     let (media_type, exr) = body(&server, &format!("/api/v1/scenes/demo/panorama.exr?{PLACE}")).await;
     assert_eq!(media_type, "image/x-exr");
@@ -77,8 +80,9 @@ async fn openexr_starts_with_its_magic_and_names_its_channels() {
     assert!(head.contains("channels") && head.contains("chlist"), "{head}");
 }
 
+/// The Accept header chooses the format of the bare resource.
 #[tokio::test]
-async fn the_accept_header_chooses_the_format_of_the_bare_resource() {
+async fn the_accept_header_chooses_the_format() {
     let server = Server::start().await;
     let path = format!("/api/v1/scenes/demo/panorama?{PLACE}");
     for (accept, media_type) in [
@@ -133,8 +137,9 @@ async fn every_number_comes_with_what_it_depends_on() {
     assert!((photometry::brightness_mag_arcsec2(luminance).unwrap() - magnitude).abs() < 1e-9);
 }
 
+/// The total sky adds the natural one to the samples.
 #[tokio::test]
-async fn the_total_sky_adds_the_natural_one_to_the_samples() {
+async fn the_total_sky_adds_the_natural_one() {
     let server = Server::start().await;
     let sample = async |light: &str| {
         let path = format!("/api/v1/scenes/demo/panorama.json?{PLACE}&sky={light}");
@@ -147,8 +152,9 @@ async fn the_total_sky_adds_the_natural_one_to_the_samples() {
     assert!((added / photometry::natural_sky_luminance_cd_m2() - 1.0).abs() < 1e-4, "{added}");
 }
 
+/// Terrain hides the sky in every format, and `terrain=off` shows all of it.
 #[tokio::test]
-async fn terrain_hides_the_sky_in_every_format_and_off_shows_all_of_it() {
+async fn terrain_hides_the_sky_in_every_format() {
     let server = Server::start().await;
     let horizon = Horizon::new(vec![20f64.to_radians(); AZIMUTH_COUNT]).unwrap();
     *server.fake.horizon.lock().unwrap() = horizon.clone();

@@ -6,8 +6,9 @@ use skyglow_http::HttpConfig;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
+/// More requests than the limit of concurrent ones are refused at once.
 #[tokio::test]
-async fn more_requests_than_there_is_room_for_are_turned_away_at_once() {
+async fn requests_over_the_limit_are_refused_at_once() {
     let server = Server::with(HttpConfig { concurrent_requests: 2, ..HttpConfig::default() }).await;
     *server.fake.mood.lock().unwrap() = Mood::Slow(Duration::from_millis(400));
     let ask = |turbidity: f64| {
@@ -37,8 +38,9 @@ async fn an_answer_that_takes_too_long_is_given_up() {
     assert_eq!(json["type"], "/problems/timeout");
 }
 
+/// A client that sends too much gets 429 with Retry-After.
 #[tokio::test]
-async fn a_client_that_sends_too_much_gets_429_with_retry_after() {
+async fn the_rate_limit_is_429_with_retry_after() {
     let config = HttpConfig { requests_per_second: 1.0, request_burst: 3, ..HttpConfig::default() };
     let server = Server::with(config).await;
     let mut statuses = Vec::new();
@@ -52,8 +54,9 @@ async fn a_client_that_sends_too_much_gets_429_with_retry_after() {
     assert_eq!(server.answer("/healthz").await.status(), 200);
 }
 
+/// What a client stores in a day has a limit of its own.
 #[tokio::test]
-async fn what_a_client_has_kept_in_a_day_has_a_limit_of_its_own() {
+async fn storage_per_day_has_a_limit_of_its_own() {
     let server = Server::with(HttpConfig { kept_per_day: 10, ..HttpConfig::default() }).await;
     *server.fake.kept.lock().unwrap() = Some(Vec::new());
     let post = async |path: &str, body: String| {
@@ -85,8 +88,9 @@ async fn what_a_client_has_kept_in_a_day_has_a_limit_of_its_own() {
     assert!(metrics.contains("skyglow_http_refused_total{reason=\"keeping\"} 2"), "{metrics}");
 }
 
+/// A long scenario counts by its length, and pages of other sites store nothing.
 #[tokio::test]
-async fn a_long_scenario_counts_by_its_length_and_pages_of_other_sites_keep_nothing() {
+async fn a_long_scenario_counts_by_its_length() {
     let server = Server::with(HttpConfig { kept_per_day: 10, ..HttpConfig::default() }).await;
     *server.fake.kept.lock().unwrap() = Some(Vec::new());
     let post =
@@ -120,8 +124,9 @@ async fn rest_of(stream: &mut tokio::net::TcpStream) -> Vec<u8> {
     rest
 }
 
+/// Clients that send nothing, or half a request, lose their connections.
 #[tokio::test]
-async fn clients_that_say_nothing_or_half_of_it_lose_their_connections() {
+async fn silent_clients_lose_their_connections() {
     let server = Server::with(HttpConfig { idle_timeout_s: 0.3, ..HttpConfig::default() }).await;
     let address = server.base.trim_start_matches("http://").to_owned();
     for said in ["", "GET /healthz HTTP/1.1\r\nhost: x\r\nx-half: "] {
@@ -132,8 +137,9 @@ async fn clients_that_say_nothing_or_half_of_it_lose_their_connections() {
     assert_eq!(server.answer("/api/v1/scenes").await.status(), 200);
 }
 
+/// A body that comes byte by byte takes nobody's place.
 #[tokio::test]
-async fn a_body_that_comes_byte_by_byte_takes_nobodys_place() {
+async fn a_slow_body_takes_no_permit() {
     let server = Server::with(HttpConfig { concurrent_requests: 1, ..HttpConfig::default() }).await;
     let address = server.base.trim_start_matches("http://").to_owned();
     let mut slow = Vec::new();
@@ -148,8 +154,9 @@ async fn a_body_that_comes_byte_by_byte_takes_nobodys_place() {
     drop(slow);
 }
 
+/// One address holds no more than a fourth of all connections.
 #[tokio::test]
-async fn one_address_holds_no_more_than_a_fourth_of_all_connections() {
+async fn one_address_holds_a_fourth_of_connections() {
     let server = Server::with(HttpConfig { connections: 8, ..HttpConfig::default() }).await;
     let address = server.base.trim_start_matches("http://").to_owned();
     let ask = "GET /healthz HTTP/1.1\r\nhost: x\r\n\r\n";
@@ -184,8 +191,9 @@ async fn a_body_that_is_too_long_is_413() {
     assert_eq!(json["type"], "/problems/body-too-long");
 }
 
+/// What the HTTP library refuses by itself is a problem document too.
 #[tokio::test]
-async fn what_the_http_library_refuses_by_itself_is_a_problem_too() {
+async fn refusals_of_the_http_library_are_problems() {
     let server = Server::start().await;
     let address = server.base.trim_start_matches("http://").to_owned();
     let many_headers: String = (0..200).map(|i| format!("x-{i}: {i}\r\n")).collect();
@@ -234,8 +242,9 @@ async fn metrics_count_by_route_never_by_url() {
     assert!(text.ends_with("# EOF\n"));
 }
 
+/// Every answer carries a request id, the client's own if that is plain.
 #[tokio::test]
-async fn every_answer_carries_a_request_id_the_clients_own_if_it_is_plain() {
+async fn every_answer_carries_a_request_id() {
     let server = Server::start().await;
     let own = server.get("/healthz").header("x-request-id", "abc-1.2_3").send().await.unwrap();
     assert_eq!(header(&own, "x-request-id"), "abc-1.2_3");
@@ -246,8 +255,9 @@ async fn every_answer_carries_a_request_id_the_clients_own_if_it_is_plain() {
     assert_eq!(header(&b, "x-content-type-options"), "nosniff");
 }
 
+/// A half-sent request does not hold the server when it is told to end.
 #[tokio::test]
-async fn a_half_sent_request_does_not_hold_the_server_when_it_is_told_to_end() {
+async fn a_half_sent_request_does_not_delay_the_end() {
     let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
     let config = HttpConfig { drain_timeout_s: 0.3, ..HttpConfig::default() };

@@ -13,8 +13,9 @@ fn says(bytes: &[u8], words: &str) -> bool {
     bytes.windows(words.len()).any(|window| window == words.as_bytes())
 }
 
+/// Every picture and raster of synthetic light says so, and no other does.
 #[tokio::test]
-async fn every_picture_and_raster_of_made_up_light_says_so_and_no_other_does() {
+async fn synthetic_light_is_marked_in_every_file() {
     let server = Server::start().await;
     for illustrative in [true, false] {
         server.fake.illustrative.store(illustrative, Ordering::SeqCst);
@@ -46,8 +47,9 @@ async fn the_legend_of_made_up_light_is_a_line_higher() {
     assert!(heights[0] >= heights[1] + 18, "{heights:?}");
 }
 
+/// Every picture and raster carries the assumptions of its numbers.
 #[tokio::test]
-async fn every_picture_and_raster_carries_the_assumptions_of_its_numbers() {
+async fn every_file_carries_its_assumptions() {
     let server = Server::start().await;
     for format in ["png", "webp", "exr", "tif"] {
         let query = format!("{PLACE}&turbidity=3.25&lamp=hps&emission=shielded&scattering=single");

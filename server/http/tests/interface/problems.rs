@@ -16,8 +16,9 @@ async fn problem(server: &Server, path: &str) -> (u16, String, serde_json::Value
     (status, json["type"].as_str().unwrap().to_owned(), json)
 }
 
+/// Every bad parameter is named with its value and what is allowed.
 #[tokio::test]
-async fn every_bad_parameter_is_named_with_its_value_and_what_is_allowed() {
+async fn every_bad_parameter_is_named() {
     let server = Server::start().await;
     let (status, kind, json) =
         problem(&server, "/api/v1/scenes/demo/panorama.png?lat=99&turbidity=fog&colour=red&lamp=candle")
@@ -61,8 +62,9 @@ async fn unknown_parameters_are_errors_everywhere() {
     }
 }
 
+/// A place outside the scene is 404 with the scene's bounds.
 #[tokio::test]
-async fn a_place_outside_is_404_with_the_bounds_of_the_scene() {
+async fn a_place_outside_is_404_with_the_bounds() {
     let server = Server::start().await;
     for path in ["site", "sky", "panorama.png", "panorama.json"] {
         let (status, kind, json) =
@@ -77,8 +79,9 @@ async fn a_place_outside_is_404_with_the_bounds_of_the_scene() {
     }
 }
 
+/// Altitude and turbidity out of range are 422 with the range.
 #[tokio::test]
-async fn altitude_and_turbidity_out_of_range_are_422_with_the_range() {
+async fn values_out_of_range_are_422_with_the_range() {
     let server = Server::start().await;
     for (query, parameter, range) in [
         ("turbidity=0", "turbidity", "1.5 to 6"),
@@ -107,8 +110,9 @@ async fn what_is_not_resident_is_422_and_says_so() {
     }
 }
 
+/// Scenario ids that are none, or that nothing is stored under, are refused.
 #[tokio::test]
-async fn scenarios_that_are_none_or_not_there_are_refused() {
+async fn unknown_scenarios_are_refused() {
     let server = Server::start().await;
     for (query, status, kind) in [
         ("scenario=7", 400, "/problems/bad-parameters"),
@@ -126,8 +130,9 @@ async fn scenarios_that_are_none_or_not_there_are_refused() {
     }
 }
 
+/// Where nothing can be stored the answer is 503: not the client's fault.
 #[tokio::test]
-async fn where_nothing_can_be_kept_is_503_and_not_the_clients_fault() {
+async fn a_server_without_storage_is_503() {
     let server = Server::start().await;
     let body = r#"{"edits": [{"brush": {"points": [[36.8, -1.3]], "radius_m": 500}, "factor": 0.5}]}"#;
     let answer = server.post("/api/v1/scenes/demo/scenarios", body).await;
@@ -137,8 +142,9 @@ async fn where_nothing_can_be_kept_is_503_and_not_the_clients_fault() {
     assert!(!json["detail"].as_str().unwrap().contains("made-up"), "reasons stay in the log");
 }
 
+/// Unknown scenes, paths and methods are problem documents too.
 #[tokio::test]
-async fn unknown_scenes_paths_and_methods_are_problems_too() {
+async fn unknown_paths_and_methods_are_problems() {
     let server = Server::start().await;
     for path in ["/api/v1/scenes/nowhere", "/api/v1/scenes/..%2Fx", "/api/v1/scenes/nowhere/site?lat=0&lon=0"]
     {
@@ -175,8 +181,9 @@ async fn tiles_that_do_not_exist_are_404() {
     }
 }
 
+/// A full queue is 503 with Retry-After, and a lost engine too.
 #[tokio::test]
-async fn a_full_queue_is_503_with_retry_after_and_a_lost_engine_too() {
+async fn a_full_queue_is_503_with_retry_after() {
     let server = Server::start().await;
     for (error, kind) in [
         (SourceError::Busy, "/problems/busy"),
@@ -194,8 +201,9 @@ async fn a_full_queue_is_503_with_retry_after_and_a_lost_engine_too() {
     assert_eq!(server.answer(SKY).await.status(), 200);
 }
 
+/// A defect is 500 without a word about the inside, and the server lives on.
 #[tokio::test]
-async fn a_defect_is_500_without_a_word_about_the_inside_and_the_server_lives_on() {
+async fn a_defect_is_500_without_internals() {
     let server = Server::start().await;
     for mood in [Mood::Panics, Mood::Fails(SourceError::Broken("the secret of /etc/passwd".into()))] {
         *server.fake.mood.lock().unwrap() = mood;
@@ -210,8 +218,9 @@ async fn a_defect_is_500_without_a_word_about_the_inside_and_the_server_lives_on
     assert!(metrics.contains("skyglow_http_panics_total 1"), "{metrics}");
 }
 
+/// Every kind of problem is explained at its type's address.
 #[tokio::test]
-async fn every_kind_of_problem_is_explained_at_its_type() {
+async fn every_problem_is_explained_at_its_type() {
     let server = Server::start().await;
     for (kind, _) in skyglow_http::routes::problems::KINDS {
         let answer = server.answer(&format!("/problems/{kind}")).await;

@@ -6,8 +6,9 @@ use serde_json::{Value, json};
 use skyglow_scene::Ground;
 use std::sync::atomic::Ordering;
 
+/// Scenes, places, sites and atmospheres are listed.
 #[tokio::test]
-async fn scenes_places_sites_and_atmospheres_are_listed() {
+async fn scenes_sites_and_atmospheres_are_listed() {
     let server = Server::start().await;
     let (status, scenes) = server.json("/api/v1/scenes").await;
     assert_eq!((status, scenes.as_array().unwrap().len()), (200, 1));
@@ -37,8 +38,9 @@ async fn scenes_places_sites_and_atmospheres_are_listed() {
     assert_eq!(server.renders(), 0);
 }
 
+/// An answer says when much of the light around is unknown.
 #[tokio::test]
-async fn an_answer_says_when_much_of_the_light_around_is_unknown() {
+async fn unknown_light_around_is_reported() {
     let server = Server::start().await;
     let sky = format!("/api/v1/scenes/demo/sky?{PLACE}");
     let picture = format!("/api/v1/scenes/demo/panorama.png?{PLACE}");
@@ -58,8 +60,9 @@ async fn an_answer_says_when_much_of_the_light_around_is_unknown() {
     }
 }
 
+/// An answer over a gap in the terrain says which ground was taken.
 #[tokio::test]
-async fn an_answer_over_a_gap_in_the_terrain_says_which_ground_was_taken() {
+async fn the_ground_over_a_terrain_gap_is_reported() {
     let server = Server::start().await;
     let sky = format!("/api/v1/scenes/demo/sky?{PLACE}");
     let site = format!("/api/v1/scenes/demo/site?{PLACE}");
@@ -100,8 +103,9 @@ async fn an_answer_over_a_gap_in_the_terrain_says_which_ground_was_taken() {
     }
 }
 
+/// Health is always good, and readiness waits for the engine.
 #[tokio::test]
-async fn health_is_always_well_and_readiness_waits_for_the_engine() {
+async fn readiness_waits_for_the_engine() {
     let server = Server::start().await;
     assert_eq!(server.json("/healthz").await, (200, json!({"status": "ok"})));
     assert_eq!(server.json("/readyz").await, (200, json!({"status": "ok", "executor": "cpu"})));
@@ -112,8 +116,9 @@ async fn health_is_always_well_and_readiness_waits_for_the_engine() {
     assert_eq!(server.answer("/healthz").await.status(), 200);
 }
 
+/// Tiles are PNGs of 256 pixels, and TileJSON leads to them.
 #[tokio::test]
-async fn tiles_are_pngs_of_256_pixels_and_tilejson_leads_to_them() {
+async fn tilejson_leads_to_pngs_of_256_pixels() {
     let server = Server::start().await;
     for layer in ["radiance", "elevation"] {
         let (status, tilejson) =
@@ -140,8 +145,9 @@ async fn tiles_are_pngs_of_256_pixels_and_tilejson_leads_to_them() {
     }
 }
 
+/// TileJSON of a hostile Host header leads to the address that was reached.
 #[tokio::test]
-async fn tilejson_of_a_nasty_host_leads_to_the_address_that_was_reached() {
+async fn tilejson_ignores_a_hostile_host_header() {
     let server = Server::start().await;
     let ask =
         server.get("/api/v1/scenes/demo/tiles/radiance/tilejson.json").header("host", "evil\"/><script>");
@@ -150,8 +156,9 @@ async fn tilejson_of_a_nasty_host_leads_to_the_address_that_was_reached() {
     assert!(template.starts_with(&format!("{}/api/v1/scenes/demo/tiles/", server.base)), "{template}");
 }
 
+/// The viewer comes with a strict policy, and its hashed files are cached for ever.
 #[tokio::test]
-async fn the_viewer_comes_with_a_strict_policy_and_its_hashed_files_are_kept_for_ever() {
+async fn the_viewer_has_a_strict_policy() {
     let server = Server::start().await;
     let page = server.answer("/").await;
     assert_eq!((page.status().as_u16(), header(&page, "content-type")), (200, "text/html; charset=utf-8"));

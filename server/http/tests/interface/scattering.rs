@@ -11,8 +11,9 @@ async fn both() -> Server {
     Server::over(Fake::with_both_kinds(), HttpConfig::default()).await
 }
 
+/// The sky has all orders of scattering unless the first alone is requested.
 #[tokio::test]
-async fn the_sky_has_all_orders_unless_first_order_is_asked_for() {
+async fn the_sky_has_all_orders_by_default() {
     let server = both().await;
     let zenith = |sky: &Value| sky["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap();
     let (_, default) = server.json(SKY).await;
@@ -43,8 +44,9 @@ async fn each_scattering_has_a_tag_of_its_own() {
     }
 }
 
+/// The packs are listed with their scattering and their ground.
 #[tokio::test]
-async fn the_packs_are_listed_with_their_scattering_and_their_ground() {
+async fn packs_are_listed_with_their_scattering() {
     let (_, packs) = both().await.json("/api/v1/atmospheres").await;
     let told: Vec<_> =
         packs.as_array().unwrap().iter().map(|p| (&p["scattering"], &p["ground_albedo"])).collect();

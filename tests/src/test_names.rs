@@ -1,0 +1,32 @@
+//! The length of tests' names: what a test says in full is its doc comment.
+
+use crate::tree::SourceFile;
+
+/// Longest name of a test, characters.
+pub const MAX_TEST_NAME: usize = 45;
+
+/// Names of the tests in a file, those in macros too: of functions that follow `#[test]`, or an attribute like
+/// `#[tokio::test(…)]`.
+pub fn test_names(text: &str) -> Vec<&str> {
+    let mut names = Vec::new();
+    let mut is_test = false;
+    for line in text.lines().map(str::trim_start) {
+        is_test |= line.starts_with("#[test]") || line.starts_with("#[tokio::test");
+        let Some((before, after)) = line.split_once("fn ").filter(|_| is_test) else { continue };
+        if before.is_empty() || before == "async " || before.ends_with("] ") {
+            names.push(after.split(['(', '<']).next().unwrap_or(after));
+            is_test = false;
+        }
+    }
+    names
+}
+
+/// Tests with longer names, as path and name, but for files whose path starts with one of `except`.
+pub fn violations(files: &[SourceFile], except: &[&str]) -> Vec<String> {
+    let looked_at = files.iter().filter(|file| !except.iter().any(|folder| file.path.starts_with(folder)));
+    looked_at
+        .flat_map(|file| test_names(&file.text).into_iter().map(|name| (&file.path, name)))
+        .filter(|(_, name)| name.len() > MAX_TEST_NAME)
+        .map(|(path, name)| format!("{path}: {name}: {} characters", name.len()))
+        .collect()
+}
