@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests in tiers, each part in order: `test.sh check` (format, lints, unit tests), `test.sh browser` (the viewer in a browser), or all
-# that a change must pass. Stops at the first failure and says how long each part took.
+# Tests in tiers, each part in order: `test.sh check` (format, lints, unit tests), `test.sh browser` (the viewer in a browser), or
+# `test.sh all`, which a change must pass. Stops at the first failure and says how long each part took.
 set -eu
 cd "$(dirname "$0")/.."
 # Mesa's layer that chooses among GPUs for a desktop looks for one, and complains on a server that has none.
@@ -25,46 +25,60 @@ $(printf '%5d s  %s' "$(($(date +%s) - started))" "$name")"
 
 in_web() { (cd web && ../scripts/with_node.sh "$@"); }
 
-# One profile throughout: what is built once serves the lints' build scripts, the tests and the server.
-# Examples are held to the lints, which compile them; nothing here runs them.
-viewer_packages() { part "viewer: packages" in_web npm ci --no-audit --no-fund; }
+# What npm installed last came from this list of packages, or it installs anew.
+viewer_packages() {
+    installed=web/node_modules/.package-lock.json
+    [ -f "$installed" ] && ! [ web/package-lock.json -nt "$installed" ] || in_web npm ci --no-audit --no-fund
+}
 
 viewer_checks() {
+    part "viewer: packages" viewer_packages
     part "viewer: format and lints" in_web npm run lint
     part "viewer: types, and those of the API fit its document" in_web npm run typecheck
     part "viewer: unit tests" in_web npm run test:unit
 }
 
+# One profile and all packages throughout, so that what is built once serves every part: cargo builds dependencies with the
+# features that the named packages want. Examples are held to the lints, which compile them; nothing here runs them.
+cargo_test() { cargo test --release --workspace "$@"; }
+lints() { part "lints" cargo clippy --release --workspace --all-targets -- -D warnings; }
+
+# Rasters of real products are not in the repository. Without them nothing passes, unless their tests are to be left out.
+real_rasters="${SKYGLOW_TEST_DATA:-../shared/data}"
+has_real_rasters() {
+    [ -d "$real_rasters" ] && return 0
+    echo "$real_rasters is missing: SKYGLOW_TEST_DATA names the folder, SKYGLOW_SKIP_REAL_RASTERS=1 leaves its tests out" >&2
+    return 1
+}
+
 case "${1:-all}" in
 check)
     part "format" cargo fmt --all --check
-    part "lints" cargo clippy --release --workspace --all-targets -- -D warnings
-    part "unit tests" cargo test --release --workspace --lib --bins
-    [ -d web/node_modules ] || viewer_packages
+    lints
+    part "unit tests" cargo_test --lib --bins
     viewer_checks
     ;;
 browser)
     part "system packages" scripts/system_packages.sh test
-    part "build" cargo build --release --package skyglow
+    # With this test cargo builds the program that it starts.
+    part "build" cargo_test --test command_line --no-run
     part "packs that are missing" scripts/make_packs.sh missing
     part "viewer: in the browser" scripts/browser_tests.sh
     ;;
 all)
+    [ -n "${SKYGLOW_SKIP_REAL_RASTERS:-}" ] || part "rasters of real products" has_real_rasters
     part "system packages" scripts/system_packages.sh test
     part "format" cargo fmt --all --check
-    part "build" cargo test --release --workspace --lib --bins --tests --no-run
-    part "lints" cargo clippy --release --workspace --all-targets -- -D warnings
+    part "build" cargo_test --lib --bins --tests --no-run
+    lints
     part "packs that are missing" scripts/make_packs.sh missing
-    part "tests" cargo test --release --workspace --lib --bins --tests
-    # Rasters of real products are not in the repository: those tests run where the folder of them is.
-    real_rasters="${SKYGLOW_TEST_DATA:-../shared/data}"
-    if [ -d "$real_rasters" ]; then
-        part "tests of real rasters" cargo test --release -p skyglow-scene --test real_rasters -- --ignored
+    part "tests" cargo_test --lib --bins --tests
+    if [ -n "${SKYGLOW_SKIP_REAL_RASTERS:-}" ]; then
+        echo "== NOT RUN, as SKYGLOW_SKIP_REAL_RASTERS asks: tests of real rasters" >&2
     else
-        echo "== NOT RUN: tests of real rasters, $real_rasters is missing (SKYGLOW_TEST_DATA names the folder)" >&2
+        part "tests of real rasters" cargo_test --test real_rasters -- --ignored
     fi
-    part "examples in the documentation" cargo test --release --workspace --doc
-    viewer_packages
+    part "examples in the documentation" cargo_test --doc
     viewer_checks
     part "viewer: built form matches its sources" in_web npm run test:dist
     part "viewer: in the browser" scripts/browser_tests.sh

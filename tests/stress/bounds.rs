@@ -1,10 +1,9 @@
 //! What lies at the ends of the ranges and beyond: counted as the end, or refused by name, never extrapolated.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::lost_digits,
-    rig::{Lamp, Rig, grid_of, row_maxima, widened},
+    rig::{Bench, Lamp, Rig, grid_of, row_maxima, widened},
 };
 use skyglow_physics::{
     GeoPoint, SourcePixel, Turbidity,

@@ -1,11 +1,10 @@
 //! A walk through the demo scene, from a town into the mountains: light in blocks against every pixel by itself.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, jump},
     geotiff::Folder,
-    rig::Rig,
+    rig::{Bench, Rig},
     walks::LOOKS,
 };
 use skyglow_physics::{GeoPoint, Panorama, error_metric::LUMINANCE_FLOOR_CD_M2};

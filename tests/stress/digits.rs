@@ -1,10 +1,9 @@
 //! f32 against f64 on the packs that come with the program: single lamps at the ends and in the middle of every axis.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, holes, lost_digits},
-    rig::{Lamp, Rig, grid_of, row_maxima, widened},
+    rig::{Bench, Lamp, Rig, grid_of, row_maxima, widened},
 };
 use rayon::prelude::*;
 use skyglow_physics::{Turbidity, error_metric::BAND_FLOOR_W_M2_SR};

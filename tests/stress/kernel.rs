@@ -2,9 +2,9 @@
 //! beside, under and above the observer, rays that pass through them.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
+    rig::Bench,
 };
 use rayon::prelude::*;
 use skyglow_physics::{

@@ -22,14 +22,8 @@ mod symmetry;
 mod walks;
 
 use checks::{Outcome, Report};
-use rig::{Rig, shipped_tables};
+use rig::{Bench, Rig, shipped_tables};
 use std::{path::PathBuf, process::ExitCode};
-
-/// What the checks work on.
-pub(crate) struct Bench {
-    /// Both executors on the packs that come with the program.
-    pub(crate) shipped: Rig,
-}
 
 /// A topic by its name.
 type Topic = (&'static str, fn(&Bench, &mut Report) -> Outcome);

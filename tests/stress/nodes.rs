@@ -1,9 +1,8 @@
 //! A hair before each node and a hair behind it: what jumps there does not shrink with the hair.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
-    rig::{Rig, row_maxima, widened},
+    rig::{Bench, Rig, row_maxima, widened},
     walks::{LOOKS, STAND, Stand, request_at, truth_cd_m2},
 };
 use skyglow_physics::photometry::natural_sky_luminance_cd_m2;

@@ -1,11 +1,10 @@
 //! f32 against f64, pass by pass, in both executors: each on a pack in which the other passes have nothing to round.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
     plain::{self, fill_scale, fill_shape, make_needle, make_uniform},
-    rig::{Lamp, Rig, grid_of, row_maxima, widened},
+    rig::{Bench, Lamp, Rig, grid_of, row_maxima, widened},
 };
 use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, EmissionMix, Turbidity};
 use skyglow_render::{RenderRequest, synthetic::Noise};

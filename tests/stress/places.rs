@@ -1,11 +1,10 @@
 //! Where longitude and latitude have their seams: the antimeridian, the equator, the poles.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
     geotiff::{Folder, Raster, scattered},
-    rig::{Rig, row_maxima, widened},
+    rig::{Bench, Rig, row_maxima, widened},
 };
 use skyglow_physics::{AZIMUTH_COUNT, GeoPoint};
 use skyglow_scene::Scene;

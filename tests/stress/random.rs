@@ -2,10 +2,9 @@
 //! proptest takes cells away until no smaller scene breaks it, and the note says what is left.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
-    rig::{Lamp, Rig, grid_of, row_maxima, widened},
+    rig::{Bench, Lamp, Rig, grid_of, row_maxima, widened},
 };
 use proptest::{
     prelude::*,

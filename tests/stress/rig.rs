@@ -75,6 +75,12 @@ pub(crate) fn shipped_tables() -> Result<Vec<Arc<ResidentTables>>, Box<dyn Error
     Ok(resident_tables(&packs_in(&tree::root().join("precomputed"))?)?.0)
 }
 
+/// What the checks work on.
+pub(crate) struct Bench {
+    /// Both executors on the packs that come with the program.
+    pub(crate) shipped: Rig,
+}
+
 /// Plain Rust and Vulkan on the same packs: Mesa's in software, or a GPU's where `SKYGLOW_TEST_DEVICE` is `gpu`.
 pub(crate) struct Rig {
     /// The packs as one set.

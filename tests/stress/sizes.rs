@@ -1,11 +1,10 @@
 //! From one lit pixel to ten million, from 1e-6 to 1e6 nW cm⁻² sr⁻¹.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
     geotiff::{Folder, Raster},
-    rig::{Rig, row_maxima, widened},
+    rig::{Bench, Rig, row_maxima, widened},
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, EARTH_RADIUS_M, GeoPoint, Turbidity,

@@ -1,10 +1,9 @@
 //! The laws of the sky: turning the scene turns it, mirroring mirrors it, light adds up.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::lost_digits,
-    rig::{Lamp, Rig, grid_of, lamps_of, row_maxima, widened},
+    rig::{Bench, Lamp, Rig, grid_of, lamps_of, row_maxima, widened},
 };
 use skyglow_physics::{AZIMUTH_COUNT, Turbidity, error_metric::BAND_FLOOR_W_M2_SR};
 use skyglow_render::{RenderRequest, synthetic};

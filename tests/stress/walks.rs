@@ -4,10 +4,9 @@
 //! changes. A lamp is made as bright as gives a natural sky at the zenith, so that floors mean the same all along.
 
 use crate::{
-    Bench,
     checks::{Check, Outcome, Report},
     detectors::jump,
-    rig::Rig,
+    rig::{Bench, Rig},
 };
 use skyglow_physics::{
     Atmosphere, ELEVATION_COUNT, GeoPoint, Panorama, PointSource, Turbidity,
