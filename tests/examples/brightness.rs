@@ -1,6 +1,6 @@
 //! Brightness of a whole scene beside the panoramas of single places: time and error.
 //!
-//! `brightness DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT`: at COUNT places of the scene, drawn evenly from those of
+//! `brightness DATA_DIR PACKS SCENE TURBIDITY on|off MAX_PLACES COUNT`: at COUNT places of the scene, drawn evenly from those of
 //! the map, the zenith of the map beside that of the sky that `skyglow sky` gives, and how many times faster all were found
 //! together.
 
@@ -13,8 +13,8 @@ use std::{error::Error, path::Path, time::Instant};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let [_, data, packs, scene, turbidity, terrain, most_places, count] = arguments.as_slice() else {
-        return Err("usage: brightness DATA_DIR PACKS SCENE TURBIDITY on|off MOST_PLACES COUNT".into());
+    let [_, data, packs, scene, turbidity, terrain, max_places, count] = arguments.as_slice() else {
+        return Err("usage: brightness DATA_DIR PACKS SCENE TURBIDITY on|off MAX_PLACES COUNT".into());
     };
     let observatory = observatory(Path::new(data), Path::new(packs))?;
     let (id, turbidity) = (SceneId::parse(scene)?, Turbidity::new(turbidity.parse()?)?);
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         lamp: LampPreset::Mixed.lamp(),
         emission: EmissionMix::garstang(),
         terrain_hides: terrain == "on",
-        most_places: most_places.parse()?,
+        max_places: max_places.parse()?,
     };
     observatory.scene(&id)?;
     let start = Instant::now();

@@ -7,7 +7,7 @@
 use skyglow_physics::{Turbidity, direct_sum::stratified_samples};
 use skyglow_tests::{
     class_scenes::{Class, ClassScene},
-    lobe_sum::{AskedSky, fields, truth},
+    lobe_sum::{PreparedSky, fields, truth},
     lobe_truth::{LobeTruth, file_name},
 };
 use std::{error::Error, path::Path};
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 continue;
             }
             let before = path.exists().then(|| LobeTruth::read(&path)).transpose()?;
-            let sky = AskedSky {
+            let sky = PreparedSky {
                 name: class.name(),
                 place_deg: None,
                 observer_altitude_m: *observer_altitude_m,

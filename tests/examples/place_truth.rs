@@ -11,7 +11,7 @@ use skyglow_physics::{
 };
 use skyglow_scene::{Scene, SceneId, SceneStore};
 use skyglow_tests::{
-    lobe_sum::{AskedSky, fields, truth},
+    lobe_sum::{PreparedSky, fields, truth},
     lobe_truth::{LobeTruth, file_name},
     merged_sources::merged,
     places::places,
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("{place:?}: dark");
             continue;
         }
-        let sky = AskedSky {
+        let sky = PreparedSky {
             name: id,
             place_deg: Some([place.latitude_deg(), place.longitude_deg()]),
             observer_altitude_m,

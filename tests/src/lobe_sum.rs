@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 1e-5;
 
 /// A sky whose truth is wanted.
 #[derive(Clone, Debug)]
-pub struct AskedSky<'a> {
+pub struct PreparedSky<'a> {
     /// A class or a scene.
     pub name: &'a str,
     /// Latitude and longitude in the scene, degrees; None in a class.
@@ -39,14 +39,14 @@ pub fn fields(turbidity: Turbidity) -> FieldCache {
 /// # Errors
 /// Altitudes beyond the solver's.
 pub fn truth(
-    sky: &AskedSky<'_>,
+    sky: &PreparedSky<'_>,
     turbidity: Turbidity,
     samples: &[GridSample],
     fields: &mut FieldCache,
     before: Option<LobeTruth>,
 ) -> Result<LobeTruth, PhysicsError> {
     let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
-    let AskedSky { name, place_deg, observer_altitude_m, sources, flux_dnb_w } = *sky;
+    let PreparedSky { name, place_deg, observer_altitude_m, sources, flux_dnb_w } = *sky;
     let start = Instant::now();
     let digits = |values: &[f64]| values.iter().copied().map(seven_digits).collect::<Vec<_>>();
     let same = |before: &LobeTruth| before.samples == samples && before.sources == sources.len();

@@ -139,7 +139,7 @@ fn each_zenith_is_that_of_its_panorama() {
     let observatory = observatory(folder.path(), &tree::root().join("precomputed")).unwrap();
     let id = SceneId::parse("demo").unwrap();
     // At a pack and between packs.
-    for (turbidity, most_places) in [(2.5, 20_000), (3.0, 5_000)] {
+    for (turbidity, max_places) in [(2.5, 20_000), (3.0, 5_000)] {
         let turbidity = Turbidity::new(turbidity).unwrap();
         let request = BrightnessRequest {
             scene: id.clone(),
@@ -149,7 +149,7 @@ fn each_zenith_is_that_of_its_panorama() {
             lamp: LampPreset::Mixed.lamp(),
             emission: EmissionMix::garstang(),
             terrain_hides: true,
-            most_places,
+            max_places,
         };
         let map = observatory.brightness(&request, &|_: f64| true).unwrap();
         let lattice = map.places().lattice();

@@ -3,12 +3,12 @@
 use crate::{
     accept::Format,
     answers::{Assumptions, PanoramaAnswer},
-    request::View,
+    request::PictureRequest,
     source::RenderedSky,
 };
 use skyglow_display::{
-    DisplayError, Notes, PictureOptions, Sky, encode_exr, encode_png, encode_tiff, encode_webp,
-    notes::said_of, picture, raster,
+    DisplayError, Notes, PictureOptions, Sky, encode_exr, encode_png, encode_tiff, encode_webp, notes,
+    picture, raster,
 };
 use thiserror::Error;
 
@@ -31,7 +31,7 @@ pub enum DrawingError {
 pub fn draw(
     assumptions: Assumptions,
     sky: &RenderedSky,
-    view: &View,
+    view: &PictureRequest,
     format: Format,
 ) -> Result<Vec<u8>, DrawingError> {
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, ..view.options };
@@ -68,5 +68,5 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
     if assumptions.clouds != "none" {
         words.push_str(&format!(", clouds at {} m", assumptions.clouds));
     }
-    Ok(Notes::new(&said_of(words, scene.illustrative), &serde_json::to_string(assumptions)?))
+    Ok(Notes::new(&notes::description(words, scene.illustrative), &serde_json::to_string(assumptions)?))
 }

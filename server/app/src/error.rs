@@ -1,6 +1,6 @@
 //! Why a question is not answered, whoever asks.
 
-use crate::validation::{FieldError, Mistake};
+use crate::validation::{FieldError, ValidationCode};
 use thiserror::Error;
 
 /// Why a question is not answered as asked.
@@ -90,7 +90,13 @@ impl AppError {
     }
 
     /// One bad parameter.
-    pub fn parameter(name: &str, value: String, allowed: String, message: String, code: Mistake) -> Self {
+    pub fn parameter(
+        name: &str,
+        value: String,
+        allowed: String,
+        message: String,
+        code: ValidationCode,
+    ) -> Self {
         Self::Parameters(vec![FieldError {
             parameter: name.to_owned(),
             value: Some(value),

@@ -3,11 +3,11 @@
 use crate::{
     accept::InfluenceFormat,
     answers::{Assumptions, InfluenceAnswer, InfluentialPixel, PartAnswer, influential_pixels, measure_name},
-    request::InfluenceAsk,
+    request::InfluenceListRequest,
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use skyglow_display::notes::said_of;
+use skyglow_display::notes;
 use skyglow_observatory::{InfluenceMap, Measure};
 use skyglow_scene::{RasterError, RasterMetadata};
 use thiserror::Error;
@@ -33,7 +33,7 @@ pub enum InfluenceFileError {
 pub fn encode_influences(
     assumptions: Assumptions,
     map: &InfluenceMap,
-    ask: &InfluenceAsk,
+    ask: &InfluenceListRequest,
     format: InfluenceFormat,
 ) -> Result<Vec<u8>, InfluenceFileError> {
     let measure = &ask.query.measure;
@@ -52,7 +52,7 @@ pub fn encode_influences(
 fn geojson(
     assumptions: Assumptions,
     map: &InfluenceMap,
-    ask: &InfluenceAsk,
+    ask: &InfluenceListRequest,
 ) -> Result<Vec<u8>, InfluenceFileError> {
     let measure = &ask.query.measure;
     let total = map.total().influence;
@@ -144,7 +144,7 @@ fn geotiff(
         observer.longitude_deg,
         measure_name(measure)
     );
-    let description = said_of(shows, assumptions.scene.illustrative);
+    let description = notes::description(shows, assumptions.scene.illustrative);
     let assumptions = serde_json::to_string(assumptions)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
     let words = RasterMetadata { description: &description, unit: measure.unit(), notes: &notes };

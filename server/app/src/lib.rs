@@ -9,7 +9,6 @@ pub mod answers;
 pub mod drawing;
 pub mod error;
 pub mod influence_file;
-pub mod kept;
 pub mod kind_facts;
 pub mod observatory;
 pub mod parameters;
@@ -20,6 +19,7 @@ pub mod reader;
 pub mod request;
 pub mod source;
 pub mod stamp;
+pub mod stored;
 pub mod upload_reader;
 pub mod validation;
 

@@ -2,17 +2,17 @@
 
 use crate::{
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
-    kept::{kept_plans, kept_scenarios},
     kind_facts::KindFacts,
     parameters::{BASIS, SCATTERING, TURBIDITY},
     source::{
-        BoxFuture, Circumstances, EyeHeight, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SkySource,
+        BoxFuture, EyeHeight, InfluenceQuery, RenderContext, RenderedSky, SiteFacts, SkyQuery, SkySource,
         SourceError, SourceFacts,
     },
+    stored::{stored_plans, stored_scenarios},
     upload_reader::{UploadOutcome, UploadReader, UploadTask},
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, MOST_PLACES, Observatory,
+    BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, MAX_PLACES, Observatory,
     ObservatoryError, ObserverHeight, PlanOutcome, PlanRequest, SkyRequest,
 };
 use skyglow_physics::GeoPoint;
@@ -39,7 +39,7 @@ impl ObservatorySource {
         let facts = SourceFacts {
             executor: info.executor.name().to_owned(),
             adapter: info.adapter.clone(),
-            most_places: MOST_PLACES,
+            max_places: MAX_PLACES,
             kinds: info.kinds.iter().map(|kind| kind_facts(kind, observatory.atmospheres())).collect(),
             any_cloud_albedo: None,
             altitude_range_m: (info.altitude_range_m[0], info.altitude_range_m[1]),
@@ -63,8 +63,8 @@ impl ObservatorySource {
 
     /// The same with other limits of places in a map of the zenith's brightness.
     #[must_use]
-    pub fn with_most_places(mut self, most_places: usize) -> Self {
-        self.facts.most_places = most_places;
+    pub fn with_max_places(mut self, max_places: usize) -> Self {
+        self.facts.max_places = max_places;
         self
     }
 }
@@ -329,7 +329,7 @@ impl SkySource for ObservatorySource {
         self.observatory.changes().is_stored(id)
     }
 
-    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
+    fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
         if !id.is_plan() {
             return Err(SourceError::UnknownScenario(id.to_string()));
         }
@@ -338,12 +338,12 @@ impl SkySource for ObservatorySource {
 
     fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, SourceError> {
         self.scene(scene)?;
-        Ok(kept_scenarios(self.observatory.changes(), scene)?)
+        Ok(stored_scenarios(self.observatory.changes(), scene)?)
     }
 
     fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, SourceError> {
         self.scene(scene)?;
-        Ok(kept_plans(self.observatory.changes(), scene)?)
+        Ok(stored_plans(self.observatory.changes(), scene)?)
     }
 
     fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {
@@ -352,7 +352,7 @@ impl SkySource for ObservatorySource {
             let horizon_time = answer.horizon_time.map(|time| ("horizon", 1e6 * time.as_secs_f64()));
             let passes = answer.rendered.passes.iter().map(|pass| (pass.name, pass.microseconds));
             Ok(RenderedSky {
-                circumstances: Circumstances {
+                context: RenderContext {
                     altitude_m: answer.observer.altitude_m,
                     ground: answer.observer.ground,
                     coverage: answer.coverage,

@@ -114,7 +114,7 @@ macro_rules! parameters {
 const DEGREES: &str = " degrees";
 const A_NUMBER: &str = "^-?[0-9.]+([eE][+-]?[0-9]+)?$";
 /// Most basis functions that a table pack is made with; the resident ones may have fewer.
-pub const MOST_BASIS_FUNCTIONS: u32 = 256;
+pub const MAX_BASIS_FUNCTIONS: u32 = 256;
 
 parameters! {
     /// Latitude of the place, WGS84.
@@ -140,7 +140,7 @@ parameters! {
         pattern: "^(garstang|shielded|lambert|[0-9.]+(,[0-9.]+){2})$",
     }, "garstang", false;
     /// Number of basis functions; the default is all that are resident, and no more can be had.
-    BASIS = "basis", Kind::Integer { minimum: 1, maximum: MOST_BASIS_FUNCTIONS }, "", false;
+    BASIS = "basis", Kind::Integer { minimum: 1, maximum: MAX_BASIS_FUNCTIONS }, "", false;
     /// Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for.
     CLOUDS = "clouds", Kind::Text {
         allowed: "none, or a whole number from 200 to 12000 m",

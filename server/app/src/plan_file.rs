@@ -4,10 +4,10 @@ use crate::{
     accept::InfluenceFormat,
     answers::{DimmedPixelAnswer, PlanAnswer, dimmed_pixels},
     influence_file::{InfluenceFileError, csv_table, feature_collection},
-    planning::KeptPlan,
+    planning::PlanRecord,
     stamp::rfc3339,
 };
-use skyglow_display::notes::said_of;
+use skyglow_display::notes;
 use skyglow_scene::RasterMetadata;
 
 /// Encodes a plan; takes milliseconds to a second.
@@ -17,7 +17,7 @@ use skyglow_scene::RasterMetadata;
 /// # Errors
 /// [`InfluenceFileError`], only by a defect.
 pub fn encode_plan(
-    kept: &KeptPlan,
+    kept: &PlanRecord,
     limit: usize,
     format: InfluenceFormat,
 ) -> Result<Vec<u8>, InfluenceFileError> {
@@ -38,7 +38,7 @@ pub fn encode_plan(
 }
 
 /// A plan as JSON answers it.
-pub fn plan_answer(kept: &KeptPlan, limit: usize) -> PlanAnswer {
+pub fn plan_answer(kept: &PlanRecord, limit: usize) -> PlanAnswer {
     PlanAnswer {
         id: kept.id.to_string(),
         created: rfc3339(kept.created_unix_s),
@@ -48,12 +48,12 @@ pub fn plan_answer(kept: &KeptPlan, limit: usize) -> PlanAnswer {
 }
 
 /// γ of every pixel that is dimmed.
-fn geotiff(kept: &KeptPlan) -> Result<Vec<u8>, InfluenceFileError> {
+fn geotiff(kept: &PlanRecord) -> Result<Vec<u8>, InfluenceFileError> {
     let factors = &kept.plan.factors;
     let pixels = factors.codes.iter().zip(&factors.factors).map(|(code, factor)| (*code, 1.0 - factor));
     let pixels: Vec<(u64, f32)> = pixels.collect();
     let shows = format!("part of each pixel's light that plan {} takes away", kept.id);
-    let description = said_of(shows, kept.scene.metadata().illustrative);
+    let description = notes::description(shows, kept.scene.metadata().illustrative);
     let facts = serde_json::to_string(&kept.plan.answer)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("PLAN", facts.as_str())];
     let words = RasterMetadata { description: &description, unit: "1", notes: &notes };

@@ -3,7 +3,7 @@
 use crate::{
     answers::plan_facts,
     program::program,
-    request::PlanAsk,
+    request::PlanStoreRequest,
     source::{SkySource, SourceError},
 };
 use skyglow_scene::{ChangeId, ChangeStore, Scene, StoredPlan};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// A plan that is kept or held.
 #[derive(Clone, Debug)]
-pub struct KeptPlan {
+pub struct PlanRecord {
     /// Its id.
     pub id: ChangeId,
     /// The plan.
@@ -25,7 +25,7 @@ pub struct KeptPlan {
 /// About what a dimmed pixel takes on disk: the difference of its code, its factor and its effect.
 const PIXEL_BYTES: usize = 10;
 
-impl KeptPlan {
+impl PlanRecord {
     /// About what it takes on disk, bytes.
     pub fn stored_bytes(&self) -> usize {
         self.plan.factors.codes.len() * PIXEL_BYTES
@@ -35,7 +35,7 @@ impl KeptPlan {
 /// The id of a plan: the same request for the same scene with the same tables and the same build of the program has the same.
 ///
 /// * `scene_version`: of the scene itself.
-pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> ChangeId {
+pub fn plan_id(source: &dyn SkySource, ask: &PlanStoreRequest, scene_version: &str) -> ChangeId {
     let facts = source.facts();
     let decides = [
         &format!("{:?} {:?}", ask.scenario, ask.request),
@@ -53,7 +53,7 @@ pub fn plan_id(source: &dyn SkySource, ask: &PlanAsk, scene_version: &str) -> Ch
 ///
 /// # Errors
 /// As [`SkySource::plan`] and [`SkySource::store_plan`].
-pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, bool), SourceError> {
+pub fn make_plan(source: &dyn SkySource, ask: &PlanStoreRequest) -> Result<(ChangeId, bool), SourceError> {
     let scene_version = source.scene(&ask.scene)?.version;
     if ask.keep
         && let Some(base) = &ask.scenario
@@ -61,7 +61,7 @@ pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, boo
         source.check_base(base)?;
     }
     let id = plan_id(source, ask, &scene_version);
-    let plan = match source.kept_plan(&id) {
+    let plan = match source.plan_by_id(&id) {
         Ok(_) if !ask.keep || source.is_stored(&id) => return Ok((id, false)),
         Ok((held, _)) => held,
         Err(_) => new_plan(source, ask, scene_version)?,
@@ -74,7 +74,11 @@ pub fn make_plan(source: &dyn SkySource, ask: &PlanAsk) -> Result<(ChangeId, boo
     Ok((id, ask.keep))
 }
 
-fn new_plan(source: &dyn SkySource, ask: &PlanAsk, scene_version: String) -> Result<StoredPlan, SourceError> {
+fn new_plan(
+    source: &dyn SkySource,
+    ask: &PlanStoreRequest,
+    scene_version: String,
+) -> Result<StoredPlan, SourceError> {
     let outcome = source.plan(&ask.request)?;
     if source.scene(&ask.scene)?.version != scene_version {
         // Ingested again meanwhile: its pixels may be others.
@@ -96,11 +100,11 @@ fn new_plan(source: &dyn SkySource, ask: &PlanAsk, scene_version: String) -> Res
 ///
 /// # Errors
 /// [`SourceError::UnknownScenario`], [`SourceError::StalePlan`], and whatever is wrong with the scene.
-pub fn find_plan(source: &dyn SkySource, id: &ChangeId) -> Result<KeptPlan, SourceError> {
-    let (plan, created_unix_s) = source.kept_plan(id)?;
+pub fn find_plan(source: &dyn SkySource, id: &ChangeId) -> Result<PlanRecord, SourceError> {
+    let (plan, created_unix_s) = source.plan_by_id(id)?;
     if source.scene(&plan.scene)?.version != plan.scene_version {
         return Err(SourceError::StalePlan(id.to_string()));
     }
     let scene = source.open_scene(&plan.scene, plan.base.as_ref())?;
-    Ok(KeptPlan { id: id.clone(), plan, created_unix_s, scene })
+    Ok(PlanRecord { id: id.clone(), plan, created_unix_s, scene })
 }

@@ -3,11 +3,11 @@
 use crate::{
     error::AppError,
     parameters::{Kind, Parameter},
-    validation::{FieldError, Mistake, echo},
+    validation::{FieldError, ValidationCode, echo},
 };
 
 /// At most this many mistakes are listed.
-const MOST_ERRORS: usize = 32;
+const MAX_ERRORS: usize = 32;
 
 /// A query string taken apart, and what is wrong with it so far.
 #[derive(Debug)]
@@ -25,7 +25,13 @@ impl Reader {
                 let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
                 let allowed =
                     if names.is_empty() { "no parameters here".to_owned() } else { names.join(", ") };
-                reader.push(&echo(&name), Some(echo(&value)), allowed, Mistake::UnknownParameter, None);
+                reader.push(
+                    &echo(&name),
+                    Some(echo(&value)),
+                    allowed,
+                    ValidationCode::UnknownParameter,
+                    None,
+                );
                 continue;
             };
             if reader.values.iter().any(|(given, _)| *given == parameter.name) {
@@ -33,7 +39,7 @@ impl Reader {
                     parameter.name,
                     Some(echo(&value)),
                     "one value".to_owned(),
-                    Mistake::Repeated,
+                    ValidationCode::Repeated,
                     None,
                 );
                 continue;
@@ -48,7 +54,7 @@ impl Reader {
         parameter: &str,
         value: Option<String>,
         allowed: String,
-        code: Mistake,
+        code: ValidationCode,
         message: Option<String>,
     ) {
         let message = message.unwrap_or_else(|| code.words().to_owned());
@@ -57,7 +63,7 @@ impl Reader {
 
     /// Notes a mistake in something that is no query parameter.
     pub fn fail_field(&mut self, error: FieldError) {
-        if self.errors.len() < MOST_ERRORS {
+        if self.errors.len() < MAX_ERRORS {
             self.errors.push(error);
         }
     }
@@ -66,7 +72,7 @@ impl Reader {
     pub fn fail(
         &mut self,
         parameter: &Parameter,
-        code: Mistake,
+        code: ValidationCode,
         message: Option<String>,
         allowed: Option<String>,
     ) {
@@ -85,7 +91,7 @@ impl Reader {
         match text.trim().parse::<f64>() {
             Ok(number) if number.is_finite() => Some(number),
             _ => {
-                self.fail(parameter, Mistake::Malformed, Some("is not a number".to_owned()), None);
+                self.fail(parameter, ValidationCode::Malformed, Some("is not a number".to_owned()), None);
                 None
             }
         }
@@ -97,7 +103,7 @@ impl Reader {
         if let Kind::Number { minimum, maximum, .. } = parameter.kind
             && !(minimum..=maximum).contains(&number)
         {
-            self.fail(parameter, Mistake::NotAllowed, None, None);
+            self.fail(parameter, ValidationCode::NotAllowed, None, None);
             return None;
         }
         Some(number)
@@ -106,7 +112,7 @@ impl Reader {
     /// A number that must be given.
     pub fn required_number(&mut self, parameter: &Parameter) -> Option<f64> {
         if self.text(parameter).is_none() {
-            self.fail(parameter, Mistake::Missing, None, None);
+            self.fail(parameter, ValidationCode::Missing, None, None);
             return None;
         }
         self.number(parameter)
@@ -117,7 +123,7 @@ impl Reader {
         let text = self.text(parameter)?;
         let number = text.trim().parse::<i64>().ok();
         if number.is_none() {
-            self.fail(parameter, Mistake::Malformed, Some("is not a whole number".to_owned()), None);
+            self.fail(parameter, ValidationCode::Malformed, Some("is not a whole number".to_owned()), None);
         }
         number
     }
@@ -130,7 +136,7 @@ impl Reader {
                 Some(number)
             }
             _ => {
-                self.fail(parameter, Mistake::NotAllowed, None, None);
+                self.fail(parameter, ValidationCode::NotAllowed, None, None);
                 None
             }
         }
@@ -142,7 +148,7 @@ impl Reader {
         let Kind::Choice(words) = parameter.kind else { return None };
         let found = words.iter().copied().find(|word| *word == text);
         if found.is_none() {
-            self.fail(parameter, Mistake::NotAllowed, None, None);
+            self.fail(parameter, ValidationCode::NotAllowed, None, None);
         }
         found
     }
@@ -173,7 +179,7 @@ mod tests {
     use super::*;
     use crate::parameters::{self, ParameterSet, SkyParameters};
 
-    fn mistakes(query: &str, read: impl Fn(&mut Reader)) -> Vec<(String, Mistake)> {
+    fn mistakes(query: &str, read: impl Fn(&mut Reader)) -> Vec<(String, ValidationCode)> {
         let mut reader = Reader::new(Some(query), SkyParameters::ALL);
         read(&mut reader);
         match reader.finish() {
@@ -194,12 +200,12 @@ mod tests {
             reader.integer(&parameters::BASIS);
         });
         let expected = [
-            ("colour", Mistake::UnknownParameter),
-            ("lat", Mistake::Repeated),
-            ("lat", Mistake::NotAllowed),
-            ("lon", Mistake::Malformed),
-            ("terrain", Mistake::NotAllowed),
-            ("basis", Mistake::NotAllowed),
+            ("colour", ValidationCode::UnknownParameter),
+            ("lat", ValidationCode::Repeated),
+            ("lat", ValidationCode::NotAllowed),
+            ("lon", ValidationCode::Malformed),
+            ("terrain", ValidationCode::NotAllowed),
+            ("basis", ValidationCode::NotAllowed),
         ];
         assert_eq!(found, expected.map(|(name, code)| (name.to_owned(), code)));
     }
@@ -210,7 +216,7 @@ mod tests {
             let found = mistakes(&format!("lat={bad}"), |reader| {
                 reader.required_number(&parameters::LAT);
             });
-            assert_eq!(found, [("lat".to_owned(), Mistake::Malformed)], "{bad}");
+            assert_eq!(found, [("lat".to_owned(), ValidationCode::Malformed)], "{bad}");
         }
     }
 
@@ -226,9 +232,9 @@ mod tests {
     fn a_flood_of_mistakes_is_cut_short() {
         let query: String = (0..500).map(|i| format!("x{i}={}&", "y".repeat(300))).collect();
         let mut reader = Reader::new(Some(&query), SkyParameters::ALL);
-        reader.fail(&parameters::LAT, Mistake::Missing, None, None);
+        reader.fail(&parameters::LAT, ValidationCode::Missing, None, None);
         let Err(AppError::Parameters(errors)) = reader.finish() else { panic!("accepted") };
-        assert_eq!(errors.len(), MOST_ERRORS);
+        assert_eq!(errors.len(), MAX_ERRORS);
         assert!(errors.iter().all(|e| e.value.as_ref().is_none_or(|v| v.chars().count() <= 101)));
     }
 }

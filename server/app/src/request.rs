@@ -12,10 +12,10 @@ mod tests;
 mod view;
 
 pub use brightness::brightness;
-pub use influence::{InfluenceAsk, InfluenceBody, influence};
-pub use plan::{PlanAsk, PlanBody, SiteBody, plan, plan_limit};
+pub use influence::{InfluenceBody, InfluenceListRequest, influence};
+pub use plan::{PlanBody, PlanStoreRequest, SiteBody, plan, plan_limit};
 pub use scenario::{AreaBody, BrushBody, EditBody, FixtureBody, LampBody, ScenarioBody, scenario};
-pub use view::View;
+pub use view::PictureRequest;
 
 use self::{
     sky::{read_light, read_place, read_scenario, read_sky},
@@ -27,7 +27,7 @@ use crate::{
     parameters::{self as p, ParameterSet},
     reader::Reader,
     source::{SkyQuery, SourceFacts},
-    validation::Mistake,
+    validation::ValidationCode,
 };
 use skyglow_display::Sky;
 use skyglow_physics::GeoPoint;
@@ -103,7 +103,7 @@ pub fn panorama(
     scene: SceneId,
     facts: &SourceFacts,
     format: Format,
-) -> Result<(SkyQuery, View), AppError> {
+) -> Result<(SkyQuery, PictureRequest), AppError> {
     let mut reader = Reader::new(query, p::PanoramaParameters::ALL);
     only_what_means_something(&mut reader, format);
     let sky = read_sky(&mut reader, scene, facts);
@@ -125,7 +125,7 @@ fn only_what_means_something(reader: &mut Reader, format: Format) {
     for parameter in p::PanoramaParameters::ALL.iter().filter(|parameter| !names.contains(&parameter.name)) {
         if reader.text(parameter).is_some() {
             let message = Some(format!("means nothing for {}", format.media_type()));
-            reader.fail(parameter, Mistake::UnknownParameter, message, Some(names.join(", ")));
+            reader.fail(parameter, ValidationCode::UnknownParameter, message, Some(names.join(", ")));
         }
     }
 }

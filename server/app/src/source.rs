@@ -29,7 +29,7 @@ pub struct SourceFacts {
     /// Name of the device.
     pub adapter: String,
     /// Places of a map of the zenith's brightness at most.
-    pub most_places: usize,
+    pub max_places: usize,
     /// The packs resident, those of a clear sky first, under each sky by scattering, the best last; one at least.
     pub kinds: Vec<KindFacts>,
     /// Albedo of the base of clouds at whatever altitude, where no packs are needed; None where packs decide.
@@ -90,7 +90,7 @@ pub struct SkyQuery {
 
 /// What the numbers of an answer depend on that nobody asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Circumstances {
+pub struct RenderContext {
     /// Observer's altitude, metres above sea level.
     pub altitude_m: f64,
     /// The ground there.
@@ -111,7 +111,7 @@ pub struct Circumstances {
     pub lamps_not_met: Vec<LampPreset>,
 }
 
-impl Circumstances {
+impl RenderContext {
     /// Those of a map of influences.
     pub fn of_influences(map: &InfluenceMap) -> Self {
         Self {
@@ -138,7 +138,7 @@ pub struct RenderedSky {
     /// The reported quantities.
     pub quantities: SkyQuantities,
     /// What its numbers depend on.
-    pub circumstances: Circumstances,
+    pub context: RenderContext,
     /// Name and time [µs] of each pass, for the batch it was in; before them `horizon`, where one was computed.
     pub passes: Vec<(&'static str, f64)>,
 }
@@ -289,7 +289,7 @@ pub trait SkySource: Send + Sync + 'static {
     ///
     /// # Errors
     /// [`SourceError::UnknownScenario`], [`SourceError::Broken`].
-    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError>;
+    fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError>;
     /// The scenarios of a scene, the newest first.
     ///
     /// # Errors

@@ -16,13 +16,13 @@ pub struct FieldError {
     /// What is wrong with it.
     pub message: String,
     /// The kind of mistake.
-    pub code: Mistake,
+    pub code: ValidationCode,
 }
 
 /// Kinds of mistakes in parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Mistake {
+pub enum ValidationCode {
     /// No such parameter here.
     UnknownParameter,
     /// Required and absent.
@@ -41,18 +41,18 @@ pub enum Mistake {
     NotResident,
 }
 
-impl Mistake {
+impl ValidationCode {
     /// The mistake in words.
     pub const fn words(self) -> &'static str {
         match self {
-            Mistake::UnknownParameter => "there is no such parameter here",
-            Mistake::Missing => "is required",
-            Mistake::Repeated => "is given more than once",
-            Mistake::Malformed => "cannot be read",
-            Mistake::NotAllowed => "is not allowed",
-            Mistake::Conflict => "excludes another parameter given",
-            Mistake::OutOfRange => "is out of range",
-            Mistake::NotResident => "needs tables that are not resident",
+            ValidationCode::UnknownParameter => "there is no such parameter here",
+            ValidationCode::Missing => "is required",
+            ValidationCode::Repeated => "is given more than once",
+            ValidationCode::Malformed => "cannot be read",
+            ValidationCode::NotAllowed => "is not allowed",
+            ValidationCode::Conflict => "excludes another parameter given",
+            ValidationCode::OutOfRange => "is out of range",
+            ValidationCode::NotResident => "needs tables that are not resident",
         }
     }
 }
@@ -73,12 +73,12 @@ pub enum Refusal {
 impl Refusal {
     /// The worst mistake decides: what cannot be read before what is out of range before what is not resident.
     pub fn of(errors: &[FieldError]) -> Self {
-        let only = |mistakes: &[Mistake]| errors.iter().all(|error| mistakes.contains(&error.code));
-        if only(&[Mistake::UnknownParameter]) {
+        let only = |mistakes: &[ValidationCode]| errors.iter().all(|error| mistakes.contains(&error.code));
+        if only(&[ValidationCode::UnknownParameter]) {
             Self::UnknownParameter
-        } else if only(&[Mistake::NotResident]) {
+        } else if only(&[ValidationCode::NotResident]) {
             Self::NotResident
-        } else if only(&[Mistake::OutOfRange, Mistake::NotResident]) {
+        } else if only(&[ValidationCode::OutOfRange, ValidationCode::NotResident]) {
             Self::OutOfRange
         } else {
             Self::BadParameters
@@ -87,19 +87,19 @@ impl Refusal {
 }
 
 /// At most this many characters of what a client sent are sent back.
-const LONGEST_ECHO: usize = 100;
+const MAX_ECHO_CHARS: usize = 100;
 
 /// At most this many of a message about it, which may quote it and lists what is allowed.
-const LONGEST_MESSAGE: usize = 400;
+const MAX_MESSAGE_CHARS: usize = 400;
 
 /// A client's text, shortened.
 pub fn echo(text: &str) -> String {
-    shortened(text, LONGEST_ECHO)
+    shortened(text, MAX_ECHO_CHARS)
 }
 
 /// A message that may quote a client's text, shortened.
 pub fn message_with_echo(text: &str) -> String {
-    shortened(text, LONGEST_MESSAGE)
+    shortened(text, MAX_MESSAGE_CHARS)
 }
 
 fn shortened(text: &str, longest: usize) -> String {

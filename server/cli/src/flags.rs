@@ -3,7 +3,7 @@
 use crate::{failure::Failure, folders, program, query, settings::Device};
 use clap::{Args, builder::BoolishValueParser};
 use skyglow_app::{SkySource, source::SourceFacts};
-use skyglow_observatory::MOST_PLACES;
+use skyglow_observatory::MAX_PLACES;
 use skyglow_scene::ChangeLimits;
 use std::{path::PathBuf, sync::Arc};
 
@@ -71,6 +71,6 @@ impl ProgramFlags {
     /// Scenes, packs and engine, ready to answer.
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
         let device = self.device.unwrap_or_default();
-        program::open(&self.data.folder(), &self.packs.folder(), device, ChangeLimits::none(), MOST_PLACES)
+        program::open(&self.data.folder(), &self.packs.folder(), device, ChangeLimits::none(), MAX_PLACES)
     }
 }

@@ -20,7 +20,7 @@ use std::{
 /// An engine over the packs of a folder, before the scenes of another.
 ///
 /// * `limits`: what is kept of scenarios and plans.
-/// * `most_places`: of a map of the zenith's brightness.
+/// * `max_places`: of a map of the zenith's brightness.
 ///
 /// # Errors
 /// [`Failure::Work`] where there are no packs, one is refused, or there is no such device.
@@ -29,7 +29,7 @@ pub(crate) fn open(
     packs: &Path,
     device: Device,
     limits: ChangeLimits,
-    most_places: usize,
+    max_places: usize,
 ) -> Result<Arc<dyn SkySource>, Failure> {
     let paths = packs_in(packs).map_err(Failure::work)?;
     if paths.is_empty() {
@@ -42,20 +42,20 @@ pub(crate) fn open(
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
     let observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits);
-    let source = skyglow_app::ObservatorySource::new(Arc::new(observatory)).with_most_places(most_places);
+    let source = skyglow_app::ObservatorySource::new(Arc::new(observatory)).with_max_places(max_places);
     // The program that runs, also where its file was replaced meanwhile.
     let program = PathBuf::from("/proc/self/exe");
     if !program.exists() {
         return Ok(Arc::new(source));
     }
-    let reader = UploadReader { program, arguments: vec![READ_UPLOAD.to_owned()], longest: LONGEST_UPLOAD };
+    let reader = UploadReader { program, arguments: vec![READ_UPLOAD.to_owned()], longest: MAX_UPLOAD_TIME };
     Ok(Arc::new(source.with_upload_reader(reader)))
 }
 
 /// The argument that makes this program a reader of uploads. No command: nobody but the server calls it.
 pub(crate) const READ_UPLOAD: &str = "--read-upload";
 /// Longest time that an upload may take to be read.
-const LONGEST_UPLOAD: Duration = Duration::from_secs(1800);
+const MAX_UPLOAD_TIME: Duration = Duration::from_secs(1800);
 
 /// Reads an upload for the server, and ends with it.
 pub(crate) fn read_upload() -> ExitCode {

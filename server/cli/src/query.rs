@@ -5,7 +5,7 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use skyglow_app::{
     error::AppError,
     kind_facts::KindFacts,
-    parameters::{MOST_BASIS_FUNCTIONS, Parameter, ParameterSet},
+    parameters::{MAX_BASIS_FUNCTIONS, Parameter, ParameterSet},
     source::SourceFacts,
 };
 use skyglow_physics::{CloudBase, Turbidity};
@@ -87,14 +87,14 @@ fn widest_facts() -> SourceFacts {
         clouds: None,
         scattering,
         turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
-        basis_count: MOST_BASIS_FUNCTIONS as usize,
+        basis_count: MAX_BASIS_FUNCTIONS as usize,
         ground_albedo: None,
         why_open: None,
     };
     SourceFacts {
         executor: "reference".to_owned(),
         adapter: String::new(),
-        most_places: usize::MAX,
+        max_places: usize::MAX,
         kinds: Scattering::ALL.iter().map(kind).collect(),
         any_cloud_albedo: Some(CloudBase::DEFAULT_ALBEDO),
         altitude_range_m: (0.0, 100_000.0),

@@ -1,5 +1,5 @@
 //! What the server is told: a TOML file, over it the environment, over that flags. All three use the names of
-//! [`Layer`].
+//! [`PartialSettings`].
 
 use crate::{failure::Failure, folders};
 use clap::{Args, builder::BoolishValueParser};
@@ -46,7 +46,7 @@ impl From<Device> for DeviceChoice {
 #[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 #[schemars(title = "Configuration of the Skyglow server")]
-pub(crate) struct Layer {
+pub(crate) struct PartialSettings {
     /// Address and port to listen on; port 0 takes a free one and logs it [default: 127.0.0.1:8080]
     #[arg(long, env = "SKYGLOW_LISTEN", value_name = "ADDRESS:PORT")]
     pub(crate) listen: Option<SocketAddr>,
@@ -180,7 +180,7 @@ impl Default for Settings {
             packs: folders::default_packs_folder(),
             device: Device::default(),
             no_demo: false,
-            brightness_places: skyglow_observatory::MOST_PLACES,
+            brightness_places: skyglow_observatory::MAX_PLACES,
             kept_plans: 5000,
             kept_plans_bytes: 1 << 30,
             kept_plans_days: 90,
@@ -298,7 +298,7 @@ fn broken_toml(path: &Path, text: &str, error: &toml::de::Error) -> Failure {
     Failure::Work(format!("{}:{}: {reason}", path.display(), line_of(text, error)))
 }
 
-impl Layer {
+impl PartialSettings {
     /// Reads a TOML file.
     ///
     /// # Errors
@@ -331,17 +331,21 @@ impl Layer {
 mod tests {
     use super::*;
 
-    fn from_text(text: &str) -> Result<Layer, String> {
+    fn from_text(text: &str) -> Result<PartialSettings, String> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         let name = file.path().display().to_string();
-        Layer::from_file(file.path()).map_err(|failure| failure.to_string().replace(&name, "FILE"))
+        PartialSettings::from_file(file.path()).map_err(|failure| failure.to_string().replace(&name, "FILE"))
     }
 
     #[test]
     fn a_flag_wins_over_the_file_and_the_file_over_the_default() {
         let file = from_text("listen = \"0.0.0.0:80\"\ndevice = \"cpu\"\nrequest_timeout_s = 5\n").unwrap();
-        let flags = Layer { device: Some(Device::Lavapipe), cache_bytes: Some(7), ..Layer::default() };
+        let flags = PartialSettings {
+            device: Some(Device::Lavapipe),
+            cache_bytes: Some(7),
+            ..PartialSettings::default()
+        };
         let settings = flags.over(&file).unwrap();
         let expected = Settings {
             listen: "0.0.0.0:80".parse().unwrap(),
@@ -354,7 +358,10 @@ mod tests {
 
     #[test]
     fn nothing_said_leaves_the_defaults() {
-        assert_eq!(Layer::default().over(&Layer::default()).unwrap(), Settings::default());
+        assert_eq!(
+            PartialSettings::default().over(&PartialSettings::default()).unwrap(),
+            Settings::default()
+        );
     }
 
     #[test]
@@ -371,7 +378,7 @@ mod tests {
     #[test]
     fn numbers_that_no_server_can_run_with_are_refused_all_at_once_by_name() {
         let file = "request_timeout_s = 0\nrequest_burst = 0\npublic_url = \"sky.example.org\"\nrequests_per_second = -1\n";
-        let refused = Layer::default().over(&from_text(file).unwrap()).unwrap_err().to_string();
+        let refused = PartialSettings::default().over(&from_text(file).unwrap()).unwrap_err().to_string();
         for name in ["request_timeout_s", "request_burst", "public_url", "requests_per_second"] {
             assert!(refused.contains(&format!("{name} must be")), "{refused}");
         }
@@ -408,12 +415,12 @@ mod tests {
         let mut settings = Settings::default();
         settings.http.public_url = Some("https://sky.example.org".to_owned());
         let layer = from_text(&toml::to_string(&settings).unwrap()).unwrap();
-        assert_eq!(layer.over(&Layer::default()).unwrap(), settings);
+        assert_eq!(layer.over(&PartialSettings::default()).unwrap(), settings);
     }
 
     #[test]
     fn file_flags_and_schema_have_a_name_for_every_setting_and_no_other() {
-        let schema = serde_json::to_value(schemars::schema_for!(Layer)).unwrap();
+        let schema = serde_json::to_value(schemars::schema_for!(PartialSettings)).unwrap();
         assert_eq!(schema["additionalProperties"], serde_json::json!(false));
         let mut settings = Settings::default();
         settings.http.public_url = Some(String::new());
@@ -430,7 +437,7 @@ mod tests {
     #[test]
     fn defaults_in_the_help_are_those_in_force() {
         let settings = serde_json::to_value(Settings::default()).unwrap();
-        let command = Layer::augment_args(clap::Command::new("test"));
+        let command = PartialSettings::augment_args(clap::Command::new("test"));
         let mut compared = 0;
         for flag in command.get_arguments() {
             let help = flag.get_help().unwrap().to_string();

@@ -4,7 +4,7 @@
 pub const ILLUSTRATIVE: &str = "illustrative: made-up light, not measured";
 
 /// A sentence of what something shows, and whether its light is made up.
-pub fn said_of(shows: impl Into<String>, illustrative: bool) -> String {
+pub fn description(shows: impl Into<String>, illustrative: bool) -> String {
     let mut words = shows.into();
     if illustrative {
         words.push_str("; ");
@@ -72,8 +72,8 @@ mod tests {
 
     #[test]
     fn made_up_light_is_said_to_be_made_up() {
-        assert_eq!(said_of("upward radiance", false), "upward radiance");
-        assert_eq!(said_of("upward radiance", true), format!("upward radiance; {ILLUSTRATIVE}"));
+        assert_eq!(description("upward radiance", false), "upward radiance");
+        assert_eq!(description("upward radiance", true), format!("upward radiance; {ILLUSTRATIVE}"));
     }
 
     #[test]

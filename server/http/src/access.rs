@@ -44,7 +44,7 @@ pub enum AccessError {
         reason: &'static str,
     },
     /// Short enough to be guessed.
-    #[error("the operator's token must be {SHORTEST_TOKEN} characters or longer, without spaces")]
+    #[error("the operator's token must be {MIN_TOKEN_LENGTH} characters or longer, without spaces")]
     WeakToken,
 }
 
@@ -54,9 +54,9 @@ pub fn hash_of(key: &str) -> String {
 }
 
 /// A token shorter than this could be guessed.
-pub const SHORTEST_TOKEN: usize = 20;
+pub const MIN_TOKEN_LENGTH: usize = 20;
 /// Longest name of a key.
-const LONGEST_NAME: usize = 64;
+const MAX_NAME_BYTES: usize = 64;
 
 /// A key with what is left of its rate and quota.
 #[derive(Debug)]
@@ -98,7 +98,7 @@ impl Access {
     /// # Errors
     /// [`AccessError`].
     pub fn new(token: Option<&str>, keys: Vec<ApiKey>) -> Result<Self, AccessError> {
-        let is_weak = |token: &str| token.len() < SHORTEST_TOKEN || token.contains(char::is_whitespace);
+        let is_weak = |token: &str| token.len() < MIN_TOKEN_LENGTH || token.contains(char::is_whitespace);
         if token.is_some_and(is_weak) {
             return Err(AccessError::WeakToken);
         }
@@ -107,7 +107,7 @@ impl Access {
             let refuse = |reason| AccessError::BadKey { name: key.name.clone(), reason };
             let hash = blake3::Hash::from_hex(&key.blake3)
                 .map_err(|_| AccessError::BadHash { name: key.name.clone() })?;
-            if key.name.is_empty() || key.name.len() > LONGEST_NAME || key.name.contains(char::is_control) {
+            if key.name.is_empty() || key.name.len() > MAX_NAME_BYTES || key.name.contains(char::is_control) {
                 return Err(refuse("a name has 1 to 64 characters"));
             }
             if !(key.requests_per_second > 0.0 && key.requests_per_second.is_finite())

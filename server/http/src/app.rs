@@ -1,12 +1,12 @@
-//! The router: routes, their document, and the layers around them.
+//! The router: routes, their document, and the middleware around them.
 
 use crate::{
     access::Access,
     config::HttpConfig,
     error::ApiError,
-    layers::{
-        Keeping, RateLimiter, Room, catch_panic, guard, limit_keeping, limit_rate, observe, problems_only,
-        read_body, tag_encodings,
+    middleware::{
+        ConcurrencyLimit, RateLimiter, StorageQuota, catch_panic, limit_concurrency, limit_rate,
+        limit_storage, observe, problems_only, read_body, tag_encodings,
     },
     problem::PROBLEM_JSON,
     routes::{
@@ -173,14 +173,14 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         let _ = state.openapi.set(text);
     }
     let limiter = Arc::new(RateLimiter::new(config.requests_per_second, config.request_burst));
-    let keeping = Arc::new(Keeping::new(config.kept_per_day));
+    let quota = Arc::new(StorageQuota::new(config.kept_per_day));
     let (api, _) = api().split_for_parts();
     let api = api
         .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))
         .route("/api/docs/page.js", get(docs::get_docs_script))
         .route("/api/docs/page.css", get(docs::get_docs_style))
-        .layer(from_fn_with_state(Room::new(state.clone()), guard))
-        .layer(from_fn_with_state((state.clone(), keeping), limit_keeping))
+        .layer(from_fn_with_state(ConcurrencyLimit::new(state.clone()), limit_concurrency))
+        .layer(from_fn_with_state((state.clone(), quota), limit_storage))
         .layer(from_fn_with_state(state.clone(), read_body))
         .layer(from_fn_with_state((state.clone(), limiter.clone()), limit_rate))
         .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))

@@ -9,7 +9,7 @@ use axum::{
 use skyglow_app::error::AppError;
 use skyglow_app::{
     source::SourceError,
-    validation::{FieldError, Mistake, Refusal},
+    validation::{FieldError, Refusal, ValidationCode},
 };
 use thiserror::Error;
 
@@ -61,7 +61,7 @@ pub enum ApiError {
     #[error(
         "this address had its share of the day's scenarios and plans kept; there is more in {retry_after_s} s"
     )]
-    KeptEnough {
+    StorageQuotaUsed {
         /// Seconds until there is some.
         retry_after_s: u64,
     },
@@ -113,7 +113,13 @@ impl ApiError {
     }
 
     /// One bad parameter.
-    pub fn parameter(name: &str, value: String, allowed: String, message: String, code: Mistake) -> Self {
+    pub fn parameter(
+        name: &str,
+        value: String,
+        allowed: String,
+        message: String,
+        code: ValidationCode,
+    ) -> Self {
         Self::App(AppError::parameter(name, value, allowed, message, code))
     }
 
@@ -171,7 +177,7 @@ impl ApiError {
             ApiError::ForeignOrigin => {
                 (StatusCode::FORBIDDEN, "foreign-origin", "Pages of other sites keep nothing here")
             }
-            ApiError::KeptEnough { .. } => {
+            ApiError::StorageQuotaUsed { .. } => {
                 (StatusCode::TOO_MANY_REQUESTS, "kept-enough", "The address's share of the day is kept")
             }
             ApiError::TooManyRequests { .. } => {
@@ -197,7 +203,7 @@ impl ApiError {
         match self {
             ApiError::TooManyRequests { retry_after_s }
             | ApiError::QuotaUsed { retry_after_s }
-            | ApiError::KeptEnough { retry_after_s }
+            | ApiError::StorageQuotaUsed { retry_after_s }
             | ApiError::App(AppError::Busy { retry_after_s }) => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::App(AppError::EngineDown) => Some(2),
             ApiError::App(AppError::Storage { .. }) => Some(60),
@@ -274,7 +280,7 @@ impl IntoResponse for ApiError {
 mod tests {
     use super::*;
 
-    fn mistake(code: Mistake) -> FieldError {
+    fn mistake(code: ValidationCode) -> FieldError {
         FieldError {
             parameter: "p".into(),
             value: Some("v".into()),
@@ -286,14 +292,20 @@ mod tests {
 
     #[test]
     fn the_worst_mistake_decides_the_kind_of_the_problem() {
-        let kind = |codes: &[Mistake]| {
+        let kind = |codes: &[ValidationCode]| {
             ApiError::App(AppError::Parameters(codes.iter().copied().map(mistake).collect())).problem().kind
         };
-        assert_eq!(kind(&[Mistake::UnknownParameter]), "/problems/unknown-parameter");
-        assert_eq!(kind(&[Mistake::UnknownParameter, Mistake::OutOfRange]), "/problems/bad-parameters");
-        assert_eq!(kind(&[Mistake::OutOfRange]), "/problems/out-of-range");
-        assert_eq!(kind(&[Mistake::NotResident]), "/problems/not-resident");
-        assert_eq!(kind(&[Mistake::NotResident, Mistake::OutOfRange]), "/problems/out-of-range");
+        assert_eq!(kind(&[ValidationCode::UnknownParameter]), "/problems/unknown-parameter");
+        assert_eq!(
+            kind(&[ValidationCode::UnknownParameter, ValidationCode::OutOfRange]),
+            "/problems/bad-parameters"
+        );
+        assert_eq!(kind(&[ValidationCode::OutOfRange]), "/problems/out-of-range");
+        assert_eq!(kind(&[ValidationCode::NotResident]), "/problems/not-resident");
+        assert_eq!(
+            kind(&[ValidationCode::NotResident, ValidationCode::OutOfRange]),
+            "/problems/out-of-range"
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The HTTP interface: a thin router over what the program can be asked.
 //!
-//! A request passes the layers (id, count, log; panics; limits), a handler has it read ([`skyglow_app::request`]), its ETag
+//! A request passes the middleware (id, count, log; panics; limits), a handler has it read ([`skyglow_app::request`]), its ETag
 //! is known before anything is rendered ([`etag`]), the program behind ([`skyglow_app::source`]) answers, and the answer gets
 //! its headers ([`respond`]). Status codes are in one table in [`error`].
 
@@ -9,9 +9,9 @@ pub mod app;
 pub mod config;
 pub mod error;
 pub mod etag;
-pub mod layers;
 pub mod listener;
 pub mod metrics;
+pub mod middleware;
 pub mod problem;
 pub mod respond;
 pub mod routes;

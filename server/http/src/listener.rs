@@ -64,13 +64,13 @@ impl<S> Connection<S> {
 }
 
 /// The HTTP library's own refusals are shorter, bytes.
-const LONGEST_REFUSAL: usize = 1024;
+const MAX_REFUSAL_BYTES: usize = 1024;
 
 /// The answer in place of a head that the HTTP library wrote: an error without a body, and so without a type of
 /// it. Every answer of the router has one, those to HEAD included.
 fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
     // Bodies pass by here too, megabytes of them.
-    if written.len() > LONGEST_REFUSAL || !written.starts_with(b"HTTP/1.") {
+    if written.len() > MAX_REFUSAL_BYTES || !written.starts_with(b"HTTP/1.") {
         return None;
     }
     let head = std::str::from_utf8(written).ok()?.strip_suffix("\r\n\r\n")?;

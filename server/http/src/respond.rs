@@ -9,8 +9,8 @@ use serde::Serialize;
 
 /// How long an answer may be kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keep {
-    /// Asked about each time; the ETag makes that cheap.
+pub enum CachePolicy {
+    /// JsonRequest about each time; the ETag makes that cheap.
     Revalidate,
     /// For some minutes: made from a scene that may be ingested again.
     Minutes,
@@ -18,12 +18,12 @@ pub enum Keep {
     Forever,
 }
 
-impl Keep {
+impl CachePolicy {
     const fn cache_control(self) -> &'static str {
         match self {
-            Keep::Revalidate => "public, no-cache",
-            Keep::Minutes => "public, max-age=300",
-            Keep::Forever => "public, max-age=31536000, immutable",
+            CachePolicy::Revalidate => "public, no-cache",
+            CachePolicy::Minutes => "public, max-age=300",
+            CachePolicy::Forever => "public, max-age=31536000, immutable",
         }
     }
 }
@@ -34,7 +34,7 @@ pub struct Caching {
     /// Its tag.
     pub etag: ETag,
     /// For how long.
-    pub keep: Keep,
+    pub policy: CachePolicy,
     /// Request headers that it depends on, besides the encodings accepted.
     pub vary: Option<&'static str>,
 }
@@ -70,7 +70,7 @@ impl Caching {
         if let Ok(tag) = HeaderValue::from_str(tag) {
             headers.insert(header::ETAG, tag);
         }
-        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static(self.keep.cache_control()));
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static(self.policy.cache_control()));
         // The compression adds this to what it compresses; caches must know for the other answers too.
         let vary = match self.vary {
             None => "accept-encoding",
@@ -109,10 +109,10 @@ pub fn created(location: &str, value: &impl Serialize) -> Result<Response<Body>,
 /// [`AppError::Internal`](skyglow_app::AppError::Internal) for what is no JSON.
 pub fn json_by_content(
     request: &HeaderMap,
-    keep: Keep,
+    policy: CachePolicy,
     value: &impl Serialize,
 ) -> Result<Response<Body>, ApiError> {
-    bytes_by_content(request, keep, "application/json", json_bytes(value)?)
+    bytes_by_content(request, policy, "application/json", json_bytes(value)?)
 }
 
 /// Bytes whose tag is their own hash.
@@ -121,10 +121,10 @@ pub fn json_by_content(
 /// None today.
 pub fn bytes_by_content(
     request: &HeaderMap,
-    keep: Keep,
+    policy: CachePolicy,
     media_type: &'static str,
     body: Vec<u8>,
 ) -> Result<Response<Body>, ApiError> {
-    let caching = Caching { etag: ETag::of_bytes(&body), keep, vary: None };
+    let caching = Caching { etag: ETag::of_bytes(&body), policy, vary: None };
     Ok(caching.not_modified(request).unwrap_or_else(|| caching.ok(media_type, body)))
 }

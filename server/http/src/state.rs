@@ -31,7 +31,7 @@ pub struct AppState {
     /// Skies rendered lately, by what decides them.
     skies: Cache<String, Arc<RenderedSky>>,
     /// Answers made lately, by their tags.
-    answers: Cache<String, Arc<MadeAnswer>>,
+    answers: Cache<String, Arc<EncodedAnswer>>,
     /// Maps of influences found lately, by what decides them.
     influences: Cache<String, Arc<InfluenceMap>>,
     /// Maps of the zenith's brightness found lately, by what decides them.
@@ -50,7 +50,7 @@ pub struct AppState {
 
 /// An answer as it is sent.
 #[derive(Clone, Debug, Default)]
-pub struct MadeAnswer {
+pub struct EncodedAnswer {
     /// The body.
     pub bytes: Bytes,
     /// What it had to do without.
@@ -59,7 +59,7 @@ pub struct MadeAnswer {
     pub times: String,
 }
 
-impl From<Vec<u8>> for MadeAnswer {
+impl From<Vec<u8>> for EncodedAnswer {
     fn from(bytes: Vec<u8>) -> Self {
         Self { bytes: bytes.into(), ..Self::default() }
     }
@@ -85,7 +85,7 @@ impl AppState {
     /// The state over a source.
     pub fn new(source: Arc<dyn SkySource>, config: HttpConfig, access: Access) -> Self {
         let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
-        let weigh = |_: &String, answer: &Arc<MadeAnswer>| {
+        let weigh = |_: &String, answer: &Arc<EncodedAnswer>| {
             u32::try_from(answer.bytes.len() + ANSWER_BYTES).unwrap_or(u32::MAX)
         };
         let answers = Cache::builder()
@@ -192,8 +192,8 @@ impl AppState {
     pub async fn answer(
         &self,
         etag: &ETag,
-        make: impl Future<Output = Result<MadeAnswer, ApiError>>,
-    ) -> Result<Arc<MadeAnswer>, ApiError> {
+        make: impl Future<Output = Result<EncodedAnswer, ApiError>>,
+    ) -> Result<Arc<EncodedAnswer>, ApiError> {
         let make = async move { make.await.map(Arc::new) };
         let found = self.answers.entry(etag.header()).or_try_insert_with(make).await;
         self.metrics.count_cache("answer", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));

@@ -20,7 +20,7 @@ use std::{
 /// The observer's eye above the ground, metres.
 pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
-pub const MOST_PLACES: usize = 1_200_000;
+pub const MAX_PLACES: usize = 1_200_000;
 
 /// One map of the zenith's brightness asked for: under a clear sky, two metres above the ground. Its `Debug` form is its identity in
 /// ETags and the cache.
@@ -41,7 +41,7 @@ pub struct BrightnessRequest {
     /// Whether terrain hides the low light of lamps behind it.
     pub terrain_hides: bool,
     /// Places at most; beyond, pixels share one by blocks.
-    pub most_places: usize,
+    pub max_places: usize,
 }
 
 impl BrightnessRequest {
@@ -138,7 +138,7 @@ impl Observatory {
         };
         let set = self.engine.table_set();
         let taps = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_taps;
-        let lattice = scene.place_lattice(request.most_places);
+        let lattice = scene.place_lattice(request.max_places);
         let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
         let eye_m = |ground_m: f32| {
             let eye_m = ground_m + EYE_HEIGHT_M as f32;

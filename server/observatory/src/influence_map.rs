@@ -163,18 +163,18 @@ struct Seen {
 }
 
 /// What finding influences needs beside the engine.
-pub(crate) struct InfluenceDesk {
+pub(crate) struct InfluenceCache {
     solver: OnceLock<InfluenceSolver>,
     seen: Cache<SeenKey, Seen>,
 }
 
-impl std::fmt::Debug for InfluenceDesk {
+impl std::fmt::Debug for InfluenceCache {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("InfluenceDesk").field("seen", &self.seen.entry_count()).finish_non_exhaustive()
+        f.debug_struct("InfluenceCache").field("seen", &self.seen.entry_count()).finish_non_exhaustive()
     }
 }
 
-impl InfluenceDesk {
+impl InfluenceCache {
     pub(crate) fn new() -> Self {
         let weigh = |_: &SeenKey, seen: &Seen| {
             let of_grids = seen.view.lights.iter().map(|(_, polar)| polar.byte_count());

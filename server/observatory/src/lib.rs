@@ -13,7 +13,7 @@ mod scene_cache;
 mod scene_view;
 mod sky;
 
-pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MOST_PLACES};
+pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
 pub use change::store_scenario;
 pub use error::ObservatoryError;
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};

@@ -2,7 +2,7 @@
 
 use crate::{
     error::ObservatoryError,
-    influence_map::InfluenceDesk,
+    influence_map::InfluenceCache,
     scene_cache::SceneCache,
     scene_view::{View, scene_around},
     sky::{SiteAnswer, SkyAnswer, SkyRequest},
@@ -25,7 +25,7 @@ pub struct Observatory {
     pub(crate) engine: Engine,
     pub(crate) shelf: Arc<SceneCache>,
     pub(crate) manifests: Vec<Manifest>,
-    pub(crate) influences: InfluenceDesk,
+    pub(crate) influences: InfluenceCache,
 }
 
 impl Observatory {
@@ -44,7 +44,7 @@ impl Observatory {
     ) -> Self {
         let (scenes, changes) = (SceneStore::new(data_dir), ChangeStore::new(data_dir, limits));
         let shelf = Arc::new(SceneCache::new(scenes, changes, open_scene_count));
-        Self { engine, shelf, manifests, influences: InfluenceDesk::new() }
+        Self { engine, shelf, manifests, influences: InfluenceCache::new() }
     }
 
     /// The engine: readiness, counters, what it runs on.

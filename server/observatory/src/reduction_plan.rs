@@ -18,12 +18,12 @@ const MET_WITHIN: f64 = 1e-4;
 /// What f32 loses of a sky; where less than that part of it is wanted, so much more is met too.
 const LOST_BY_ROUNDING: f64 = 1e-6;
 /// A part of a light that is no more than this is not worth the trouble, and f32 would lose it.
-const LEAST_CUT: f64 = 1e-6;
+const MIN_CUT: f64 = 1e-6;
 /// Sites × lit pixels within reach of any of them, at most.
-const MOST_INFLUENCES: usize = 40_000_000;
+const MAX_INFLUENCES: usize = 40_000_000;
 /// Times that a target is aimed at anew after a look at the sky: what lights do is linear but for what between packs is not,
 /// and far lights that the sky takes by blocks.
-const MOST_LOOKS: usize = 5;
+const MAX_LOOKS: usize = 5;
 
 /// A value of an influence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,7 +218,7 @@ impl Reach {
             };
             self.influence.iter().zip(&falls).map(of_site).sum::<f64>() / sites
         };
-        let is_dimmed = |pixel: &usize| cut[*pixel] > LEAST_CUT;
+        let is_dimmed = |pixel: &usize| cut[*pixel] > MIN_CUT;
         (0..cut.len())
             .filter(is_dimmed)
             .map(|pixel| DimmedPixel {
@@ -268,9 +268,9 @@ impl Observatory {
         }
         // Pixels that several sites see count for each here: the true number may be less.
         let influences = maps.len() * maps.iter().map(|map| map.pixels().len()).sum::<usize>();
-        if maps.len() > 1 && influences > MOST_INFLUENCES {
+        if maps.len() > 1 && influences > MAX_INFLUENCES {
             let reason = format!(
-                "{} sites with {influences} influences of pixels together are more than {MOST_INFLUENCES}: take fewer sites",
+                "{} sites with {influences} influences of pixels together are more than {MAX_INFLUENCES}: take fewer sites",
                 maps.len()
             );
             return Err(ObservatoryError::BadPlan { reason });
@@ -354,7 +354,7 @@ impl Observatory {
                 excess[site] > slack(site) && can_fall(site) || too_far
             };
             let off: Vec<usize> = (0..excess.len()).filter(|&site| is_off(site)).collect();
-            if looks == MOST_LOOKS || off.is_empty() {
+            if looks == MAX_LOOKS || off.is_empty() {
                 return Ok((least, after));
             }
             off.into_iter().for_each(|site| problem.need[site] += excess[site]);

@@ -23,7 +23,7 @@ fn facts() -> SourceFacts {
     SourceFacts {
         executor: "cpu".to_owned(),
         adapter: "none".to_owned(),
-        most_places: 1000,
+        max_places: 1000,
         kinds: vec![kind(Scattering::Single, None), kind(Scattering::Multiple, Some(0.15))],
         any_cloud_albedo: None,
         altitude_range_m: (0.0, 6000.0),

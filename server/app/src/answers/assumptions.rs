@@ -2,7 +2,7 @@
 
 use super::{SceneReference, site::ground_warning};
 use crate::kind_facts::KindFacts;
-use crate::source::{Circumstances, EyeHeight, InfluenceQuery, SkyQuery, SourceFacts, rounded};
+use crate::source::{EyeHeight, InfluenceQuery, RenderContext, SkyQuery, SourceFacts, rounded};
 use serde::Serialize;
 use skyglow_observatory::{InfluenceMap, Measure};
 use skyglow_physics::{EmissionMix, Lamp, LampPreset, Lobe};
@@ -120,8 +120,8 @@ pub struct Assumptions {
 impl Assumptions {
     /// Those of a map of influences, which is always found on the processor.
     pub fn of_influences(query: &InfluenceQuery, map: &InfluenceMap, facts: &SourceFacts) -> Self {
-        let circumstances = Circumstances::of_influences(map);
-        let mut assumptions = Self::new(&query.sky, map.scene(), &circumstances, facts);
+        let context = RenderContext::of_influences(map);
+        let mut assumptions = Self::new(&query.sky, map.scene(), &context, facts);
         assumptions.executor = "cpu".to_owned();
         if query.measure == Measure::Norm && assumptions.terrain_occlusion {
             let what = "norms are over the open sky: of what terrain hides they leave out lights and no sky";
@@ -131,7 +131,7 @@ impl Assumptions {
     }
 
     /// Those of a sky.
-    pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &Circumstances, facts: &SourceFacts) -> Self {
+    pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &RenderContext, facts: &SourceFacts) -> Self {
         let kind = facts.kind(query);
         Self {
             scene: scene.into(),
@@ -167,7 +167,7 @@ impl Assumptions {
 pub fn sky_warnings(
     query: &SkyQuery,
     scene: &SceneMetadata,
-    sky: &Circumstances,
+    sky: &RenderContext,
     facts: &SourceFacts,
 ) -> Vec<String> {
     let ground = match query.eye_height {

@@ -2,8 +2,8 @@
 
 use super::{Assumptions, QuantitiesAnswer, measure_name};
 use crate::{
-    request::PlanAsk,
-    source::{Circumstances, SourceFacts, rounded},
+    request::PlanStoreRequest,
+    source::{RenderContext, SourceFacts, rounded},
     stamp::rfc3339,
 };
 use serde::Serialize;
@@ -161,8 +161,8 @@ fn part(of: f64, whole: f64) -> f64 {
     if whole > 0.0 { of / whole } else { 0.0 }
 }
 
-fn circumstances(sky: &SkyAnswer) -> Circumstances {
-    Circumstances {
+fn context(sky: &SkyAnswer) -> RenderContext {
+    RenderContext {
         altitude_m: sky.observer.altitude_m,
         ground: sky.observer.ground,
         coverage: sky.coverage,
@@ -196,12 +196,17 @@ fn why_not(wanted: f64, least: f64, of_protected: f64, of_uncut: f64, unit: &str
     )
 }
 
-fn planned_site(site: &SiteOutcome, ask: &PlanAsk, number: usize, facts: &SourceFacts) -> PlannedSite {
+fn planned_site(
+    site: &SiteOutcome,
+    ask: &PlanStoreRequest,
+    number: usize,
+    facts: &SourceFacts,
+) -> PlannedSite {
     let unit = site.influence.measure.unit();
     let (before, after) = (site.before.value, site.after.value);
     let sky = &site.before.sky;
     PlannedSite {
-        assumptions: Assumptions::new(&ask.skies[number], &sky.scene, &circumstances(sky), facts),
+        assumptions: Assumptions::new(&ask.skies[number], &sky.scene, &context(sky), facts),
         measure: measure_name(&site.influence.measure).to_owned(),
         unit: unit.to_owned(),
         before,
@@ -222,7 +227,7 @@ fn planned_site(site: &SiteOutcome, ask: &PlanAsk, number: usize, facts: &Source
 }
 
 /// What is said of a plan.
-pub fn plan_facts(ask: &PlanAsk, outcome: &PlanOutcome, facts: &SourceFacts) -> PlanFacts {
+pub fn plan_facts(ask: &PlanStoreRequest, outcome: &PlanOutcome, facts: &SourceFacts) -> PlanFacts {
     let level = |level: &Level| match level {
         Level::Value(value) => format!("{value:e}"),
         Level::Percentile(percent) => format!("p{percent}"),

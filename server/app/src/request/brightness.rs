@@ -23,5 +23,5 @@ pub fn brightness(
     let conditions = read_conditions(&mut reader, facts);
     reader.finish()?;
     let conditions = conditions.ok_or_else(|| AppError::internal("a map was neither read nor refused"))?;
-    Ok(conditions.over_all(scene, facts.most_places))
+    Ok(conditions.over_all(scene, facts.max_places))
 }

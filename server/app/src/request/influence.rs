@@ -8,7 +8,7 @@ use crate::{
     reader::Reader,
     request::geojson::{BoundaryBody, boundary},
     source::{InfluenceQuery, SourceFacts},
-    validation::{FieldError, Mistake, message_with_echo},
+    validation::{FieldError, ValidationCode, message_with_echo},
 };
 use serde::{Deserialize, de::DeserializeOwned};
 use skyglow_observatory::Measure;
@@ -35,7 +35,7 @@ pub struct InfluenceBody {
 
 /// A request for influences.
 #[derive(Clone, Debug)]
-pub struct InfluenceAsk {
+pub struct InfluenceListRequest {
     /// Of which sky, and of what in it.
     pub query: InfluenceQuery,
     /// Pixels listed.
@@ -54,7 +54,7 @@ pub fn influence(
     scene: SceneId,
     facts: &SourceFacts,
     format: InfluenceFormat,
-) -> Result<InfluenceAsk, AppError> {
+) -> Result<InfluenceListRequest, AppError> {
     let known =
         if format.is_list() { p::InfluenceParameters::ALL } else { p::InfluenceRasterParameters::ALL };
     let mut reader = Reader::new(query, known);
@@ -80,12 +80,12 @@ pub fn influence(
     if boundary.is_some() && !format.has_room_for_sums() {
         let message = format!("means nothing for {}", format.media_type());
         let allowed = "nothing here; JSON and GeoJSON sum it up";
-        reader.fail_part("boundary", &message, allowed, Mistake::UnknownParameter);
+        reader.fail_part("boundary", &message, allowed, ValidationCode::UnknownParameter);
     }
     reader.finish()?;
     let read = sky.zip(measure).ok_or_else(|| AppError::internal("influences were neither read nor refused"));
     let (sky, measure) = read?;
-    Ok(InfluenceAsk { query: InfluenceQuery { sky, measure }, limit, boundary })
+    Ok(InfluenceListRequest { query: InfluenceQuery { sky, measure }, limit, boundary })
 }
 
 /// A body from JSON; empty where it is refused.
@@ -101,7 +101,7 @@ fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Optio
     let text = reader.text(&p::REGION).map(str::to_owned);
     if body.is_some() && text.is_some() {
         let message = Some("is in the body too".to_owned());
-        reader.fail(&p::REGION, Mistake::Conflict, message, Some("one of the two".to_owned()));
+        reader.fail(&p::REGION, ValidationCode::Conflict, message, Some("one of the two".to_owned()));
         return None;
     }
     if let Some(text) = text {
@@ -111,7 +111,7 @@ fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Optio
             Some(Err(reason)) => Some(reason),
             None => None,
         };
-        reader.fail(&p::REGION, Mistake::Malformed, refused, None);
+        reader.fail(&p::REGION, ValidationCode::Malformed, refused, None);
         return None;
     }
     match body.map(curve).transpose() {
@@ -150,7 +150,7 @@ fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure
     let name = reader.choice(&p::MEASURE);
     if name.is_some_and(|name| name != "region") && region.is_some() {
         let message = Some("a region is given, and this measure takes none".to_owned());
-        reader.fail(&p::MEASURE, Mistake::Conflict, message, Some("region".to_owned()));
+        reader.fail(&p::MEASURE, ValidationCode::Conflict, message, Some("region".to_owned()));
         return None;
     }
     Some(match (name, region) {
@@ -160,7 +160,7 @@ fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure
         (Some("horizontal"), _) => Measure::Horizontal,
         (Some("region"), None) => {
             let message = Some("needs the parameter `region`, or a body with one".to_owned());
-            reader.fail(&p::MEASURE, Mistake::Missing, message, None);
+            reader.fail(&p::MEASURE, ValidationCode::Missing, message, None);
             return None;
         }
         _ => Measure::Zenith,
@@ -170,11 +170,11 @@ fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure
 impl Reader {
     /// Notes a part of the body that cannot be read.
     pub(super) fn fail_body(&mut self, name: &str, reason: &impl Display, allowed: &str) {
-        self.fail_part(name, &reason.to_string(), allowed, Mistake::Malformed);
+        self.fail_part(name, &reason.to_string(), allowed, ValidationCode::Malformed);
     }
 
     /// Notes a mistake in a part of the body.
-    pub(super) fn fail_part(&mut self, name: &str, message: &str, allowed: &str, code: Mistake) {
+    pub(super) fn fail_part(&mut self, name: &str, message: &str, allowed: &str, code: ValidationCode) {
         self.fail_field(FieldError {
             parameter: name.to_owned(),
             value: None,
@@ -190,13 +190,13 @@ mod tests {
     use super::*;
     use crate::request::tests::facts;
 
-    fn ask(query: &str, body: Option<&str>) -> Result<InfluenceAsk, AppError> {
+    fn ask(query: &str, body: Option<&str>) -> Result<InfluenceListRequest, AppError> {
         let query = format!("lat=-1.3&lon=36.8&{query}");
         let scene = SceneId::parse("demo").unwrap();
         influence(Some(&query), body.map(str::as_bytes), scene, &facts(), InfluenceFormat::Json)
     }
 
-    fn refused(query: &str, body: Option<&str>) -> Vec<(String, Mistake)> {
+    fn refused(query: &str, body: Option<&str>) -> Vec<(String, ValidationCode)> {
         match ask(query, body) {
             Err(AppError::Parameters(errors)) => {
                 errors.into_iter().map(|error| (error.parameter, error.code)).collect()
@@ -219,41 +219,41 @@ mod tests {
     #[test]
     fn bodies_that_cannot_be_meant_are_refused_by_the_name_of_their_part() {
         for (query, body, name, code) in [
-            ("", Some("{"), "body", Mistake::Malformed),
-            ("", Some("[]"), "body", Mistake::Malformed),
-            ("", Some(r#"{"regoin": []}"#), "body", Mistake::Malformed),
-            ("", Some(r#"{"region": [[10, 20], [50, 20]]}"#), "region", Mistake::Malformed),
-            ("", Some(r#"{"region": [[10, 20], [50, 20, 3], [1, 2]]}"#), "body", Mistake::Malformed),
-            ("", Some(r#"{"region": [[10, 20], [50, -20], [30, 60]]}"#), "region", Mistake::Malformed),
-            ("", Some(r#"{"region": [[10, 20], [NaN, 20], [30, 60]]}"#), "body", Mistake::Malformed),
-            ("region=10,20;50,20", None, "region", Mistake::Malformed),
-            ("region=10,20;50,NaN;1,2", None, "region", Mistake::Malformed),
-            ("region=a;b;c", None, "region", Mistake::Malformed),
-            ("measure=region", None, "measure", Mistake::Missing),
-            ("measure=zenith&region=10,20;50,20;30,60", None, "measure", Mistake::Conflict),
+            ("", Some("{"), "body", ValidationCode::Malformed),
+            ("", Some("[]"), "body", ValidationCode::Malformed),
+            ("", Some(r#"{"regoin": []}"#), "body", ValidationCode::Malformed),
+            ("", Some(r#"{"region": [[10, 20], [50, 20]]}"#), "region", ValidationCode::Malformed),
+            ("", Some(r#"{"region": [[10, 20], [50, 20, 3], [1, 2]]}"#), "body", ValidationCode::Malformed),
+            ("", Some(r#"{"region": [[10, 20], [50, -20], [30, 60]]}"#), "region", ValidationCode::Malformed),
+            ("", Some(r#"{"region": [[10, 20], [NaN, 20], [30, 60]]}"#), "body", ValidationCode::Malformed),
+            ("region=10,20;50,20", None, "region", ValidationCode::Malformed),
+            ("region=10,20;50,NaN;1,2", None, "region", ValidationCode::Malformed),
+            ("region=a;b;c", None, "region", ValidationCode::Malformed),
+            ("measure=region", None, "measure", ValidationCode::Missing),
+            ("measure=zenith&region=10,20;50,20;30,60", None, "measure", ValidationCode::Conflict),
             (
                 "region=1,2;3,4;5,60",
                 Some(r#"{"region": [[10, 20], [50, 20], [30, 60]]}"#),
                 "region",
-                Mistake::Conflict,
+                ValidationCode::Conflict,
             ),
             (
                 "",
                 Some(r#"{"boundary": {"type": "Point", "coordinates": [7, 46]}}"#),
                 "boundary",
-                Mistake::Malformed,
+                ValidationCode::Malformed,
             ),
             (
                 "",
                 Some(r#"{"boundary": {"type": "Polygon", "coordinates": []}}"#),
                 "boundary",
-                Mistake::Malformed,
+                ValidationCode::Malformed,
             ),
             (
                 "",
                 Some(r#"{"boundary": {"type": "Polygon", "coordinates": [[[7, 46], [8, 46], [8, 47]]]}}"#),
                 "boundary",
-                Mistake::Malformed,
+                ValidationCode::Malformed,
             ),
         ] {
             assert_eq!(refused(query, body), [(name.to_owned(), code)], "{query} {body:?}");

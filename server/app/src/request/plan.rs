@@ -13,7 +13,7 @@ use crate::{
     parameters::{self as p, ParameterSet},
     reader::Reader,
     source::{SkyQuery, SourceFacts},
-    validation::Mistake,
+    validation::ValidationCode,
 };
 use serde::Deserialize;
 use sites::Sites;
@@ -97,7 +97,7 @@ pub enum LevelBody {
 
 /// A plan asked for.
 #[derive(Clone, Debug)]
-pub struct PlanAsk {
+pub struct PlanStoreRequest {
     /// What the engine is asked.
     pub request: PlanRequest,
     /// The skies of its sites.
@@ -121,7 +121,7 @@ pub fn plan(
     body: &[u8],
     scene: SceneId,
     facts: &SourceFacts,
-) -> Result<PlanAsk, AppError> {
+) -> Result<PlanStoreRequest, AppError> {
     let mut reader = Reader::new(query, p::PlanPostParameters::ALL);
     let conditions = read_conditions(&mut reader, facts);
     let limit = read_limit(&mut reader);
@@ -137,14 +137,14 @@ pub fn plan(
         "threshold" => of_sites.threshold(&body),
         "target" => of_sites.target(&body),
         _ => {
-            reader.fail_part("method", "is not allowed", "threshold, target", Mistake::NotAllowed);
+            reader.fail_part("method", "is not allowed", "threshold, target", ValidationCode::NotAllowed);
             None
         }
     };
     reader.finish()?;
     let (method, skies) = read.ok_or_else(|| AppError::internal("a plan was neither read nor refused"))?;
     let scenario = conditions.scenario().cloned();
-    Ok(PlanAsk { request: PlanRequest { method }, skies, scene, scenario, limit, keep })
+    Ok(PlanStoreRequest { request: PlanRequest { method }, skies, scene, scenario, limit, keep })
 }
 
 /// Reads how much of a plan is listed.
@@ -168,7 +168,7 @@ mod tests {
     use crate::{request::tests::facts, source::EyeHeight};
     use skyglow_observatory::{Level, Limit, Measure, PlanMethod};
 
-    fn read(body: &str) -> Result<PlanAsk, AppError> {
+    fn read(body: &str) -> Result<PlanStoreRequest, AppError> {
         plan(Some("turbidity=3&limit=5"), body.as_bytes(), SceneId::parse("demo").unwrap(), &facts())
     }
 

@@ -10,7 +10,7 @@ use crate::{
     error::AppError,
     parameters::{self as p, ParameterSet},
     reader::Reader,
-    validation::Mistake,
+    validation::ValidationCode,
 };
 use serde::{
     Deserialize, Deserializer,
@@ -21,11 +21,11 @@ use skyglow_scene::{Area, Change, ChangeId, Edit, MAX_EDITS, Position, Scenario,
 use utoipa::ToSchema;
 
 /// Longest title, characters.
-const LONGEST_TITLE: usize = 200;
+const MAX_TITLE_CHARS: usize = 200;
 /// Largest factor on lights.
-const LARGEST_FACTOR: f64 = 1000.0;
+const MAX_FACTOR: f64 = 1000.0;
 /// Brightest light that is added, nW cm⁻² sr⁻¹.
-const BRIGHTEST_NW_CM2_SR: f64 = 1e6;
+const MAX_ADDED_NW_CM2_SR: f64 = 1e6;
 
 /// What is painted over a scene.
 #[derive(Clone, Debug, Default, Deserialize, ToSchema)]
@@ -153,8 +153,8 @@ impl FixtureBody {
 pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<Scenario, AppError> {
     let mut reader = Reader::new(query, p::NoParameters::ALL);
     let body: ScenarioBody = body_of(body, &mut reader, "a JSON object with `edits`");
-    if body.title.as_ref().is_some_and(|title| title.chars().count() > LONGEST_TITLE) {
-        reader.fail_body("title", &"is too long", &format!("{LONGEST_TITLE} characters"));
+    if body.title.as_ref().is_some_and(|title| title.chars().count() > MAX_TITLE_CHARS) {
+        reader.fail_body("title", &"is too long", &format!("{MAX_TITLE_CHARS} characters"));
     }
     let base = body.base.as_deref().and_then(|text| {
         let id = ChangeId::parse(text);
@@ -234,19 +234,24 @@ fn read_addition(
             &name("factor"),
             message,
             "either it or `add_radiance_nw_cm2_sr`",
-            Mistake::Conflict,
+            ValidationCode::Conflict,
         );
     }
-    if !(radiance_nw_cm2_sr > 0.0 && radiance_nw_cm2_sr <= BRIGHTEST_NW_CM2_SR) {
-        let allowed = format!("above 0, at most {BRIGHTEST_NW_CM2_SR} nW cm-2 sr-1");
-        reader.fail_part(&name("add_radiance_nw_cm2_sr"), "is not allowed", &allowed, Mistake::NotAllowed);
+    if !(radiance_nw_cm2_sr > 0.0 && radiance_nw_cm2_sr <= MAX_ADDED_NW_CM2_SR) {
+        let allowed = format!("above 0, at most {MAX_ADDED_NW_CM2_SR} nW cm-2 sr-1");
+        reader.fail_part(
+            &name("add_radiance_nw_cm2_sr"),
+            "is not allowed",
+            &allowed,
+            ValidationCode::NotAllowed,
+        );
     }
     let lamp = match &body.lamp {
         None => None,
         Some(LampBody::All(lamp)) => Some(read_lamp(reader, &name("lamp"), lamp)?),
         Some(LampBody::Replace(_)) => {
             let message = "added light replaces no lamps";
-            reader.fail_part(&name("lamp"), message, &p::LAMP.allowed(), Mistake::Conflict);
+            reader.fail_part(&name("lamp"), message, &p::LAMP.allowed(), ValidationCode::Conflict);
             return None;
         }
     };
@@ -262,13 +267,13 @@ fn read_alteration(
 ) -> Option<Change> {
     let name = |part: &str| format!("edits[{number}].{part}");
     let factor = body.factor.unwrap_or(1.0);
-    if !(0.0..=LARGEST_FACTOR).contains(&factor) {
-        let allowed = format!("0 to {LARGEST_FACTOR}");
-        reader.fail_part(&name("factor"), "is not allowed", &allowed, Mistake::NotAllowed);
+    if !(0.0..=MAX_FACTOR).contains(&factor) {
+        let allowed = format!("0 to {MAX_FACTOR}");
+        reader.fail_part(&name("factor"), "is not allowed", &allowed, ValidationCode::NotAllowed);
     }
     if body.factor.is_none() && body.lamp.is_none() && body.emission.is_none() {
         let allowed = "`factor`, `lamp`, `emission` or `add_radiance_nw_cm2_sr`";
-        reader.fail_part(&name("factor"), "the edit changes nothing", allowed, Mistake::Missing);
+        reader.fail_part(&name("factor"), "the edit changes nothing", allowed, ValidationCode::Missing);
     }
     let all = |to| LampChange { from: None, to, kept: PreservedFlux::LuminousFlux };
     let lamp = match &body.lamp {
@@ -282,14 +287,19 @@ fn read_alteration(
                 Some(Err(())) => {
                     let names: Vec<&str> = LampPreset::ALL.iter().map(|preset| preset.name()).collect();
                     let (part, allowed) = (name("lamp.from"), names.join(", "));
-                    reader.fail_part(&part, "is no lamp that has a name", &allowed, Mistake::NotAllowed);
+                    reader.fail_part(
+                        &part,
+                        "is no lamp that has a name",
+                        &allowed,
+                        ValidationCode::NotAllowed,
+                    );
                     return None;
                 }
             };
             let keep = replace.keep.as_deref().unwrap_or(PreservedFlux::LuminousFlux.name());
             let Some(kept) = PreservedFlux::ALL.into_iter().find(|kept| kept.name() == keep) else {
                 let allowed = PreservedFlux::ALL.map(PreservedFlux::name).join(", ");
-                reader.fail_part(&name("lamp.keep"), "is not allowed", &allowed, Mistake::NotAllowed);
+                reader.fail_part(&name("lamp.keep"), "is not allowed", &allowed, ValidationCode::NotAllowed);
                 return None;
             };
             Some(LampChange { from, to, kept })
@@ -301,7 +311,7 @@ fn read_alteration(
 fn read_lamp(reader: &mut Reader, name: &str, body: &FixtureBody) -> Option<Lamp> {
     let lamp = lamp_of(&body.text());
     if lamp.is_none() {
-        reader.fail_part(name, "is no lamp", &p::LAMP.allowed(), Mistake::NotAllowed);
+        reader.fail_part(name, "is no lamp", &p::LAMP.allowed(), ValidationCode::NotAllowed);
     }
     lamp
 }

@@ -5,7 +5,7 @@ use crate::{
     parameters as p,
     reader::Reader,
     source::{EyeHeight, SkyQuery, SourceFacts},
-    validation::Mistake,
+    validation::ValidationCode,
 };
 use skyglow_display::Sky;
 use skyglow_observatory::BrightnessRequest;
@@ -62,7 +62,7 @@ impl Conditions {
     }
 
     /// The brightness of all places of a scene under them; what means nothing there is left out.
-    pub(super) fn over_all(self, scene: SceneId, most_places: usize) -> BrightnessRequest {
+    pub(super) fn over_all(self, scene: SceneId, max_places: usize) -> BrightnessRequest {
         let Self { scenario, turbidity, scattering, lamp, emission, terrain_hides, .. } = self;
         BrightnessRequest {
             scene,
@@ -72,7 +72,7 @@ impl Conditions {
             lamp,
             emission,
             terrain_hides,
-            most_places,
+            max_places,
         }
     }
 
@@ -118,7 +118,7 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
 pub(super) fn read_scenario(reader: &mut Reader) -> Option<ChangeId> {
     let id = ChangeId::parse(reader.text(&p::SCENARIO)?).ok();
     if id.is_none() {
-        reader.fail(&p::SCENARIO, Mistake::Malformed, None, None);
+        reader.fail(&p::SCENARIO, ValidationCode::Malformed, None, None);
     }
     id
 }
@@ -128,23 +128,23 @@ fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
     let altitude_m = reader.number_of_any_size(&p::ALTITUDE);
     if reader.text(&p::HEIGHT).is_some() && reader.text(&p::ALTITUDE).is_some() {
         let message = Some("excludes `height`, which is given too".to_owned());
-        reader.fail(&p::ALTITUDE, Mistake::Conflict, message, Some("one of the two".to_owned()));
+        reader.fail(&p::ALTITUDE, ValidationCode::Conflict, message, Some("one of the two".to_owned()));
     }
     let maximum_m = facts.altitude_range_m.1;
     if let Some(altitude_m) = altitude_m {
         if altitude_m > maximum_m {
             let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
-            reader.fail(&p::ALTITUDE, Mistake::OutOfRange, None, Some(allowed));
+            reader.fail(&p::ALTITUDE, ValidationCode::OutOfRange, None, Some(allowed));
         }
         return EyeHeight::AboveSea(altitude_m.max(0.0));
     }
     if let Some(height_m) = height_m {
         let allowed = || Some(format!("0 to {maximum_m} m, less the altitude of the ground"));
         if height_m < 0.0 {
-            reader.fail(&p::HEIGHT, Mistake::NotAllowed, None, allowed());
+            reader.fail(&p::HEIGHT, ValidationCode::NotAllowed, None, allowed());
         } else if height_m > maximum_m {
             // Too high over any ground: the same mistake as too high over this one, which the scene knows.
-            reader.fail(&p::HEIGHT, Mistake::OutOfRange, None, allowed());
+            reader.fail(&p::HEIGHT, ValidationCode::OutOfRange, None, allowed());
         }
     }
     EyeHeight::AboveGround(height_m.unwrap_or(2.0))
@@ -161,7 +161,7 @@ fn read_kind<'a>(
     };
     let kind = facts.kinds_under(cloud_base_m).find(|kind| kind.scattering.name() == name);
     if kind.is_none() {
-        reader.fail(&p::SCATTERING, Mistake::NotResident, None, Some(facts.scatterings(cloud_base_m)));
+        reader.fail(&p::SCATTERING, ValidationCode::NotResident, None, Some(facts.scatterings(cloud_base_m)));
     }
     kind
 }
@@ -170,7 +170,7 @@ fn read_kind<'a>(
 fn read_clouds(reader: &mut Reader, facts: &SourceFacts) -> Option<Option<u32>> {
     let Some(text) = reader.text(&p::CLOUDS).filter(|text| *text != "none") else { return Some(None) };
     let Some(base_m) = text.parse().ok().filter(|&base_m| Clouds::new(base_m, 0.0).is_ok()) else {
-        reader.fail(&p::CLOUDS, Mistake::NotAllowed, None, None);
+        reader.fail(&p::CLOUDS, ValidationCode::NotAllowed, None, None);
         return None;
     };
     if facts.best_kind(Some(base_m)).is_some() {
@@ -182,7 +182,7 @@ fn read_clouds(reader: &mut Reader, facts: &SourceFacts) -> Option<Option<u32>> 
             .to_owned(),
         bases_m => format!("none, {}", bases_m.join(", ")),
     };
-    reader.fail(&p::CLOUDS, Mistake::NotResident, None, Some(allowed));
+    reader.fail(&p::CLOUDS, ValidationCode::NotResident, None, Some(allowed));
     None
 }
 
@@ -191,13 +191,13 @@ fn read_basis(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>
     let allowed =
         kind.map(|kind| facts.allowed_with(kind, format!("a whole number from 1 to {}", kind.basis_count)));
     if basis < 1 {
-        reader.fail(&p::BASIS, Mistake::NotAllowed, None, allowed);
+        reader.fail(&p::BASIS, ValidationCode::NotAllowed, None, allowed);
         return None;
     }
     let basis = usize::try_from(basis).unwrap_or(usize::MAX);
     if kind.is_some_and(|kind| basis > kind.basis_count) {
         let message = Some("is more than is resident".to_owned());
-        reader.fail(&p::BASIS, Mistake::NotResident, message, allowed);
+        reader.fail(&p::BASIS, ValidationCode::NotResident, message, allowed);
     }
     Some(basis)
 }
@@ -206,7 +206,7 @@ fn read_tolerance(reader: &mut Reader) -> Option<f64> {
     let tolerance = reader.number(&p::TOLERANCE);
     if reader.text(&p::TOLERANCE).is_some() && reader.text(&p::BASIS).is_some() {
         let message = Some("excludes `basis`, which is given too".to_owned());
-        reader.fail(&p::TOLERANCE, Mistake::Conflict, message, Some("one of the two".to_owned()));
+        reader.fail(&p::TOLERANCE, ValidationCode::Conflict, message, Some("one of the two".to_owned()));
     }
     tolerance
 }
@@ -222,13 +222,13 @@ fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFa
         && !(minimum..=maximum).contains(&value)
     {
         let allowed = facts.allowed_with(kind, format!("{minimum} to {maximum}"));
-        reader.fail(&p::TURBIDITY, Mistake::OutOfRange, None, Some(allowed));
+        reader.fail(&p::TURBIDITY, ValidationCode::OutOfRange, None, Some(allowed));
         return None;
     }
     match Turbidity::new(value) {
         Ok(turbidity) => Some(turbidity),
         Err(_) => {
-            reader.fail(&p::TURBIDITY, Mistake::OutOfRange, None, None);
+            reader.fail(&p::TURBIDITY, ValidationCode::OutOfRange, None, None);
             None
         }
     }
@@ -238,7 +238,7 @@ fn read_lamp(reader: &mut Reader) -> Lamp {
     let Some(text) = reader.text(&p::LAMP) else { return Lamp::default() };
     let lamp = lamp_of(text);
     if lamp.is_none() {
-        reader.fail(&p::LAMP, Mistake::NotAllowed, None, None);
+        reader.fail(&p::LAMP, ValidationCode::NotAllowed, None, None);
     }
     lamp.unwrap_or_default()
 }
@@ -259,7 +259,7 @@ fn read_emission(reader: &mut Reader) -> EmissionMix {
     let Some(text) = reader.text(&p::EMISSION) else { return EmissionMix::default() };
     let mix = emission_of(text);
     if mix.is_none() {
-        reader.fail(&p::EMISSION, Mistake::NotAllowed, None, None);
+        reader.fail(&p::EMISSION, ValidationCode::NotAllowed, None, None);
     }
     mix.unwrap_or_default()
 }

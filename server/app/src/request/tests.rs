@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     kind_facts::KindFacts,
     source::EyeHeight,
-    validation::{Mistake, Refusal},
+    validation::{Refusal, ValidationCode},
 };
 use skyglow_display::{PictureOptions, Projection};
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
@@ -12,7 +12,7 @@ use skyglow_tables::{Clouds, Scattering};
 
 pub(super) fn facts() -> SourceFacts {
     SourceFacts {
-        most_places: 1000,
+        max_places: 1000,
         executor: "cpu".into(),
         adapter: "none".into(),
         kinds: vec![kind(Scattering::Single, (1.5, 6.0), 64)],
@@ -26,15 +26,15 @@ fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize)
     KindFacts { clouds: None, scattering, turbidity_range, basis_count, ground_albedo: None, why_open: None }
 }
 
-fn read(query: &str) -> Result<(SkyQuery, View), AppError> {
+fn read(query: &str) -> Result<(SkyQuery, PictureRequest), AppError> {
     read_as(query, Format::Png)
 }
 
-fn read_as(query: &str, format: Format) -> Result<(SkyQuery, View), AppError> {
+fn read_as(query: &str, format: Format) -> Result<(SkyQuery, PictureRequest), AppError> {
     panorama(Some(query), SceneId::parse("demo").unwrap(), &facts(), format)
 }
 
-fn refused(query: &str) -> (Refusal, Vec<(String, Mistake)>) {
+fn refused(query: &str) -> (Refusal, Vec<(String, ValidationCode)>) {
     let error = read(query).unwrap_err();
     let errors = error.field_errors();
     (Refusal::of(errors), errors.iter().map(|e| (e.parameter.clone(), e.code)).collect())
@@ -67,8 +67,8 @@ fn turbidity_0_and_100_and_altitude_9000_are_out_of_range_with_the_range() {
 #[test]
 fn a_height_is_refused_by_its_own_name_below_the_ground_and_above_the_tables() {
     for (query, refusal, code) in [
-        ("height=-1", Refusal::BadParameters, Mistake::NotAllowed),
-        ("height=200000", Refusal::OutOfRange, Mistake::OutOfRange),
+        ("height=-1", Refusal::BadParameters, ValidationCode::NotAllowed),
+        ("height=200000", Refusal::OutOfRange, ValidationCode::OutOfRange),
     ] {
         let error = read(&format!("lat=-1&lon=36&{query}")).unwrap_err();
         let errors = error.field_errors();
@@ -102,7 +102,7 @@ fn what_is_not_resident_is_said_to_be_so() {
 #[test]
 fn clouds_are_those_that_tables_are_resident_for_and_let_nothing_natural_through() {
     let errors = read("lat=-1&lon=36&clouds=1500").unwrap_err().field_errors().to_vec();
-    assert_eq!((errors[0].parameter.as_str(), errors[0].code), ("clouds", Mistake::NotResident));
+    assert_eq!((errors[0].parameter.as_str(), errors[0].code), ("clouds", ValidationCode::NotResident));
     assert!(errors[0].allowed.contains("precompute --cloud-base"), "{errors:?}");
     let mut facts = facts();
     let under = |base_m, scattering, range| KindFacts {
@@ -154,9 +154,10 @@ fn the_default_scattering_is_the_best_resident_and_sets_the_ranges() {
 
 #[test]
 fn scattering_that_is_refused_does_not_refuse_what_depends_on_it() {
-    for (scattering, code, allowed) in
-        [("multiple", Mistake::NotResident, "single"), ("double", Mistake::NotAllowed, "single, multiple")]
-    {
+    for (scattering, code, allowed) in [
+        ("multiple", ValidationCode::NotResident, "single"),
+        ("double", ValidationCode::NotAllowed, "single, multiple"),
+    ] {
         let query = format!("lat=-1&lon=36&scattering={scattering}&turbidity=9&basis=200");
         let errors = read(&query).unwrap_err().field_errors().to_vec();
         assert_eq!(errors.len(), 1, "{errors:?}");
@@ -167,16 +168,16 @@ fn scattering_that_is_refused_does_not_refuse_what_depends_on_it() {
 #[test]
 fn a_basis_of_any_wrong_size_is_refused_with_what_is_resident() {
     for (basis, code) in [
-        ("0", Mistake::NotAllowed),
-        ("-3", Mistake::NotAllowed),
-        ("65", Mistake::NotResident),
-        ("5000", Mistake::NotResident),
+        ("0", ValidationCode::NotAllowed),
+        ("-3", ValidationCode::NotAllowed),
+        ("65", ValidationCode::NotResident),
+        ("5000", ValidationCode::NotResident),
     ] {
         let errors = read(&format!("lat=-1&lon=36&basis={basis}")).unwrap_err().field_errors().to_vec();
         assert_eq!(errors[0].code, code, "{basis}");
         assert_eq!(errors[0].allowed, "a whole number from 1 to 64", "{basis}");
     }
-    assert_eq!(refused("lat=-1&lon=36&basis=6.5").1, [("basis".to_owned(), Mistake::Malformed)]);
+    assert_eq!(refused("lat=-1&lon=36&basis=6.5").1, [("basis".to_owned(), ValidationCode::Malformed)]);
 }
 
 #[test]
@@ -185,10 +186,10 @@ fn a_tolerance_out_of_range_or_beside_a_basis_is_refused_by_name() {
     assert_eq!((sky.tolerance, sky.basis), (Some(0.05), None));
     assert_eq!(read("lat=-1&lon=36").unwrap().0.tolerance, None);
     for (query, code, allowed) in [
-        ("tolerance=0", Mistake::NotAllowed, "0.0001 to 0.5"),
-        ("tolerance=0.51", Mistake::NotAllowed, "0.0001 to 0.5"),
-        ("tolerance=few", Mistake::Malformed, "0.0001 to 0.5"),
-        ("tolerance=0.05&basis=8", Mistake::Conflict, "one of the two"),
+        ("tolerance=0", ValidationCode::NotAllowed, "0.0001 to 0.5"),
+        ("tolerance=0.51", ValidationCode::NotAllowed, "0.0001 to 0.5"),
+        ("tolerance=few", ValidationCode::Malformed, "0.0001 to 0.5"),
+        ("tolerance=0.05&basis=8", ValidationCode::Conflict, "one of the two"),
     ] {
         let errors = read(&format!("lat=-1&lon=36&{query}")).unwrap_err().field_errors().to_vec();
         assert_eq!((errors.len(), errors[0].parameter.as_str()), (1, "tolerance"), "{query}");
@@ -217,14 +218,14 @@ fn what_means_nothing_for_a_format_is_refused_there_by_name() {
     };
     for format in [Format::Exr, Format::Tiff] {
         for parameter in colours {
-            assert_eq!(refused(parameter, format), Some(Mistake::UnknownParameter), "{parameter}");
+            assert_eq!(refused(parameter, format), Some(ValidationCode::UnknownParameter), "{parameter}");
         }
         for parameter in shape {
             assert_eq!(refused(parameter, format), None, "{parameter}");
         }
     }
     for parameter in colours.iter().chain(&shape) {
-        assert_eq!(refused(parameter, Format::Json), Some(Mistake::UnknownParameter), "{parameter}");
+        assert_eq!(refused(parameter, Format::Json), Some(ValidationCode::UnknownParameter), "{parameter}");
     }
     assert!(read_as("lat=-1&lon=36&sky=total&basis=8", Format::Json).is_ok());
 }
@@ -240,7 +241,7 @@ fn all_mistakes_of_sky_and_picture_come_in_one_answer() {
 #[test]
 fn height_and_altitude_exclude_each_other() {
     let (_, errors) = refused("lat=-1&lon=36&height=2&altitude=1000");
-    assert_eq!(errors, [("altitude".to_owned(), Mistake::Conflict)]);
+    assert_eq!(errors, [("altitude".to_owned(), ValidationCode::Conflict)]);
 }
 
 #[test]

@@ -1,20 +1,20 @@
 //! The parameters of a view of a sky: projection, size and colours.
 
 use super::sky::read_light;
-use crate::{parameters as p, reader::Reader, validation::Mistake};
+use crate::{parameters as p, reader::Reader, validation::ValidationCode};
 use skyglow_display::options::LARGEST_PICTURE_PX;
 use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Style};
 
 /// How a panorama is to be shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct PictureRequest {
     /// Picture options; width and height are those given or the projection's own.
     pub options: PictureOptions,
     /// Width and height of a raster: those given or the raw grid's.
     pub raster_size_px: (u32, u32),
 }
 
-pub(super) fn read_view(reader: &mut Reader) -> View {
+pub(super) fn read_view(reader: &mut Reader) -> PictureRequest {
     let projection = read_projection(reader);
     let style = read_style(reader);
     let sky = read_light(reader);
@@ -23,7 +23,7 @@ pub(super) fn read_view(reader: &mut Reader) -> View {
     let sized = |own: (u32, u32)| (width_px.unwrap_or(own.0), height_px.unwrap_or(own.1));
     let picture_size_px = sized(projection.default_picture_size_px());
     check_pixels(reader, picture_size_px);
-    View {
+    PictureRequest {
         options: PictureOptions {
             projection,
             style,
@@ -43,7 +43,7 @@ fn check_pixels(reader: &mut Reader, (width_px, height_px): (u32, u32)) {
         let parameter = if reader.text(&p::HEIGHT_PX).is_some() { &p::HEIGHT_PX } else { &p::WIDTH };
         let message = Some(format!("makes a picture of {width_px} x {height_px} pixels"));
         let allowed = Some(format!("at most {LARGEST_PICTURE_PX} pixels in all"));
-        reader.fail(parameter, Mistake::NotAllowed, message, allowed);
+        reader.fail(parameter, ValidationCode::NotAllowed, message, allowed);
     }
 }
 
@@ -52,7 +52,7 @@ fn only_with(reader: &mut Reader, parameters: &[&p::Parameter], choice: &str) {
     for parameter in parameters {
         if reader.text(parameter).is_some() {
             let message = Some(format!("means nothing without {choice}"));
-            reader.fail(parameter, Mistake::Conflict, message, Some(format!("with {choice} alone")));
+            reader.fail(parameter, ValidationCode::Conflict, message, Some(format!("with {choice} alone")));
         }
     }
 }
@@ -98,7 +98,7 @@ fn read_style(reader: &mut Reader) -> Style {
             skyglow_display::DisplayError::EmptyRange { .. } if given_max => &p::MAX,
             _ => &p::MIN,
         };
-        reader.fail(parameter, Mistake::NotAllowed, Some(error.to_string()), None);
+        reader.fail(parameter, ValidationCode::NotAllowed, Some(error.to_string()), None);
     }
     Style::FalseColour { colormap, range }
 }

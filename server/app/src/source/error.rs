@@ -4,7 +4,7 @@ use super::{EyeHeight, SkyQuery, rounded};
 use crate::{
     error::AppError,
     parameters::{ALTITUDE, CLOUDS, HEIGHT, REGION, SCENARIO},
-    validation::{FieldError, Mistake},
+    validation::{FieldError, ValidationCode},
 };
 use skyglow_physics::GeoPoint;
 use skyglow_scene::ChangeError;
@@ -137,7 +137,7 @@ impl SourceError {
                 value: None,
                 allowed: "a scenario that can be painted over the scene as it is now".to_owned(),
                 message: error.to_string(),
-                code: Mistake::NotAllowed,
+                code: ValidationCode::NotAllowed,
             }]),
             other => other.into(),
         }
@@ -155,7 +155,7 @@ impl SourceError {
             other => return other.into(),
         };
         let allowed = "a scenario or plan of this scene that stands on few others".to_owned();
-        AppError::parameter("base", id, allowed, message, Mistake::NotAllowed)
+        AppError::parameter("base", id, allowed, message, ValidationCode::NotAllowed)
     }
 }
 
@@ -180,8 +180,8 @@ fn too_high(eye_height: EyeHeight, altitude_m: f64, (minimum_m, maximum_m): (f64
         name,
         value_m.to_string(),
         allowed,
-        Mistake::OutOfRange.words().to_owned(),
-        Mistake::OutOfRange,
+        ValidationCode::OutOfRange.words().to_owned(),
+        ValidationCode::OutOfRange,
     )
 }
 
@@ -193,7 +193,7 @@ fn above_clouds(altitude_m: f64, base_m: u32, maximum_m: f64) -> AppError {
         base_m.to_string(),
         format!("none, or a base {room_m:.0} m or more above the observer, who is at {altitude_m:.0} m"),
         "the observer would be in the clouds or above them".to_owned(),
-        Mistake::OutOfRange,
+        ValidationCode::OutOfRange,
     )
 }
 
@@ -212,7 +212,7 @@ fn bad_edit(error: &ChangeError) -> AppError {
         ChangeError::TooManyNewLights { .. } => ("edits".to_owned(), "fewer new lights"),
     };
     let (message, allowed) = (error.to_string(), allowed.to_owned());
-    let code = Mistake::NotAllowed;
+    let code = ValidationCode::NotAllowed;
     AppError::Parameters(vec![FieldError { parameter, value: None, allowed, message, code }])
 }
 
@@ -231,22 +231,22 @@ impl From<SourceError> for AppError {
                 parameter,
                 value,
                 allowed,
-                Mistake::OutOfRange.words().to_owned(),
-                Mistake::OutOfRange,
+                ValidationCode::OutOfRange.words().to_owned(),
+                ValidationCode::OutOfRange,
             ),
             SourceError::NotResident { parameter, value, resident } => AppError::parameter(
                 parameter,
                 value,
                 resident,
-                Mistake::NotResident.words().to_owned(),
-                Mistake::NotResident,
+                ValidationCode::NotResident.words().to_owned(),
+                ValidationCode::NotResident,
             ),
             SourceError::EmptyRegion => AppError::parameter(
                 REGION.name,
                 "the curve".to_owned(),
                 "a curve around some of the visible sky; directions are 1.4 degrees apart".to_owned(),
                 "it holds no visible direction of the sky".to_owned(),
-                Mistake::NotAllowed,
+                ValidationCode::NotAllowed,
             ),
             SourceError::UnknownScenario(id) => {
                 AppError::UnknownScenario { id: crate::validation::echo(&id) }
@@ -256,7 +256,7 @@ impl From<SourceError> for AppError {
                 id,
                 "one of this scene".to_owned(),
                 format!("it belongs to scene \"{scene}\""),
-                Mistake::NotAllowed,
+                ValidationCode::NotAllowed,
             ),
             SourceError::StalePlan(id) => AppError::StalePlan { id },
             SourceError::DraftPlan(id) => AppError::DraftPlan { id },
@@ -265,7 +265,7 @@ impl From<SourceError> for AppError {
                 id,
                 "one that stands on fewer others".to_owned(),
                 "it stands on too many others, one upon the other".to_owned(),
-                Mistake::NotAllowed,
+                ValidationCode::NotAllowed,
             ),
             SourceError::BadEdit(error) => bad_edit(&error),
             SourceError::BadPlan(reason) => AppError::Parameters(vec![FieldError {
@@ -273,7 +273,7 @@ impl From<SourceError> for AppError {
                 value: None,
                 allowed: "a plan that can be made".to_owned(),
                 message: reason,
-                code: Mistake::NotAllowed,
+                code: ValidationCode::NotAllowed,
             }]),
             SourceError::BadUpload(reason) => AppError::BadUpload { reason },
             SourceError::Storage(reason) => AppError::Storage { reason },

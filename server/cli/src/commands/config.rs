@@ -1,6 +1,6 @@
 //! `skyglow config`: the configuration file.
 
-use crate::{failure::Failure, flags::JsonFlags, settings::Layer};
+use crate::{failure::Failure, flags::JsonFlags, settings::PartialSettings};
 use clap::{Args, Subcommand};
 use skyglow_http::{Access, ApiKey, access::hash_of};
 use std::{
@@ -30,7 +30,7 @@ enum Action {
     #[command(after_help = "Example:\n  SKYGLOW_DEVICE=cpu skyglow config print --config skyglow.toml")]
     Print {
         #[command(flatten)]
-        flags: Box<Layer>,
+        flags: Box<PartialSettings>,
         /// TOML file to start from
         #[arg(long, env = "SKYGLOW_CONFIG", value_name = "FILE")]
         config: Option<PathBuf>,
@@ -55,7 +55,7 @@ impl Config {
         match self.action {
             Action::Check { config } => {
                 // The files of secrets that it names are looked at too.
-                Layer::default().over_file(Some(&config))?.access()?;
+                PartialSettings::default().over_file(Some(&config))?.access()?;
                 super::print_line(&format!("{} is correct", config.display()))
             }
             Action::Print { flags, config, json } => {
@@ -83,7 +83,7 @@ impl Config {
                     entry.trim_end()
                 ))
             }
-            Action::Schema => super::print_json(&schemars::schema_for!(Layer)),
+            Action::Schema => super::print_json(&schemars::schema_for!(PartialSettings)),
         }
     }
 }

@@ -12,7 +12,7 @@ use skyglow_app::{
     answers::Assumptions,
     influence_file::encode_influences,
     parameters::InfluenceParameters,
-    request::{self, InfluenceAsk},
+    request::{self, InfluenceListRequest},
     source::SourceFacts,
 };
 use skyglow_scene::SceneId;
@@ -78,7 +78,7 @@ impl Influence {
         std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))
     }
 
-    fn ask(&self, body: Option<&[u8]>, facts: &SourceFacts) -> Result<InfluenceAsk, Failure> {
+    fn ask(&self, body: Option<&[u8]>, facts: &SourceFacts) -> Result<InfluenceListRequest, Failure> {
         let (query, scene) = (Some(self.query.query()), self.scene.clone());
         request::influence(query, body, scene, facts, self.output.format).map_err(|e| query::failure(&e))
     }

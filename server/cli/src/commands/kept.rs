@@ -9,7 +9,7 @@ use clap::Args;
 use serde::Serialize;
 use skyglow_app::{
     answers::{PlanEntry, ScenarioEntry},
-    kept::{kept_plans, kept_scenarios},
+    stored::{stored_plans, stored_scenarios},
 };
 use skyglow_scene::{ChangeLimits, ChangeStore, SceneId, SceneStore};
 
@@ -42,8 +42,8 @@ impl Kept {
         // A scene that is not there is an error, not an empty list.
         SceneStore::new(&folder).open(&self.scene).map_err(Failure::work)?;
         let changes = ChangeStore::new(&folder, ChangeLimits::none());
-        let scenarios = kept_scenarios(&changes, &self.scene).map_err(Failure::work)?;
-        let plans = kept_plans(&changes, &self.scene).map_err(Failure::work)?;
+        let scenarios = stored_scenarios(&changes, &self.scene).map_err(Failure::work)?;
+        let plans = stored_plans(&changes, &self.scene).map_err(Failure::work)?;
         if self.json.json {
             return super::print_json(&Lists { scenarios, plans });
         }

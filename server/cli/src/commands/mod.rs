@@ -94,7 +94,7 @@ fn rendered(source: &dyn SkySource, sky: SkyQuery) -> Result<(Assumptions, Rende
     let runtime = tokio::runtime::Builder::new_current_thread().build().map_err(Failure::work)?;
     let rendered =
         runtime.block_on(source.sky(sky.clone())).map_err(|error| query::failure(&error.of_sky(&sky)))?;
-    Ok((Assumptions::new(&sky, &site.scene, &rendered.circumstances, source.facts()), rendered))
+    Ok((Assumptions::new(&sky, &site.scene, &rendered.context, source.facts()), rendered))
 }
 
 /// A turbidity of the model, from text.

@@ -12,7 +12,7 @@ use skyglow_app::{
     parameters::PlanParameters,
     plan_file::encode_plan,
     planning::{find_plan, make_plan},
-    request::{self, PlanAsk},
+    request::{self, PlanStoreRequest},
     source::SourceFacts,
 };
 use skyglow_scene::SceneId;
@@ -66,7 +66,7 @@ impl Plan {
         super::print_line(id.as_str())
     }
 
-    fn ask(&self, body: &[u8], facts: &SourceFacts) -> Result<PlanAsk, Failure> {
+    fn ask(&self, body: &[u8], facts: &SourceFacts) -> Result<PlanStoreRequest, Failure> {
         request::plan(Some(self.query.query()), body, self.scene.clone(), facts)
             .map_err(|error| query::failure(&error))
     }

@@ -2,7 +2,7 @@
 
 use crate::{failure::Failure, folders, progress::Stages};
 use clap::Args;
-use skyglow_app::parameters::MOST_BASIS_FUNCTIONS;
+use skyglow_app::parameters::MAX_BASIS_FUNCTIONS;
 use skyglow_physics::{CloudBase, Turbidity};
 use skyglow_tables::{BasisCount, Clouds, MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
 use std::path::PathBuf;
@@ -66,10 +66,10 @@ fn cloud_base_m(text: &str) -> Result<u32, String> {
 }
 
 fn multiple_of_4(text: &str) -> Result<usize, String> {
-    const MOST: usize = MOST_BASIS_FUNCTIONS as usize;
+    const MAX: usize = MAX_BASIS_FUNCTIONS as usize;
     match text.parse::<usize>() {
-        Ok(count) if (4..=MOST).contains(&count) && count.is_multiple_of(4) => Ok(count),
-        _ => Err(format!("allowed are multiples of 4 from 4 to {MOST}")),
+        Ok(count) if (4..=MAX).contains(&count) && count.is_multiple_of(4) => Ok(count),
+        _ => Err(format!("allowed are multiples of 4 from 4 to {MAX}")),
     }
 }
 

@@ -12,7 +12,7 @@ use skyglow_app::{
     answers::{Assumptions, PanoramaAnswer},
     parameters::ReferenceParameters,
     request,
-    source::{Circumstances, RenderedSky, SkyQuery, SourceError},
+    source::{RenderContext, RenderedSky, SkyQuery, SourceError},
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Fixture, Horizon, Lamp,
@@ -141,7 +141,7 @@ impl Reference {
             quantities: SkyQuantities::under(SkyCover::with_clouds(clouds.is_some()), &panorama, &horizon),
             panorama,
             horizon,
-            circumstances: Circumstances {
+            context: RenderContext {
                 altitude_m,
                 ground,
                 coverage: scene.coverage(query.place),
@@ -160,7 +160,7 @@ impl Reference {
         };
         // Skylines come from the terrain itself, also where the scene was stored without them.
         let metadata = SceneMetadata { light_skylines: scene.metadata().terrain, ..scene.metadata().clone() };
-        let mut assumptions = Assumptions::new(&query, &metadata, &sky.circumstances, &facts);
+        let mut assumptions = Assumptions::new(&query, &metadata, &sky.context, &facts);
         let is_sample = self.directions.0.len() < ALL;
         if is_sample {
             assumptions.warnings.push(format!(

@@ -3,7 +3,7 @@
 use crate::{
     failure::Failure,
     logging, program,
-    settings::{Layer, Settings},
+    settings::{PartialSettings, Settings},
 };
 use clap::Args;
 use skyglow_app::SkySource;
@@ -20,7 +20,7 @@ use tokio::{
 #[command(after_help = "Example:\n  skyglow serve --listen 0.0.0.0:8080 --data /var/lib/skyglow")]
 pub(crate) struct Serve {
     #[command(flatten)]
-    flags: Layer,
+    flags: PartialSettings,
     /// TOML file of the same names
     #[arg(long, env = "SKYGLOW_CONFIG", value_name = "FILE")]
     config: Option<PathBuf>,
@@ -104,8 +104,8 @@ fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
     if !settings.no_demo {
         program::make_demo_if_missing(&settings.data)?;
     }
-    let most_places = settings.brightness_places.max(1);
-    program::open(&settings.data, &settings.packs, settings.device, settings.change_limits(), most_places)
+    let max_places = settings.brightness_places.max(1);
+    program::open(&settings.data, &settings.packs, settings.device, settings.change_limits(), max_places)
 }
 
 /// Ready at the first SIGTERM or SIGINT.

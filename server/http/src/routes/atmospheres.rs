@@ -1,7 +1,7 @@
 //! The resident table packs.
 
-use super::frame::{Answer, Asked};
-use crate::{problem::Problem, respond::Keep};
+use super::frame::{Answer, JsonRequest};
+use crate::{problem::Problem, respond::CachePolicy};
 use skyglow_app::answers::AtmosphereAnswer;
 
 /// Lists the resident table packs: those of first-order scattering, then those of all orders, each ascending in
@@ -16,7 +16,7 @@ use skyglow_app::answers::AtmosphereAnswer;
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_atmospheres(asked: Asked) -> Answer {
+pub async fn list_atmospheres(asked: JsonRequest) -> Answer {
     asked.without_parameters()?;
-    asked.answer(Keep::Revalidate, |source| Ok(source.atmospheres())).await
+    asked.answer(CachePolicy::Revalidate, |source| Ok(source.atmospheres())).await
 }

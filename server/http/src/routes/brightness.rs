@@ -10,7 +10,7 @@ use tracing::Instrument;
 
 /// A map that may be found: the scene's version is known.
 #[derive(Clone, Debug)]
-pub(super) struct AskedBrightness {
+pub(super) struct PreparedBrightness {
     query: Arc<BrightnessRequest>,
     /// The scene, with its changes.
     pub(super) scene: SceneMetadata,
@@ -18,7 +18,7 @@ pub(super) struct AskedBrightness {
     pub(super) key: String,
 }
 
-impl AskedBrightness {
+impl PreparedBrightness {
     /// Looks up the scene; finds nothing yet.
     ///
     /// # Errors

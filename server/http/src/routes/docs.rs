@@ -3,7 +3,7 @@
 use crate::{
     error::ApiError,
     problem::Problem,
-    respond::{Keep, bytes_by_content},
+    respond::{CachePolicy, bytes_by_content},
     state::AppState,
 };
 use axum::{
@@ -31,7 +31,7 @@ pub async fn get_openapi(
 ) -> Result<Response<Body>, ApiError> {
     no_parameters(query.as_deref())?;
     let document = state.openapi.get().ok_or_else(|| ApiError::internal("no OpenAPI document"))?;
-    bytes_by_content(&headers, Keep::Revalidate, "application/json", document.clone().into_bytes())
+    bytes_by_content(&headers, CachePolicy::Revalidate, "application/json", document.clone().into_bytes())
 }
 
 fn page(
@@ -39,7 +39,8 @@ fn page(
     media_type: &'static str,
     text: &'static str,
 ) -> Result<Response<Body>, ApiError> {
-    let mut response = bytes_by_content(headers, Keep::Revalidate, media_type, text.as_bytes().to_vec())?;
+    let mut response =
+        bytes_by_content(headers, CachePolicy::Revalidate, media_type, text.as_bytes().to_vec())?;
     response.headers_mut().insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(PAGE_POLICY));
     Ok(response)
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     error::ApiError,
-    respond::{Keep, json_by_content},
+    respond::{CachePolicy, json_by_content},
     state::AppState,
 };
 use axum::{
@@ -21,14 +21,14 @@ use skyglow_scene::SceneId;
 pub(super) type Answer = Result<Response<Body>, ApiError>;
 
 /// A request for a resource that is read from the program behind and answered as JSON.
-pub struct Asked {
+pub struct JsonRequest {
     pub(super) state: AppState,
     pub(super) query: Option<String>,
     pub(super) headers: HeaderMap,
     scene: Option<String>,
 }
 
-impl FromRequestParts<AppState> for Asked {
+impl FromRequestParts<AppState> for JsonRequest {
     /// A path that is not UTF-8.
     type Rejection = RawPathParamsRejection;
 
@@ -40,7 +40,7 @@ impl FromRequestParts<AppState> for Asked {
     }
 }
 
-impl Asked {
+impl JsonRequest {
     /// The scene that the path names.
     pub(super) fn scene(&self) -> Result<SceneId, ApiError> {
         Ok(scene_id(self.scene.as_deref().unwrap_or_default())?)
@@ -54,20 +54,20 @@ impl Asked {
     /// Reads something off the async threads and answers it, tagged by its content.
     pub(super) async fn answer<A: Serialize + Send + 'static>(
         self,
-        keep: Keep,
+        policy: CachePolicy,
         read: impl FnOnce(&dyn SkySource) -> Result<A, ApiError> + Send + 'static,
     ) -> Answer {
         let answer = self.state.blocking(read).await?;
-        json_by_content(&self.headers, keep, &answer)
+        json_by_content(&self.headers, policy, &answer)
     }
 
     /// The same for what takes a while.
     pub(super) async fn heavy<A: Serialize + Send + 'static>(
         self,
-        keep: Keep,
+        policy: CachePolicy,
         read: impl FnOnce(&dyn SkySource) -> Result<A, ApiError> + Send + 'static,
     ) -> Answer {
         let answer = self.state.heavy(read).await?;
-        json_by_content(&self.headers, keep, &answer)
+        json_by_content(&self.headers, policy, &answer)
     }
 }

@@ -1,11 +1,11 @@
 //! Which lights cause the sky of a place.
 
-use super::sky::{AskedSky, put_warnings};
+use super::sky::{PreparedSky, put_warnings};
 use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
-    respond::{Caching, Keep},
+    respond::{CachePolicy, Caching},
     state::AppState,
 };
 use axum::{
@@ -19,7 +19,7 @@ use skyglow_app::{
     answers::{Assumptions, InfluenceAnswer},
     influence_file::encode_influences,
     parameters::{InfluenceParameters, InfluenceRasterParameters},
-    request::{InfluenceAsk, InfluenceBody, influence, scene_id},
+    request::{InfluenceBody, InfluenceListRequest, influence, scene_id},
     source::{InfluenceQuery, SkySource},
 };
 use skyglow_observatory::InfluenceMap;
@@ -27,20 +27,20 @@ use std::sync::Arc;
 
 /// Influences that may be found: the place is in the scene, the scene's version is known.
 #[derive(Clone, Debug)]
-pub struct AskedInfluence {
+pub struct PreparedInfluence {
     query: Arc<InfluenceQuery>,
-    sky: AskedSky,
+    sky: PreparedSky,
     /// What decides the map, as text for ETags.
     pub key: String,
 }
 
-impl AskedInfluence {
+impl PreparedInfluence {
     /// Looks up the scene and checks the place; finds nothing yet.
     ///
     /// # Errors
-    /// As [`AskedSky::prepare`].
+    /// As [`PreparedSky::prepare`].
     pub async fn prepare(state: &AppState, query: InfluenceQuery) -> Result<Self, ApiError> {
-        let sky = AskedSky::prepare(state, query.sky.clone()).await?;
+        let sky = PreparedSky::prepare(state, query.sky.clone()).await?;
         let key = ETag::of(&["influence", &sky.key, &format!("{:?}", query.measure)]).header();
         Ok(Self { query: Arc::new(query), sky, key })
     }
@@ -48,7 +48,7 @@ impl AskedInfluence {
     /// Finds the influences, or takes those found before.
     ///
     /// # Errors
-    /// As [`AskedSky::render`], a region without a visible direction, and [`AppError::Busy`] where the scene was ingested again
+    /// As [`PreparedSky::render`], a region without a visible direction, and [`AppError::Busy`] where the scene was ingested again
     /// meanwhile.
     pub async fn find(&self, state: &AppState) -> Result<Arc<InfluenceMap>, ApiError> {
         let map = state.influence(&self.key, self.query.clone()).await?;
@@ -178,10 +178,10 @@ async fn answer(
         Ok(influence(text.as_deref(), body.as_deref(), id, source.facts(), format)?)
     };
     let ask = if is_get { read(state.source.as_ref())? } else { state.blocking(read).await? };
-    let asked = AskedInfluence::prepare(&state, ask.query.clone()).await?;
+    let asked = PreparedInfluence::prepare(&state, ask.query.clone()).await?;
     let listed = format.is_list().then_some(ask.limit);
     let etag = ETag::of(&[&asked.key, format.extension(), &format!("{listed:?} {body_tag:?}")]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary };
     if is_get && let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
@@ -202,7 +202,7 @@ async fn encoded(
     state: &AppState,
     assumptions: Assumptions,
     map: Arc<InfluenceMap>,
-    ask: InfluenceAsk,
+    ask: InfluenceListRequest,
     format: InfluenceFormat,
 ) -> Result<Vec<u8>, ApiError> {
     let encode = move |_: &_| encode_influences(assumptions, &map, &ask, format).map_err(ApiError::internal);

@@ -1,7 +1,7 @@
 //! Map layers as rasters.
 
 use super::{
-    brightness::AskedBrightness,
+    brightness::PreparedBrightness,
     sky::put_warnings,
     tiles::{metadata, scenario_of},
 };
@@ -9,8 +9,8 @@ use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
-    respond::{Caching, Keep},
-    state::{AppState, MadeAnswer},
+    respond::{CachePolicy, Caching},
+    state::{AppState, EncodedAnswer},
 };
 use axum::{
     body::Body,
@@ -23,11 +23,11 @@ use skyglow_app::{
     request::{brightness, scene_id},
     source::SkySource,
 };
-use skyglow_display::notes::said_of;
+use skyglow_display::notes;
 use skyglow_scene::{RasterMetadata, TileLayer};
 
 /// Pixels of a raster at most; beyond, pixels of the scene share one by blocks.
-const MOST_PIXELS: usize = 4_000_000;
+const MAX_PIXELS: usize = 4_000_000;
 
 macro_rules! layers {
     ($($get:ident, $name:literal, $parameters:ident, $layer:expr, $answer:ident, $doc:literal;)*) => {$(
@@ -81,13 +81,13 @@ async fn scene_layer(
     let scenario = scenario_of(query, layer)?;
     let scene = metadata(state, &id, scenario.as_ref()).await?;
     let etag = ETag::of(&["layer", &scene.version, &format!("{layer:?}")]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
     let make = state.find(move |source| {
         let scene = source.open_scene(&id, scenario.as_ref())?;
-        let places = scene.layer_at_places(layer, scene.place_lattice(MOST_PIXELS));
+        let places = scene.layer_at_places(layer, scene.place_lattice(MAX_PIXELS));
         let places = places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
         let unit = match layer {
             TileLayer::Radiance => "nW cm-2 sr-1",
@@ -97,14 +97,14 @@ async fn scene_layer(
         let version = metadata.version.as_str();
         let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("SCENE_VERSION", version)];
         let description = match layer {
-            TileLayer::Radiance => said_of("upward radiance", metadata.illustrative),
-            TileLayer::Elevation => said_of("terrain elevation", metadata.illustrative),
+            TileLayer::Radiance => notes::description("upward radiance", metadata.illustrative),
+            TileLayer::Elevation => notes::description("terrain elevation", metadata.illustrative),
         };
         scene
             .places_geotiff(&places, &RasterMetadata { description: &description, unit, notes: &notes })
             .map_err(ApiError::internal)
     });
-    let made = state.answer(&caching.etag, async { make.await.map(MadeAnswer::from) }).await?;
+    let made = state.answer(&caching.etag, async { make.await.map(EncodedAnswer::from) }).await?;
     Ok(caching.ok("image/tiff", made.bytes.clone()))
 }
 
@@ -116,8 +116,9 @@ async fn brightness_layer(
     (): (),
 ) -> Result<Response<Body>, ApiError> {
     let ask = brightness(query, scene_id(scene)?, state.source.facts())?;
-    let asked = AskedBrightness::prepare(state, ask).await?;
-    let caching = Caching { etag: ETag::of(&["layer", &asked.key]), keep: Keep::Minutes, vary: None };
+    let asked = PreparedBrightness::prepare(state, ask).await?;
+    let caching =
+        Caching { etag: ETag::of(&["layer", &asked.key]), policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
@@ -128,12 +129,13 @@ async fn brightness_layer(
         let write = move |_: &dyn SkySource| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-            let description = said_of("artificial luminance at the zenith", map.scene().illustrative);
+            let description =
+                notes::description("artificial luminance at the zenith", map.scene().illustrative);
             let words = RasterMetadata { description: &description, unit: "cd m-2", notes: &notes };
             map.open_scene().places_geotiff(map.places(), &words).map_err(ApiError::internal)
         };
         let bytes = state.find(write).await?;
-        Ok(MadeAnswer { bytes: bytes.into(), warnings, ..MadeAnswer::default() })
+        Ok(EncodedAnswer { bytes: bytes.into(), warnings, ..EncodedAnswer::default() })
     };
     let made = state.answer(&caching.etag, make).await?;
     let mut response = caching.ok("image/tiff", made.bytes.clone());

@@ -1,12 +1,12 @@
 //! The sky of a place as picture, raster or JSON.
 
-use super::sky::{AskedSky, put_times, put_warnings, times_of};
+use super::sky::{PreparedSky, put_times, put_warnings, times_of};
 use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
-    respond::{Caching, Keep},
-    state::{AppState, MadeAnswer},
+    respond::{CachePolicy, Caching},
+    state::{AppState, EncodedAnswer},
 };
 use axum::{
     body::Body,
@@ -114,16 +114,15 @@ async fn answer(
     vary: Option<&'static str>,
 ) -> Result<Response<Body>, ApiError> {
     let (query, view) = panorama(query, scene_id(scene)?, state.source.facts(), format)?;
-    let asked = AskedSky::prepare(&state, query).await?;
+    let asked = PreparedSky::prepare(&state, query).await?;
     let etag = ETag::of(&["panorama", &asked.key, format.extension(), &format!("{view:?}")]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary };
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
     let make = async {
         let rendered = asked.render(&state).await?;
-        let warnings =
-            sky_warnings(&asked.query, &asked.scene, &rendered.circumstances, state.source.facts());
+        let warnings = sky_warnings(&asked.query, &asked.scene, &rendered.context, state.source.facts());
         let times = times_of(&rendered);
         let worker = (state.clone(), asked);
         let bytes = state
@@ -133,7 +132,7 @@ async fn answer(
                 draw(assumptions, &rendered, &view, format).map_err(ApiError::internal)
             })
             .await?;
-        Ok(MadeAnswer { bytes: bytes.into(), warnings, times })
+        Ok(EncodedAnswer { bytes: bytes.into(), warnings, times })
     };
     let made = state.answer(&caching.etag, make).await?;
     let mut response = caching.ok(format.media_type(), made.bytes.clone());

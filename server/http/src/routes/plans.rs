@@ -1,16 +1,16 @@
 //! Reduction plans: made, listed, handed out.
 
 use super::{
-    frame::{Answer, Asked},
+    frame::{Answer, JsonRequest},
     influence::preferred_format,
-    sky::AskedSky,
+    sky::PreparedSky,
 };
 use crate::{
     error::ApiError,
     etag::ETag,
-    layers::KeptLength,
+    middleware::StoredLength,
     problem::Problem,
-    respond::{Caching, Keep, created},
+    respond::{CachePolicy, Caching, created},
     state::AppState,
 };
 use axum::{
@@ -61,7 +61,7 @@ pub async fn post_plan(
     let ask = state.blocking(read).await?;
     // Places and altitudes are refused as those of any sky.
     for sky in &ask.skies {
-        AskedSky::prepare(&state, sky.clone()).await?;
+        PreparedSky::prepare(&state, sky.clone()).await?;
     }
     let make = move |source: &dyn SkySource| {
         let (id, is_new) = make_plan(source, &ask).map_err(|error| match ask.skies.as_slice() {
@@ -74,7 +74,7 @@ pub async fn post_plan(
     };
     let (answer, kept_bytes) = state.find(make).await?;
     let mut response = created(&format!("/api/v1/plans/{}", answer.id), &answer)?;
-    response.extensions_mut().insert(KeptLength(kept_bytes));
+    response.extensions_mut().insert(StoredLength(kept_bytes));
     Ok(response)
 }
 
@@ -92,10 +92,10 @@ pub async fn post_plan(
         (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_plans(asked: Asked) -> Answer {
+pub async fn list_plans(asked: JsonRequest) -> Answer {
     let scene = asked.scene()?;
     no_parameters(asked.query.as_deref())?;
-    asked.heavy(Keep::Revalidate, move |source| Ok(source.list_plans(&scene)?)).await
+    asked.heavy(CachePolicy::Revalidate, move |source| Ok(source.list_plans(&scene)?)).await
 }
 
 /// A plan, in the format that the Accept header prefers, or that its address ends in: `.json` what is said of it and the pixels
@@ -149,7 +149,7 @@ pub async fn get_plan(
     let kept = state.blocking(move |source| Ok(find_plan(source, &id)?)).await?;
     let (tag, created) = (kept.id.to_string(), kept.created_unix_s.to_string());
     let etag = ETag::of(&["plan", &tag, &created, format.extension(), &limit.to_string()]);
-    let caching = Caching { etag, keep: Keep::Revalidate, vary };
+    let caching = Caching { etag, policy: CachePolicy::Revalidate, vary };
     if let Some(response) = caching.not_modified(&headers) {
         return Ok(response);
     }

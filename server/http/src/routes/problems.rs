@@ -3,7 +3,7 @@
 use crate::{
     error::ApiError,
     problem::Problem,
-    respond::{Keep, bytes_by_content},
+    respond::{CachePolicy, bytes_by_content},
 };
 use axum::{
     body::Body,
@@ -69,18 +69,18 @@ pub const KINDS: [(&str, &str); 28] = [
 pub async fn get_problem(Path(kind): Path<String>, headers: HeaderMap) -> Result<Response<Body>, ApiError> {
     let (name, words) = KINDS.iter().find(|(name, _)| *name == kind).ok_or(ApiError::NotFound)?;
     let text = format!("{name}\n\n{words}\n");
-    bytes_by_content(&headers, Keep::Minutes, "text/plain; charset=utf-8", text.into_bytes())
+    bytes_by_content(&headers, CachePolicy::Minutes, "text/plain; charset=utf-8", text.into_bytes())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use skyglow_app::error::AppError;
-    use skyglow_app::validation::{FieldError, Mistake};
+    use skyglow_app::validation::{FieldError, ValidationCode};
 
     #[test]
     fn every_kind_that_the_table_of_status_codes_has_is_explained() {
-        let wrong = |code: Mistake| {
+        let wrong = |code: ValidationCode| {
             ApiError::App(AppError::Parameters(vec![FieldError {
                 parameter: String::new(),
                 value: None,
@@ -90,17 +90,17 @@ mod tests {
             }]))
         };
         let errors = [
-            wrong(Mistake::UnknownParameter),
-            wrong(Mistake::Malformed),
-            wrong(Mistake::OutOfRange),
-            wrong(Mistake::NotResident),
+            wrong(ValidationCode::UnknownParameter),
+            wrong(ValidationCode::Malformed),
+            wrong(ValidationCode::OutOfRange),
+            wrong(ValidationCode::NotResident),
             ApiError::App(AppError::UnknownScenario { id: String::new() }),
             ApiError::App(AppError::StalePlan { id: String::new() }),
             ApiError::App(AppError::DraftPlan { id: String::new() }),
             ApiError::Unauthorized,
             ApiError::UploadsOff,
             ApiError::ForeignOrigin,
-            ApiError::KeptEnough { retry_after_s: 1 },
+            ApiError::StorageQuotaUsed { retry_after_s: 1 },
             ApiError::OperatorOnly,
             ApiError::App(AppError::BadUpload { reason: String::new() }),
             ApiError::QuotaUsed { retry_after_s: 1 },

@@ -1,10 +1,10 @@
 //! Painted scenarios: kept, listed, looked at.
 
-use super::frame::{Answer, Asked};
+use super::frame::{Answer, JsonRequest};
 use crate::{
     error::ApiError,
     problem::Problem,
-    respond::{Keep, created, json_by_content},
+    respond::{CachePolicy, created, json_by_content},
     state::AppState,
 };
 use axum::{
@@ -52,12 +52,12 @@ pub async fn post_scenario(
     body: Bytes,
 ) -> Result<Response<Body>, ApiError> {
     let scene = scene_id(&scene)?;
-    let keep = move |source: &dyn SkySource| {
+    let store = move |source: &dyn SkySource| {
         let scenario = scenario(query.as_deref(), &body, scene)?;
         let id = source.store_scenario(&scenario).map_err(SourceError::of_painting)?;
         Ok(read_answer(source, &id)?)
     };
-    let answer = state.heavy(keep).await?;
+    let answer = state.heavy(store).await?;
     created(&format!("/api/v1/scenarios/{}", answer.entry.id), &answer)
 }
 
@@ -88,7 +88,7 @@ pub async fn get_scenario(
         return Err(ApiError::App(AppError::UnknownScenario { id: id.to_string() }));
     }
     let answer = state.heavy(move |source| Ok(read_answer(source, &id)?)).await?;
-    json_by_content(&headers, Keep::Revalidate, &answer)
+    json_by_content(&headers, CachePolicy::Revalidate, &answer)
 }
 
 /// Lists the scenarios of a scene, the newest first.
@@ -105,8 +105,8 @@ pub async fn get_scenario(
         (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_scenarios(asked: Asked) -> Answer {
+pub async fn list_scenarios(asked: JsonRequest) -> Answer {
     let scene = asked.scene()?;
     asked.without_parameters()?;
-    asked.heavy(Keep::Revalidate, move |source| Ok(source.list_scenarios(&scene)?)).await
+    asked.heavy(CachePolicy::Revalidate, move |source| Ok(source.list_scenarios(&scene)?)).await
 }

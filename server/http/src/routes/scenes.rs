@@ -1,10 +1,10 @@
 //! Scenes and their named places.
 
-use super::frame::{Answer, Asked};
+use super::frame::{Answer, JsonRequest};
 use crate::{
     etag::ETag,
     problem::Problem,
-    respond::{Caching, Keep},
+    respond::{CachePolicy, Caching},
 };
 use skyglow_app::{
     answers::{PlaceAnswer, SceneAnswer},
@@ -22,11 +22,11 @@ use skyglow_app::{
         (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_scenes(asked: Asked) -> Answer {
+pub async fn list_scenes(asked: JsonRequest) -> Answer {
     asked.without_parameters()?;
     let read =
         |source: &dyn SkySource| Ok(source.scenes()?.into_iter().map(SceneAnswer::from).collect::<Vec<_>>());
-    asked.answer(Keep::Revalidate, read).await
+    asked.answer(CachePolicy::Revalidate, read).await
 }
 
 /// Describes a scene.
@@ -42,10 +42,10 @@ pub async fn list_scenes(asked: Asked) -> Answer {
         (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get_scene(asked: Asked) -> Answer {
+pub async fn get_scene(asked: JsonRequest) -> Answer {
     let id = asked.scene()?;
     asked.without_parameters()?;
-    asked.answer(Keep::Revalidate, move |source| Ok(SceneAnswer::from(source.scene(&id)?))).await
+    asked.answer(CachePolicy::Revalidate, move |source| Ok(SceneAnswer::from(source.scene(&id)?))).await
 }
 
 /// Lists the named places of a scene, the most populous first.
@@ -61,13 +61,13 @@ pub async fn get_scene(asked: Asked) -> Answer {
         (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_places(asked: Asked) -> Answer {
+pub async fn list_places(asked: JsonRequest) -> Answer {
     let id = asked.scene()?;
     asked.without_parameters()?;
     let wanted = id.clone();
     let scene = asked.state.blocking(move |source| Ok(source.scene(&wanted)?)).await?;
     let etag = ETag::of(&["places", &scene.version]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(&asked.headers) {
         return Ok(response);
     }

@@ -1,7 +1,7 @@
 //! What is at a place: the cheap call that a click makes first.
 
-use super::frame::{Answer, Asked};
-use crate::{problem::Problem, respond::Keep};
+use super::frame::{Answer, JsonRequest};
+use crate::{problem::Problem, respond::CachePolicy};
 use skyglow_app::{answers::SiteAnswer, parameters::PlaceParameters, request::place, source::SkySource};
 
 /// Says what is at a place.
@@ -18,12 +18,12 @@ use skyglow_app::{answers::SiteAnswer, parameters::PlaceParameters, request::pla
         (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get_site(asked: Asked) -> Answer {
+pub async fn get_site(asked: JsonRequest) -> Answer {
     let id = asked.scene()?;
     let (place, scenario) = place(asked.query.as_deref())?;
     let read = move |source: &dyn SkySource| {
         let site = source.site(&id, scenario.as_ref(), place).map_err(|error| error.at(place))?;
         Ok(SiteAnswer::new(place, &site))
     };
-    asked.answer(Keep::Minutes, read).await
+    asked.answer(CachePolicy::Minutes, read).await
 }

@@ -4,7 +4,7 @@ use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
-    respond::{Caching, Keep},
+    respond::{CachePolicy, Caching},
     state::AppState,
 };
 use axum::{
@@ -47,9 +47,9 @@ pub async fn get_sky(
     headers: HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
     let (query, light) = sky(query.as_deref(), scene_id(&scene)?, state.source.facts())?;
-    let asked = AskedSky::prepare(&state, query).await?;
+    let asked = PreparedSky::prepare(&state, query).await?;
     let etag = ETag::of(&["sky", &asked.key, &format!("{light:?}")]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(&headers) {
         return Ok(response);
     }
@@ -64,7 +64,7 @@ pub async fn get_sky(
 
 /// A sky that may be rendered: the place is in the scene, the scene's version is known.
 #[derive(Clone, Debug)]
-pub struct AskedSky {
+pub struct PreparedSky {
     /// What is asked.
     pub query: Arc<SkyQuery>,
     /// The scene.
@@ -73,7 +73,7 @@ pub struct AskedSky {
     pub key: String,
 }
 
-impl AskedSky {
+impl PreparedSky {
     /// Looks up the scene and checks the place; renders nothing.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ impl AskedSky {
 
     /// What the numbers depend on.
     pub fn assumptions(&self, state: &AppState, rendered: &RenderedSky) -> Assumptions {
-        Assumptions::new(&self.query, &self.scene, &rendered.circumstances, state.source.facts())
+        Assumptions::new(&self.query, &self.scene, &rendered.context, state.source.facts())
     }
 }
 

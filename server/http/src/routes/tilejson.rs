@@ -1,13 +1,13 @@
 //! What layers of map tiles there are and how they are asked for (TileJSON).
 
 use super::{
-    brightness::AskedBrightness,
-    influence::AskedInfluence,
+    brightness::PreparedBrightness,
+    influence::PreparedInfluence,
     tiles::{
-        Layer, brightness_description, description, influence_description, layer, metadata, scenario_of,
+        MapLayer, brightness_description, description, influence_description, layer, metadata, scenario_of,
     },
 };
-use crate::{error::ApiError, listener::Ends, problem::Problem, respond::Keep, state::AppState};
+use crate::{error::ApiError, listener::Ends, problem::Problem, respond::CachePolicy, state::AppState};
 use axum::{
     Extension,
     body::Body,
@@ -55,23 +55,23 @@ pub async fn get_tilejson(
 ) -> Result<Response<Body>, ApiError> {
     let id = scene_id(&scene)?;
     let shown = match layer(&layer_name)? {
-        Layer::Scene(layer) => {
+        MapLayer::Scene(layer) => {
             let scenario = scenario_of(query.as_deref(), layer)?;
             // A layer of a scenario that is not there is said here, not by every tile.
             metadata(&state, &id, scenario.as_ref()).await?;
             Shown::Scene { layer, query: query.filter(|_| scenario.is_some()) }
         }
-        Layer::Brightness => {
+        MapLayer::Brightness => {
             let ask = brightness(query.as_deref(), id.clone(), state.source.facts())?;
-            let is_ready = AskedBrightness::prepare(&state, ask).await?.begin(&state);
+            let is_ready = PreparedBrightness::prepare(&state, ask).await?.begin(&state);
             Shown::Brightness { query, is_ready }
         }
-        Layer::Influence => {
+        MapLayer::Influence => {
             let facts = state.source.facts();
             let ask = influence(query.as_deref(), None, id.clone(), facts, InfluenceFormat::Tiff)?;
             let measure = ask.query.measure.clone();
             // What is wrong is said here and not by every tile, and the tiles have their map.
-            let map = AskedInfluence::prepare(&state, ask.query).await?.find(&state).await?;
+            let map = PreparedInfluence::prepare(&state, ask.query).await?.find(&state).await?;
             Shown::Influence { measure, query: query.unwrap_or_default(), most: map.brightest_colour() }
         }
     };
@@ -79,7 +79,7 @@ pub async fn get_tilejson(
     let reached = connection.and_then(|Extension(ConnectInfo(ends))| ends.server);
     let base = base_url(state.config.public_url.as_deref(), &headers, reached);
     let document = tilejson(&scene, &shown, &layer_name, &base);
-    crate::respond::json_by_content(&headers, Keep::Revalidate, &document)
+    crate::respond::json_by_content(&headers, CachePolicy::Revalidate, &document)
 }
 
 /// Where the client reached the server: what is configured, else the Host header if it is a host, else the

@@ -1,12 +1,12 @@
 //! Web Mercator map tiles.
 
-use super::{brightness::AskedBrightness, influence::AskedInfluence};
+use super::{brightness::PreparedBrightness, influence::PreparedInfluence};
 use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
-    respond::{Caching, Keep},
-    state::{AppState, MadeAnswer},
+    respond::{CachePolicy, Caching},
+    state::{AppState, EncodedAnswer},
 };
 use axum::{
     body::Body,
@@ -23,8 +23,7 @@ use skyglow_app::{
     validation::echo,
 };
 use skyglow_display::{
-    Notes,
-    notes::said_of,
+    Notes, notes,
     tile::{
         BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_tile_png,
         elevation_tile_png, influence_tile_png, radiance_tile_png,
@@ -42,7 +41,7 @@ pub struct TileDocument;
 
 /// What a map tile shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Layer {
+pub(super) enum MapLayer {
     /// What the scene has everywhere.
     Scene(TileLayer),
     /// What lights do to the sky of a place, which the query names.
@@ -51,12 +50,12 @@ pub(super) enum Layer {
     Brightness,
 }
 
-pub(super) fn layer(name: &str) -> Result<Layer, ApiError> {
+pub(super) fn layer(name: &str) -> Result<MapLayer, ApiError> {
     match name {
-        "radiance" => Ok(Layer::Scene(TileLayer::Radiance)),
-        "elevation" => Ok(Layer::Scene(TileLayer::Elevation)),
-        "influence" => Ok(Layer::Influence),
-        "brightness" => Ok(Layer::Brightness),
+        "radiance" => Ok(MapLayer::Scene(TileLayer::Radiance)),
+        "elevation" => Ok(MapLayer::Scene(TileLayer::Elevation)),
+        "influence" => Ok(MapLayer::Influence),
+        "brightness" => Ok(MapLayer::Brightness),
         other => Err(ApiError::App(AppError::UnknownTile {
             reason: format!(
                 "the layers are radiance, elevation, brightness and influence, not \"{}\"",
@@ -114,12 +113,12 @@ pub async fn get_tile(
         })
     })?;
     match layer {
-        Layer::Scene(layer) => {
+        MapLayer::Scene(layer) => {
             let scenario = scenario_of(query.as_deref(), layer)?;
             scene_tile(&state, (id, scenario), layer, &layer_name, address, &headers).await
         }
-        Layer::Influence => influence_tile(&state, id, query.as_deref(), address, &headers).await,
-        Layer::Brightness => brightness_tile(&state, id, query.as_deref(), address, &headers).await,
+        MapLayer::Influence => influence_tile(&state, id, query.as_deref(), address, &headers).await,
+        MapLayer::Brightness => brightness_tile(&state, id, query.as_deref(), address, &headers).await,
     }
 }
 
@@ -133,7 +132,7 @@ async fn scene_tile(
 ) -> Result<Response<Body>, ApiError> {
     let scene = metadata(state, &id, scenario.as_ref()).await?;
     let etag = ETag::of(&["tile", &scene.version, layer_name, &format!("{address:?}")]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
     }
@@ -160,7 +159,7 @@ async fn kept(
     caching: &Caching,
     draw: impl Future<Output = Result<Vec<u8>, ApiError>>,
 ) -> Result<Response<Body>, ApiError> {
-    let made = state.answer(&caching.etag, async { draw.await.map(MadeAnswer::from) }).await?;
+    let made = state.answer(&caching.etag, async { draw.await.map(EncodedAnswer::from) }).await?;
     Ok(caching.ok("image/png", made.bytes.clone()))
 }
 
@@ -199,9 +198,9 @@ async fn influence_tile(
 ) -> Result<Response<Body>, ApiError> {
     let ask = influence(query, None, id, state.source.facts(), InfluenceFormat::Tiff)?;
     let measure = ask.query.measure.clone();
-    let asked = AskedInfluence::prepare(state, ask.query).await?;
+    let asked = PreparedInfluence::prepare(state, ask.query).await?;
     let etag = ETag::of(&["tile", &asked.key, &format!("{address:?}")]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
     }
@@ -227,9 +226,9 @@ async fn brightness_tile(
     address: Address,
     headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
-    let asked = AskedBrightness::prepare(state, brightness(query, id, state.source.facts())?).await?;
+    let asked = PreparedBrightness::prepare(state, brightness(query, id, state.source.facts())?).await?;
     let etag = ETag::of(&["tile", &asked.key, &format!("{address:?}")]);
-    let caching = Caching { etag, keep: Keep::Minutes, vary: None };
+    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
     }
@@ -273,7 +272,7 @@ pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
         }
         TileLayer::Elevation => "Terrain elevation: hypsometric tints with shading".to_owned(),
     };
-    said_of(shows, illustrative)
+    notes::description(shows, illustrative)
 }
 
 /// What is said of the layer of brightness.
@@ -283,7 +282,7 @@ pub(super) fn brightness_description(illustrative: bool) -> String {
         "Artificial luminance at the zenith, {dark:e} to {bright:e} cd m-2 (a hundredth of the natural sky of 22.0 mag arcsec-2 to \
          forty times that) on a logarithmic scale; less is transparent"
     );
-    said_of(shows, illustrative)
+    notes::description(shows, illustrative)
 }
 
 /// What is said of a layer of influences.
@@ -293,7 +292,7 @@ pub(super) fn influence_description(measure: &Measure, illustrative: bool) -> St
          to that on a logarithmic scale; less is transparent",
         measure_name(measure)
     );
-    said_of(shows, illustrative)
+    notes::description(shows, illustrative)
 }
 
 #[cfg(test)]

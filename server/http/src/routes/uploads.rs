@@ -5,7 +5,7 @@ use crate::{
     access::Client,
     error::ApiError,
     problem::Problem,
-    respond::{Caching, Keep},
+    respond::{CachePolicy, Caching},
     state::AppState,
 };
 use axum::{
@@ -17,7 +17,7 @@ use skyglow_app::error::AppError;
 use skyglow_app::{
     answers::SceneAnswer,
     request::{no_parameters, scene_id},
-    validation::{FieldError, Mistake, echo},
+    validation::{FieldError, ValidationCode, echo},
 };
 use skyglow_scene::{IngestOptions, RadianceUnit, SceneId};
 use std::{
@@ -28,11 +28,11 @@ use tokio::{fs::File, io::AsyncWriteExt, sync::OwnedSemaphorePermit};
 use utoipa::ToSchema;
 
 /// Longest text of a field that is no file, bytes.
-const LONGEST_TEXT: usize = 4096;
+const MAX_TEXT_BYTES: usize = 4096;
 /// Files of terrain at most.
-const MOST_TERRAIN: usize = 256;
+const MAX_TERRAIN_FILES: usize = 256;
 /// Longest wait for the next piece of a file.
-const LONGEST_PAUSE: Duration = Duration::from_secs(30);
+const MAX_PAUSE: Duration = Duration::from_secs(30);
 
 /// A scene's files and what is to be known of them, as `skyglow ingest` has it.
 #[derive(Debug, ToSchema)]
@@ -163,12 +163,12 @@ async fn upload(
     (options.id, options.replace) = (Some(id.clone()), true);
     options.max_pixels = Some(state.config.upload_pixels);
     loop {
-        let next = tokio::time::timeout(LONGEST_PAUSE, form.next_field()).await.map_err(|_| too_slow())?;
+        let next = tokio::time::timeout(MAX_PAUSE, form.next_field()).await.map_err(|_| too_slow())?;
         let Some(field) = next.map_err(|error| unreadable(state, &error))? else { break };
         take(state, folder.path(), field, &mut options).await?;
     }
     if options.radiance.as_os_str().is_empty() {
-        return Err(field_error("radiance", None, Mistake::Missing.words().to_owned(), "a raster"));
+        return Err(field_error("radiance", None, ValidationCode::Missing.words().to_owned(), "a raster"));
     }
     let (scene, was_there) = state
         .blocking(move |source| {
@@ -179,7 +179,7 @@ async fn upload(
         .await?;
     tracing::info!(scene = %id, version = scene.version, replaced = was_there, "a scene was uploaded by the operator");
     let etag = ETag::of(&["uploaded", &scene.version]);
-    let caching = Caching { etag, keep: Keep::Revalidate, vary: None };
+    let caching = Caching { etag, policy: CachePolicy::Revalidate, vary: None };
     let mut response = caching.json(&SceneAnswer::from(scene))?;
     if !was_there {
         *response.status_mut() = StatusCode::CREATED;
@@ -201,30 +201,30 @@ async fn take(
     let is_repeated = match name.as_str() {
         "radiance" => !options.radiance.as_os_str().is_empty(),
         "places" => options.places.is_some(),
-        "terrain" => options.terrain.len() >= MOST_TERRAIN,
+        "terrain" => options.terrain.len() >= MAX_TERRAIN_FILES,
         _ => false,
     };
     if is_repeated {
         return Err(field_error(
             &name,
             None,
-            Mistake::Repeated.words().to_owned(),
+            ValidationCode::Repeated.words().to_owned(),
             "one, or 256 files of terrain",
         ));
     }
     match name.as_str() {
-        "radiance" => options.radiance = keep(state, folder, "radiance", "tif", field).await?,
-        "places" => options.places = Some(keep(state, folder, "places", "csv", field).await?),
+        "radiance" => options.radiance = save_file(state, folder, "radiance", "tif", field).await?,
+        "places" => options.places = Some(save_file(state, folder, "places", "csv", field).await?),
         "terrain" => {
             let part = format!("terrain{}", options.terrain.len());
-            options.terrain.push(keep(state, folder, &part, "tif", field).await?);
+            options.terrain.push(save_file(state, folder, &part, "tif", field).await?);
         }
         "title" | "date" | "attribution" | "band" | "scale" | "units" | "calibration" => {
             let text = text_of(state, &name, field).await?;
             let number = |allowed: &str| {
                 let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
                 number.ok_or_else(|| {
-                    field_error(&name, Some(&text), Mistake::Malformed.words().to_owned(), allowed)
+                    field_error(&name, Some(&text), ValidationCode::Malformed.words().to_owned(), allowed)
                 })
             };
             match name.as_str() {
@@ -245,7 +245,7 @@ async fn take(
         _ => {
             let allowed =
                 "radiance, terrain, places, title, date, attribution, band, scale, units, calibration";
-            let message = Mistake::UnknownParameter.words().to_owned();
+            let message = ValidationCode::UnknownParameter.words().to_owned();
             return Err(field_error(&echo(&name), None, message, allowed));
         }
     }
@@ -253,7 +253,7 @@ async fn take(
 }
 
 /// Writes a file into a folder of its own, for rasters may look for others beside them.
-async fn keep(
+async fn save_file(
     state: &AppState,
     folder: &FilePath,
     part: &str,
@@ -265,7 +265,7 @@ async fn keep(
     tokio::fs::create_dir(&own).await.map_err(storage)?;
     let path = own.join(field.file_name().and_then(plain_name).unwrap_or_else(|| format!("{part}.{ending}")));
     let mut file = File::create(&path).await.map_err(storage)?;
-    while let Some(piece) = tokio::time::timeout(LONGEST_PAUSE, field.chunk())
+    while let Some(piece) = tokio::time::timeout(MAX_PAUSE, field.chunk())
         .await
         .map_err(|_| too_slow())?
         .map_err(|error| unreadable(state, &error))?
@@ -286,18 +286,18 @@ fn plain_name(name: &str) -> Option<String> {
 
 async fn text_of(state: &AppState, name: &str, mut field: Field<'_>) -> Result<String, ApiError> {
     let mut bytes = Vec::new();
-    while let Some(piece) = tokio::time::timeout(LONGEST_PAUSE, field.chunk())
+    while let Some(piece) = tokio::time::timeout(MAX_PAUSE, field.chunk())
         .await
         .map_err(|_| too_slow())?
         .map_err(|error| unreadable(state, &error))?
     {
         bytes.extend_from_slice(&piece);
-        if bytes.len() > LONGEST_TEXT {
+        if bytes.len() > MAX_TEXT_BYTES {
             return Err(field_error(name, None, "is too long".to_owned(), "4096 bytes at most"));
         }
     }
     String::from_utf8(bytes)
-        .map_err(|_| field_error(name, None, Mistake::Malformed.words().to_owned(), "text in UTF-8"))
+        .map_err(|_| field_error(name, None, ValidationCode::Malformed.words().to_owned(), "text in UTF-8"))
 }
 
 fn field_error(name: &str, value: Option<&str>, message: String, allowed: &str) -> ApiError {
@@ -306,7 +306,7 @@ fn field_error(name: &str, value: Option<&str>, message: String, allowed: &str) 
         value: value.map(echo),
         allowed: allowed.to_owned(),
         message,
-        code: Mistake::NotAllowed,
+        code: ValidationCode::NotAllowed,
     }]))
 }
 

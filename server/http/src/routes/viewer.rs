@@ -3,7 +3,7 @@
 use crate::{
     error::ApiError,
     etag::ETag,
-    respond::{Caching, Keep},
+    respond::{CachePolicy, Caching},
 };
 use axum::{
     body::{Body, Bytes},
@@ -39,7 +39,7 @@ const INDEX: &str = "index.html";
 /// Of brotli, 0 to 11. 11 makes files 8 % shorter and takes ten times as long.
 const QUALITY: i32 = 9;
 /// Shorter files are sent as they are.
-const SHORTEST_COMPRESSED_BYTES: usize = 512;
+const MIN_COMPRESSED_BYTES: usize = 512;
 
 /// Files as they are sent to who takes brotli, by path; none where that is no shorter.
 static COMPRESSED: OnceLock<Mutex<HashMap<String, Option<Bytes>>>> = OnceLock::new();
@@ -65,7 +65,7 @@ fn compressed(path: &str, data: &[u8]) -> Option<Bytes> {
 }
 
 fn brotli_of(data: &[u8]) -> Option<Vec<u8>> {
-    if data.len() < SHORTEST_COMPRESSED_BYTES {
+    if data.len() < MIN_COMPRESSED_BYTES {
         return None;
     }
     let parameters = BrotliEncoderParams { quality: QUALITY, size_hint: data.len(), ..Default::default() };
@@ -92,16 +92,19 @@ pub async fn get_viewer(uri: Uri, headers: HeaderMap) -> Result<Response<Body>, 
     }
     let file = Viewer::get(path).ok_or(ApiError::NotFound)?;
     // Vite puts what carries a hash in its name below assets/.
-    let keep = if path.starts_with("assets/") { Keep::Forever } else { Keep::Revalidate };
-    Ok(answer(&headers, keep, path, &file))
+    let policy = if path.starts_with("assets/") { CachePolicy::Forever } else { CachePolicy::Revalidate };
+    Ok(answer(&headers, policy, path, &file))
 }
 
 fn index(headers: &HeaderMap) -> Response<Body> {
     let mut response = match Viewer::get(INDEX) {
-        Some(file) => answer(headers, Keep::Revalidate, INDEX, &file),
+        Some(file) => answer(headers, CachePolicy::Revalidate, INDEX, &file),
         None => {
-            let caching =
-                Caching { etag: ETag::of_bytes(NO_VIEWER.as_bytes()), keep: Keep::Revalidate, vary: None };
+            let caching = Caching {
+                etag: ETag::of_bytes(NO_VIEWER.as_bytes()),
+                policy: CachePolicy::Revalidate,
+                vary: None,
+            };
             caching
                 .not_modified(headers)
                 .unwrap_or_else(|| caching.ok("text/html; charset=utf-8", NO_VIEWER.as_bytes().to_vec()))
@@ -112,9 +115,9 @@ fn index(headers: &HeaderMap) -> Response<Body> {
     response
 }
 
-fn answer(headers: &HeaderMap, keep: Keep, path: &str, file: &EmbeddedFile) -> Response<Body> {
+fn answer(headers: &HeaderMap, policy: CachePolicy, path: &str, file: &EmbeddedFile) -> Response<Body> {
     let hash: String = file.metadata.sha256_hash().iter().map(|byte| format!("{byte:02x}")).collect();
-    let caching = Caching { etag: ETag::of(&["viewer", &hash]), keep, vary: None };
+    let caching = Caching { etag: ETag::of(&["viewer", &hash]), policy, vary: None };
     if let Some(response) = caching.not_modified(headers) {
         return response;
     }

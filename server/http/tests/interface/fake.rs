@@ -5,7 +5,7 @@ use skyglow_app::{
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     kind_facts::KindFacts,
     source::{
-        BoxFuture, Circumstances, InfluenceQuery, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
+        BoxFuture, InfluenceQuery, RenderContext, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
     },
 };
 use skyglow_observatory::{BrightnessMap, BrightnessRequest, InfluenceMap, PlanOutcome, PlanRequest};
@@ -61,7 +61,7 @@ impl Default for Fake {
             facts: SourceFacts {
                 executor: "cpu".into(),
                 adapter: "made up".into(),
-                most_places: 1000,
+                max_places: 1000,
                 kinds: vec![KindFacts {
                     clouds: None,
                     scattering: Scattering::Single,
@@ -182,7 +182,7 @@ impl Fake {
             quantities: SkyQuantities::of_visible(&panorama, &horizon),
             panorama,
             horizon,
-            circumstances: Circumstances {
+            context: RenderContext {
                 altitude_m,
                 ground: self.ground(),
                 coverage: *self.coverage.lock().unwrap(),
@@ -377,7 +377,7 @@ impl SkySource for Fake {
         false
     }
 
-    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
+    fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
         Err(SourceError::UnknownScenario(id.to_string()))
     }
 

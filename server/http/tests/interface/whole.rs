@@ -42,7 +42,7 @@ impl Whole {
         })
         .await
         .unwrap();
-        let source = ObservatorySource::new(Arc::new(observatory)).with_most_places(20_000);
+        let source = ObservatorySource::new(Arc::new(observatory)).with_max_places(20_000);
         let source = Arc::new(source);
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let base = format!("http://{}", listener.local_addr().unwrap());

@@ -15,7 +15,7 @@ const FEW: usize = 6_000;
 /// A light is held wrongly if its worth differs from its flux by more than this part of the flux.
 const WRONG: f64 = 1e-7;
 /// Solving over; the few at least double each time, so this is never met.
-const MOST_ROUNDS: usize = 40;
+const MAX_ROUNDS: usize = 40;
 /// Time that all rounds may take together; after it, cuts are filled up greedily.
 const LONGEST: Duration = Duration::from_secs(10);
 /// A cut this near its end is there.
@@ -41,7 +41,7 @@ pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>,
     if useful.len() > FEW {
         nearest(problem, &useful, &prices, FEW).into_iter().for_each(|light| is_free[light] = true);
     }
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         if Instant::now() >= deadline {
             break;
         }

@@ -7,14 +7,14 @@ use crate::{
     reader::Reader,
     request::{geojson::boundary, influence::curve, sky::Conditions},
     source::{EyeHeight, SkyQuery, SourceFacts},
-    validation::Mistake,
+    validation::ValidationCode,
 };
 use skyglow_observatory::{InfluenceRequest, Level, Limit, Measure, PlanMethod, TargetSite};
 use skyglow_physics::GeoPoint;
 use skyglow_scene::SceneId;
 
 /// Most sites of a plan.
-const MOST_SITES: usize = 16;
+const MAX_SITES: usize = 16;
 /// What a level may be.
 const LEVELS: &str = "0 or more in the measure's unit, or \"p0\" to \"p100\"";
 
@@ -27,7 +27,7 @@ pub(super) struct Sites<'a> {
 }
 
 impl Sites<'_> {
-    fn fail(&mut self, name: &str, message: &str, allowed: &str, code: Mistake) {
+    fn fail(&mut self, name: &str, message: &str, allowed: &str, code: ValidationCode) {
         self.reader.fail_part(name, message, allowed, code);
     }
 
@@ -38,11 +38,16 @@ impl Sites<'_> {
             ("protect", body.protect.is_some()),
         ] {
             if is_given {
-                self.fail(name, "means nothing for a threshold plan", "nothing here", Mistake::Conflict);
+                self.fail(
+                    name,
+                    "means nothing for a threshold plan",
+                    "nothing here",
+                    ValidationCode::Conflict,
+                );
             }
         }
         let Some(site) = &body.site else {
-            self.fail("site", "is required", "an object with `lat` and `lon`", Mistake::Missing);
+            self.fail("site", "is required", "an object with `lat` and `lon`", ValidationCode::Missing);
             return None;
         };
         for (name, is_given) in [
@@ -53,7 +58,12 @@ impl Sites<'_> {
         ] {
             if is_given {
                 let allowed = "`measure`, `region`, `q_a` and `q_b` beside the site";
-                self.fail(name, "means nothing in the site of a threshold plan", allowed, Mistake::Conflict);
+                self.fail(
+                    name,
+                    "means nothing in the site of a threshold plan",
+                    allowed,
+                    ValidationCode::Conflict,
+                );
             }
         }
         let sky = self.sky("site", site);
@@ -61,7 +71,7 @@ impl Sites<'_> {
         let from = match &body.q_a {
             Some(level) => self.level("q_a", level),
             None => {
-                self.fail("q_a", "is required", LEVELS, Mistake::Missing);
+                self.fail("q_a", "is required", LEVELS, ValidationCode::Missing);
                 None
             }
         };
@@ -76,7 +86,7 @@ impl Sites<'_> {
             _ => false,
         };
         if is_upside_down {
-            self.fail("q_b", "is below q_a", "q_a or more", Mistake::Conflict);
+            self.fail("q_b", "is below q_a", "q_a or more", ValidationCode::Conflict);
             return None;
         }
         let site = InfluenceRequest { sky: sky_request(&sky), measure };
@@ -94,14 +104,14 @@ impl Sites<'_> {
         ] {
             if is_given {
                 let allowed = "`sites`, each with its measure, `max_cut` and `protect`";
-                self.fail(name, "means nothing for a target plan", allowed, Mistake::Conflict);
+                self.fail(name, "means nothing for a target plan", allowed, ValidationCode::Conflict);
             }
         }
         let sites = body.sites.as_deref().unwrap_or_default();
-        if !(1..=MOST_SITES).contains(&sites.len()) {
+        if !(1..=MAX_SITES).contains(&sites.len()) {
             let (message, allowed) =
-                (format!("there are {}", sites.len()), format!("1 to {MOST_SITES} sites"));
-            self.fail("sites", &message, &allowed, Mistake::NotAllowed);
+                (format!("there are {}", sites.len()), format!("1 to {MAX_SITES} sites"));
+            self.fail("sites", &message, &allowed, ValidationCode::NotAllowed);
             return None;
         }
         let max_cut = self.part("max_cut", body.max_cut.unwrap_or(1.0));
@@ -146,7 +156,7 @@ impl Sites<'_> {
                     &name,
                     "excludes `height`, which is given too",
                     "one of the two",
-                    Mistake::Conflict,
+                    ValidationCode::Conflict,
                 );
                 None
             }
@@ -155,7 +165,12 @@ impl Sites<'_> {
             }
             (None, Some(_)) => {
                 let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
-                self.fail(&format!("{name}.altitude"), "is out of range", &allowed, Mistake::OutOfRange);
+                self.fail(
+                    &format!("{name}.altitude"),
+                    "is out of range",
+                    &allowed,
+                    ValidationCode::OutOfRange,
+                );
                 None
             }
             (height, None) => {
@@ -164,7 +179,12 @@ impl Sites<'_> {
                     Some(EyeHeight::AboveGround(height_m))
                 } else {
                     let allowed = format!("0 to {maximum_m} m, less the altitude of the ground");
-                    self.fail(&format!("{name}.height"), "is out of range", &allowed, Mistake::OutOfRange);
+                    self.fail(
+                        &format!("{name}.height"),
+                        "is out of range",
+                        &allowed,
+                        ValidationCode::OutOfRange,
+                    );
                     None
                 }
             }
@@ -190,12 +210,12 @@ impl Sites<'_> {
         match (name, curve) {
             (None | Some("region"), Some(curve)) => Some(Measure::Region(curve)),
             (Some("region"), None) => {
-                self.fail(&part, "needs a `region`", allowed, Mistake::Missing);
+                self.fail(&part, "needs a `region`", allowed, ValidationCode::Missing);
                 None
             }
             (Some(_), Some(_)) => {
                 let message = "a region is given, and this measure takes none";
-                self.fail(&part, message, "region", Mistake::Conflict);
+                self.fail(&part, message, "region", ValidationCode::Conflict);
                 None
             }
             (None | Some("zenith"), None) => Some(Measure::Zenith),
@@ -204,7 +224,7 @@ impl Sites<'_> {
             (Some("norm"), None) if with_norm => Some(Measure::Norm),
             (Some(_), None) => {
                 let allowed = if with_norm { format!("norm, {allowed}") } else { allowed.to_owned() };
-                self.fail(&part, "is not allowed", &allowed, Mistake::NotAllowed);
+                self.fail(&part, "is not allowed", &allowed, ValidationCode::NotAllowed);
                 None
             }
         }
@@ -215,12 +235,17 @@ impl Sites<'_> {
             (Some(most), None) if most >= 0.0 && most.is_finite() => Some(Limit::AtMost(most)),
             (Some(_), None) => {
                 let allowed = "0 or more, in the measure's unit";
-                self.fail(&format!("{name}.at_most"), "is not allowed", allowed, Mistake::NotAllowed);
+                self.fail(&format!("{name}.at_most"), "is not allowed", allowed, ValidationCode::NotAllowed);
                 None
             }
             (None, Some(part)) => self.part(&format!("{name}.reduce_by"), part).map(Limit::ReduceBy),
             _ => {
-                self.fail(name, "wants nothing, or two things", "`at_most` or `reduce_by`", Mistake::Missing);
+                self.fail(
+                    name,
+                    "wants nothing, or two things",
+                    "`at_most` or `reduce_by`",
+                    ValidationCode::Missing,
+                );
                 None
             }
         }
@@ -235,7 +260,7 @@ impl Sites<'_> {
             }
         };
         if level.is_none() {
-            self.fail(name, "is not allowed", LEVELS, Mistake::NotAllowed);
+            self.fail(name, "is not allowed", LEVELS, ValidationCode::NotAllowed);
         }
         level
     }
@@ -243,7 +268,7 @@ impl Sites<'_> {
     fn part(&mut self, name: &str, part: f64) -> Option<f64> {
         let is_part = (0.0..=1.0).contains(&part);
         if !is_part {
-            self.fail(name, "is not allowed", "0 to 1", Mistake::NotAllowed);
+            self.fail(name, "is not allowed", "0 to 1", ValidationCode::NotAllowed);
         }
         is_part.then_some(part)
     }

@@ -36,7 +36,7 @@ pub(crate) struct Atlas {
     scene: SceneId,
     /// What it shows; radiance takes --scenario of the parameters, elevation none
     #[arg(long, env = "SKYGLOW_LAYER", value_enum, default_value = "brightness")]
-    layer: Layer,
+    layer: MapLayer,
     /// File to write; its ending says the format: .tif or .pmtiles
     #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
     output: Output,
@@ -55,7 +55,7 @@ pub(crate) struct Atlas {
 
 /// What a map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Layer {
+enum MapLayer {
     /// The artificial luminance at the zenith of every place.
     Brightness,
     /// The scene's lights.
@@ -110,9 +110,9 @@ impl Atlas {
         let stages = Stages::new();
         let part = part_of(&self.output.path);
         let found = match self.layer {
-            Layer::Brightness => self.brightness(&part, &stages)?,
-            Layer::Radiance => self.of_scene(TileLayer::Radiance)?,
-            Layer::Elevation => self.of_scene(TileLayer::Elevation)?,
+            MapLayer::Brightness => self.brightness(&part, &stages)?,
+            MapLayer::Radiance => self.of_scene(TileLayer::Radiance)?,
+            MapLayer::Elevation => self.of_scene(TileLayer::Elevation)?,
         };
         match self.output.format {
             Format::GeoTiff => self.write_raster(&found)?,
@@ -137,9 +137,9 @@ impl Atlas {
     /// Refuses parameters that mean nothing for the layer: silence would hide a slip.
     fn check_parameters(&self) -> Result<(), Failure> {
         let allowed: &[&str] = match self.layer {
-            Layer::Brightness => return Ok(()),
-            Layer::Radiance => &["scenario"],
-            Layer::Elevation => &[],
+            MapLayer::Brightness => return Ok(()),
+            MapLayer::Radiance => &["scenario"],
+            MapLayer::Elevation => &[],
         };
         let mut given = self.query.query().split('&').filter_map(|pair| pair.split_once('='));
         match given.find(|(name, _)| !allowed.contains(name)) {
@@ -151,7 +151,7 @@ impl Atlas {
     fn ask(&self, facts: &SourceFacts) -> Result<BrightnessRequest, Failure> {
         let query = request::brightness(Some(self.query.query()), self.scene.clone(), facts)
             .map_err(|error| query::failure(&error))?;
-        Ok(BrightnessRequest { most_places: self.places as usize, ..query })
+        Ok(BrightnessRequest { max_places: self.places as usize, ..query })
     }
 
     fn brightness(&self, part: &Path, stages: &Stages) -> Result<Found, Failure> {

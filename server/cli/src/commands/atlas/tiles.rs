@@ -1,11 +1,10 @@
 //! Map tiles in a PMTiles archive.
 
-use super::{Found, Layer};
+use super::{Found, MapLayer};
 use crate::{failure::Failure, progress::Stages};
 use pmtiles::{PmTilesWriter, TileCoord, TileType};
 use skyglow_display::{
-    Notes,
-    notes::said_of,
+    Notes, notes,
     tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
 };
 use skyglow_scene::{PlaceValues, Scene, tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
@@ -26,14 +25,15 @@ pub(super) fn deepest_zoom(scene: &Scene, places: &PlaceValues) -> u8 {
 /// Writes the tiles of a layer down to a zoom level; those that show nothing are left out.
 pub(super) fn write(
     path: &Path,
-    layer: Layer,
+    layer: MapLayer,
     found: &Found,
     deepest: u8,
     stages: &Stages,
 ) -> Result<(), Failure> {
     let metadata = found.scene.metadata();
     let [west, south, east, north] = metadata.bounds;
-    let description = said_of(format!("{}, {}", found.description, found.unit), metadata.illustrative);
+    let description =
+        notes::description(format!("{}, {}", found.description, found.unit), metadata.illustrative);
     let document = serde_json::json!({
         "name": format!("{}: {}", metadata.title, found.description),
         "description": description,
@@ -69,9 +69,9 @@ pub(super) fn write(
             continue;
         }
         let png = match layer {
-            Layer::Brightness => brightness_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
-            Layer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
-            Layer::Elevation => {
+            MapLayer::Brightness => brightness_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
+            MapLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
+            MapLayer::Elevation => {
                 let pixel_m = tile_pixel_m(z, y, TILE_PX);
                 elevation_tile_png(&tile.values, &tile.has_data, TILE_PX, pixel_m, &notes)
             }

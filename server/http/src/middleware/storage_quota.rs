@@ -25,31 +25,31 @@ const SCENARIO_BYTES: f64 = 16_384.0;
 const PLAN_DEPOSIT: f64 = 8.0;
 const DAY: Duration = Duration::from_secs(86_400);
 /// Scenarios and plans of a day that are remembered as counted.
-const MOST_COUNTED: u64 = 100_000;
+const MAX_COUNTED: u64 = 100_000;
 
 /// What an answer says of the bytes that it had kept, where these are not those of the request's body; 0 where nothing new was.
 #[derive(Clone, Copy, Debug)]
-pub struct KeptLength(pub usize);
+pub struct StoredLength(pub usize);
 
 /// The shares of all clients, and what was counted today.
-pub struct Keeping {
+pub struct StorageQuota {
     limiter: RateLimiter,
     counted: Cache<HeaderValue, ()>,
 }
 
-impl Keeping {
+impl StorageQuota {
     /// Shares of so many scenarios a day; 0 for no limit.
     pub fn new(per_day: u32) -> Self {
         // Half of it at once, and half over the day, is all of it in any day.
         let half = per_day.div_ceil(2);
         let limiter = RateLimiter::new(f64::from(half) / DAY.as_secs_f64(), half);
-        Self { limiter, counted: Cache::builder().max_capacity(MOST_COUNTED).time_to_live(DAY).build() }
+        Self { limiter, counted: Cache::builder().max_capacity(MAX_COUNTED).time_to_live(DAY).build() }
     }
 
     /// What an answer counts: nothing where it is a refusal or what it names was counted today, else its length; `deposit` where
     /// nobody knows what became of it.
     fn count(&self, response: &Response, of_body: f64, deposit: f64) -> f64 {
-        let length = response.extensions().get::<KeptLength>().map(|length| length.0);
+        let length = response.extensions().get::<StoredLength>().map(|length| length.0);
         if response.extensions().get::<TookTooLong>().is_some() {
             return deposit;
         }
@@ -69,8 +69,8 @@ impl Keeping {
 /// Answers 429 to an address that had more scenarios and plans kept than its share of a day: what is kept is not without end. What is
 /// refused, or was kept before, does not count. Known clients have their quotas. Pages of other sites keep nothing: a visitor's share
 /// is not theirs to spend.
-pub async fn limit_keeping(
-    State((state, keeping)): State<(AppState, Arc<Keeping>)>,
+pub async fn limit_storage(
+    State((state, quota)): State<(AppState, Arc<StorageQuota>)>,
     request: Request,
     next: Next,
 ) -> Response {
@@ -92,16 +92,16 @@ pub async fn limit_keeping(
     let length = request.extensions().get::<BodyLength>().map_or(0, |length| length.0);
     let of_body = (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
     let deposit = of_body.max(least);
-    if let Err(wait_s) = keeping.limiter.take_some(address, deposit, Instant::now()) {
+    if let Err(wait_s) = quota.limiter.take_some(address, deposit, Instant::now()) {
         state.metrics.count_refused("keeping");
-        return ApiError::KeptEnough { retry_after_s: wait_s.ceil() as u64 }.into_response();
+        return ApiError::StorageQuotaUsed { retry_after_s: wait_s.ceil() as u64 }.into_response();
     }
     let response = next.run(request).await;
-    let count = keeping.count(&response, of_body, deposit);
+    let count = quota.count(&response, of_body, deposit);
     if count > deposit {
-        keeping.limiter.charge(address, count - deposit);
+        quota.limiter.charge(address, count - deposit);
     } else {
-        keeping.limiter.give_back(address, deposit - count);
+        quota.limiter.give_back(address, deposit - count);
     }
     response
 }
@@ -133,35 +133,35 @@ mod tests {
         *response.status_mut() = StatusCode::CREATED;
         response.headers_mut().insert(header::LOCATION, location.parse().unwrap());
         if let Some(length) = length {
-            response.extensions_mut().insert(KeptLength(length));
+            response.extensions_mut().insert(StoredLength(length));
         }
         response
     }
 
     #[test]
     fn what_is_kept_counts_once_and_by_its_length() {
-        let keeping = Keeping::new(100);
-        assert_eq!(keeping.count(&created("/a", None), 3.0, 3.0), 3.0);
-        assert_eq!(keeping.count(&created("/a", None), 3.0, 3.0), 0.0, "kept before");
-        assert_eq!(keeping.count(&created("/b", Some(1)), 1.0, 8.0), 1.0);
-        assert_eq!(keeping.count(&created("/c", Some(40_000)), 1.0, 8.0), 3.0);
-        assert_eq!(keeping.count(&created("/d", Some(0)), 1.0, 8.0), 0.0, "nothing new was kept");
-        assert_eq!(keeping.count(&Response::new(Body::empty()), 1.0, 8.0), 0.0, "nothing was kept");
+        let quota = StorageQuota::new(100);
+        assert_eq!(quota.count(&created("/a", None), 3.0, 3.0), 3.0);
+        assert_eq!(quota.count(&created("/a", None), 3.0, 3.0), 0.0, "kept before");
+        assert_eq!(quota.count(&created("/b", Some(1)), 1.0, 8.0), 1.0);
+        assert_eq!(quota.count(&created("/c", Some(40_000)), 1.0, 8.0), 3.0);
+        assert_eq!(quota.count(&created("/d", Some(0)), 1.0, 8.0), 0.0, "nothing new was kept");
+        assert_eq!(quota.count(&Response::new(Body::empty()), 1.0, 8.0), 0.0, "nothing was kept");
         let mut late = Response::new(Body::empty());
         late.extensions_mut().insert(TookTooLong);
-        assert_eq!(keeping.count(&late, 1.0, 8.0), 8.0, "it may be kept yet");
+        assert_eq!(quota.count(&late, 1.0, 8.0), 8.0, "it may be kept yet");
     }
 
     #[test]
     fn what_was_kept_beyond_the_share_is_waited_for() {
-        let keeping = Keeping::new(20);
+        let quota = StorageQuota::new(20);
         let client = "10.0.0.1".parse().unwrap();
         let now = Instant::now();
-        keeping.limiter.take_some(client, 1.0, now).unwrap();
-        keeping.limiter.charge(client, 12.0);
-        let wait_s = keeping.limiter.take_some(client, 1.0, now).unwrap_err();
+        quota.limiter.take_some(client, 1.0, now).unwrap();
+        quota.limiter.charge(client, 12.0);
+        let wait_s = quota.limiter.take_some(client, 1.0, now).unwrap_err();
         assert!((wait_s - 4.0 * 8640.0).abs() < 1.0, "{wait_s}");
-        assert!(keeping.limiter.take_some(client, 1.0, now + Duration::from_secs(5 * 8640)).is_ok());
+        assert!(quota.limiter.take_some(client, 1.0, now + Duration::from_secs(5 * 8640)).is_ok());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use skyglow_scene::{ChangeId, ChangeKind, ChangeStore, ChangeStoreError, SceneId
 ///
 /// # Errors
 /// [`ChangeStoreError::Io`] where the folder cannot be read.
-pub fn kept_scenarios(
+pub fn stored_scenarios(
     changes: &ChangeStore,
     scene: &SceneId,
 ) -> Result<Vec<ScenarioEntry>, ChangeStoreError> {
@@ -27,7 +27,7 @@ pub fn kept_scenarios(
 ///
 /// # Errors
 /// [`ChangeStoreError::Io`] where the folder cannot be read.
-pub fn kept_plans(changes: &ChangeStore, scene: &SceneId) -> Result<Vec<PlanEntry>, ChangeStoreError> {
+pub fn stored_plans(changes: &ChangeStore, scene: &SceneId) -> Result<Vec<PlanEntry>, ChangeStoreError> {
     let read = |(id, _): (ChangeId, u64)| match changes.plan_answer(&id) {
         Ok((of, facts, created_unix_s)) => (of == *scene).then(|| plan_entry(&id, &facts, created_unix_s)),
         Err(error) => {

@@ -22,9 +22,9 @@ use tracing::{Instrument, Span};
 use tracing_opentelemetry::OpenTelemetrySpanExt;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
-const LONGEST_ID: usize = 64;
+const MAX_ID_BYTES: usize = 64;
 const METHODS: [&str; 7] = ["GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS", "PATCH"];
-/// Asked every few seconds by whoever watches the server: nobody wants to see that traced.
+/// JsonRequest every few seconds by whoever watches the server: nobody wants to see that traced.
 const UNTRACED: [&str; 3] = ["/healthz", "/readyz", "/metrics"];
 
 /// Gives each request an id (the client's own where it is short and plain), counts it, logs it, and opens the span that what is
@@ -84,7 +84,7 @@ fn parent(headers: &HeaderMap) -> Context {
 fn request_id(request: &Request) -> String {
     let plain = |text: &&str| {
         !text.is_empty()
-            && text.len() <= LONGEST_ID
+            && text.len() <= MAX_ID_BYTES
             && text.bytes().all(|b| b.is_ascii_alphanumeric() || b"-_.".contains(&b))
     };
     let given = request.headers().get(REQUEST_ID).and_then(|value| value.to_str().ok()).filter(plain);

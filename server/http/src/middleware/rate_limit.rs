@@ -14,7 +14,7 @@ use std::{
 };
 
 /// Buckets that are kept before full ones are thrown away.
-const MOST_BUCKETS: usize = 10_000;
+const MAX_BUCKETS: usize = 10_000;
 
 #[derive(Clone, Copy, Debug)]
 struct Bucket {
@@ -69,10 +69,10 @@ impl RateLimiter {
             return Ok(());
         }
         let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
-        if buckets.len() >= MOST_BUCKETS {
+        if buckets.len() >= MAX_BUCKETS {
             let refilled_s = self.burst / self.tokens_per_second;
             buckets.retain(|_, bucket| (now - bucket.seen).as_secs_f64() < refilled_s);
-            if buckets.len() >= MOST_BUCKETS {
+            if buckets.len() >= MAX_BUCKETS {
                 // Too many clients to tell apart: the room and the queue still hold.
                 buckets.clear();
             }
