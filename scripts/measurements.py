@@ -71,7 +71,7 @@ def percent(value):
 
 def classes(quick):
     """Class skies against the stored reference solutions."""
-    command = f"{LAB} class-accuracy precomputed tests/truth/classes every"
+    command = f"{LAB} class-accuracy precomputed tests/truth/classes --every"
     skies = []
     for line in run(command).split("# the worst")[0].splitlines():
         match = re.match(r"\S.*?\s+(?:garstang|lambert|horizon|oblique)\s+(.*)", line)
@@ -216,7 +216,7 @@ def influence(quick):
         yield Row(f"influence map, {measure.lower()}, {whole(pixels)} lit pixels, after the first of a place", ms(median), command, key)
         if key:
             yield Row("the first map of a place", ms(first), command)
-    for sites, time_ms in re.findall(r"target plan of (\d+) site\(s\): ([\d.]+) ms", text):
+    for sites, time_ms in re.findall(r"target plan of (\d+) site\(s\): ([\d.]+) \(", text):
         yield Row(f"target plan of {sites} site{'s' if sites != '1' else ''}, skies before and after included", ms(time_ms), command)
 
 
@@ -246,7 +246,7 @@ def solver(quick):
     """The solver of the later orders beside light traced forward."""
     if quick:
         return
-    settings = "turbidity=2 distance_km=2,10,50 band=G truth=forward paths=1500000 resolution=table rows=no seed=12"
+    settings = "--turbidity 2 --distance-km 2,10,50 --band G --truth forward --paths 1500000 --seed 12"
     command = f"{LAB} multiple-vs-monte-carlo {settings}"
     for name, mean, noise in re.findall(
         r"^(T 2, lambert, [\d.]+ km)\s+n.*?mean\s+([\d.]+) %.*?MC noise\s+([\d.]+) %", run(command), re.M
