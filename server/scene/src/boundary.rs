@@ -1,18 +1,19 @@
-//! Areas on the ground, such as a municipality: polygons in longitude and latitude as GeoJSON has them (RFC 7946).
+//! Areas on the ground, such as a municipality: GeoJSON polygons (RFC 7946), with point-in-polygon tests by ray casting and the
+//! even–odd rule over sides sorted into bands of latitude.
 
 use glam::DVec3;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 use std::f64::consts::PI;
 use thiserror::Error;
 
-/// Most corners of all rings of a boundary together.
+/// Maximum number of corners of all rings of a boundary together.
 pub const MAX_BOUNDARY_CORNERS: usize = 50_000;
-/// Longitudes beyond ±180° count on around the Earth, up to here, degrees.
+/// Longitudes may continue beyond ±180° around the Earth, up to this, degrees.
 const MAX_LONGITUDE_DEG: f64 = 360.0;
 /// Bands of latitude that sides are sorted into, at most.
 const MAX_BANDS: usize = 4096;
-/// Sides that a place may have to be compared with, in the mean over the bands: coasts have tens, and thousands would take a
-/// million lights minutes.
+/// Sides that a place is compared with, in the mean over the bands, at most: coasts have tens, and with thousands a million
+/// lights would take minutes.
 const MAX_SIDES_PER_BAND: usize = 1000;
 
 /// Longitude and latitude, degrees.
@@ -30,7 +31,7 @@ pub enum BoundaryError {
         /// Corners given.
         count: usize,
     },
-    /// Sides that cross so many others' latitudes that the area could not be told quickly.
+    /// Sides that overlap so many others' latitudes that the point-in-polygon test would be slow.
     #[error(
         "it is too intricate: {sides} sides lie at the same latitude, in the mean, at most {MAX_SIDES_PER_BAND} are taken"
     )]
@@ -118,7 +119,7 @@ impl Boundary {
         [-360.0, 0.0, 360.0].iter().any(|turn_deg| self.contains_at(longitude_deg + turn_deg, latitude_deg))
     }
 
-    /// A circle that holds the area: its centre as a unit vector and its radius along the chord, metres; the whole sphere for
+    /// A circle around the area: its centre as a unit vector and its radius along the chord, metres; the whole sphere for
     /// large areas.
     pub(crate) fn circle(&self) -> (DVec3, f64) {
         const STEPS: u32 = 8;

@@ -1,4 +1,5 @@
-//! How much of the 300 km disc around a place the raster has data for.
+//! Fraction of the 300 km disc around a place for which the raster has data, by a golden-angle spiral of equal-area samples
+//! (Fibonacci lattice; Swinbank & Purser 2006).
 
 use crate::grid::Grid;
 use crate::mask::ValidMask;

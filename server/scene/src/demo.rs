@@ -1,6 +1,5 @@
-//! The demo scene: light made up from the towns of the Alps and the Po plain, their positions and their
-//! inhabitants, over terrain made up around them. It shows what the program does; it was not measured, and
-//! says so. The program makes its rasters, and they pass through the same ingest as any other.
+//! The demo scene: synthetic light from the positions and populations of towns of the Alps and the Po plain, over synthetic
+//! terrain. It is illustrative, not measured, and says so. Its rasters pass through the same ingest as any other.
 
 mod lights;
 mod noise;
@@ -66,8 +65,8 @@ pub fn create_demo(
     ingest_as(store, &options, true, progress)
 }
 
-/// Whether a store lacks the demo, or has one of an older program that knew no skylines. A scene of that id that somebody
-/// else ingested is left alone.
+/// Whether a store lacks the demo, or has one of an older format without skylines. A scene of that id from other data
+/// is left alone.
 pub fn demo_is_wanted(store: &SceneStore) -> bool {
     match SceneId::parse(DEMO_ID) {
         Ok(id) if store.exists(&id) => {

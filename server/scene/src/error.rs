@@ -1,4 +1,4 @@
-//! What can go wrong with a scene. Every message is one sentence that a user can act on.
+//! Errors of this crate. Every message is one sentence that a user can act on.
 
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
-//! The light around an observer, gathered by some tasks at once.
+//! The polar grid of an observer, gathered in parallel.
 //!
-//! First tasks find where light belongs, each that of some blocks, then others add it up, each in some columns. Which light a task has
-//! depends on the scene and the place alone, and light is added in the order of the blocks, so that a polar grid is the same on every
-//! machine.
+//! First tasks find where light belongs, each that of some subtrees, then others add it up, each in some columns. The tasks
+//! depend on the scene and the place alone, and light is added in the order of the subtrees, so that a polar grid is the same on
+//! every machine.
 
 use crate::{
     light_tree::{LightSink, LightTree, Subtree},
@@ -148,7 +148,7 @@ mod tests {
         pixels.sort();
         let mut skylines = Skylines::default();
         for pixel in 0..pixels.len() {
-            // Every third stands among hills.
+            // Every third is among hills.
             skylines.push(&[[20 * u8::from(pixel % 3 == 0); 9]; SKYLINE_AZIMUTH_COUNT]);
         }
         let pyramid = LightPyramid::build(&grid, &pixels, Some(&skylines), 1.0);
@@ -177,7 +177,7 @@ mod tests {
             assert!((together.flux_dnb_w / alone.flux_dnb_w - 1.0).abs() < 1e-12);
             assert!(alone.cells.iter().any(|cell| cell.blocking > 0) && alone.cells.len() > 1_000);
             assert_eq!(PolarGrid { flux_dnb_w: alone.flux_dnb_w, ..together }, alone);
-            // A subtree less is seen.
+            // A missing subtree shows.
             let mut fewer = PolarAccumulator::new();
             for (light, subtree) in &subtrees[1..] {
                 light.gather_block(subtree.from, &frame, FAR_BLOCK_RATIO, &mut fewer);

@@ -1,4 +1,4 @@
-//! The ground at a place, and how it is known.
+//! The ground at a place, and from which sample it is known.
 
 /// Elevation of the ground as the terrain has it.
 #[derive(Clone, Copy, Debug, PartialEq)]

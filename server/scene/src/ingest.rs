@@ -1,4 +1,4 @@
-//! From files to a scene: reads, checks, reports, stores.
+//! Ingest: reads rasters and places, checks them, reports on them and stores the scene.
 
 mod black_marble;
 mod date;
@@ -37,7 +37,7 @@ pub fn ingest(
     ingest_as(store, options, false, progress)
 }
 
-/// [`ingest`], for light that may be made up.
+/// [`ingest`], for light that may be synthetic.
 pub(crate) fn ingest_as(
     store: &SceneStore,
     options: &IngestOptions,

@@ -1,8 +1,8 @@
-//! Grids in a projection, without the projection: the places of every n-th pixel corner, exact, and
-//! bilinear between them.
+//! Grids in a projection, without the projection: exact places of every n-th pixel corner, bilinear interpolation between them,
+//! and Newton's method for the inverse.
 //!
 //! The step is chosen when the lattice is made so that the bilinear places are within a small part of a
-//! pixel (see `ingest::georeference`). A great circle bends away from its chord by n²·p/8R pixels, which
+//! pixel (see `ingest::georeference`). A great circle deviates from its chord by n²·p/8R pixels, which
 //! for pixels of p = 500 m and n = 16 is 0.003.
 
 use glam::DVec3;

@@ -1,19 +1,18 @@
 //! Scenes: rasters in, light and terrain pyramids, polar grids.
 //!
 //! [`ingest`] reads a radiance raster (and terrain, and places) with GDAL, checks it and stores a scene;
-//! [`SceneStore::open`] opens one; a [`Scene`] answers without GDAL or files: the light around a place by
-//! azimuth and distance ([`Scene::polar_grid`]), the raster's own pixels for the reference
+//! [`SceneStore::open`] opens one; a [`Scene`] answers queries without GDAL or files: the light around a place by
+//! azimuth and distance ([`Scene::polar_grid`]), the raster's own pixels for the reference solution
 //! ([`Scene::source_pixels_within`], behind terrain [`Scene::blocked_sources`]), terrain, radiance, coverage, map tiles.
 //!
-//! Terrain hides light in two ways: below an observer's horizon there is no sky ([`Scene::horizon`]), and of a light
-//! behind a ridge what leaves it below the ridge does not count (the blocking index of a [`PolarCell`]; the skyline of
+//! Terrain blocks light in two ways: below an observer's horizon there is no sky ([`Scene::horizon`]), and light that leaves a
+//! source below the terrain around it does not count (the blocking index of a [`PolarCell`]; the skyline of
 //! each light is found at ingest).
 //!
-//! Lights can be changed ([`Scene::changed`]): painted over, given other lamps, dimmed by a plan; the changed scene shares what
-//! was not touched. A [`ChangeStore`] keeps what was painted and planned.
+//! Lights can be changed ([`Scene::changed`]): edited in areas, given other lamps, dimmed by a plan; the changed scene shares what
+//! is untouched. A [`ChangeStore`] stores scenarios and plans.
 //!
-//! Nothing is resampled at ingest: a scene keeps the raster's own grid, lit pixels alone, and a mask of what
-//! was measured.
+//! Nothing is resampled at ingest: a scene has the raster's own grid, its lit pixels, and a mask of the measured ones.
 
 mod blocked_sources;
 mod boundary;

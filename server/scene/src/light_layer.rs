@@ -1,5 +1,5 @@
-//! The lights of a scene by what shines in them. A scene as it was ingested is one layer; a changed one shares that layer,
-//! knows which of its lights are there no more, and has layers of its own for those that were changed or are new.
+//! Layers of lights, one for each fixture. A scene as it was ingested has one layer; a changed scene shares that layer,
+//! knows which of its lights are removed, and has layers of its own for those that were changed or are new.
 
 use crate::grid::Grid;
 use crate::light_pyramid::{Block, LightPyramid};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lights {
     pub(crate) pixels: LitPixels,
-    /// What stands around each lit pixel; None without terrain, and for scenes stored before it was looked for.
+    /// The skyline of each lit pixel; None without terrain, and for scenes of format 1.
     pub(crate) skylines: Option<Skylines>,
     pub(crate) pyramid: LightPyramid,
 }
@@ -49,7 +49,7 @@ pub(crate) struct LightLayer {
     pub(crate) lights: Arc<Lights>,
     /// Number of the first of them in the scene.
     pub(crate) first_number: u32,
-    /// Those that are there no more; None where all are.
+    /// Removed ones; None where there are none.
     pub(crate) removed: Option<Arc<RemovedLights>>,
     pub(crate) fixture: Fixture,
 }
@@ -79,7 +79,7 @@ impl LightLayer {
         }
     }
 
-    /// Bytes that it takes beside the raster's own lights, about.
+    /// Bytes in addition to the raster's own lights, about.
     pub(crate) fn unshared_bytes(&self) -> usize {
         let (pixels, removed) =
             (self.lights.pixels.len(), self.removed.as_ref().map_or(0, |removed| removed.byte_count()));
@@ -90,7 +90,7 @@ impl LightLayer {
         removed + if is_shared { 0 } else { of_lights + self.lights.skylines.as_ref().map_or(0, of_skylines) }
     }
 
-    /// Number of its lights that are there.
+    /// Number of its lights that are not removed.
     pub(crate) fn len(&self) -> usize {
         self.lights.pixels.len() - self.removed.as_ref().map_or(0, |removed| removed.len())
     }
@@ -113,7 +113,7 @@ impl LightLayer {
         }
         let (level, code) = (level as usize, morton::encode(column, row));
         if level > top {
-            // The one block at the top lies in one of the wanted level.
+            // The one block at the top lies in one of the requested level.
             let holds_all = pyramid.level(top).codes[0] >> (2 * (level - top)) == code;
             return if holds_all { self.sum_in_block(top, 0) } else { 0.0 };
         }

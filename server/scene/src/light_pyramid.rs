@@ -1,5 +1,5 @@
-//! Blocks of 2^k × 2^k lit pixels, level on level, each with the flux of its pixels, where that flux is
-//! centred, how high it lies and what stands around it. Made from the lit pixels when a scene is opened.
+//! The source tree: a linear quadtree (Gargantini 1982) of lit pixels by Morton code. Each block of 2^k × 2^k pixels has their
+//! flux, its centroid, their mean altitude and their mean skyline. Built when a scene is opened.
 
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;

@@ -1,4 +1,4 @@
-//! Which cells of a polar grid each pixel's light went to: the way back from what cells do to what pixels do.
+//! The transpose of the polar grid: which cells the light of each pixel went to.
 
 use crate::light_tree::{LightSink, NO_BLOCKS_WITHIN_M};
 use crate::polar_grid::{
@@ -64,7 +64,7 @@ impl LightShares {
         &self.pixels
     }
 
-    /// The same, to keep without the rest.
+    /// The same as a shared list.
     pub fn shared_pixels(&self) -> Arc<[LitPixel]> {
         Arc::clone(&self.pixels)
     }
@@ -130,7 +130,7 @@ struct Visited {
 pub(crate) struct ShareCollector {
     accumulator: PolarAccumulator,
     axes: PolarAxes,
-    /// Pixels as near as this keep their points.
+    /// Pixels nearer than this have their points stored.
     near_log_distance: f64,
     visited: Vec<Visited>,
     /// Shares with the numbers of their places on the grid in place of their cells'.
@@ -145,11 +145,11 @@ fn slot(at: usize, blocking: usize) -> u32 {
 impl LightSink for ShareCollector {
     fn take(&mut self, numbers: Range<u32>, light: PlacedLight) {
         self.accumulator.add(light);
-        // Far pixels are not asked for alone: what shows of them is told by the sky's own grid.
+        // Far pixels are not rendered alone: the sky's own grid is enough for them.
         if light.log_distance < self.near_log_distance {
             self.accumulator.push_near(numbers.clone(), light);
         }
-        // Blocks are not taken where pixels are asked for.
+        // No blocks are taken here.
         let number = numbers.start;
         match self.visited.last_mut() {
             Some(last) if last.number == number => last.flux_dnb_w += light.flux_dnb_w,

@@ -1,22 +1,22 @@
-//! From the light pyramid to the polar grid of an observer.
+//! Barnes–Hut (1986) traversal of the light pyramid for one observer.
 //!
-//! Which light is taken how:
+//! How light is taken:
 //! * pixels whose centre is nearer than 5 km are split by `physics`' own rule;
-//! * a block stands for its pixels where all their centres are within [`FAR_BLOCK_RATIO`] of its distance
+//! * a block stands for its pixels where all their centres are within [`FAR_BLOCK_RATIO`] (the opening angle) of its distance
 //!   from its flux-weighted centre and all lie between 30 km, within which every pixel is taken by itself, and 300 km; it is
 //!   opened otherwise;
-//! * so a pixel counts exactly when its own centre is within 300 km, as in the reference.
+//! * so a pixel counts exactly when its own centre is within 300 km, as in the reference solution.
 //!
-//! The light goes where its skyline towards the observer puts it on the axis of blocking angles: a pixel's pieces by
-//! the pixel's skyline at their own azimuth and distance, a block by its own.
+//! Light has the blocking angle of its skyline towards the observer: a pixel's pieces that of
+//! the pixel's skyline at their own azimuth and distance, a block its own.
 //!
-//! A block with lights that a change took away is opened, and skipped where it lost all: what the change put there is in another
+//! A block with removed lights is opened, and skipped where all are removed: changed lights are in another
 //! layer with a pyramid of its own.
 //!
 //! Taking a block moves no light by more than that ratio (in radians of azimuth, and relatively in
 //! distance), the width of an azimuth column, and leaves the mean position of the block's light where it was:
 //! the error is of second order and below that of the splat itself. A block's skyline is the mean of its lights', which
-//! is not quite the sky of lights behind different ones: 0.001 to 0.22 % in the mean over the sky at ten places of the
+//! differs from the sky of lights behind different ones by 0.001 to 0.22 % in the mean over the sky at ten places of the
 //! demo and Kenya (`block_skylines` of the workspace's tests).
 
 use crate::grid::Grid;
@@ -42,7 +42,7 @@ pub const NO_BLOCKS_WITHIN_M: f64 = 30_000.0;
 /// A `far_block_ratio` that takes every pixel by itself.
 pub(crate) const NO_BLOCKS: f64 = -1.0;
 
-/// What gathered light goes into.
+/// Receives gathered light.
 pub(crate) trait LightSink {
     /// Takes a point of light of a lit pixel, or of a block of several, by their numbers in the scene. All points of a pixel come one
     /// after the other.
@@ -81,7 +81,7 @@ pub(crate) struct LightTree<'a> {
     pub(crate) calibration: f64,
     /// The pixels' skylines; None where nothing hides light, or it is not to.
     pub(crate) skylines: Option<&'a Skylines>,
-    /// Lights that are there no more; None where all are.
+    /// Removed lights; None where there are none.
     pub(crate) removed: Option<&'a RemovedLights>,
     /// Number of the layer's first light in the scene.
     pub(crate) first_number: u32,

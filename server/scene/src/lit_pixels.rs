@@ -1,4 +1,4 @@
-//! The lit pixels of a raster, in Morton order. Nothing is kept of dark ground.
+//! The lit pixels of a raster, in Morton order. Dark pixels are not stored.
 
 use crate::grid::Grid;
 use crate::morton;

@@ -1,6 +1,6 @@
-//! Which pixels of a raster hold a measurement: runs of valid columns, row by row.
+//! Mask of measured pixels: run-length encoded rows, with a pyramid of counts over blocks.
 //!
-//! Zero is a measurement (dark ground); no-data and NaN are none. Coarse counts answer for blocks.
+//! Zero is a measurement (dark ground); no-data and NaN are none.
 
 /// Blocks of the coarse counts are 2^BLOCK_SHIFT pixels a side.
 const BLOCK_SHIFT: u32 = 4;

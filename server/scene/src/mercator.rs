@@ -1,4 +1,4 @@
-//! Where the tiles of a Web-Mercator map lie.
+//! Web-Mercator tile arithmetic (XYZ scheme).
 
 use skyglow_physics::EARTH_RADIUS_M;
 use std::f64::consts::{PI, TAU};

@@ -1,4 +1,4 @@
-//! What is said about a scene: `metadata.json`, and the answer of the scenes resource.
+//! The metadata of a scene: `metadata.json`, and the answer of the scenes resource.
 
 use crate::scene_id::SceneId;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ pub struct SceneMetadata {
     pub date: Option<String>,
     /// Whom to credit, as given.
     pub attribution: Option<String>,
-    /// True for made-up light that only shows what the program does.
+    /// True for synthetic light that only demonstrates the program.
     pub illustrative: bool,
     /// Whether the scene has terrain.
     pub terrain: bool,
@@ -109,8 +109,8 @@ pub struct PixelCount {
 }
 
 impl SceneMetadata {
-    /// Whether the terrain may hide lights and it is not known which: the scene was stored before that was looked
-    /// for, and has to be ingested again.
+    /// Whether the terrain may block lights and their skylines are missing: the scene is of format 1 and has to be ingested
+    /// again.
     pub fn lacks_light_skylines(&self) -> bool {
         self.terrain && !self.light_skylines
     }

@@ -1,4 +1,4 @@
-//! Morton codes: column and row of a pixel interleaved, so that a block of 2^k × 2^k pixels is one run of
+//! Morton codes (Morton 1966): column and row of a pixel interleaved, so that a block of 2^k × 2^k pixels is one run of
 //! codes and its code is the pixels' code shifted right by 2k.
 
 /// Spreads the 32 bits of `x` over the even bits of the result.

@@ -1,4 +1,5 @@
-//! What a light does to one number of the sky at a place, such as its brightness at the zenith, as a table.
+//! A point-source kernel as a table with multilinear interpolation: what one DNB watt adds to a number of the sky at a place,
+//! such as its luminance at the zenith.
 
 use crate::polar_grid::{RING_COUNT, log_distance};
 use skyglow_physics::blocking::BLOCKING_COUNT;

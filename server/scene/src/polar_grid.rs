@@ -1,5 +1,5 @@
-//! The light around an observer by azimuth and distance: what the engine turns into a sky
-//! (`docs/model.md#polar-grid`).
+//! The log-polar grid: the light around an observer by azimuth, logarithm of distance and blocking angle, splatted linearly onto
+//! its nodes (cloud-in-cell). A sky is rendered from it (`docs/model.md#polar-grid`).
 
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
@@ -22,7 +22,7 @@ pub(crate) fn log_distance(distance_m: f64) -> f64 {
     (distance_m / NEAREST_SOURCE_M).ln()
 }
 
-/// Light by azimuth and distance around an observer; only lit cells are kept.
+/// Light by azimuth and distance around an observer; only lit cells are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolarGrid {
     /// The place that it was made for.
@@ -31,8 +31,8 @@ pub struct PolarGrid {
     pub azimuth_start: Vec<u32>,
     /// Lit cells, by column, then by ring, then by blocking angle.
     pub cells: Vec<PolarCell>,
-    /// Lights under an open sky, each where it is, beside what the cells have of them: cells share a light among columns and rings,
-    /// and the sky near its direction shows it.
+    /// Lights under an open sky as points, in addition to their part in the cells: cells spread a light over columns and rings, which
+    /// would show in the sky near its direction.
     pub near: Vec<NearLight>,
     /// Flux of all cells, DNB watts, calibration included.
     pub flux_dnb_w: f64,
@@ -46,7 +46,7 @@ pub struct PolarGrid {
 pub struct NearLight {
     /// Number of its pixel in the scene, or of the first of a block.
     pub number: u32,
-    /// Pixels that it stands for, whose numbers follow.
+    /// Number of pixels that it represents, with consecutive numbers.
     pub pixel_count: u32,
     /// Radians clockwise from north, 0..=2π.
     pub azimuth_rad: f32,
@@ -265,7 +265,7 @@ impl PolarAccumulator {
         self.flux_dnb_w += light.flux_dnb_w;
     }
 
-    /// Keeps a point of light of pixels as it is where it is under an open sky.
+    /// Stores a point of light of pixels where it is under an open sky.
     #[inline(always)]
     pub(crate) fn push_near(&mut self, numbers: Range<u32>, light: PlacedLight) {
         self.near.extend(NearLight::of(numbers, light));
@@ -292,7 +292,7 @@ impl PolarAccumulator {
         add_blocked_light(&mut cell[lower + 1], high, altitude_m);
     }
 
-    /// Keeps what is lit.
+    /// The grid of the lit cells.
     pub(crate) fn finish(self, observer: GeoPoint, coverage: f64) -> PolarGrid {
         let lit = self.lit();
         PolarGrid::from_parts(observer, &[lit], self.near, self.flux_dnb_w, coverage)

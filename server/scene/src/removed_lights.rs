@@ -1,4 +1,4 @@
-//! Which lights of a layer are there no more, and which blocks of its pyramid that touches.
+//! The lights of a layer that a change removed, and the blocks of its pyramid that have some: bit sets.
 
 use crate::light_pyramid::LightPyramid;
 

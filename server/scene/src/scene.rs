@@ -83,7 +83,7 @@ impl Scene {
     /// them, seen from the light, in the vertical plane through both. Exact for the bilinear terrain.
     ///
     /// * `light`, `light_altitude_m`: where the light is, metres above sea level.
-    /// * `pixel_size_m`: the side of its pixel; terrain nearer than an eighth of it is no wall, since the lamps are
+    /// * `pixel_size_m`: the side of its pixel; terrain nearer than an eighth of it does not block, since the lamps are
     ///   spread over the pixel.
     pub fn blocking_angle_rad(
         &self,
@@ -176,7 +176,7 @@ impl Scene {
         })
     }
 
-    /// Bytes that a changed scene takes beside what it shares, about.
+    /// Bytes of a changed scene that are not shared, about.
     pub fn unshared_bytes(&self) -> usize {
         self.light_layers.iter().map(LightLayer::unshared_bytes).sum()
     }
@@ -467,7 +467,7 @@ impl Scene {
     /// The scene with changes, one step after the other. What no change touches is shared with this scene; pyramids are made
     /// of the touched lights alone. New lights stand on the terrain and behind its skylines as those of the raster do.
     ///
-    /// * `mark`: tells these changes from all others; the version is made from it and the scene's.
+    /// * `mark`: identifies these changes; the version is made from it and the scene's.
     ///
     /// # Errors
     /// [`ChangeError`].

@@ -2,7 +2,7 @@
 //!
 //! `SKYGLOW\x01`, u32 number of sections, then for each: name (16 bytes, zero padded), u64 bytes when
 //! unpacked, u64 bytes stored; then the sections one after the other, packed with zstd where that is
-//! shorter. Whether the bytes are the ones written is the business of the checksums in `metadata.json`.
+//! shorter. Integrity is checked by the checksums in `metadata.json`.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! What stands around a light: its skyline from the terrain.
+//! The skyline of a light, computed from the terrain around it.
 
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;

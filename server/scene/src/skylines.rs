@@ -1,13 +1,13 @@
-//! The skylines of lights: how high the terrain between a light and an observer is, as the light sees it.
+//! Skylines: the horizon profile of each light, by azimuth and distance.
 //!
-//! For each light, 32 azimuths and some reaches: the highest elevation angle of terrain within the reach, as a place on
+//! For each light, 32 azimuths and 9 distances: the highest elevation angle of terrain within the distance, as a position on
 //! the axis of blocking angles ([`blocking_position`]), in a byte. Towards an observer the value is linear in azimuth
-//! and in ln(distance) between the reaches, so at a reach it is that of the terrain within it: what stands behind the
-//! observer hides nothing. Lights that see the sky all around take no room.
+//! and in ln(distance) between the distances, so at one of them it is that of the terrain within it: terrain behind the
+//! observer blocks nothing. Lights with an open sky take no memory.
 //!
-//! The place of a single light comes out within 0.05 in the mean in Kenya, 0.12 in the Alps, with half of that for 64
-//! azimuths, and over many lights within 0.01 (`examples/skyline_samples.rs`). Reaches four times as far apart, or
-//! none beyond 64 km, are half again as wrong.
+//! The position of a single light is good to 0.05 in the mean in Kenya, 0.12 in the Alps, to half of that with 64
+//! azimuths, and over many lights to 0.01. Distances four times as far apart, or
+//! none beyond 64 km, have errors half again as large.
 
 use crate::sections::{Flaw, Sections, pack_ascending, unpack_ascending};
 use bytemuck::{cast_slice, pod_collect_to_vec};
@@ -38,7 +38,7 @@ pub(crate) type Skyline = [[u8; DISTANCE_COUNT]; SKYLINE_AZIMUTH_COUNT];
 /// The skylines of lights, by the index of the light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Skylines {
-    /// Where the light's skyline is in `blocked`; [`OPEN`] where nothing stands around it.
+    /// Index of the light's skyline in `blocked`; [`OPEN`] for an open sky.
     at: Vec<u32>,
     blocked: Vec<Skyline>,
 }
@@ -52,7 +52,7 @@ pub(crate) fn code_of(tangent: f64) -> u8 {
     (STEPS_PER_NODE * (node as f64 + weight)).round() as u8
 }
 
-/// What each code is above that of the reach before: mostly nothing, so it packs well.
+/// Differences from the code of the distance before: mostly 0, so they pack well.
 fn steps(codes: &[u8; DISTANCE_COUNT]) -> [u8; DISTANCE_COUNT] {
     let mut steps = *codes;
     for reach in 1..DISTANCE_COUNT {
@@ -83,7 +83,7 @@ impl Skylines {
         self.blocked.len()
     }
 
-    /// Whether nothing stands around a light.
+    /// Whether a light has an open sky.
     pub(crate) fn is_open(&self, light: usize) -> bool {
         self.at[light] == OPEN
     }

@@ -32,14 +32,14 @@ fn at_a_node_it_is_the_terrain_within_distance() {
             assert!((found - expected).abs() < 1e-9, "{azimuth} {reach_m}: {found}");
         }
     }
-    // Whoever is nearer than the terrain is not behind it, and whoever is farther than the last reach is.
+    // An observer nearer than the terrain is not behind it; one beyond the last distance is.
     assert_eq!(skylines.blocking(0, 0.7, log_distance(8_000.0)), 0.0);
     assert!(skylines.blocking(0, 0.7, log_distance(8_500.0)) > 0.0);
     assert_eq!(
         skylines.blocking(0, 0.7, log_distance(128_000.0)),
         skylines.blocking(0, 0.7, log_distance(300_000.0))
     );
-    // A whole turn is none.
+    // A whole turn is azimuth 0.
     let far = log_distance(50_000.0);
     assert_eq!(skylines.blocking(0, 1.0, far), skylines.blocking(0, 0.0, far));
 }

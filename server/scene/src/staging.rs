@@ -1,5 +1,5 @@
-//! Folders beside the scenes while an ingest writes. Each is locked by its process as long as it is in use, so
-//! that what a killed process left behind can be told apart and cleared.
+//! Staging folders beside the scenes while an ingest writes. Each is locked by its process while it is in use, so
+//! that what a killed process left behind can be recognized and cleared.
 
 use crate::error::SceneError;
 use crate::scene_files::METADATA_FILE;
@@ -87,7 +87,7 @@ fn exchanged(_one: &Path, _other: &Path) -> bool {
     false
 }
 
-/// Removes a scene's folder by one rename, so that it is whole or not there, and then its files.
+/// Removes a scene's folder by one rename, so that it is complete or absent, and then its files.
 pub(crate) fn remove(folder: &Path, parent: &Path) -> Result<(), SceneError> {
     let staging = Staging::below(parent)?;
     // Inside a folder of its own: what a kill leaves there is no scene set aside, and is not put back.

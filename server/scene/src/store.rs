@@ -1,8 +1,8 @@
-//! Scenes on disk: `<data>/scenes/<id>/` with `metadata.json`, `light.bin`, and `terrain.bin` (with `skylines.bin`,
-//! but for scenes of older programs) and `places.json` where there are any.
+//! Scenes on disk: `<data>/scenes/<id>/` with `metadata.json`, `light.bin`, and, where there are any, `terrain.bin`,
+//! `skylines.bin` (not in scenes of format 1) and `places.json`.
 //!
 //! `metadata.json` names each file with its length and BLAKE3 hash, and itself by `version`; all are checked
-//! when a scene is opened. A scene appears by one rename, so it is whole or not there.
+//! when a scene is opened. A scene appears by one rename, so it is complete or absent.
 
 use crate::error::SceneError;
 use crate::grid::Grid;
@@ -28,7 +28,7 @@ pub struct SceneStore {
     scenes_dir: PathBuf,
 }
 
-/// A folder for files that come in.
+/// A folder for uploaded files.
 #[derive(Debug)]
 pub struct UploadFolder(Staging);
 
@@ -68,13 +68,12 @@ impl SceneStore {
         self.scene_dir(id).join(METADATA_FILE).is_file()
     }
 
-    /// Clears what killed ingests left among the scenes; one that still runs, in whatever process, keeps its
-    /// folder. Returns how many folders were removed.
+    /// Clears what killed ingests left among the scenes; the folder of one that still runs, in any process, stays. Returns how many folders were removed.
     pub fn clear_stale(&self) -> usize {
         staging::clear_stale(&self.scenes_dir)
     }
 
-    /// A new folder for files that come in, beside the scenes: removed when it is dropped, and cleared with what killed ingests left.
+    /// A new folder for uploaded files, beside the scenes: removed when it is dropped, or as stale after a crash.
     ///
     /// # Errors
     /// [`SceneError::Io`].
@@ -83,7 +82,7 @@ impl SceneStore {
         Ok(UploadFolder(Staging::below(&self.scenes_dir)?))
     }
 
-    /// Removes a scene. Whoever has it open keeps it.
+    /// Removes a scene. Opened scenes stay usable.
     ///
     /// # Errors
     /// [`SceneError::UnknownScene`], [`SceneError::Io`].
@@ -94,7 +93,7 @@ impl SceneStore {
         staging::remove(&self.scene_dir(id), &self.scenes_dir)
     }
 
-    /// What is said about each scene, by id. Reads `metadata.json` alone; a damaged scene does not hide the others.
+    /// The metadata of each scene, by id. Reads `metadata.json` alone; a damaged scene does not hide the others.
     ///
     /// # Errors
     /// [`SceneError::Io`] where the folder cannot be read.

@@ -1,4 +1,4 @@
-//! Terrain: elevation on the rasters' own grids, and what it hides from observers and of lights.
+//! Terrain: elevation on the rasters' own grids, and what it blocks.
 
 mod cell;
 mod elevation;

@@ -1,4 +1,4 @@
-//! Where a scene is painted: polygons or strokes of a brush, and which pixels they hold.
+//! Areas to edit, polygons or brush strokes, and the pixels in them, found by quadtree descent.
 
 use crate::boundary::{Boundary, BoundaryError, Position};
 use crate::grid::Grid;
@@ -67,11 +67,11 @@ pub enum AreaError {
     },
 }
 
-/// Looks at pixels and lights that may still be taken.
+/// Point-in-area tests that may still be made.
 #[derive(Debug)]
 pub(super) struct Budget(u64);
 
-/// Sides of a polygon that are compared in the time of a look.
+/// Sides of a polygon that are compared in the time of one test.
 const SIDES_PER_TEST: usize = 16;
 
 impl Budget {
@@ -97,7 +97,7 @@ pub(super) struct AreaPart {
     /// A circle around it: centre as a unit vector, radius along the chord, metres.
     center: DVec3,
     reach_m: f64,
-    /// What asking whether it holds a place takes.
+    /// Cost of a point-in-area test.
     tests: u64,
     shape: Shape,
 }
@@ -192,7 +192,7 @@ impl AreaPart {
         }
     }
 
-    /// Calls `take` with the index of each light in it, as far as the budget goes. Pixels right under a brush are not asked for.
+    /// Calls `take` with the index of each light in it, as far as the budget goes. Pixels right under a brush are excluded.
     pub(super) fn for_each_light(
         &self,
         light: &LightTree<'_>,
@@ -207,8 +207,8 @@ impl AreaPart {
         });
     }
 
-    /// Calls `take` with column and row of each pixel in it, lit or dark, as far as the budget goes and until it answers false.
-    /// Pixels right under a brush are not asked for but where they are in it.
+    /// Calls `take` with column and row of each pixel in it, lit or dark, as far as the budget goes and until it returns false.
+    /// Pixels right under a brush are excluded unless their centre is in it.
     pub(super) fn for_each_pixel(
         &self,
         grid: &Grid,

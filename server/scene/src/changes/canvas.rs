@@ -10,16 +10,16 @@ use skyglow_physics::{Fixture, LampChange, PreservedFlux};
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
 
-/// Most pixels that may be lit where there was no light.
+/// Maximum number of dark pixels that may be lit.
 pub const MAX_NEW_LIGHTS: usize = 200_000;
-/// The same where each has to look around for terrain that hides it, which takes a millisecond.
+/// The same where each needs a skyline, which takes a millisecond.
 pub const MAX_NEW_LIGHTS_WITH_TERRAIN: usize = 10_000;
-/// Pixels and lights that all edits together may look at, and so many more for every light of the scene: seconds.
+/// Pixels and lights that all edits together may test, and so many more for every light of the scene: seconds.
 const MAX_TESTS: u64 = 20_000_000;
 const TESTS_PER_LIGHT: u64 = 5;
-/// Most kinds of fixtures beside the scene's own: the sky of each is rendered by itself.
+/// Maximum number of fixtures in addition to the scene's own: the sky of each is rendered by itself.
 const MAX_FIXTURES: usize = 32;
-/// Radiance above which a pixel is no lamp any more, nW cm⁻² sr⁻¹.
+/// Radiance above that of any lamp, nW cm⁻² sr⁻¹.
 const MAX_RADIANCE_NW_CM2_SR: f64 = 1e7;
 
 /// Why a scene cannot be changed so.
@@ -114,7 +114,7 @@ impl<'a> Canvas<'a> {
         Ok(self.fixtures.len() - 1)
     }
 
-    /// Paints; answers the number of lit pixels in the area.
+    /// Applies an edit; returns the number of lit pixels in the area.
     pub(super) fn paint(&mut self, number: usize, edit: &Edit) -> Result<u64, ChangeError> {
         let parts = edit.area.parts().map_err(|error| ChangeError::Area { number, error })?;
         let lit = match &edit.change {

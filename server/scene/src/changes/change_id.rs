@@ -1,4 +1,4 @@
-//! Ids of scenarios and plans.
+//! Ids of scenarios and plans: truncated BLAKE3 hashes of their content.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -7,7 +7,7 @@ use thiserror::Error;
 const DIGITS: usize = 20;
 
 /// The id of a scenario, `s-` and 20 hexadecimal digits, or of a plan, `p-` and as many. It is made from what it names, so the
-/// same scenario asked for again is the same.
+/// same content has the same id.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct ChangeId(String);

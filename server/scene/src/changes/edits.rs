@@ -1,4 +1,4 @@
-//! What can be done to the lights of a scene.
+//! The edits that change the lights of a scene.
 
 use super::area::Area;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ pub const MAX_EDITS: usize = 100;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
-    /// Changes those that are there.
+    /// Changes the existing lights.
     Alter {
         /// Factor on their radiance, at least 0.
         factor: f64,
@@ -24,9 +24,9 @@ pub enum Change {
     Add {
         /// Radiance that the satellite would see, nW cm⁻² sr⁻¹, above 0.
         radiance_nw_cm2_sr: f64,
-        /// Its lamps; None for those that a sky is asked with.
+        /// Its lamps; None for those of the request.
         lamp: Option<Lamp>,
-        /// Where they send their light; None for as a sky is asked with.
+        /// Where they send their light; None for that of the request.
         emission: Option<EmissionMix>,
     },
 }
@@ -45,7 +45,7 @@ pub struct Edit {
 pub struct PixelFactors {
     /// Codes of the pixels ([`Scene::pixel_code`](crate::Scene::pixel_code)), ascending.
     pub codes: Vec<u64>,
-    /// Factors beside them, 0..=1.
+    /// Factors in parallel with the codes, 0..=1.
     pub factors: Vec<f32>,
 }
 

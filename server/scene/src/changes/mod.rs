@@ -6,6 +6,7 @@
 mod area;
 mod canvas;
 mod change_id;
+mod document;
 mod drafts;
 mod edits;
 mod overlay;

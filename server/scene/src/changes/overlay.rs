@@ -18,7 +18,7 @@ use skyglow_physics::source_pixel::upward_flux_dnb_w;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-/// What changes do to a scene's lights.
+/// Effect of changes on a scene's lights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChangeSummary {
     /// Lit pixels in the area of each edit of the last painted step, those that edits before it lit included.
@@ -101,7 +101,7 @@ impl Base<'_> {
         Ok((layers, summary))
     }
 
-    /// Where new lights stand and what stands around them, by code; found once, whatever shines there.
+    /// Altitude and skyline of new lights by code, computed once for all fixtures.
     fn new_sites(&self, touched: &[(u64, Vec<PaintedLight>)]) -> HashMap<u64, (f32, Skyline)> {
         let base = &self.layer.lights;
         let is_new = |(code, lights): &&(u64, Vec<PaintedLight>)| {
@@ -121,7 +121,7 @@ impl Base<'_> {
         };
         let new: Vec<&(u64, Vec<PaintedLight>)> = touched.iter().filter(is_new).collect();
         let find = || new.into_par_iter().map(site).collect();
-        // Not among the threads that answer everybody else.
+        // On threads of their own, so that other requests are not delayed.
         match horizon_threads() {
             Some(threads) => threads.install(find),
             None => find(),
@@ -158,7 +158,7 @@ impl Base<'_> {
     }
 }
 
-/// Threads that look for terrain around new lights: half of the cores; None where the system gives none.
+/// Threads that compute the skylines of new lights: half of the cores; None where the system gives none.
 fn horizon_threads() -> Option<&'static ThreadPool> {
     static THREADS: OnceLock<Option<ThreadPool>> = OnceLock::new();
     let build = || {

@@ -1,10 +1,11 @@
 //! Scenarios and plans on disk: `<data>/scenarios/ID.json`; `<data>/plans/ID.json` beside `ID.bin` with its pixels.
 //!
-//! The JSON comes last, by a rename, so what is there is whole. It carries a BLAKE3 hash over its content, and of the pixels;
-//! both are checked when they are read. Older ones make room for newer ones; see [`ChangeLimits`]. Plans that somebody only
-//! tries are held in memory; see [`Drafts`].
+//! The JSON is written last and renamed into place, so a document is complete or absent. It carries BLAKE3 hashes of its content
+//! and of the pixels; both are checked when they are read. The oldest are evicted; see [`ChangeLimits`]. Draft plans are held in
+//! memory; see [`Drafts`].
 
 use super::change_id::ChangeId;
+use super::document::{self, damaged, io, to_json, unix_s};
 use super::drafts::Drafts;
 use super::edits::{ChangeStep, PixelFactors};
 use super::stored::{ChangeKind, ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
@@ -13,13 +14,11 @@ use crate::sections::{self, Sections, pack_ascending, unpack_ascending};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime};
 
-/// Counts up with every change of the files' form.
-const FORMAT: u32 = 1;
 /// A file that was not renamed to its place after this long never will be.
 const STALE_AFTER: Duration = Duration::from_secs(3600);
 
@@ -33,15 +32,6 @@ struct PlanDocument {
     pixels_blake3: String,
 }
 
-/// The form of a file.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Stored<T> {
-    format: u32,
-    created_unix_s: u64,
-    blake3: String,
-    content: T,
-}
-
 /// The folders of scenarios and plans.
 #[derive(Clone, Debug)]
 pub struct ChangeStore {
@@ -50,18 +40,6 @@ pub struct ChangeStore {
     drafts: Drafts,
     /// Held while something is written or removed.
     writing: Arc<Mutex<()>>,
-}
-
-fn io(path: &Path) -> impl FnOnce(std::io::Error) -> ChangeStoreError + '_ {
-    |source| ChangeStoreError::Io { path: path.to_owned(), source }
-}
-
-fn damaged(path: &Path) -> impl FnOnce(String) -> ChangeStoreError + '_ {
-    |reason| ChangeStoreError::Damaged { path: path.to_owned(), reason }
-}
-
-fn unix_s(time: SystemTime) -> u64 {
-    time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
 impl ChangeStore {
@@ -83,17 +61,17 @@ impl ChangeStore {
         self.folder(kind).join(id.as_str()).with_extension(extension)
     }
 
-    /// Keeps a scenario.
+    /// Stores a scenario.
     ///
     /// # Errors
-    /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
+    /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it is based on a draft.
     pub fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, ChangeStoreError> {
         self.check_base(scenario.base.as_ref())?;
         let id = self.scenario_id(scenario)?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
-        self.write_document(&id, scenario)?;
+        document::write(&self.path(&id, "json"), scenario)?;
         self.renew(scenario.base.as_ref());
-        self.make_room(ChangeKind::Scenario, &id)?;
+        self.evict(ChangeKind::Scenario, &id)?;
         Ok(id)
     }
 
@@ -105,13 +83,13 @@ impl ChangeStore {
         Ok(ChangeId::of_scenario(&to_json(&self.folder(ChangeKind::Scenario), scenario)?))
     }
 
-    /// Makes all that something stands on as young as it.
+    /// Renews the age of the whole chain of bases.
     fn renew(&self, base: Option<&ChangeId>) {
         let mut next = base.cloned();
         for _ in 0..MAX_CHANGE_DEPTH {
             let Some(id) = next else { return };
             let file = std::fs::File::options().write(true).open(self.path(&id, "json"));
-            // Should it be removed meanwhile, whoever asks for it is told.
+            // If it is removed meanwhile, the next request for it fails.
             let _best_effort = file.and_then(|file| file.set_modified(SystemTime::now()));
             next = match id.is_plan() {
                 true => self.read_document::<PlanDocument>(&id).ok().and_then(|(plan, _)| plan.base),
@@ -128,22 +106,22 @@ impl ChangeStore {
         self.read_document(id)
     }
 
-    /// Whether there is one of that id, be it readable or not. Cheap.
+    /// Whether a stored document or a draft has that id, readable or not. Cheap.
     pub fn is_there(&self, id: &ChangeId) -> bool {
         self.is_stored(id) || self.drafts.get(id).is_some()
     }
 
-    /// Whether one of that id is on disk and not past its age.
+    /// Whether a document of that id is on disk and not past its age.
     pub fn is_stored(&self, id: &ChangeId) -> bool {
-        let kept = std::fs::metadata(self.path(id, "json")).and_then(|metadata| metadata.modified());
-        kept.is_ok_and(|modified| !self.is_past_age(modified))
+        let modified = std::fs::metadata(self.path(id, "json")).and_then(|metadata| metadata.modified());
+        modified.is_ok_and(|modified| !self.is_past_age(modified))
     }
 
     fn is_past_age(&self, modified: SystemTime) -> bool {
         unix_s(SystemTime::now()).saturating_sub(unix_s(modified)) > self.limits.age.as_secs()
     }
 
-    /// What is kept stands on what is kept: a draft would go from under it.
+    /// Refuses a draft as the base of a stored document, since it would expire.
     ///
     /// # Errors
     /// [`ChangeStoreError::Draft`].
@@ -156,20 +134,20 @@ impl ChangeStore {
         }
     }
 
-    /// The id that a plan with this content has: all that decides it.
+    /// The id of a plan with this content, which must include all of its inputs.
     pub fn plan_id(content: &[u8]) -> ChangeId {
         ChangeId::of_plan(content)
     }
 
-    /// Holds a plan in memory for some minutes under an id of [`Self::plan_id`], for whoever tries one after the other.
+    /// Holds a draft plan in memory for some minutes under an id of [`Self::plan_id`].
     pub fn hold_plan(&self, id: &ChangeId, plan: StoredPlan) {
         self.drafts.hold(id, plan, unix_s(SystemTime::now()));
     }
 
-    /// Keeps a plan under an id of [`Self::plan_id`].
+    /// Stores a plan under an id of [`Self::plan_id`].
     ///
     /// # Errors
-    /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it goes on from one.
+    /// [`ChangeStoreError::Io`]; [`ChangeStoreError::Draft`] where it is based on a draft.
     pub fn store_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), ChangeStoreError> {
         self.check_base(plan.base.as_ref())?;
         let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
@@ -180,7 +158,7 @@ impl ChangeStore {
             ("effects".into(), Cow::Borrowed(bytemuck::cast_slice(&plan.effects))),
         ];
         let pixels = sections::pack(&parts).map_err(io(&path))?;
-        self.write_file(&path, &pixels)?;
+        document::write_file(&path, &pixels)?;
         let document = PlanDocument {
             scene: plan.scene.clone(),
             scene_version: plan.scene_version.clone(),
@@ -188,17 +166,17 @@ impl ChangeStore {
             answer: plan.answer.clone(),
             pixels_blake3: blake3::hash(&pixels).to_hex().to_string(),
         };
-        self.write_document(id, &document)?;
+        document::write(&self.path(id, "json"), &document)?;
         self.renew(plan.base.as_ref());
-        self.make_room(ChangeKind::Plan, id)
+        self.evict(ChangeKind::Plan, id)
     }
 
-    /// A plan, kept or held, and since when, seconds since 1970.
+    /// A plan, stored or draft, and since when, seconds since 1970.
     ///
     /// # Errors
     /// [`ChangeStoreError`].
     pub fn plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), ChangeStoreError> {
-        match self.kept_plan(id) {
+        match self.stored_plan(id) {
             Err(ChangeStoreError::Unknown { .. }) => match self.drafts.get(id) {
                 Some(held) => Ok(StoredPlan::clone(&held.0)).map(|plan| (plan, held.1)),
                 None => Err(ChangeStoreError::Unknown { id: id.clone() }),
@@ -207,17 +185,11 @@ impl ChangeStore {
         }
     }
 
-    fn kept_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), ChangeStoreError> {
+    fn stored_plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), ChangeStoreError> {
         let (document, created_unix_s): (PlanDocument, u64) = self.read_document(id)?;
         let path = self.path(id, "bin");
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            // Removed while it was read.
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                return Err(ChangeStoreError::Unknown { id: id.clone() });
-            }
-            Err(error) => return Err(io(&path)(error)),
-        };
+        // Unknown where it was removed while it was read.
+        let bytes = document::read_file(&path, id)?;
         if blake3::hash(&bytes).to_hex().as_str() != document.pixels_blake3 {
             return Err(damaged(&path)("was altered or is truncated (its checksum is wrong)".to_owned()));
         }
@@ -237,7 +209,7 @@ impl ChangeStore {
         Ok((StoredPlan { scene, scene_version, base, answer, factors, effects }, created_unix_s))
     }
 
-    /// A plan's scene and what is said of it, without its pixels, and when it was kept, seconds since 1970.
+    /// A plan's scene and answer, without its pixels, and when it was stored, seconds since 1970.
     ///
     /// # Errors
     /// [`ChangeStoreError`].
@@ -285,55 +257,55 @@ impl ChangeStore {
         Ok(steps)
     }
 
-    /// Ids with the time they were kept, seconds since 1970, the newest first. What cannot be read is left out.
+    /// Ids with the time of storage, seconds since 1970, the newest first. What cannot be read is left out.
     ///
     /// # Errors
     /// [`ChangeStoreError::Io`] where the folder cannot be read.
     pub fn list(&self, kind: ChangeKind) -> Result<Vec<(ChangeId, u64)>, ChangeStoreError> {
-        let kept = self.kept(kind)?;
+        let entries = self.entries(kind)?.into_iter();
         let limit = unix_s(SystemTime::now()).saturating_sub(self.limits.age.as_secs());
-        let of = kept.into_iter().map(|kept| (kept.id, unix_s(kept.modified)));
-        Ok(of.filter(|(_, modified_unix_s)| *modified_unix_s >= limit).collect())
+        let ids = entries.map(|entry| (entry.id, unix_s(entry.modified)));
+        Ok(ids.filter(|(_, modified_unix_s)| *modified_unix_s >= limit).collect())
     }
 
-    /// What is in a folder, the newest first.
-    fn kept(&self, kind: ChangeKind) -> Result<Vec<Kept>, ChangeStoreError> {
+    /// The documents of a folder, the newest first.
+    fn entries(&self, kind: ChangeKind) -> Result<Vec<Entry>, ChangeStoreError> {
         let folder = self.folder(kind);
-        let entries = match std::fs::read_dir(&folder) {
-            Ok(entries) => entries,
+        let files = match std::fs::read_dir(&folder) {
+            Ok(files) => files,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
             Err(error) => return Err(io(&folder)(error)),
         };
-        let mut kept = Vec::new();
-        for entry in entries {
-            let path = entry.map_err(io(&folder))?.path();
+        let mut entries = Vec::new();
+        for file in files {
+            let path = file.map_err(io(&folder))?.path();
             let stem = path.file_stem().and_then(|stem| stem.to_str());
             let Some(id) = stem.and_then(|stem| ChangeId::parse(stem).ok()) else { continue };
             if path.extension().is_none_or(|extension| extension != "json") {
                 continue;
             }
-            // Another process may have removed it meanwhile.
+            // Another process may have removed it.
             let Ok(metadata) = std::fs::metadata(&path) else { continue };
             let Ok(modified) = metadata.modified() else { continue };
             let pixels = std::fs::metadata(path.with_extension("bin")).map_or(0, |metadata| metadata.len());
-            kept.push(Kept { id, modified, bytes: metadata.len() + pixels });
+            entries.push(Entry { id, modified, bytes: metadata.len() + pixels });
         }
-        kept.sort_by(|a, b| b.modified.cmp(&a.modified).then_with(|| a.id.cmp(&b.id)));
-        Ok(kept)
+        entries.sort_by(|a, b| b.modified.cmp(&a.modified).then_with(|| a.id.cmp(&b.id)));
+        Ok(entries)
     }
 
-    /// Removes what is too old or too much, never `newest`.
-    fn make_room(&self, kind: ChangeKind, newest: &ChangeId) -> Result<(), ChangeStoreError> {
+    /// Removes documents beyond the limits, the oldest first, never `newest`.
+    fn evict(&self, kind: ChangeKind, newest: &ChangeId) -> Result<(), ChangeStoreError> {
         let now_s = unix_s(SystemTime::now());
         let (mut count, mut bytes) = (1, 0);
-        for kept in self.kept(kind)?.into_iter().filter(|kept| kept.id != *newest) {
+        for entry in self.entries(kind)?.into_iter().filter(|entry| entry.id != *newest) {
             count += 1;
-            bytes += kept.bytes;
-            let is_old = now_s.saturating_sub(unix_s(kept.modified)) > self.limits.age.as_secs();
+            bytes += entry.bytes;
+            let is_old = now_s.saturating_sub(unix_s(entry.modified)) > self.limits.age.as_secs();
             if is_old || count > self.limits.count || bytes > self.limits.bytes {
-                // The document first: without it nothing is there.
+                // The document first: pixels without it count as removed.
                 for extension in ["json", "bin"] {
-                    let _may_be_gone_already = std::fs::remove_file(self.path(&kept.id, extension));
+                    let _may_be_gone_already = std::fs::remove_file(self.path(&entry.id, extension));
                 }
             }
         }
@@ -355,73 +327,23 @@ impl ChangeStore {
         }
     }
 
-    fn write_document<T: Serialize>(&self, id: &ChangeId, content: &T) -> Result<(), ChangeStoreError> {
-        let path = self.path(id, "json");
-        // The hash is over what is written and not over what it means: that may be told in more than one way.
-        let content = serde_json::to_value(content).map_err(|error| io(&path)(error.into()))?;
-        let text = to_json(&path, &content)?;
-        let stored = Stored {
-            format: FORMAT,
-            created_unix_s: unix_s(SystemTime::now()),
-            blake3: blake3::hash(&text).to_hex().to_string(),
-            content,
-        };
-        self.write_file(&path, &to_json(&path, &stored)?)
-    }
-
-    /// A document with the time it was kept.
+    /// A document with the time of storage; unknown where it is past its age.
     fn read_document<T: DeserializeOwned>(&self, id: &ChangeId) -> Result<(T, u64), ChangeStoreError> {
         let path = self.path(id, "json");
-        let text = match std::fs::read(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                return Err(ChangeStoreError::Unknown { id: id.clone() });
-            }
-            Err(error) => return Err(io(&path)(error)),
-        };
-        let stored: Stored<serde_json::Value> = serde_json::from_slice(&text)
-            .map_err(|error| damaged(&path)(format!("is truncated or broken ({error})")))?;
-        if stored.format != FORMAT {
-            return Err(damaged(&path)(format!(
-                "is of format {}, this program reads {FORMAT}",
-                stored.format
-            )));
-        }
-        if blake3::hash(&to_json(&path, &stored.content)?).to_hex().as_str() != stored.blake3 {
-            return Err(damaged(&path)("was altered (its checksum is wrong)".to_owned()));
-        }
-        // What stands on it may have made it young again since.
-        let kept = std::fs::metadata(&path).and_then(|metadata| metadata.modified()).map_err(io(&path))?;
-        if self.is_past_age(kept) {
+        let (content, created_unix_s) = document::read(&path, id)?;
+        // A document based on it may have renewed it since.
+        let modified =
+            std::fs::metadata(&path).and_then(|metadata| metadata.modified()).map_err(io(&path))?;
+        if self.is_past_age(modified) {
             return Err(ChangeStoreError::Unknown { id: id.clone() });
         }
-        let content = serde_json::from_value(stored.content)
-            .map_err(|error| damaged(&path)(format!("is of another form ({error})")))?;
-        Ok((content, stored.created_unix_s))
-    }
-
-    /// Writes beside the place first, then moves there.
-    fn write_file(&self, path: &Path, bytes: &[u8]) -> Result<(), ChangeStoreError> {
-        let folder = path.parent().unwrap_or(&self.data_dir);
-        std::fs::create_dir_all(folder).map_err(io(folder))?;
-        let write = || -> std::io::Result<()> {
-            let mut file = tempfile::Builder::new().prefix(".change-").tempfile_in(folder)?;
-            file.write_all(bytes)?;
-            file.as_file().sync_all()?;
-            file.persist(path).map_err(|error| error.error)?;
-            std::fs::File::open(folder)?.sync_all()
-        };
-        write().map_err(io(path))
+        Ok((document::parse(&path, content)?, created_unix_s))
     }
 }
 
-/// Something in a folder.
-struct Kept {
+/// A document of a folder.
+struct Entry {
     id: ChangeId,
     modified: SystemTime,
     bytes: u64,
-}
-
-fn to_json<T: Serialize>(path: &Path, content: &T) -> Result<Vec<u8>, ChangeStoreError> {
-    serde_json::to_vec(content).map_err(|error| io(path)(error.into()))
 }

@@ -1,4 +1,4 @@
-//! What a [`ChangeStore`](super::store::ChangeStore) keeps, how much of it, and why it cannot.
+//! The documents of a [`ChangeStore`](super::store::ChangeStore), its limits and its errors.
 
 use super::change_id::ChangeId;
 use super::edits::{Edit, PixelFactors};
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use thiserror::Error;
 
-/// Changes on changes on changes: so many at most, the last included.
+/// Maximum length of a chain of changes based on each other.
 pub const MAX_CHANGE_DEPTH: usize = 16;
 
 /// What was painted over a scene.
@@ -18,13 +18,13 @@ pub struct Scenario {
     pub scene: SceneId,
     /// Its name for people.
     pub title: Option<String>,
-    /// The scenario or plan that it goes on from; None for the scene itself.
+    /// The scenario or plan that it is based on; None for the scene itself.
     pub base: Option<ChangeId>,
     /// The edits, in order.
     pub edits: Vec<Edit>,
 }
 
-/// A reduction plan as it is kept.
+/// A reduction plan as it is stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredPlan {
     /// The scene.
@@ -33,11 +33,11 @@ pub struct StoredPlan {
     pub scene_version: String,
     /// The scenario or plan that it dims; None for the scene itself.
     pub base: Option<ChangeId>,
-    /// All that is said of it, for whoever made it.
+    /// Its answer document, opaque to the store.
     pub answer: serde_json::Value,
     /// What is left of each pixel that is dimmed.
     pub factors: PixelFactors,
-    /// Beside them, the part of each in what the plan achieves.
+    /// In parallel, the contribution of each to the effect of the plan.
     pub effects: Vec<f32>,
 }
 
@@ -50,7 +50,7 @@ pub enum ChangeKind {
     Plan,
 }
 
-/// What a store keeps, of scenarios and of plans each.
+/// Limits of a store, for scenarios and for plans each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChangeLimits {
     /// Most of them; the oldest go first.
@@ -68,13 +68,13 @@ impl Default for ChangeLimits {
 }
 
 impl ChangeLimits {
-    /// Keeps all: for programs beside a server, whose business it is.
+    /// No limits: for command-line programs beside a server, which applies its own.
     pub fn none() -> Self {
         Self { count: usize::MAX, bytes: u64::MAX, age: Duration::MAX }
     }
 }
 
-/// Why a scenario or plan cannot be had or kept.
+/// Why a scenario or plan cannot be read or stored.
 #[derive(Debug, Error)]
 pub enum ChangeStoreError {
     /// None of that id.

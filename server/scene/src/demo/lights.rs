@@ -1,8 +1,8 @@
-//! Made-up light: a profile around each town, by its inhabitants.
+//! Synthetic light: a radial profile around each town, scaled by its population.
 //!
 //! Peak radiance and radius both grow with the cube root of the population, so that the upward flux is
-//! nearly proportional to it, as found for towns in satellite images (0.4 DNB watts a head here; a Kenyan has
-//! 0.03 in the composite of 2023). A core falls off faster than exponentially; a faint skirt of suburbs and villages goes on.
+//! nearly proportional to it, as found for towns in satellite images (0.4 DNB watts per inhabitant here; 0.03 in Kenya in the
+//! composite of 2023). The core falls off faster than exponentially; a faint skirt of suburbs and villages surrounds it.
 
 use super::noise;
 use super::raster_file::RasterSpec;

@@ -1,4 +1,4 @@
-//! Repeatable noise on the plane.
+//! Repeatable value noise on the plane, summed over octaves (fractal noise), hashed by SplitMix64's finalizer.
 
 /// A number in 0..1 for a lattice point (splitmix64 of the coordinates).
 fn hash(x: i64, y: i64, seed: u64) -> f64 {

@@ -1,5 +1,5 @@
-//! Made-up terrain: mountain chains along their real lines, plains at the altitude of their towns, valleys,
-//! lakes and the sea.
+//! Synthetic terrain: mountain chains along their real lines with ridged fractal noise, plains by inverse distance weighting of
+//! the towns' altitudes (Shepard 1968), valleys, lakes and the sea.
 
 use super::noise;
 use super::raster_file::RasterSpec;

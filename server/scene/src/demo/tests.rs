@@ -9,7 +9,7 @@ fn the_demo_is_illustrative_and_deterministic() {
     assert!(demo_is_wanted(&store));
     let first = create_demo(&store, &mut |_| {}).unwrap();
     assert!(!demo_is_wanted(&store));
-    // That of an older program is made anew, and nothing that was measured.
+    // A demo of an older format is outdated; a measured scene never is.
     let older = SceneMetadata { light_skylines: false, ..first.clone() };
     assert!(is_outdated(&older) && !is_outdated(&first));
     assert!(!is_outdated(&SceneMetadata { illustrative: false, ..older }));

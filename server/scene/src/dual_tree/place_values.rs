@@ -52,7 +52,7 @@ impl PlaceValues {
 
     /// At pixel coordinates of the raster: between places linear; None where the nearest has no number.
     ///
-    /// * `pixels`: how many pixels of the raster, at least, what is asked for is wide: means over as many are taken.
+    /// * `pixels`: width of the area asked for, in pixels of the raster: the mean over that width is returned, at least over one.
     pub fn at(&self, x: f64, y: f64, pixels: f64) -> Option<f64> {
         let across = pixels / f64::from(self.lattice.step);
         let level = (across.max(1.0).log2().round() as usize).min(self.levels.len() - 1);

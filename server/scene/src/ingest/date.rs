@@ -1,4 +1,4 @@
-//! When radiances were taken: a year, a month, a day, an instant in UTC, or a span of two of these.
+//! Dates of radiances (a subset of ISO 8601): a year, a month, a day, an instant in UTC, or an interval of two of these.
 
 /// What is understood, in words.
 pub(super) const FORMS: &str =

@@ -1,4 +1,4 @@
-//! From a geotransform and a CRS to the grid on the sphere.
+//! Georeferencing: from a geotransform and a CRS to the grid on the sphere.
 
 use super::gdal_open::gdal_reason;
 use crate::grid::{GeographicAxes, Grid};

@@ -1,4 +1,4 @@
-//! What an ingest is told.
+//! Options and progress of an ingest.
 
 use super::date::{FORMS, is_date};
 use crate::error::SceneError;
@@ -67,11 +67,11 @@ pub struct IngestOptions {
     pub calibration: f64,
     /// Overwrite a scene of the same id.
     pub replace: bool,
-    /// Pixels that a raster may have; None where whoever gives it is trusted.
+    /// Pixels that a raster may have; None for trusted input.
     pub max_pixels: Option<u64>,
 }
 
-/// Longest side of a raster of somebody who is not trusted, pixels: five times around the Earth at 15″.
+/// Longest side of an untrusted raster, pixels: five times around the Earth at 15″.
 const MAX_SIDE: usize = 500_000;
 
 impl IngestOptions {

@@ -32,7 +32,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<NamedPlace>, SceneError> {
     Ok(places)
 }
 
-/// A place, checked; `what` says where it stands in the file.
+/// A place, checked; `what` names its position in the file.
 fn place(
     what: &str,
     name: &str,

@@ -1,4 +1,4 @@
-//! Reading the radiance raster: what is light, what is not, and what looks wrong.
+//! Reading the radiance raster: classifies its pixels and reports what looks wrong.
 
 use super::gdal_open::gdal_reason;
 use super::options::{IngestProgress, IngestStage};
@@ -127,7 +127,7 @@ fn read_rows<T: Copy + gdal::raster::GdalType>(
 }
 
 impl PixelStatistics {
-    /// Counts one pixel, keeps it if it is lit, and says whether it is a measurement.
+    /// Counts one pixel, adds it if it is lit, and returns whether it is a measurement.
     fn classify(
         &mut self,
         source: &RadianceSource,
@@ -173,7 +173,7 @@ impl PixelStatistics {
         true
     }
 
-    /// Refuses rasters that cannot be meant.
+    /// Refuses rasters that cannot be radiances.
     fn check(&self) -> Result<(), String> {
         if self.minimum > self.maximum {
             return Err("it holds no measurement: every pixel is no-data, NaN or infinite".to_owned());

@@ -1,4 +1,4 @@
-//! Looking around from each lit pixel for terrain that hides its light.
+//! The skylines of all lit pixels, computed from the terrain.
 
 use super::options::{IngestProgress, IngestStage};
 use crate::grid::Grid;

@@ -1,13 +1,13 @@
-//! Counting pixels by kind, with a few example places of each.
+//! Counts pixels by kind, with a few example places of each, sampled evenly by decimation.
 
 use crate::grid::Grid;
 use crate::metadata::{ExamplePlace, PixelCount};
 use skyglow_physics::GeoPoint;
 
-/// Examples kept of each kind.
+/// Examples of each kind.
 const EXAMPLES: usize = 5;
 
-/// A count with examples spread over the raster: whenever the store is full, every other one is dropped and
+/// A count with examples spread over the raster: whenever the buffer is full, every other one is dropped and
 /// the stride doubles.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {

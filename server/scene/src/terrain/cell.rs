@@ -1,8 +1,8 @@
-//! A line of sight within one cell of a layer: where it is highest against the sky.
+//! A line of sight within one cell of a raster: where the bilinear surface is highest against the sky, in closed form.
 
 use skyglow_physics::EARTH_RADIUS_M;
 
-/// Points looked at along a cell where the ground ends within it.
+/// Samples along a cell where the ground ends within it.
 const EDGE_SAMPLES: u32 = 16;
 
 /// A segment of a great circle over a layer, straight in the layer's cells: positions (u, v) are cells with their
@@ -112,7 +112,7 @@ impl<'a> CellCrossing<'a> {
         (0.0..1.0).contains(&t).then_some(t)
     }
 
-    /// Tells points of ground along the cell, its abrupt ends among them: at a void or under another layer it is
+    /// Visits points of ground along the cell, its abrupt ends among them: at a void or under another layer it is
     /// highest at its very edge where it falls away from the observer. `ground_m` at a fraction is None where there
     /// is none.
     pub(super) fn with_edges(&self, ground_m: &dyn Fn(f64) -> Option<f64>, mut visit: impl FnMut(f64, f64)) {

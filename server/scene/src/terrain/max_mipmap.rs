@@ -1,9 +1,9 @@
-//! How high the ground can be over a piece of a layer, whatever is interpolated there: a pyramid of maxima.
+//! Maximum mipmap (Tevs, Ihrke & Seidel 2008): upper bounds of the elevation over ranges of cells.
 //!
 //! A *cell* is the square between four neighbouring sample centres, on which elevation is bilinear and so nowhere
-//! above the highest of the four. Cell (i, j) lies between samples i − 1 and i, j − 1 and j, clamped to those there
-//! are: cells 0 and `width` are the halves of the edge samples that reach to the raster's edge. The pyramid's
-//! lowest level holds the maximum of blocks of 8 × 8 cells, each level above that of 2 × 2 blocks.
+//! above the highest of the four. Cell (i, j) lies between samples i − 1 and i, j − 1 and j, clamped to those that
+//! exist: cells 0 and `width` are the halves of the edge samples that extend to the raster's edge. The pyramid's
+//! lowest level has the maximum of blocks of 8 × 8 cells, each level above that of 2 × 2 blocks.
 
 use super::tile::SIDE;
 use crate::grid::Grid;

@@ -1,4 +1,4 @@
-//! One terrain raster: its grid, a pyramid of packed tiles, and a cache of unpacked ones.
+//! One terrain raster: its grid, a mipmap pyramid (Williams 1983) of packed tiles, and a cache of unpacked ones.
 
 use super::max_mipmap::MaxMipmap;
 use super::tile::{self, SAMPLES, SIDE, TileEntry};
@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Unpacked tiles by level and number.
 type TileCache = HashMap<(usize, usize), Arc<Vec<f32>>>;
-/// Unpacked tiles kept, 64 kB each.
+/// Maximum number of unpacked tiles in the cache, 64 kB each.
 const MAX_CACHED_TILES: usize = 512;
 
 /// One raster of elevations.
@@ -23,7 +23,7 @@ pub(crate) struct TerrainRaster {
     levels: Vec<LevelIndex>,
     blob: Vec<u8>,
     cache: Mutex<TileCache>,
-    /// Made when a horizon is first asked for; it takes a pass over all samples.
+    /// Built at the first horizon query; it takes a pass over all samples.
     maxima: OnceLock<MaxMipmap>,
 }
 
@@ -86,7 +86,7 @@ impl TerrainRaster {
         self.maxima.get_or_init(|| MaxMipmap::new(&self.grid, |number| self.unpacked(number)))
     }
 
-    /// Whether [`Self::maxima`] was ever asked for.
+    /// Whether [`Self::maxima`] was built.
     #[cfg(test)]
     pub(super) fn has_maxima(&self) -> bool {
         self.maxima.get().is_some()

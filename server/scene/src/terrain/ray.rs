@@ -1,5 +1,5 @@
-//! One line of sight over one terrain raster, from near to far, past all ground that cannot be seen over what is
-//! seen already.
+//! One line of sight over one raster, front to back: ground that its maximum mipmap bounds below the highest ground so far is
+//! skipped, other cells are traversed one by one (Amanatides & Woo 1987).
 
 use super::cell::{CellCrossing, RaySegment};
 use super::max_mipmap::{BLOCK_CELLS, MaxMipmap};
@@ -9,7 +9,7 @@ use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::horizon::terrain_elevation_tangent;
 use std::sync::Arc;
 
-/// Ground nearer than this is under the observer's feet, metres.
+/// Nearer ground does not count, metres.
 pub(super) const MIN_GROUND_DISTANCE_M: f64 = 1.0;
 
 /// By how much the tangent of ground must exceed that of the highest ground so far to be examined.
@@ -23,23 +23,23 @@ impl Tolerance {
     pub(super) const NONE: Self = Self { relative: 0.0, absolute: 0.0 };
 }
 
-/// A line of sight and the highest ground seen along it.
+/// A line of sight and the highest ground along it so far.
 pub(super) struct Ray<'a> {
     raster: &'a TerrainRaster,
     maxima: &'a MaxMipmap,
     observer_altitude_m: f64,
-    /// Whether another raster has the say at a distance, metres; None where there is no such raster.
+    /// Whether another raster takes precedence at a distance, metres; None where no raster may.
     cover: Option<&'a dyn Fn(f64) -> bool>,
-    /// tan e of the highest ground seen, at least 0.
+    /// tan e of the highest ground so far, at least 0.
     tangent: f64,
-    /// How much higher ground must be to be looked at.
+    /// How much higher ground must be to be examined.
     tolerance: Tolerance,
-    /// Tiles at hand, by the parity of their column and row: neighbours never push each other out.
+    /// Cached tiles, by the parity of their column and row: neighbours never evict each other.
     tiles: [(usize, Option<Arc<Vec<f32>>>); 4],
 }
 
 impl<'a> Ray<'a> {
-    /// A line of sight over a raster that sees nothing below `tangent`.
+    /// A line of sight over a raster that ignores ground below `tangent`.
     pub(super) fn new(
         raster: &'a TerrainRaster,
         observer_altitude_m: f64,
@@ -51,13 +51,13 @@ impl<'a> Ray<'a> {
         Self { raster, maxima: raster.maxima(), observer_altitude_m, cover, tangent, tolerance, tiles }
     }
 
-    /// tan e of the highest ground seen, at least what the ray began with.
+    /// tan e of the highest ground so far, at least that of the start.
     pub(super) fn tangent(&self) -> f64 {
         self.tangent
     }
 
     /// Whether ground of some altitude, at a distance or farther, would be seen: never false where
-    /// [`terrain_elevation_tangent`] is above what is seen, by the first terms of its sine and cosine, which bound them.
+    /// [`terrain_elevation_tangent`] is above the highest so far, by the first terms of its sine and cosine, which bound them.
     pub(super) fn may_be_visible(&self, altitude_m: f64, distance_m: f64) -> bool {
         let arc = distance_m.max(MIN_GROUND_DISTANCE_M) / EARTH_RADIUS_M;
         let (square, radius_m) = (arc * arc, EARTH_RADIUS_M + altitude_m);
@@ -66,7 +66,7 @@ impl<'a> Ray<'a> {
         altitude_m - self.observer_altitude_m - drop_m > threshold * radius_m * arc * (1.0 - square / 6.0)
     }
 
-    /// Looks along a segment.
+    /// Examines a segment.
     pub(super) fn scan(&mut self, segment: &RaySegment) {
         let grid = self.raster.grid();
         if let Some(segment) = segment.clipped((f64::from(grid.width), f64::from(grid.height))) {
@@ -88,7 +88,7 @@ impl<'a> Ray<'a> {
         self.descend(&segment.part(0.5, 1.0));
     }
 
-    /// Looks into every cell that a segment crosses.
+    /// Examines every cell that a segment crosses.
     fn cross_cells(&mut self, segment: &RaySegment) {
         let runs = (segment.end.0 - segment.start.0, segment.end.1 - segment.start.1);
         // The fraction of the segment at which it meets the next line between cells, and from line to line.
@@ -114,7 +114,7 @@ impl<'a> Ray<'a> {
         }
     }
 
-    /// Looks along a segment within one cell.
+    /// Examines a segment within one cell.
     fn cross_cell(&mut self, segment: &RaySegment) {
         let middle = (0.5 * (segment.start.0 + segment.end.0), 0.5 * (segment.start.1 + segment.end.1));
         let (u, v) = (middle.0.floor(), middle.1.floor());
@@ -132,16 +132,16 @@ impl<'a> Ray<'a> {
         if covered == [false; 3] && crossing.is_whole() {
             let crest = crossing.crest(self.observer_altitude_m);
             for t in [Some(0.0), Some(1.0), crest].into_iter().flatten() {
-                self.meet(crossing.height_m(t), segment.distance_m(t));
+                self.include(crossing.height_m(t), segment.distance_m(t));
             }
         } else if covered != [true; 3] {
             let ground_m = |t: f64| crossing.height_m(t).filter(|_| !is_covered(t));
-            crossing.with_edges(&ground_m, |t, height_m| self.meet(Some(height_m), segment.distance_m(t)));
+            crossing.with_edges(&ground_m, |t, height_m| self.include(Some(height_m), segment.distance_m(t)));
         }
     }
 
-    /// Sees a point of the ground if it is higher than what was seen.
-    fn meet(&mut self, altitude_m: Option<f64>, distance_m: f64) {
+    /// Takes a point of the ground into account.
+    fn include(&mut self, altitude_m: Option<f64>, distance_m: f64) {
         if let Some(altitude_m) = altitude_m.filter(|_| distance_m >= MIN_GROUND_DISTANCE_M) {
             let tangent = terrain_elevation_tangent(self.observer_altitude_m, altitude_m, distance_m);
             self.tangent = self.tangent.max(tangent);

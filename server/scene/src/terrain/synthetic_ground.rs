@@ -1,4 +1,4 @@
-//! Terrain made up for tests.
+//! Synthetic terrain for tests.
 
 use super::raster::{TerrainRaster, TerrainRasterBuilder};
 use crate::grid::{GeographicAxes, Grid};

@@ -1,4 +1,4 @@
-//! Terrain tiles: 128 × 128 samples as 16-bit steps above the tile's lowest, packed with zstd.
+//! Terrain tiles: 128 × 128 samples quantized to 16 bits above the tile's minimum, delta coded and packed with zstd.
 
 use crate::sections::Flaw;
 

@@ -30,7 +30,7 @@ impl Precision {
     pub(super) const FINE: Self =
         Self { segment_ratio: 0.25, max_segment_m: MAX_SEGMENT_M, tolerance: Tolerance::NONE };
     /// For the horizon profiles of lights: a segment is as long as it is far, which deviates by 80 m at most (at 64 km
-    /// and 45°), and angles are at most 1 % and 0.007° too low, half of what a byte tells apart.
+    /// and 45°), and angles are at most 1 % and 0.007° too low, half of the resolution of a byte.
     pub(super) const COARSE: Self = Self {
         segment_ratio: 1.0,
         max_segment_m: 64_000.0,
