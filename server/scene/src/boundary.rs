@@ -98,13 +98,13 @@ impl Boundary {
             .flat_map(|(polygon, ring)| ring.windows(2).map(move |pair| (polygon, [pair[0], pair[1]])))
             .collect();
         let corners = || sides.iter().map(|(_, side)| side[0]);
-        let least = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
-        let most = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let min = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
+        let max = |axis: usize| corners().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
         let mut boundary = Self {
-            west_deg: least(0),
-            east_deg: most(0),
-            south_deg: least(1),
-            north_deg: most(1),
+            west_deg: min(0),
+            east_deg: max(0),
+            south_deg: min(1),
+            north_deg: max(1),
             sides,
             band_start: Vec::new(),
             in_band: Vec::new(),

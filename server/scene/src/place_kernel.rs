@@ -17,10 +17,10 @@ pub struct UniformAxis {
 }
 
 impl UniformAxis {
-    /// From `first_m` to `last_m` by steps of `step_m` or less, of which there are `most` at most; one step where both are the same.
-    pub fn between(first_m: f64, last_m: f64, step_m: f64, most: usize) -> Self {
+    /// From `first_m` to `last_m` by steps of `step_m` or less, of which there are `max_steps` at most; one step where both are the same.
+    pub fn between(first_m: f64, last_m: f64, step_m: f64, max_steps: usize) -> Self {
         let range_m = (last_m - first_m).max(0.0);
-        let steps = (range_m / step_m).ceil().clamp(1.0, most.max(1) as f64);
+        let steps = (range_m / step_m).ceil().clamp(1.0, max_steps.max(1) as f64);
         let step_m = if range_m > 0.0 { range_m / steps } else { step_m };
         Self { first_m, step_m, count: 1 + steps as usize }
     }
@@ -64,8 +64,8 @@ impl RingPosition {
     /// Of a squared distance, m²: nearer than 250 m counts as there. None beyond 300 km, and for no number.
     #[inline(always)]
     pub(crate) fn of_square(square_m2: f32) -> Option<Self> {
-        const FARTHEST_M2: f32 = (FARTHEST_SOURCE_M * FARTHEST_SOURCE_M) as f32;
-        if square_m2.is_nan() || square_m2 > FARTHEST_M2 {
+        const MAX_DISTANCE_M2: f32 = (FARTHEST_SOURCE_M * FARTHEST_SOURCE_M) as f32;
+        if square_m2.is_nan() || square_m2 > MAX_DISTANCE_M2 {
             return None;
         }
         const PER_NEAREST_M2: f32 = (1.0 / (NEAREST_SOURCE_M * NEAREST_SOURCE_M)) as f32;

@@ -4,8 +4,8 @@ use crate::error::SceneError;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Longest id, characters.
-const LONGEST: usize = 64;
+/// Maximum length of an id, characters.
+const MAX_LENGTH: usize = 64;
 
 /// The name of a scene: 1 to 64 of `a-z`, `0-9`, `-`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -19,8 +19,8 @@ impl SceneId {
     /// [`SceneError::InvalidId`].
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
-        if text.is_empty() || text.len() > LONGEST || !text.chars().all(allowed) {
-            return Err(SceneError::InvalidId { id: text.chars().take(2 * LONGEST).collect() });
+        if text.is_empty() || text.len() > MAX_LENGTH || !text.chars().all(allowed) {
+            return Err(SceneError::InvalidId { id: text.chars().take(2 * MAX_LENGTH).collect() });
         }
         Ok(Self(text.to_owned()))
     }
@@ -39,7 +39,7 @@ impl SceneId {
             } else if !id.is_empty() && !id.ends_with('-') {
                 id.push('-');
             }
-            if id.len() == LONGEST {
+            if id.len() == MAX_LENGTH {
                 break;
             }
         }

@@ -11,9 +11,9 @@ const MAGIC: &[u8; 8] = b"SKYGLOW\x01";
 const NAME_LENGTH: usize = 16;
 const ENTRY_LENGTH: usize = NAME_LENGTH + 16;
 /// Fast, and deterministic for one version of zstd.
-const LEVEL: i32 = 3;
+const ZSTD_LEVEL: i32 = 3;
 /// No section unpacks to more than this.
-const LARGEST: u64 = 1 << 36;
+const MAX_SECTION_BYTES: u64 = 1 << 36;
 
 /// What is wrong with the bytes of a file.
 pub(crate) type Flaw = String;
@@ -28,7 +28,7 @@ pub(crate) fn pack(sections: &[(String, Cow<'_, [u8]>)]) -> Result<Vec<u8>, std:
         padded[..name.len()].copy_from_slice(name.as_bytes());
         header.extend(padded);
         header.extend((raw.len() as u64).to_le_bytes());
-        let packed = zstd::bulk::compress(raw, LEVEL)?;
+        let packed = zstd::bulk::compress(raw, ZSTD_LEVEL)?;
         let stored = if packed.len() < raw.len() { &packed[..] } else { raw };
         header.extend((stored.len() as u64).to_le_bytes());
         body.extend_from_slice(stored);
@@ -68,8 +68,9 @@ impl<'a> Sections<'a> {
             let raw = u64::from_le_bytes(number(bytes, at + NAME_LENGTH)?);
             let stored = u64::from_le_bytes(number(bytes, at + NAME_LENGTH + 8)?) as usize;
             let part = start.checked_add(stored).and_then(|end| bytes.get(start..end));
-            let part =
-                part.filter(|_| raw <= LARGEST).ok_or_else(|| format!("ends within its part \"{name}\""))?;
+            let part = part
+                .filter(|_| raw <= MAX_SECTION_BYTES)
+                .ok_or_else(|| format!("ends within its part \"{name}\""))?;
             entries.insert(name, (raw as usize, part));
             start += stored;
         }

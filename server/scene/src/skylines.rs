@@ -22,17 +22,17 @@ pub const SKYLINE_AZIMUTH_COUNT: usize = 32;
 pub const SKYLINE_DISTANCES_M: [f64; DISTANCE_COUNT] =
     [500.0, 1_000.0, 2_000.0, 4_000.0, 8_000.0, 16_000.0, 32_000.0, 64_000.0, 128_000.0];
 const DISTANCE_COUNT: usize = 9;
-/// ln of a reach over the one before.
+/// ln of a distance over the one before.
 const DISTANCE_LOG_STEP: f64 = std::f64::consts::LN_2;
 /// Codes a node of the axis of blocking angles: 0.014° near the open sky, 2 % of the angle above half a degree.
 const STEPS_PER_NODE: f64 = 36.0;
-/// The highest code.
-const LAST_CODE: f64 = STEPS_PER_NODE * (BLOCKING_COUNT - 1) as f64;
+/// The largest code.
+const MAX_CODE: f64 = STEPS_PER_NODE * (BLOCKING_COUNT - 1) as f64;
 
 /// Tangent of an elevation angle so low (0.007°) that its code is that of the open sky.
 pub(crate) const MIN_TANGENT: f64 = 1.2e-4;
 
-/// Highest terrain of one light, `[azimuth][reach]`.
+/// Highest terrain of one light, `[azimuth][distance]`.
 pub(crate) type Skyline = [[u8; DISTANCE_COUNT]; SKYLINE_AZIMUTH_COUNT];
 
 /// The skylines of lights, by the index of the light.
@@ -55,8 +55,8 @@ pub(crate) fn code_of(tangent: f64) -> u8 {
 /// Differences from the code of the distance before: mostly 0, so they pack well.
 fn steps(codes: &[u8; DISTANCE_COUNT]) -> [u8; DISTANCE_COUNT] {
     let mut steps = *codes;
-    for reach in 1..DISTANCE_COUNT {
-        steps[reach] = codes[reach].wrapping_sub(codes[reach - 1]);
+    for distance in 1..DISTANCE_COUNT {
+        steps[distance] = codes[distance].wrapping_sub(codes[distance - 1]);
     }
     steps
 }
@@ -99,10 +99,10 @@ impl Skylines {
             return 0.0;
         }
         let skyline = &self.blocked[at as usize];
-        // Towards the nearest distance of any source, half of the first reach, it falls to nothing.
-        let reach = (log_distance / DISTANCE_LOG_STEP).clamp(0.0, DISTANCE_COUNT as f64);
-        let outer = (reach as usize).min(DISTANCE_COUNT - 1);
-        let out = reach - outer as f64;
+        // Towards the nearest distance of any source, half of the first distance, it falls to nothing.
+        let distance = (log_distance / DISTANCE_LOG_STEP).clamp(0.0, DISTANCE_COUNT as f64);
+        let outer = (distance as usize).min(DISTANCE_COUNT - 1);
+        let out = distance - outer as f64;
         let column = turns * SKYLINE_AZIMUTH_COUNT as f64;
         let left = column as usize;
         let along = column - left as f64;
@@ -112,7 +112,7 @@ impl Skylines {
             inner + out * (f64::from(codes[outer]) - inner)
         };
         let code = (1.0 - along) * code_at(left) + along * code_at(left + 1);
-        code.min(LAST_CODE) / STEPS_PER_NODE
+        code.min(MAX_CODE) / STEPS_PER_NODE
     }
 
     /// The skylines of the blocks of a level of the light pyramid from those of the level below (pixels below level
@@ -181,8 +181,8 @@ impl Skylines {
         }
         let mut blocked: Vec<Skyline> = pod_collect_to_vec(&codes);
         for codes in blocked.iter_mut().flatten() {
-            for reach in 1..DISTANCE_COUNT {
-                codes[reach] = codes[reach].wrapping_add(codes[reach - 1]);
+            for distance in 1..DISTANCE_COUNT {
+                codes[distance] = codes[distance].wrapping_add(codes[distance - 1]);
             }
         }
         Ok(Self { at, blocked })

@@ -1,4 +1,4 @@
-//! What cannot be meant is refused in one sentence, and nothing is left behind.
+//! Invalid input is refused in one sentence, and nothing is left behind.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 

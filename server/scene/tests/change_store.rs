@@ -1,4 +1,4 @@
-//! What was painted and planned comes back as it was, or is refused.
+//! Stored scenarios and plans are read back exactly, or refused.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 

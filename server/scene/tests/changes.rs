@@ -1,4 +1,4 @@
-//! Painted and dimmed scenes against scenes of rasters that were changed before they were ingested.
+//! Edited and dimmed scenes against scenes of rasters that were changed before ingest.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 

@@ -1,4 +1,4 @@
-//! Sums over all lights at every place, against the plain sum over places and pixels.
+//! Dual-tree sums over all lights at every place, against the direct sum over places and pixels.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 
@@ -51,8 +51,8 @@ fn on_rings(altitude_m: f64, distance_m: f64, offset_m: f64) -> f64 {
     low + (ring - below as f64) * (high - low)
 }
 
-/// The plain sum, pixels near by split as the reference does.
-fn plain_sum(scene: &Scene, place: GeoPoint, altitude_m: f64) -> f64 {
+/// The direct sum, pixels near by split as the reference does.
+fn direct_sum(scene: &Scene, place: GeoPoint, altitude_m: f64) -> f64 {
     let pixels = scene.source_pixels_within(place, FARTHEST_SOURCE_M);
     let one = |source: &skyglow_physics::PointSource| {
         source.flux_dnb_w * on_rings(altitude_m, source.distance_m, source.altitude_m - altitude_m)
@@ -84,7 +84,7 @@ fn errors(
     scene: &Scene,
     step_of_places: usize,
     hides: bool,
-    truth: impl Fn(&Scene, GeoPoint, f64) -> f64,
+    reference: impl Fn(&Scene, GeoPoint, f64) -> f64,
 ) -> Vec<f64> {
     let lattice = scene.place_lattice(usize::MAX);
     assert_eq!(lattice.step, 1);
@@ -95,12 +95,12 @@ fn errors(
         .step_by(step_of_places)
         .filter_map(|at| {
             let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
-            let wanted = truth(scene, scene.pixel_center(column, row), f64::from(altitudes_m[at]));
+            let expected = reference(scene, scene.pixel_center(column, row), f64::from(altitudes_m[at]));
             // Where there is nothing there is to be nothing.
-            if wanted == 0.0 {
+            if expected == 0.0 {
                 (sums[at] != 0.0).then_some(f64::INFINITY)
             } else {
-                Some((f64::from(sums[at]) / wanted - 1.0).abs())
+                Some((f64::from(sums[at]) / expected - 1.0).abs())
             }
         })
         .collect();
@@ -129,7 +129,7 @@ fn dual_tree_sums_match_direct_sums() {
         let mut raster = TestRaster::scattered(640, 500);
         raster.geotransform = [west, STEP, 0.0, north, 0.0, -STEP];
         let scene = TestStore::new().scene(&raster);
-        assert_small(&errors(&scene, 9_973, false, plain_sum), 1e-3, 4e-3);
+        assert_small(&errors(&scene, 9_973, false, direct_sum), 1e-3, 4e-3);
     }
 }
 
@@ -140,7 +140,7 @@ fn a_distant_town_lights_a_dark_place() {
     let scene = TestStore::new().scene(&raster);
     // At 300 km it ends: what a place just there has of it hangs on which of its pixels are nearer.
     let nearer = |scene: &Scene, place: GeoPoint, altitude_m: f64| {
-        let all = plain_sum(scene, place, altitude_m);
+        let all = direct_sum(scene, place, altitude_m);
         let reach_m = FARTHEST_SOURCE_M - 10_000.0;
         if scene.source_pixels_within(place, reach_m).len() == 12 * 9 { all } else { f64::NAN }
     };
@@ -160,7 +160,7 @@ fn projected_grids_and_large_pixels_are_summed() {
     large.geotransform = [10.0, 0.1, 0.0, 50.0, 0.0, -0.1];
     for raster in [projected, large] {
         let scene = TestStore::new().scene(&raster);
-        assert_small(&errors(&scene, 1_009, false, plain_sum), 2e-3, 1e-2);
+        assert_small(&errors(&scene, 1_009, false, direct_sum), 2e-3, 1e-2);
     }
 }
 
@@ -177,7 +177,7 @@ fn hills_raise_observers_and_hide_lights() {
     hills.write_f32(&path);
     let scene =
         test_store.scene_with(&TestRaster::scattered(400, 400), |options| options.terrain = vec![path]);
-    assert_small(&errors(&scene, 2_503, false, plain_sum), 2e-3, 1e-2);
+    assert_small(&errors(&scene, 2_503, false, direct_sum), 2e-3, 1e-2);
     let hidden = errors(&scene, 2_503, true, polar_sum);
     assert_small(&hidden, 3e-3, 2e-2);
     // The negative control: what is hidden shows.
@@ -197,7 +197,7 @@ fn a_dimmed_scene_has_the_sums_of_its_own_lights() {
     let area = Area::Polygons(vec![vec![corners.to_vec()]]);
     let edit = Edit { area, change: Change::Alter { factor: 0.1, lamp: None, emission: None } };
     let (dimmed, _) = scene.changed(&[ChangeStep::Painted(vec![edit])], "test").unwrap();
-    assert_small(&errors(&dimmed, 4_001, false, plain_sum), 1e-3, 4e-3);
+    assert_small(&errors(&dimmed, 4_001, false, direct_sum), 1e-3, 4e-3);
     let lattice = scene.place_lattice(usize::MAX);
     let ((before, _), (after, _)) = (sums(&scene, lattice, false), sums(&dimmed, lattice, false));
     assert!(before.iter().zip(&after).all(|(before, after)| after < before));
@@ -213,9 +213,9 @@ fn coarse_lattices_sum_at_block_centres() {
     for (column, row) in [(0u32, 0u32), (74, 49), (31, 17)] {
         let (x, y) = (f64::from(4 * column + 2), f64::from(4 * row + 2));
         let middle = place(-1.0 - STEP * y, 37.0 + STEP * x);
-        let wanted = plain_sum(&scene, middle, 2.0);
+        let expected = direct_sum(&scene, middle, 2.0);
         let got = f64::from(sums[(row * 75 + column) as usize]);
-        assert!((got / wanted - 1.0).abs() < 4e-3, "{got} {wanted}");
+        assert!((got / expected - 1.0).abs() < 4e-3, "{got} {expected}");
     }
     // Nobody can be where there is no altitude.
     let mut nowhere = altitudes_m.clone();
@@ -282,8 +282,12 @@ fn places_off_the_world_have_no_sum() {
         }
         let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
         let place = scene.lattice_place(lattice, column, row);
-        let wanted = plain_sum(&scene, place, f64::from(altitudes_m[at]));
-        assert!((f64::from(sums[at]) / wanted - 1.0).abs() < 0.02, "{column} {row}: {} {wanted}", sums[at]);
+        let expected = direct_sum(&scene, place, f64::from(altitudes_m[at]));
+        assert!(
+            (f64::from(sums[at]) / expected - 1.0).abs() < 0.02,
+            "{column} {row}: {} {expected}",
+            sums[at]
+        );
         compared += 1;
     }
     assert!(compared > 40, "{compared}");

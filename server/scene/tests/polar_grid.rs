@@ -222,10 +222,10 @@ fn far_blocks_change_less_than_splatting() {
     let (mut by_blocks, mut by_splat) = (0f64, 0f64);
     for k in 0..16 {
         let towards = f64::from(k) * std::f64::consts::TAU / 16.0;
-        let truth = weigh(exact.iter().map(|s| (s.azimuth_rad, s.distance_m, s.flux_dnb_w)), towards);
+        let reference = weigh(exact.iter().map(|s| (s.azimuth_rad, s.distance_m, s.flux_dnb_w)), towards);
         let [blocks, pixels] = [&blocks, &pixels].map(|grid| weigh(cells_of(grid), towards));
         by_blocks = by_blocks.max((blocks / pixels - 1.0).abs());
-        by_splat = by_splat.max((pixels / truth - 1.0).abs());
+        by_splat = by_splat.max((pixels / reference - 1.0).abs());
     }
     println!("blocks change it by {by_blocks:.1e}, the splat by {by_splat:.1e}");
     assert!(by_blocks < 1e-4 && by_splat < 3e-3);

@@ -1,4 +1,4 @@
-//! Scenes on disk: whole, or refused by the name of the file; quick to open.
+//! Scenes on disk: complete, or refused naming the file.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
 

@@ -21,11 +21,11 @@ pub struct PlaceLattice {
 }
 
 impl PlaceLattice {
-    /// On a raster of so many pixels, a place for each where those are `most` at most, else for blocks of the smallest
+    /// On a raster of so many pixels, a place for each where those are `max_places` at most, else for blocks of the smallest
     /// power of two that makes it so.
-    pub fn within(width: u32, height: u32, most: usize) -> Self {
+    pub fn within(width: u32, height: u32, max_places: usize) -> Self {
         let mut step = 1u32;
-        while (width / step).max(1) as usize * (height / step).max(1) as usize > most.max(1) {
+        while (width / step).max(1) as usize * (height / step).max(1) as usize > max_places.max(1) {
             step *= 2;
         }
         let steps = [step.min(width), step.min(height)];
@@ -94,12 +94,12 @@ mod tests {
     /// A lattice has at most the allowed number of places and lies on the raster.
     #[test]
     fn lattices_respect_the_limit_and_the_raster() {
-        for (width, height, most, step) in
+        for (width, height, max_places, step) in
             [(10, 7, 70, 1), (10, 7, 69, 2), (1, 1, 1, 1), (1000, 3, 130, 8), (5, 5, 0, 4)]
         {
-            let lattice = PlaceLattice::within(width, height, most);
-            assert_eq!(lattice.step, step, "{width} {height} {most}");
-            assert!(lattice.len() <= most.max(1));
+            let lattice = PlaceLattice::within(width, height, max_places);
+            assert_eq!(lattice.step, step, "{width} {height} {max_places}");
+            assert!(lattice.len() <= max_places.max(1));
             let (x, y) = lattice.position(f64::from(lattice.columns - 1), f64::from(lattice.rows - 1));
             assert!(x < f64::from(width) && y < f64::from(height));
         }

@@ -48,7 +48,7 @@ fn is_time(text: &str) -> bool {
     let parts: Vec<&str> = clock.split(':').collect();
     let [hour, minute, second] = parts[..] else { return false };
     // 60 is a leap second.
-    let in_range = |text: &str, most: u32| number(text, 2).is_some_and(|n| n <= most);
+    let in_range = |text: &str, max: u32| number(text, 2).is_some_and(|n| n <= max);
     in_range(hour, 23)
         && in_range(minute, 59)
         && in_range(second, 60)

@@ -77,12 +77,10 @@ const MAX_SIDE: usize = 500_000;
 impl IngestOptions {
     /// Refuses rasters of absurd size, before memory is taken for a row of one.
     pub(super) fn check_size(&self, (width, height): (usize, usize)) -> Result<(), String> {
-        let Some(most) = self.max_pixels else { return Ok(()) };
-        let is_small = width.max(height) <= MAX_SIDE && width as u64 * height as u64 <= most;
+        let Some(max) = self.max_pixels else { return Ok(()) };
+        let is_small = width.max(height) <= MAX_SIDE && width as u64 * height as u64 <= max;
         let reason = || {
-            format!(
-                "it has {width} x {height} pixels; allowed are {most} in all, and {MAX_SIDE} along a side"
-            )
+            format!("it has {width} x {height} pixels; allowed are {max} in all, and {MAX_SIDE} along a side")
         };
         if is_small { Ok(()) } else { Err(reason()) }
     }

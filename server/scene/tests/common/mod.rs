@@ -1,4 +1,4 @@
-//! Rasters made for tests.
+//! Rasters made for tests, and the rule for tests of real ones.
 
 #![allow(dead_code, reason = "each test file uses its own part of this module")]
 
@@ -73,7 +73,7 @@ impl TestRaster {
     }
 }
 
-/// A store in a folder that goes away with it.
+/// A store in a temporary folder.
 pub(crate) struct TestStore {
     pub(crate) dir: TempDir,
     pub(crate) store: SceneStore,
@@ -109,7 +109,7 @@ impl TestStore {
         self.scene_with(raster, |_| {})
     }
 
-    /// What a refused raster is told; nothing may be left behind.
+    /// The error of a refused raster; nothing may be left behind.
     pub(crate) fn refusal(&self, options: &IngestOptions) -> String {
         let error = self.ingest(options).unwrap_err().to_string();
         let left: Vec<_> =
