@@ -19,7 +19,8 @@ const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
 const zenithOf = async (place, more = "") =>
   (await getJson(skyPath(here.scene, "sky", place, more))).sky.zenith_brightness_mag_arcsec2.toFixed(2);
 
-test("a link restores place, map, air, lamp, projection, light and layers, and so does a reload", async () => {
+/** A link restores place, map, air, lamp, projection, light and layers, and so does a reload. */
+test("a link and a reload restore the whole view", async () => {
   const { beside } = here;
   const link = fragment(
     beside,
@@ -60,7 +61,8 @@ test("a link restores place, map, air, lamp, projection, light and layers, and s
   await context.close();
 });
 
-test("the browser's back button returns to the place before", async () => {
+/** The browser's back button returns to the place before. */
+test("the back button returns to the place before", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -76,7 +78,8 @@ test("the browser's back button returns to the place before", async () => {
   await context.close();
 });
 
-test("the search box finds a town by the beginning of its name and shows its sky", async () => {
+/** The search box finds a town by the beginning of its name and shows its sky. */
+test("the search box finds a town and shows its sky", async () => {
   const opened = await openPage(browser);
   const { page, context } = opened;
   const search = page.getByRole("combobox", { name: /search/i });
@@ -91,7 +94,8 @@ test("the search box finds a town by the beginning of its name and shows its sky
   await context.close();
 });
 
-test("a sky over ground that the terrain does not have says so among its numbers", async () => {
+/** A sky over ground that the terrain does not have says so among its numbers. */
+test("missing terrain is a warning", async () => {
   const opened = await openPage(browser);
   const { page, context } = opened;
   const said = "the terrain has no data within 5 km of this place: the ground is taken at sea level";
@@ -111,7 +115,8 @@ test("a sky over ground that the terrain does not have says so among its numbers
   await context.close();
 });
 
-test("a place outside the scene is told in the server's words, and the viewer goes on", async () => {
+/** A place outside the scene is told in the server's words, and the viewer goes on. */
+test("a place outside the scene is a problem", async () => {
   const opened = await openPage(browser, fragment(here.outside));
   const { page, context, faults } = opened;
   const notice = page.getByRole("alert");
@@ -137,7 +142,8 @@ test("a place outside the scene is told in the server's words, and the viewer go
   await context.close();
 });
 
-test("a newer pick overtakes an older one whose answer is late", async () => {
+/** A newer pick overtakes an older one whose answer is late. */
+test("a newer pick overtakes an older one", async () => {
   const opened = await openPage(browser);
   const { page, context } = opened;
   let cancelled = 0;
@@ -165,7 +171,8 @@ test("a newer pick overtakes an older one whose answer is late", async () => {
   await context.close();
 });
 
-test("a busy server is asked again after the time it names", async () => {
+/** A busy server is asked again after the time it names. */
+test("a busy server is asked again", async () => {
   const opened = await openPage(browser);
   const { page, context, faults } = opened;
   let refused = 0;
@@ -197,7 +204,8 @@ test("a server that has gone away is said so", async () => {
   await context.close();
 });
 
-test("the keyboard alone picks the place in the middle, reads the sky and switches the projection", async () => {
+/** The keyboard alone picks the place in the middle, reads the sky and switches the projection. */
+test("the keyboard alone picks a place and reads", async () => {
   const { town } = here;
   const opened = await openPage(browser, `#scene=${here.scene.id}&map=9/${town.latitude_deg}/${town.longitude_deg}`);
   const { page, context } = opened;
@@ -234,7 +242,8 @@ test("the keyboard alone picks the place in the middle, reads the sky and switch
   await context.close();
 });
 
-test("a phone shows everything without scrolling sideways", async () => {
+/** A phone shows everything without scrolling sideways. */
+test("a phone needs no scrolling sideways", async () => {
   const opened = await openPage(browser, fragment(here.beside), PHONE);
   const { page, context } = opened;
   await skyShown(page);
@@ -251,7 +260,8 @@ test("a phone shows everything without scrolling sideways", async () => {
   await context.close();
 });
 
-test("red light leaves no green and no blue on the screen", async () => {
+/** Red light leaves no green and no blue on the screen. */
+test("red light leaves no green and no blue", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -267,7 +277,8 @@ test("red light leaves no green and no blue on the screen", async () => {
   await context.close();
 });
 
-test("the viewer works under a policy that allows nothing but its own server", async () => {
+/** The viewer works under a policy that allows nothing but its own server. */
+test("the viewer works under a strict policy", async () => {
   const context = await browser.newContext();
   const page = await context.newPage();
   const violations = [];
@@ -287,7 +298,8 @@ test("the viewer works under a policy that allows nothing but its own server", a
   await context.close();
 });
 
-test("without WebGL the viewer says so, and the search box still shows skies", async () => {
+/** Without WebGL the viewer says so, and the search box still shows skies. */
+test("without WebGL the search still shows skies", async () => {
   const context = await browser.newContext();
   const page = await context.newPage();
   await page.addInitScript(() => {
@@ -307,7 +319,8 @@ test("without WebGL the viewer says so, and the search box still shows skies", a
   await context.close();
 });
 
-test("the page's own files are less than 500 kB on the way until the map is there", async () => {
+/** The page's own files are less than 500 kB on the way until the map is there. */
+test("the page's files are less than 500 kB", async () => {
   const context = await browser.newContext();
   const page = await context.newPage();
   await page.goto(`${SERVER}/#scene=${here.scene.id}`);
@@ -324,7 +337,8 @@ test("the page's own files are less than 500 kB on the way until the map is ther
   await context.close();
 });
 
-test("the browser's own place is picked when it is asked for, and a refusal is said in plain words", async () => {
+/** The browser's own place is picked when it is asked for, and a refusal is said in plain words. */
+test("the browser's own place is picked", async () => {
   const { latitude_deg: latitude, longitude_deg: longitude } = here.beside;
   const context = await browser.newContext({ geolocation: { latitude, longitude }, permissions: ["geolocation"] });
   const page = await context.newPage();

@@ -21,7 +21,8 @@ async function press(page, key, times = 1) {
   for (let i = 0; i < times; i++) await page.keyboard.press(key);
 }
 
-test("layers, plans of both kinds, both lines and the look of the sky are reached and moved by keys", async () => {
+/** Layers, plans of both kinds, both lines and the look of the sky are reached and moved by keys. */
+test("all controls are reached and moved by keys", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);

@@ -8,7 +8,8 @@ const GERMAN = { ...DESKTOP, locale: "de-AT" };
 const language = (page) => page.getAttribute("html", "lang");
 const welcome = (page) => page.locator(".welcome h2").textContent();
 
-test("a German browser gets a German page, numbers and all", async () => {
+/** A German browser gets a German page, numbers and all. */
+test("a German browser gets a German page", async () => {
   const opened = await openPage(browser, "", GERMAN);
   const { page, context } = opened;
   assert.equal(await language(page), "de");
@@ -34,7 +35,8 @@ test("a German browser gets a German page, numbers and all", async () => {
   await context.close();
 });
 
-test("another language is chosen, stays after a reload, and shows the same place", async () => {
+/** Another language is chosen, stays after a reload, and shows the same place. */
+test("another language stays after a reload", async () => {
   const opened = await openPage(browser, fragment(here.beside), GERMAN);
   const { page, context } = opened;
   await skyShown(page);
@@ -55,7 +57,8 @@ test("another language is chosen, stays after a reload, and shows the same place
   await context.close();
 });
 
-test("English serves where the language's file does not come, and for languages that nobody has written", async () => {
+/** English serves where the language's file does not come, and for languages that nobody has written. */
+test("English serves where a language fails", async () => {
   const context = await browser.newContext({ ...GERMAN, serviceWorkers: "block" });
   const page = await context.newPage();
   await page.route(/german/, (route) => route.abort());

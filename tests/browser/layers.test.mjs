@@ -9,7 +9,8 @@ async function layerShown(page, name) {
   await page.waitForSelector(`#layer-note-${name}[data-state=shown]`, { timeout: 90_000 });
 }
 
-test("the zenith's brightness is a layer of the map with a legend, of the air and lamps chosen", async () => {
+/** The zenith's brightness is a layer of the map with a legend, of the air and lamps chosen. */
+test("the zenith's brightness is a layer", async () => {
   const opened = await openPage(browser, `#scene=${here.scene.id}`);
   const { page, context, asked } = opened;
   await layerShown(page, "radiance");
@@ -35,7 +36,8 @@ test("the zenith's brightness is a layer of the map with a legend, of the air an
   await context.close();
 });
 
-test("which lights cause a place's sky is a layer that follows the place and the measure", async () => {
+/** Which lights cause a place's sky is a layer that follows the place and the measure. */
+test("the lights that cause a sky are a layer", async () => {
   const opened = await openPage(browser, `#scene=${here.scene.id}`);
   const { page, context, asked } = opened;
   assert.ok(await page.locator("#layer-influence").isDisabled());

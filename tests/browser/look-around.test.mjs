@@ -10,7 +10,8 @@ const lookOf = async (page) => {
   return text === null ? null : text.split("/").map(Number);
 };
 
-test("one looks around with the mouse, the wheel and the keyboard, and a link looks there again", async () => {
+/** One looks around with the mouse, the wheel and the keyboard, and a link looks there again. */
+test("looking around by mouse, wheel and keyboard", async () => {
   const { beside, scene } = here;
   const opened = await openPage(browser, `#scene=${scene.id}&lat=${beside.latitude_deg}&lon=${beside.longitude_deg}`);
   const { page, context } = opened;

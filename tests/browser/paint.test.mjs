@@ -28,7 +28,8 @@ async function stroke(page, points) {
   await page.mouse.up();
 }
 
-test("a town painted dark darkens the sky beside it; undo, redo, reload and a name keep what was painted", async () => {
+/** A town painted dark darkens the sky beside it; undo, redo, reload and a name keep what was painted. */
+test("a town painted dark darkens the sky beside it", async () => {
   const opened = await openPage(browser, fragment());
   const { page, context } = opened;
   await skyShown(page);
@@ -108,7 +109,8 @@ test("a town painted dark darkens the sky beside it; undo, redo, reload and a na
   await context.close();
 });
 
-test("a plan goes on from what was painted, and paint goes over a plan", async () => {
+/** A plan goes on from what was painted, and paint goes over a plan. */
+test("plans and paint build on each other", async () => {
   const opened = await openPage(browser, fragment());
   const { page, context } = opened;
   await skyShown(page);
@@ -157,7 +159,8 @@ test("a finger paints on a phone", async () => {
   await context.close();
 });
 
-test("strokes and steps back that overtake a slow answer all count, and a search waits for the last of them", async () => {
+/** Strokes and steps back that overtake a slow answer all count, and a search waits for the last of them. */
+test("strokes that overtake a slow answer all count", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);

@@ -34,7 +34,8 @@ const sideBySide = (page, picture, directions) =>
     { picture, directions },
   );
 
-test("the sky as a camera sees it is the server's at the same exposure, which stays where it is put", async () => {
+/** The sky as a camera sees it is the server's at the same exposure, which stays where it is put. */
+test("the realistic picture is the server's", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -76,7 +77,8 @@ test("the sky as a camera sees it is the server's at the same exposure, which st
   await context.close();
 });
 
-test("numbers, readout and legend come in magnitudes, luminance or times the natural sky", async () => {
+/** Numbers, readout and legend come in magnitudes, luminance or times the natural sky. */
+test("every unit shows in numbers and legend", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -107,7 +109,8 @@ test("numbers, readout and legend come in magnitudes, luminance or times the nat
   await context.close();
 });
 
-test("whose light it is comes as files, of the measure and the lights that are shown", async () => {
+/** Whose light it is comes as files, of the measure and the lights that are shown. */
+test("influences can be downloaded", async () => {
   const opened = await openPage(browser, fragment(here.beside, "&measure=horizontal&turbidity=3"));
   const { page, context } = opened;
   await skyShown(page);
@@ -124,7 +127,8 @@ test("whose light it is comes as files, of the measure and the lights that are s
   await context.close();
 });
 
-test("the link to the view is copied, or shown where the browser forbids that", async () => {
+/** The link to the view is copied, or shown where the browser forbids that. */
+test("the link to the view is copied", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);

@@ -10,7 +10,8 @@ async function findPlan(page) {
   await page.waitForSelector("#plan-status .plan-reached");
 }
 
-test("a plan makes the zenith as much darker as wished, says whose light goes, and can be left again", async () => {
+/** A plan makes the zenith as much darker as wished, says whose light goes, and can be left again. */
+test("a plan makes the zenith darker", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context, asked } = opened;
   await skyShown(page);
@@ -134,7 +135,8 @@ async function until(isSo, why) {
   }
 }
 
-test("sliders of influence change the sky as they move, and what they rest on is kept", async () => {
+/** Sliders of influence change the sky as they move, and what they rest on is kept. */
+test("sliders of influence change the sky live", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context, asked } = opened;
   const kept = keptBy(page);
@@ -178,7 +180,8 @@ test("sliders of influence change the sky as they move, and what they rest on is
   await context.close();
 });
 
-test("what is only tried is kept before anything goes on from it, and never comes back over what was chosen since", async () => {
+/** What is only tried is kept before anything goes on from it, and never comes back over what was chosen since. */
+test("a trial plan is stored before it is used", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   const kept = keptBy(page);
@@ -220,7 +223,8 @@ test("what is only tried is kept before anything goes on from it, and never come
   await context.close();
 });
 
-test("a plan that cannot reach what is wished says why and shows the best there is", async () => {
+/** A plan that cannot reach what is wished says why and shows the best there is. */
+test("an unreachable target is explained", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -236,7 +240,8 @@ test("a plan that cannot reach what is wished says why and shows the best there 
   await context.close();
 });
 
-test("a link to a plan that is no longer kept is said to be one, and today's sky is shown", async () => {
+/** A link to a plan that is no longer kept is said to be one, and today's sky is shown. */
+test("a link to a lost plan shows today's sky", async () => {
   const opened = await openPage(browser, fragment(here.beside, "&scenario=p-00000000000000000000"));
   const { page, context } = opened;
   await page.waitForSelector("#notice:not([hidden])");

@@ -23,7 +23,8 @@ async function circle(page, [x, y], [width, height]) {
   await page.mouse.up();
 }
 
-test("a curve drawn around the sky's south shows the lights that cause it, and a plan can be about it", async () => {
+/** A curve drawn around the sky's south shows the lights that cause it, and a plan can be about it. */
+test("a drawn region shows the lights that cause it", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context, asked } = opened;
   await skyShown(page);
@@ -71,7 +72,8 @@ test("a curve drawn around the sky's south shows the lights that cause it, and a
   await context.close();
 });
 
-test("a part of the sky is marked by keyboard, and Escape ends it without a mark", async () => {
+/** A part of the sky is marked by keyboard, and Escape ends it without a mark. */
+test("a region is drawn by keyboard", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);

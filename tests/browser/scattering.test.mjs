@@ -34,7 +34,8 @@ async function pretend(page, pretended) {
   return asked;
 }
 
-test("the scattering of a sky is among its numbers, and a choice of one is none", async () => {
+/** The scattering of a sky is among its numbers, and a choice of one is none. */
+test("the scattering of a sky is among its numbers", async () => {
   const opened = await openPage(browser, fragment());
   const { page, context } = opened;
   await skyShown(page);
@@ -47,7 +48,8 @@ test("the scattering of a sky is among its numbers, and a choice of one is none"
   await context.close();
 });
 
-test("first-order light can be chosen, with its own turbidities, and a link restores it", async () => {
+/** First-order light can be chosen, with its own turbidities, and a link restores it. */
+test("first-order light can be chosen", async () => {
   const opened = await openPage(browser);
   const { page, context } = opened;
   const both = [
@@ -82,7 +84,8 @@ test("first-order light can be chosen, with its own turbidities, and a link rest
   await context.close();
 });
 
-test("a link to scattering that the server has no tables for shows what it has and says so", async () => {
+/** A link to scattering that the server has no tables for shows what it has and says so. */
+test("a link to absent scattering shows the best", async () => {
   const opened = await openPage(browser);
   const { page, context } = opened;
   await page.route("**/api/v1/atmospheres", (route) =>

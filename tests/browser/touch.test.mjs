@@ -24,7 +24,8 @@ const way = (from, to, steps = 8) =>
     y: from.y + ((to.y - from.y) * i) / steps,
   }));
 
-test("fingers pick a place, switch layers, look around and zoom, and share the view", async () => {
+/** Fingers pick a place, switch layers, look around and zoom, and share the view. */
+test("fingers pick, switch layers, zoom and share", async () => {
   const { beside } = here;
   const opened = await openPage(browser, `#scene=${here.scene.id}&map=8/${beside.latitude_deg}/${beside.longitude_deg}`, PHONE);
   const { page, context } = opened;
@@ -74,7 +75,8 @@ test("fingers pick a place, switch layers, look around and zoom, and share the v
   await context.close();
 });
 
-test("fingers find a plan, and draw the line between its sky and map and those of today", async () => {
+/** Fingers find a plan, and draw the line between its sky and map and those of today. */
+test("fingers find a plan and move the split", async () => {
   const opened = await openPage(browser, fragment(here.beside), PHONE);
   const { page, context } = opened;
   await skyShown(page);

@@ -17,7 +17,8 @@ import { browser, fragment, here } from "./support/stage.mjs";
 
 const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
 
-test("the browser has WebGL2 and the map is drawn with lights and names", async () => {
+/** The browser has WebGL2 and the map is drawn with lights and names. */
+test("the map is drawn with lights and names", async () => {
   const opened = await openPage(browser);
   const { page, context, asked } = opened;
   assert.ok(await page.evaluate(() => document.createElement("canvas").getContext("webgl2") !== null), "no WebGL2 context");
@@ -34,7 +35,8 @@ test("the browser has WebGL2 and the map is drawn with lights and names", async 
   await context.close();
 });
 
-test("the demo is said to be illustrative, and every scene can be chosen", async () => {
+/** The demo is said to be illustrative, and every scene can be chosen. */
+test("the demo is marked as illustrative", async () => {
   const opened = await openPage(browser);
   const { page, context } = opened;
   const options = await page.locator("#scene option").allTextContents();
@@ -48,7 +50,8 @@ test("the demo is said to be illustrative, and every scene can be chosen", async
   await context.close();
 });
 
-test("a click gives a marker, then the site, the numbers and the picture, all as the API says", async () => {
+/** A click gives a marker, then the site, the numbers and the picture, all as the API says. */
+test("a click gives site, numbers and picture", async () => {
   const { beside } = here;
   // With all its motion, for once.
   const moving = { ...DESKTOP, reducedMotion: "no-preference" };
@@ -97,7 +100,8 @@ test("a click gives a marker, then the site, the numbers and the picture, all as
   await context.close();
 });
 
-test("the readout shows the API's own value at the pointed direction", async () => {
+/** The readout shows the API's own value at the pointed direction. */
+test("the readout shows the API's own value", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -133,7 +137,8 @@ test("the readout shows the API's own value at the pointed direction", async () 
   await context.close();
 });
 
-test("the fisheye has east on the left and the zenith in the middle", async () => {
+/** The fisheye has east on the left and the zenith in the middle. */
+test("the fisheye has east on the left", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -162,7 +167,8 @@ test("the fisheye has east on the left and the zenith in the middle", async () =
   await context.close();
 });
 
-test("another lamp and hazier air change the numbers to the API's for them", async () => {
+/** Another lamp and hazier air change the numbers to the API's for them. */
+test("lamps and air change the numbers", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context } = opened;
   await skyShown(page);
@@ -183,7 +189,8 @@ test("another lamp and hazier air change the numbers to the API's for them", asy
   await context.close();
 });
 
-test("terrain hides the sky below the horizon, says so where one points, and can be left out", async () => {
+/** Terrain hides the sky below the horizon, says so where one points, and can be left out. */
+test("terrain hides the sky below the horizon", async () => {
   const valley = { latitude_deg: 46.02, longitude_deg: 7.75 };
   const opened = await openPage(browser, fragment(valley));
   const { page, context, asked } = opened;
@@ -209,7 +216,8 @@ test("terrain hides the sky below the horizon, says so where one points, and can
   await context.close();
 });
 
-test("the natural sky can be added to picture, numbers and readout", async () => {
+/** The natural sky can be added to picture, numbers and readout. */
+test("the natural sky can be added", async () => {
   const opened = await openPage(browser, fragment(here.beside));
   const { page, context, asked } = opened;
   await skyShown(page);

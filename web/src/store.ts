@@ -1,4 +1,4 @@
-// The viewer's state in one place: components watch the parts of it that they show.
+// A store with subscriptions: components watch the parts of the state that they show.
 
 /** A field of the state, or what is made of it. */
 export type Part<S> = keyof S | ((state: Readonly<S>) => unknown);
@@ -15,7 +15,7 @@ export class Store<S extends object> {
     return this.current;
   }
 
-  /** Replaces parts of the state, and tells all who watch one of them. A watcher may set the state again. */
+  /** Replaces parts of the state, and notifies who watches one of them. A watcher may set the state again. */
   set(part: Partial<S>): void {
     this.current = { ...this.current, ...part };
     this.isStale = true;

@@ -35,10 +35,10 @@ export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 export type PlanQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/plans">, "query">;
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 
-/** How often a busy server (429, 503) is asked again before the viewer gives up. */
+/** Retries of a busy server (429, 503). */
 const RETRIES = 3;
 const MAX_RETRY_WAIT_S = 10;
-/** How often it is asked whether a layer of tiles is found, and how long: then its tiles say what is wrong. */
+/** Interval and limit of polling a layer of tiles; after the limit its tiles report the error. */
 const LAYER_WAIT_S = 0.7;
 const MAX_LAYER_WAIT_S = 300;
 
@@ -88,7 +88,7 @@ function post<P extends Path<"post">, O extends Operation<"post", P>>(
   return request(buildUrl(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
 }
 
-/** Asks until there is an answer: the same question has the same answer, also where something is kept. */
+/** Repeats a request while the server is busy. All requests are idempotent. */
 async function request<A>(url: string, init: RequestInit & { signal: AbortSignal }): Promise<A> {
   const { signal } = init;
   for (let attempt = 0; ; attempt++) {
@@ -127,7 +127,7 @@ export const api = {
     post("/api/v1/scenes/{scene}/scenarios", { scene }, {}, body, signal),
   plan: (plan: string, limit: number, signal: AbortSignal) => get("/api/v1/plans/{plan}", { plan }, { limit }, signal),
   scenario: (scenario: string, signal: AbortSignal) => get("/api/v1/scenarios/{scenario}", { scenario }, {}, signal),
-  /** Describes a layer of tiles once what they show is found. */
+  /** The description of a layer, once it is computed. */
   layer: async (scene: string, layer: string, query: LayerQuery, signal: AbortSignal) => {
     for (let waitedS = 0; ; waitedS += LAYER_WAIT_S) {
       const description = await get("/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json", { scene, layer }, query, signal);

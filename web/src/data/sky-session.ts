@@ -25,7 +25,7 @@ export class SkySession {
     });
   }
 
-  /** Asks for a sky, and for today's to compare it with, unless they are the ones already asked for. */
+  /** Requests a sky, and today's to compare it with, unless these are the last requests. */
   private async load(scene: string, parameters: SkyParameters, today: SkyParameters | null): Promise<void> {
     const requested = JSON.stringify([scene, parameters, today]);
     if (requested === this.requested) return;
@@ -58,7 +58,7 @@ export class SkySession {
     }
   }
 
-  /** Forgets the sky and what was asked; answers still on their way are dropped. */
+  /** Forgets the sky and cancels its requests. */
   private cancel(): void {
     this.restart();
     this.requested = "";

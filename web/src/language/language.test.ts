@@ -16,7 +16,8 @@ function leaves(value: unknown, name = ""): [string, Leaf][] {
 }
 
 for (const [code, { load }] of Object.entries(LANGUAGES)) {
-  test(`${code} has every word, and says what it is given`, async () => {
+  /** A language has every word, and says what it is given. */
+  test(`${code} has every word`, async () => {
     const spoken = await load();
     assert.equal(spoken.locale, code);
     const wanted = leaves(english);
@@ -38,7 +39,8 @@ for (const [code, { load }] of Object.entries(LANGUAGES)) {
     }
   });
 
-  test(`the page can be filled with the words of ${code}`, async () => {
+  /** The page can be filled with the words of A language. */
+  test(`the page takes the words of ${code}`, async () => {
     const page = pageWithWords(PAGE, await load());
     assert.doesNotMatch(page, /data-text="[^"]*"[^<>]*><\//);
     assert.match(page, /<li data-text="welcome\.pick"><b>[^<]+<\/b>[^<]+<\/li>/);
@@ -58,7 +60,8 @@ test("the page has no words of its own", () => {
   assert.doesNotMatch(PAGE, /\s(aria-label|title|placeholder|data-waiting)="/);
 });
 
-test("a page that wants words that there are not is no page", () => {
+/** A page that wants words that there are not is no page. */
+test("a page of unknown words is refused", () => {
   assert.throws(() => pageWithWords(`<p data-text="welcome.nothing"></p>`, english), /welcome\.nothing/);
   assert.throws(() => pageWithWords(`<p data-text="plan.percent"></p>`, english), /plan\.percent/);
   assert.throws(() => pageWithWords(`<p data-text-colour="welcome.title"></p>`, english), /data-text-colour/);
@@ -69,7 +72,8 @@ test("a page that wants words that there are not is no page", () => {
   );
 });
 
-test("the first known language is spoken, English where there is none", () => {
+/** The first known language is spoken, English where there is none. */
+test("the first known language is taken", () => {
   assert.equal(matchLanguage(["de-AT", "en"]), "de");
   assert.equal(matchLanguage(["tlh", "en-GB", "de"]), "en");
   assert.equal(matchLanguage(["constructor"]), "en");

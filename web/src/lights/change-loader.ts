@@ -32,7 +32,7 @@ export class ChangeLoader {
       this.events.loaded(change);
     } catch (reason) {
       if (signal.aborted) return;
-      // Asked for again, it is a new try.
+      // The same request is then a new try.
       this.current = null;
       this.events.failed(reason);
     }

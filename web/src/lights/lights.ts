@@ -23,20 +23,20 @@ import { type Change, idOf, type PlanRequest } from "./plan-request.ts";
 import { PlanSearch } from "./plan-search.ts";
 import { PlanTrial, type StorePlan } from "./plan-trial.ts";
 
-/** Answers that say that a plan or scenario is not there any more. */
+/** Statuses of a plan or scenario that no longer exists. */
 const GONE: readonly number[] = [404, 409, 410];
 /** A slider at rest for this long is tried. */
 const TRIED_AFTER_MS = 120;
 
 export class Lights {
   private scene: string | null = null;
-  /** What searches depend on, as it was last. */
+  /** Key of all that a search depends on. */
   private searchKey = "";
   /** The lights that were chosen here last: others come from elsewhere. */
   private expected: string | null = null;
   /** What the painting last made of the state's scenario: another one comes from elsewhere. */
   private painted: string | null = null;
-  /** What the server last took. */
+  /** The painting that the server last accepted. */
   private accepted: Painting = EMPTY_PAINTING;
   private storing = new AbortController();
   /** When the last stroke is stored, or refused. */
@@ -77,7 +77,7 @@ export class Lights {
     this.trySoon(request);
   }
 
-  /** What a slider was about to ask for is no longer wanted. */
+  /** Cancels the request of a slider that has just moved. */
   stopTrying(): void {
     this.trySoon.cancel();
   }
@@ -161,7 +161,7 @@ export class Lights {
   }
 
   private loaded(change: Change): void {
-    // Whoever painted before it was there painted over it.
+    // What was painted before it came is painted over it.
     const isPainted = change.kind === "scenario" && this.store.state.painting.done.length === 0;
     if (isPainted) this.accepted = paintingFromScenario(change.scenario);
     this.store.set({ change, isTrying: this.trial.isOpen(), ...(isPainted ? { painting: this.accepted } : {}) });
@@ -184,7 +184,7 @@ export class Lights {
     else this.store.set(chosen);
   }
 
-  /** What is looked for is no longer wanted; what was tried last stays in the browser's history, so it is stored. */
+  /** Ends a search. The last plan that was tried stays in the browser's history, so it is stored. */
   private endSearch(): void {
     this.search.stop();
     this.stopTrying();

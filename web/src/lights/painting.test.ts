@@ -39,7 +39,8 @@ const AREA = {
   ],
 } as const;
 
-test("a stroke becomes the edit that its change says", () => {
+/** A stroke becomes the edit that its change says. */
+test("a stroke becomes an edit", () => {
   const brush = {
     points: [
       [9, 46],

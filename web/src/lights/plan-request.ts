@@ -1,4 +1,4 @@
-// What a plan is asked to reach, and what then changes the lights.
+// Requests for reduction plans, and the changes of the lights that result.
 
 import type { PlanBody } from "../api/schema.ts";
 import type { Plan, Scenario } from "../api/types.ts";
@@ -8,23 +8,23 @@ import type { Place } from "../state/view-state.ts";
 export const PLAN_MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
 export type PlanMeasure = (typeof PLAN_MEASURES)[number];
 
-/** The least light for a goal. */
+/** The least light to remove for a target. */
 interface TargetRequest {
   method: "target";
-  /** By this part of what it is, 0 to 1. */
+  /** Relative reduction of the measure, 0 to 1. */
   reduceBy: number;
-  /** The largest part of a light that may go, 0 to 1. */
+  /** Largest part of a light that may be removed, 0 to 1. */
   maxCut: number;
 }
 
-/** The lights of most influence (q_a, q_b as percentiles of the lit pixels). */
+/** The lights above thresholds of influence (q_a, q_b as percentiles of the lit pixels). */
 interface ThresholdRequest {
   method: "threshold";
-  /** So many percent of the pixels, those of least influence, are left alone. */
+  /** Pixels below this percentile of influence are left alone. */
   lowerPercentile: number;
-  /** Those above so many percent lose the most, those between less. */
+  /** Pixels above this percentile are dimmed in full, those between in part. */
   upperPercentile: number;
-  /** The part that those lose, 0 to 1. */
+  /** The part of their light that is removed in full dimming, 0 to 1. */
   gamma: number;
 }
 
@@ -63,7 +63,7 @@ export function planBody(request: PlanRequest, { latitude_deg, longitude_deg }: 
 /** What changes the lights: a plan found by the server, or edits that somebody painted. */
 export type Change = { kind: "plan"; plan: Plan } | { kind: "scenario"; scenario: Scenario };
 
-/** As many of the dimmed pixels are listed, the ones with the most effect first. */
+/** Number of dimmed pixels that are listed, by effect. */
 export const LISTED_PIXELS = 5000;
 
 export function idOf(change: Change): string {

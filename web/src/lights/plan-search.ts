@@ -18,7 +18,7 @@ export class PlanSearch {
 
   constructor(private readonly events: PlanSearchEvents) {}
 
-  /** Looks for what a request takes from the lights of a place's sky. */
+  /** Finds the plan of a request for a place's sky. */
   async find(
     scene: string,
     place: Place,
@@ -44,7 +44,7 @@ export class PlanSearch {
     }
   }
 
-  /** What was looked for is no longer wanted. */
+  /** Cancels the search. */
   stop(): void {
     if (this.current === null) return;
     this.current.abort();

@@ -1,4 +1,4 @@
-// Natural Earth outlines (public domain, by world-atlas), served with the viewer: no outside host is asked.
+// Natural Earth outlines (public domain, by world-atlas), served with the viewer: no request goes to another host.
 
 import type { Feature, FeatureCollection, MultiLineString, Point, Polygon, Position } from "geojson";
 import { feature, mesh } from "topojson-client";

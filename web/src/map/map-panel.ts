@@ -87,13 +87,13 @@ export class MapPanel {
 }
 
 function showLayer(map: SkyMap, layer: LayerName, state: Readonly<AppState>): void {
-  // Its sums take seconds: of plans that are only tried they are not asked for, and what is there stays.
+  // It takes seconds to compute: plans that are only tried leave the last one in place.
   if (layer === "brightness" && state.layers.brightness > 0 && state.isTrying) return;
   const today = isCompared(state) ? layerRequest(layer, state, todaysConditions(state)) : null;
   map.showLayer(layer, layerRequest(layer, state, conditionsOf(state)), today);
 }
 
-/** What a layer is asked for under such conditions; null where there is nothing to show. */
+/** The request for a layer under these conditions; null where there is nothing to show. */
 function layerRequest(layer: LayerName, state: Readonly<AppState>, conditions: Conditions): LayerRequest | null {
   const { place, clouds, layers } = state;
   const { scenario } = conditions;

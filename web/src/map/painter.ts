@@ -14,7 +14,7 @@ export interface Brush {
 const EARTH_CIRCUMFERENCE_M = 40_075_017;
 /** MapLibre's world at zoom 0. */
 const WORLD_PX = 512;
-/** Points of a stroke nearer to each other than this tell nothing. */
+/** Smallest distance between two points of a stroke. */
 const MIN_STEP_PX = 4;
 const STEPS_A_WIDTH = 4;
 const MAX_POINTS = 400;
@@ -160,7 +160,7 @@ export class Painter {
     this.showStroke();
   }
 
-  /** Points nearer to each other than a good part of the brush tell nothing, and their strokes overlap. */
+  /** Points nearer to each other than a part of the brush add nothing, and their strokes overlap. */
   private stepPx(): number {
     if (this.brush?.shape !== "brush") return MIN_STEP_PX;
     const widthPx = widthPxAtZoom0(this.brush.radiusM, this.map.getCenter().lat) * 2 ** this.map.getZoom();
@@ -178,7 +178,7 @@ export class Painter {
     show(this.map.getSource<GeoJSONSource>("stroke"), area === null ? [] : [featureOf(area, false)]);
   }
 
-  /** The stroke is done: its points are told, on one side of the antimeridian and not too many. */
+  /** Ends the stroke: its points lie on one side of the antimeridian, and are not too many. */
   private finish(): void {
     const every = Math.ceil(this.points.length / MAX_POINTS);
     const thinned = this.points.filter((_, i) => i % every === 0);

@@ -1,4 +1,4 @@
-// The layers of tiles on the map: each is asked for when it is to be seen, and again when what it depends on changes.
+// The layers of tiles on the map: each is requested when it becomes visible, and again when its query changes.
 
 import type { Map as MapLibreMap } from "maplibre-gl";
 import { api, type LayerQuery } from "../api/client.ts";
@@ -35,7 +35,7 @@ export class RasterLayers {
     private readonly changed: (name: LayerName, state: LayerState) => void,
   ) {}
 
-  /** Shows a layer as it is wanted; null where there is nothing to show. */
+  /** Shows a layer; null where there is nothing to show. */
   show(name: LayerName, request: LayerRequest | null): void {
     const key = request === null || request.opacity === 0 ? "" : JSON.stringify([request.scene, request.query]);
     const before = this.active.get(name);
@@ -56,13 +56,13 @@ export class RasterLayers {
     this.changed(name, { kind: "loading" });
     this.load(name, request, controller.signal).catch((reason: unknown) => {
       if (controller.signal.aborted) return;
-      // Asked for again, it is a new try.
+      // The same request is then a new try.
       this.active.delete(name);
       this.changed(name, { kind: "failed", reason });
     });
   }
 
-  /** Nothing is wanted any more, and the map may be gone. */
+  /** Cancels all requests; the map may be gone. */
   stop(): void {
     for (const { controller } of this.active.values()) controller.abort();
     this.active.clear();

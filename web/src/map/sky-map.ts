@@ -104,7 +104,7 @@ export class SkyMap {
     this.map.getContainer().dataset.basemap = detail;
   }
 
-  /** A tile that is not there is no news; a source that fails is told once, not for each tile. */
+  /** Missing tiles are no error; a failing source is reported once, not for each tile. */
   private report(event: ErrorEvent & { sourceId?: string; tile?: unknown }, failed: (reason: unknown) => void): void {
     const status = (event.error as { status?: number }).status;
     if (event.tile !== undefined && (status === 404 || status === 204)) return;
@@ -153,9 +153,9 @@ export class SkyMap {
     this.share("scene", { type: "LineString", coordinates: corners });
   }
 
-  /** Shows a layer of tiles as it is wanted, and left of the split as it is today; null where there is nothing to show. */
-  showLayer(name: LayerName, wanted: LayerRequest | null, today: LayerRequest | null): void {
-    this.layers.show(name, wanted);
+  /** Shows a layer of tiles, and left of the split that of today; null where there is nothing to show. */
+  showLayer(name: LayerName, request: LayerRequest | null, today: LayerRequest | null): void {
+    this.layers.show(name, request);
     this.swipe?.showLayer(name, today);
   }
 

@@ -67,8 +67,8 @@ export class Swipe {
     this.map.getSource<GeoJSONSource>(name)?.setData(data);
   }
 
-  showLayer(name: LayerName, wanted: LayerRequest | null): void {
-    this.layers.show(name, wanted);
+  showLayer(name: LayerName, request: LayerRequest | null): void {
+    this.layers.show(name, request);
   }
 
   /** Today's map reaches this part of the width from the left, 0 to 1. */

@@ -90,12 +90,12 @@ export class SkyGrid {
 
   /** The direction of the brightest sample. */
   brightest(): SkySample {
-    let most = 0;
+    let brightest = 0;
     this.artificialCdM2.forEach((value, i) => {
-      if (value > (this.artificialCdM2[most] ?? 0)) most = i;
+      if (value > (this.artificialCdM2[brightest] ?? 0)) brightest = i;
     });
-    const column = most % this.azimuthCount;
-    const row = (most - column) / this.azimuthCount;
+    const column = brightest % this.azimuthCount;
+    const row = (brightest - column) / this.azimuthCount;
     return this.nearest(this.azimuthFirstDeg + column * this.azimuthStepDeg, this.elevationFirstDeg + row * this.elevationStepDeg);
   }
 

@@ -1,4 +1,4 @@
-// The sky as pixels: the grid interpolated bilinearly, in its logarithm through a colour table or as light through a tone map.
+// The sky as pixels by bilinear interpolation: of the logarithm through a colour table, or of light through a tone map.
 
 import { type ColourMapName, colourTable, type PictureStyle } from "./colour-maps.ts";
 import type { SkyGrid, SkyKind } from "./grid.ts";
@@ -19,7 +19,7 @@ export interface PictureLook {
   exposureEv: number;
 }
 
-/** The four samples around a direction in padded rows. */
+/** Interpolation stencil: the four samples around a direction in padded rows. */
 interface Stencil {
   /** Offsets of the lower row and of the upper one. */
   low: number;

@@ -1,4 +1,5 @@
-// The sky as a camera would show it: three bands to sRGB at a fixed exposure. The server's `realistic` is the authority.
+// The sky as a camera would show it: three bands by the CIE 1931 observer (Wyman, Sloan, Shirley 2013) to sRGB (IEC 61966-2-1)
+// at a fixed exposure. The server's `realistic` is the authority.
 
 import { LUMINOUS_EFFICACY_LM_W } from "../photometry.ts";
 

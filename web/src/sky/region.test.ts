@@ -10,14 +10,16 @@ const circle = (azimuthDeg: number, radiusDeg: number, points: number) =>
     return at((azimuthDeg + radiusDeg * Math.cos(turn) + 360) % 360, 30 + radiusDeg * Math.sin(turn));
   });
 
-test("angles are those of great circles, at any size and across north", () => {
+/** Angles are those of great circles, at any size and across north. */
+test("angles are those of great circles", () => {
   assert.ok(Math.abs(angleDeg(at(0, 0), at(90, 0)) - 90) < 1e-9);
   assert.ok(Math.abs(angleDeg(at(359, 0), at(1, 0)) - 2) < 1e-9);
   assert.ok(Math.abs(angleDeg(at(10, 90), at(200, 89)) - 1) < 1e-9);
   assert.ok(Math.abs(angleDeg(at(10, 0), at(10 + 1e-6, 0)) - 1e-6) < 1e-12);
 });
 
-test("a drawn circle keeps its form with few corners, also across north", () => {
+/** A drawn circle keeps its form with few corners, also across north. */
+test("a drawn circle keeps its form", () => {
   const region = regionFromTrail(circle(2, 12, 2000));
   assert.ok(region !== null && region.length >= 20 && region.length <= 80, `${region?.length}`);
   for (const corner of region) assert.ok(Math.abs(angleDeg(corner, at(2, 30)) - 12) < 2.5, JSON.stringify(corner));
@@ -25,13 +27,15 @@ test("a drawn circle keeps its form with few corners, also across north", () => 
   assert.ok(angleDeg(last, region[0] ?? last) > 0.5, "the last corner repeats the first");
 });
 
-test("a click, a line of two directions and nothing are no region", () => {
+/** A click, a line of two directions and nothing are no region. */
+test("a click or a line is no region", () => {
   assert.equal(regionFromTrail([]), null);
   assert.equal(regionFromTrail([at(10, 10), at(10.5, 10), at(10, 10.5)]), null);
   assert.equal(regionFromTrail([at(10, 10), at(40, 10)]), null);
 });
 
-test("a region's text gives it back, and other texts give none", () => {
+/** A region's text gives it back, and other texts give none. */
+test("a region's text gives it back", () => {
   const region = [at(350.5, 3), at(10, 3), at(0, 33.3)];
   assert.equal(textFromRegion(region), "350.5,3;10,3;0,33.3");
   assert.deepEqual(regionFromText(textFromRegion(region)), region);

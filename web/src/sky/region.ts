@@ -1,4 +1,4 @@
-// A part of the sky inside a closed curve, as drawn by hand and as the API takes it.
+// A part of the sky inside a closed curve of great circles (spherical linear interpolation, Shoemake 1985).
 
 import { directionFromVector, type SkyDirection, vectorFromDirection } from "./projection.ts";
 
@@ -6,7 +6,7 @@ import { directionFromVector, type SkyDirection, vectorFromDirection } from "./p
 export type Region = readonly SkyDirection[];
 
 const RADIANS = Math.PI / 180;
-/** A drawn curve keeps no more corners than this, so that a link stays one. */
+/** Corners of a drawn curve, so that links stay short. */
 const MAX_CORNERS = 80;
 const MIN_STEP_DEG = 1;
 /** Smaller than this is a click, not a curve. */
@@ -31,7 +31,7 @@ export function regionFromTrail(trail: Region): Region | null {
   }
 }
 
-/** Directions of the trail at least so far from the one before, and the last from the first. */
+/** The trail with at least that angle between neighbours, the last and the first included. */
 function thinned(trail: Region, stepDeg: number): SkyDirection[] {
   const corners: SkyDirection[] = [];
   for (const direction of trail) {

@@ -2,8 +2,9 @@
 
 import type { NamedPlace } from "../api/types.ts";
 import type { Place } from "../state/view-state.ts";
+import { drawFrame } from "./frame.ts";
 import type { SkyGrid } from "./grid.ts";
-import { drawCross, drawCurve, drawFrame, drawHorizon, drawTowns } from "./overlay.ts";
+import { drawCross, drawCurve, drawHorizon, drawTowns } from "./overlay.ts";
 import { type PictureLook, paintSky } from "./paint.ts";
 import {
   equirectangular,

@@ -215,7 +215,7 @@ export class SkyView {
     this.drawMarks();
   }
 
-  /** Marks a region that was closed; where there is none, drawing goes on. */
+  /** Marks a closed region; without one, drawing goes on. */
   private finishCurve(region: Region | null): void {
     if (region === null) {
       this.drawMarks();

@@ -33,7 +33,8 @@ function answerWithLightAt(row: number, column: number): PanoramaAnswer {
   } as PanoramaAnswer;
 }
 
-test("the nearest sample is the API's own value, with north at both ends", () => {
+/** The nearest sample is the API's own value, with north at both ends. */
+test("the nearest sample is the API's own value", () => {
   const grid = new SkyGrid(answerWithLightAt(0, 0));
   for (const azimuthDeg of [0, 0.6, 359.5, 360]) {
     const sample = grid.nearest(azimuthDeg, 0);
@@ -45,7 +46,8 @@ test("the nearest sample is the API's own value, with north at both ends", () =>
   assert.ok(grid.nearest(1.5, 0).artificialCdM2 < 1e-6);
 });
 
-test("nothing of the natural sky is added under clouds", () => {
+/** Nothing of the natural sky is added under clouds. */
+test("no natural sky is added under clouds", () => {
   const grid = new SkyGrid({ ...answerWithLightAt(0, 0), clouds: "1500" });
   const sample = grid.nearest(0, 0);
   assert.equal(sample.totalCdM2, sample.artificialCdM2);
@@ -76,7 +78,8 @@ for (const [name, make] of [
   });
 }
 
-test("the fisheye has north up, east left and the zenith in the middle", () => {
+/** The fisheye has north up, east left and the zenith in the middle. */
+test("the fisheye has north up and east left", () => {
   const projection = fisheye(PLOT);
   const point = (azimuthDeg: number, elevationDeg: number) => projection.pointFromDirection({ azimuthDeg, elevationDeg });
   const zenith = point(0, 90);
@@ -86,7 +89,8 @@ test("the fisheye has north up, east left and the zenith in the middle", () => {
   assert.equal(projection.directionFromPoint(11, 21), null);
 });
 
-test("a light is painted where its direction lies, in both projections", () => {
+/** A light is painted where its direction lies, in both projections. */
+test("a light is painted where its direction lies", () => {
   const grid = new SkyGrid(answerWithLightAt(20, 64));
   const direction = { azimuthDeg: 90, elevationDeg: 20.5 * STEP_DEG };
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
@@ -104,7 +108,8 @@ test("a light is painted where its direction lies, in both projections", () => {
   }
 });
 
-test("the scale runs from 25 to 15 magnitudes and is clamped", () => {
+/** The scale runs from 25 to 15 magnitudes and is clamped. */
+test("the scale runs from 25 to 15 magnitudes", () => {
   assert.equal(scalePosition(SCALE, 25), 0);
   assert.equal(scalePosition(SCALE, 20), 0.5);
   assert.equal(scalePosition(SCALE, 15), 1);
@@ -112,7 +117,8 @@ test("the scale runs from 25 to 15 magnitudes and is clamped", () => {
   assert.ok(luminanceFromBrightnessCdM2(15) > luminanceFromBrightnessCdM2(25));
 });
 
-test("every colour map gets lighter all the way, so that its order is seen without colour", () => {
+/** Every colour map gets lighter all the way, so that its order is seen without colour. */
+test("every colour map gets lighter all the way", () => {
   for (const name of COLOUR_MAPS) {
     const table = colourTable(name, 256);
     const lightness = (i: number) =>
@@ -137,7 +143,8 @@ function answerWithHill(): PanoramaAnswer {
   return { ...answer, horizon_deg: horizonDeg };
 }
 
-test("below the horizon there is no light, the natural sky included", () => {
+/** Below the horizon there is no light, the natural sky included. */
+test("below the horizon there is no light", () => {
   const grid = new SkyGrid(answerWithHill());
   const hidden = grid.nearest(90, 10);
   assert.equal(hidden.isBelowHorizon, true);
@@ -147,7 +154,8 @@ test("below the horizon there is no light, the natural sky included", () => {
   assert.equal(new SkyGrid(answerWithLightAt(0, 0)).nearest(90, 0).isBelowHorizon, false);
 });
 
-test("the horizon is linear between columns, and wraps", () => {
+/** The horizon is linear between columns, and wraps. */
+test("the horizon is linear between columns", () => {
   const grid = new SkyGrid({
     ...answerWithLightAt(0, 0),
     horizon_deg: Array.from({ length: 256 }, (_, column) => (column === 0 ? 8 : 0)),
@@ -157,7 +165,8 @@ test("the horizon is linear between columns, and wraps", () => {
   assert.ok(Math.abs(grid.horizonAt(359.296875) - 4) < 1e-9);
 });
 
-test("ground is painted up to the profile, and the sky above it keeps its colour", () => {
+/** Ground is painted up to the profile, and the sky above it keeps its colour. */
+test("ground is painted up to the profile", () => {
   const grid = new SkyGrid(answerWithHill());
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
     const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
@@ -172,7 +181,8 @@ test("ground is painted up to the profile, and the sky above it keeps its colour
   }
 });
 
-test("perspective: a direction's point leads back to it, straight lines stay straight, and nothing lies behind", () => {
+/** Perspective: a direction's point leads back to it, straight lines stay straight, and nothing lies behind. */
+test("perspective: points lead back to directions", () => {
   const gaze = { azimuthDeg: 350, elevationDeg: 20, fieldDeg: 60 };
   const projection = perspective(PLOT, gaze);
   const middle = projection.pointFromDirection(gaze);
@@ -205,7 +215,8 @@ test("the brightest direction is found", () => {
   assert.ok(Math.abs(azimuthDeg - (100 * 360) / 256) < 1e-9 && Math.abs(elevationDeg - 3.5 * STEP_DEG) < 1e-9);
 });
 
-test("the realistic picture shows a millicandela as middle grey, sodium orange, and bright light white", () => {
+/** The realistic picture shows a millicandela as middle grey, sodium orange, and bright light white. */
+test("a millicandela is middle grey, sodium orange", () => {
   const bytes = new Uint8ClampedArray(3);
   const shown = (exposureEv: number, red: number, green: number, blue: number) => {
     new ToneMap(exposureEv).write(bytes, 0, red, green, blue);
@@ -221,7 +232,8 @@ test("the realistic picture shows a millicandela as middle grey, sodium orange, 
   assert.deepEqual(half, [red, green, blue], "a stop more is half the light");
 });
 
-test("the scale's marks are round in every unit, ascend, and lie on the scale", () => {
+/** The scale's marks are round in every unit, ascend, and lie on the scale. */
+test("the scale's ticks are round in every unit", () => {
   for (const unit of UNITS) {
     const luminances = ticks(unit).map(({ luminanceCdM2 }) => luminanceCdM2);
     assert.ok(luminances.length >= 10 && luminances.length <= 14, `${unit} ${luminances.length}`);

@@ -10,7 +10,8 @@ const town = (name: string, latitudeDeg: number, longitudeDeg: number, populatio
 });
 const HERE = { latitude_deg: 0, longitude_deg: 0 };
 
-test("towns are named by their glow: size against distance", () => {
+/** Towns are named by their glow: size against distance. */
+test("towns are ranked by their glow", () => {
   const towns = townsOnHorizon(
     HERE,
     [town("far city", 2, 0, 1e6), town("near town", 0, 0.2, 1e5), town("hamlet", -0.5, 0, 50), town("unknown", 0.1, 0.1, null)],
@@ -25,7 +26,8 @@ test("towns are named by their glow: size against distance", () => {
   assert.ok(Math.abs(far?.azimuthDeg ?? 1) < 1e-6);
 });
 
-test("of towns in the same direction the brightest is named, also across north", () => {
+/** Of towns in the same direction the brightest is named, also across north. */
+test("the brightest town of a direction is named", () => {
   const towns = townsOnHorizon(
     HERE,
     [town("left of north", 1, -0.05, 2e5), town("right of north", 1, 0.05, 1e5), town("south", -1, 0, 1e5)],

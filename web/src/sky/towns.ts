@@ -1,4 +1,4 @@
-// Which towns stand behind the glow along the horizon.
+// The towns behind the glow along the horizon, ranked by Walker's law (Walker 1977).
 
 import type { NamedPlace } from "../api/types.ts";
 import type { Place } from "../state/view-state.ts";

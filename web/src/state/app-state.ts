@@ -1,4 +1,4 @@
-// All that the viewer knows: what a link holds, and what the server has answered to it.
+// The whole state: what a link holds, and the answers of the server.
 
 import type { InfluenceQuery, SkyParameters } from "../api/client.ts";
 import type { Atmosphere, NamedPlace, Plan, Scenario, Scene, Site, SkyAnswer } from "../api/types.ts";
@@ -96,7 +96,7 @@ export function isCompared({ scenario, lights }: State): boolean {
   return scenario !== null && lights === "both";
 }
 
-/** What `conditionsOf` is made of. */
+/** Fields that `conditionsOf` depends on. */
 export const CONDITIONS = ["turbidity", "scattering", "clouds", "lamp", "emission", "terrain", "scenario", "lights"] as const;
 
 export function conditionsOf({ turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights }: State): Conditions {

@@ -31,21 +31,25 @@ const EVERYTHING: ViewState = {
   layers: { elevation: 0.65, brightness: 0.5, radiance: 0.4, influence: 0.9 },
 };
 
-test("a fragment restores everything that it was made from", () => {
+/** A fragment restores everything that it was made from. */
+test("a fragment restores the whole state", () => {
   assert.deepEqual(stateFromFragment(fragmentFromState(EVERYTHING)), EVERYTHING);
 });
 
-test("an empty fragment is the default state, and the default state an empty fragment", () => {
+/** An empty fragment is the default state, and the default state an empty fragment. */
+test("an empty fragment is the default state", () => {
   assert.deepEqual(stateFromFragment(""), { ...DEFAULT_STATE });
   assert.equal(fragmentFromState({ ...DEFAULT_STATE }), "");
 });
 
-test("a place on the equator and the prime meridian is not taken for a missing one", () => {
+/** A place on the equator and the prime meridian is not taken for a missing one. */
+test("a place at 0°, 0° is a place", () => {
   const place = { latitude_deg: 0, longitude_deg: 0 };
   assert.deepEqual(stateFromFragment(fragmentFromState({ ...DEFAULT_STATE, place })).place, place);
 });
 
-test("what makes no sense in a fragment takes its default", () => {
+/** What makes no sense in a fragment takes its default. */
+test("invalid values take their default", () => {
   const state = stateFromFragment(
     "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20",
   );

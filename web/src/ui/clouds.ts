@@ -10,7 +10,7 @@ export function packsUnder<P extends Pack>(packs: readonly P[], clouds: number |
   return packs.filter(({ cloud_base_m }) => (cloud_base_m ?? null) === clouds);
 }
 
-/** Bases that there are packs for, metres, ascending. */
+/** Cloud bases with a resident pack, metres, ascending. */
 export function cloudBases(packs: readonly Pack[]): number[] {
   const bases = packs.map(({ cloud_base_m }) => cloud_base_m).filter((base) => base !== null && base !== undefined);
   return [...new Set(bases)].sort((a, b) => a - b);

@@ -39,7 +39,7 @@ function link(title: string, href: string, description: string): HTMLElement {
 /** Whose light it is: every lit pixel's part in the measure of the map's layer. */
 function showInfluenceDownloads(container: HTMLElement, scene: string, query: InfluenceQuery): void {
   const { influenceTif, influenceList } = words().downloads;
-  // Of the list the thousand that do most; the raster has them all.
+  // The list has the thousand of most influence; the raster has them all.
   const listed = { ...query, limit: 1000 };
   container.replaceChildren(
     link("GeoTIFF", urlOf("/api/v1/scenes/{scene}/influence.tif", { scene }, query), influenceTif),

@@ -16,10 +16,10 @@ export function lampTitle(lamp: string): string {
   return lamps().find(([name]) => name === lamp)?.[1] ?? words().assumptions.ownFluxes(lamp);
 }
 
-/** What the server's mixture is of. */
+/** Components of the server's mixture. */
 const MIXTURE: readonly string[] = ["hps", "led_4000k"];
 
-/** The lamps that there are where these are assumed; none known of own fluxes. */
+/** Presets that an assumed lamp consists of; none for custom fluxes. */
 export function lampsIn(assumed: string): readonly string[] {
   if (assumed === "mixed") return MIXTURE;
   return lamps().some(([name]) => name === assumed) ? [assumed] : [];

@@ -1,4 +1,4 @@
-// The legend of a layer of the map: what its colours mean, or why there are none.
+// The legend of a layer of the map: its colours, its progress or its error.
 
 import { describeProblem } from "../api/problem.ts";
 import type { TileJson } from "../api/types.ts";
@@ -20,7 +20,7 @@ const GRADIENTS: Record<LayerName, string> = {
   influence: tileGradient("viridis"),
 };
 
-/** What is said of a layer that is on its way. */
+/** Text of a layer that is loading. */
 function loadingText(name: LayerName): string {
   const { loading, loadingBrightness, loadingInfluence } = words().layers;
   return { elevation: loading, brightness: loadingBrightness, radiance: loading, influence: loadingInfluence }[name];
@@ -54,7 +54,7 @@ export function scaleEnds(name: LayerName, { range, unit }: Pick<TileJson, "rang
   return [about(dark), `${about(bright)} ${typeset(unit)}`];
 }
 
-/** Says below a layer's switch what its colours mean, or why there are none. */
+/** Shows below a layer's switch its legend, its progress or its error. */
 export function showLayerState(name: LayerName, state: LayerState): void {
   const note = byId(`layer-note-${name}`, HTMLElement);
   note.dataset.state = state.kind;

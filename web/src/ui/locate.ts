@@ -1,4 +1,4 @@
-// Where the visitor is, asked of the browser, which asks the visitor.
+// The visitor's own place, from the browser's geolocation.
 
 import { words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
@@ -13,7 +13,7 @@ function locationProblem(code: number): string {
   return { 1: forbidden, 2: unknown, 3: late }[code] ?? silent;
 }
 
-/** Shows the button where the browser can tell; it tells pages of secure addresses alone. */
+/** Shows the button where geolocation is available: on pages of secure addresses alone. */
 export function mountLocate(store: AppStore, found: (place: Place) => void): void {
   const button = byId("locate", HTMLButtonElement);
   if (!window.isSecureContext || !("geolocation" in navigator)) return;

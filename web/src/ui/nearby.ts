@@ -1,4 +1,4 @@
-// "12 km NE of Nairobi": where a place is, in people's terms.
+// "12 km NE of Nairobi": the nearest town, by great-circle distance (haversine formula, Sinnott 1984).
 
 import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";

@@ -1,4 +1,4 @@
-// What the page's styles depend on: whether a place is picked, how much of its sky is there, and how it is projected.
+// Attributes that the page's styles depend on, and the title of the picked place.
 
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";

@@ -1,4 +1,4 @@
-// What to dim so that a sky is darker: what it is asked to reach, and the plan that the server found.
+// A reduction plan: the request, and the plan that the server found.
 
 import { urlOf } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
@@ -12,10 +12,10 @@ import { decimal, fixed, magnitude, whole, withPrefix } from "./format.ts";
 import { nearestPlace, placeName } from "./nearby.ts";
 import { PlanForm } from "./plan-form.ts";
 
-/** So many towns are named; the rest are summed up. */
+/** Number of towns that are named; the rest are summed up. */
 const NAMED_TOWNS = 6;
 
-/** What a plan is to darken. */
+/** Title of the measure that a plan reduces. */
 function measureWords(measure: string): string {
   const { zenith, mean, horizontal, norm, regionOfSky: region } = words().measures;
   const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, norm, region };
@@ -52,7 +52,7 @@ export class PlanCard {
     const form = new PlanForm(store, lights);
     store.watch(["isSearching"], ({ isSearching }) => {
       this.card.setAttribute("aria-busy", String(isSearching));
-      // Of plans that follow a slider nothing is said: the sky shows them.
+      // Plans that follow a slider need no message: the sky shows them.
       this.progress.textContent = isSearching && !form.isLive() ? words().plan.searching : "";
     });
     store.watch([planOf, "places"], (state) => this.show(planOf(state), state.places));
@@ -63,7 +63,7 @@ export class PlanCard {
     this.answer.replaceChildren(...(plan === null ? [] : [...this.plan(plan, places), this.drop()]));
   }
 
-  /** What the plan reaches, and why not more: this is read out. */
+  /** What the plan reaches, and why not more; screen readers announce it. */
   private goals(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
     return plan.sites.flatMap((site) => {
       const where = measureWords(site.measure);

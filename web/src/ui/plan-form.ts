@@ -1,4 +1,4 @@
-// What lights are to go: the least for a goal, or those of most influence. The sliders of the second work as they move.
+// The request for a reduction plan: the least light for a target, or the lights above thresholds of influence, live as sliders move.
 
 import type { Plan } from "../api/types.ts";
 import { words } from "../language/words.ts";
@@ -14,8 +14,8 @@ import { setRegionOption } from "./select.ts";
 export class PlanForm {
   private readonly reduction = byId("plan-reduction", HTMLInputElement);
   private readonly cut = byId("plan-cut", HTMLInputElement);
-  private readonly least = byId("plan-least", HTMLInputElement);
-  private readonly most = byId("plan-most", HTMLInputElement);
+  private readonly lower = byId("plan-least", HTMLInputElement);
+  private readonly upper = byId("plan-most", HTMLInputElement);
   private readonly gamma = byId("plan-gamma", HTMLInputElement);
   private readonly measure = byId("plan-measure", HTMLSelectElement);
   private readonly find = byId("plan-find", HTMLButtonElement);
@@ -36,12 +36,12 @@ export class PlanForm {
     });
     for (const slider of [this.reduction, this.cut, this.gamma]) slider.addEventListener("input", moved);
     // Neither goes past the other.
-    this.least.addEventListener("input", () => {
-      if (Number(this.most.value) < Number(this.least.value)) this.most.value = this.least.value;
+    this.lower.addEventListener("input", () => {
+      if (Number(this.upper.value) < Number(this.lower.value)) this.upper.value = this.lower.value;
       moved();
     });
-    this.most.addEventListener("input", () => {
-      if (Number(this.least.value) > Number(this.most.value)) this.least.value = this.most.value;
+    this.upper.addEventListener("input", () => {
+      if (Number(this.lower.value) > Number(this.upper.value)) this.lower.value = this.upper.value;
       moved();
     });
     this.measure.addEventListener("change", moved);
@@ -65,15 +65,15 @@ export class PlanForm {
     return this.method === "threshold";
   }
 
-  /** What a plan was found for, after a reload too. */
+  /** Shows the request of a plan, after a reload too. */
   private show(plan: Plan): void {
     const [site] = plan.sites;
     if (site === undefined) return;
     if (plan.method === "threshold") {
       // Thresholds in the measure's unit have no place on sliders of percentiles.
       const percents = plan.threshold_levels?.map((level) => (level.startsWith("p") ? Number(level.slice(1)) : NaN)) ?? [];
-      const [least = NaN, most = NaN] = percents;
-      if (least <= 100 && most <= 100) [this.least.value, this.most.value] = [String(least), String(most)];
+      const [lower = NaN, upper = NaN] = percents;
+      if (lower <= 100 && upper <= 100) [this.lower.value, this.upper.value] = [String(lower), String(upper)];
       this.gamma.value = String(Math.round(100 * (plan.gamma ?? 1)));
       this.setMethod("threshold");
     } else {
@@ -97,8 +97,8 @@ export class PlanForm {
     return {
       ...about,
       method: "threshold",
-      lowerPercentile: Number(this.least.value),
-      upperPercentile: Number(this.most.value),
+      lowerPercentile: Number(this.lower.value),
+      upperPercentile: Number(this.upper.value),
       gamma: Number(this.gamma.value) / 100,
     };
   }
@@ -119,7 +119,7 @@ export class PlanForm {
   }
 
   private showValues(): void {
-    for (const slider of [this.reduction, this.cut, this.least, this.most, this.gamma]) {
+    for (const slider of [this.reduction, this.cut, this.lower, this.upper, this.gamma]) {
       const value = decimal(slider.value);
       byId(`${slider.id}-value`, HTMLOutputElement).value = `${value} %`;
       slider.setAttribute("aria-valuetext", words().plan.percent(value));

@@ -1,4 +1,4 @@
-// Orders of scattering: what they are called, and what the server's packs serve of each.
+// Orders of scattering: their titles, and the turbidities of the server's packs of each.
 
 import type { ScatteringName } from "../api/client.ts";
 import type { Atmosphere } from "../api/types.ts";
@@ -12,15 +12,15 @@ export function scatteringTitle(scattering: string): string {
 
 type Pack = Pick<Atmosphere, "turbidity" | "scattering">;
 
-/** What there are packs of, the best first: the server takes that where the request names none. */
+/** Scatterings with a resident pack, the best first: the default of a request. */
 export function residentScatterings(packs: readonly Pack[]): ScatteringName[] {
   return SCATTERINGS.filter((name) => packs.some(({ scattering }) => scattering === name));
 }
 
 /** Smallest and largest turbidity of a scattering (null: the best); null without packs. */
 export function turbidityRange(packs: readonly Pack[], scattering: ScatteringName | null): [min: number, max: number] | null {
-  const wanted = scattering ?? residentScatterings(packs)[0];
-  const values = packs.filter((pack) => pack.scattering === wanted).map(({ turbidity }) => turbidity);
+  const name = scattering ?? residentScatterings(packs)[0];
+  const values = packs.filter((pack) => pack.scattering === name).map(({ turbidity }) => turbidity);
   return values.length === 0 ? null : [Math.min(...values), Math.max(...values)];
 }
 

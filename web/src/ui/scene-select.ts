@@ -1,4 +1,4 @@
-// The choice of the scene, and what is said of the chosen one.
+// The choice of the scene, and a note about the chosen one.
 
 import type { Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
@@ -6,7 +6,7 @@ import { sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId } from "./dom.ts";
 
-/** Whether that text itself says that the scene is made up. */
+/** Whether a text already calls the scene illustrative. */
 function saysIllustrative(text: string): boolean {
   return /illustrative/i.test(text);
 }

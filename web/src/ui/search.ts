@@ -36,10 +36,10 @@ function sign(letter: string | undefined, negative: readonly string[]): number {
 
 /** Places whose name has the text in it; names that begin with it first, then the larger ones. */
 export function matchingPlaces(places: readonly NamedPlace[], text: string): NamedPlace[] {
-  const wanted = folded(text.trim());
-  if (wanted === "") return [];
+  const query = folded(text.trim());
+  if (query === "") return [];
   return places
-    .map((place) => ({ place, at: folded(place.name).indexOf(wanted) }))
+    .map((place) => ({ place, at: folded(place.name).indexOf(query) }))
     .filter(({ at }) => at >= 0)
     .sort((a, b) => Number(a.at > 0) - Number(b.at > 0) || (b.place.population ?? 0) - (a.place.population ?? 0))
     .slice(0, MAX_RESULTS)
@@ -49,7 +49,7 @@ export function matchingPlaces(places: readonly NamedPlace[], text: string): Nam
 export class Search {
   private readonly input = byId("search", HTMLInputElement);
   private readonly list = byId("search-list", HTMLElement);
-  private found: { title: string; detail: string; place: Place }[] = [];
+  private results: { title: string; detail: string; place: Place }[] = [];
   private active = -1;
 
   constructor(
@@ -65,7 +65,7 @@ export class Search {
 
   private lookUp(): void {
     const at = placeFromText(this.input.value);
-    this.found =
+    this.results =
       at !== null
         ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: words().top.coordinates, place: at }]
         : matchingPlaces(this.store.state.places, this.input.value).map((place) => ({
@@ -73,14 +73,14 @@ export class Search {
             detail: place.population ? whole(place.population) : "",
             place,
           }));
-    this.active = this.found.length > 0 ? 0 : -1;
+    this.active = this.results.length > 0 ? 0 : -1;
     this.render();
   }
 
   private render(): void {
-    const nothing = this.found.length === 0 && this.input.value.trim() !== "";
+    const isEmpty = this.results.length === 0 && this.input.value.trim() !== "";
     this.list.replaceChildren(
-      ...this.found.map(({ title, detail }, i) => {
+      ...this.results.map(({ title, detail }, i) => {
         const option = make("li", i === this.active ? "active" : "", make("span", "", title), make("small", "", detail));
         option.id = `search-option-${i}`;
         option.setAttribute("role", "option");
@@ -90,27 +90,27 @@ export class Search {
         option.addEventListener("click", () => this.choose(i));
         return option;
       }),
-      ...(nothing ? [make("li", "nothing", words().top.nothingFound)] : []),
+      ...(isEmpty ? [make("li", "nothing", words().top.nothingFound)] : []),
     );
-    this.list.hidden = this.found.length === 0 && !nothing;
+    this.list.hidden = this.results.length === 0 && !isEmpty;
     this.input.setAttribute("aria-expanded", String(!this.list.hidden));
     if (this.active >= 0) this.input.setAttribute("aria-activedescendant", `search-option-${this.active}`);
     else this.input.removeAttribute("aria-activedescendant");
   }
 
   private close(): void {
-    this.found = [];
+    this.results = [];
     this.list.hidden = true;
     this.input.setAttribute("aria-expanded", "false");
   }
 
   private choose(i: number): void {
-    const found = this.found[i];
-    if (found === undefined) return;
-    this.input.value = found.title;
+    const result = this.results[i];
+    if (result === undefined) return;
+    this.input.value = result.title;
     this.close();
     this.input.blur();
-    this.chosen({ latitude_deg: found.place.latitude_deg, longitude_deg: found.place.longitude_deg });
+    this.chosen({ latitude_deg: result.place.latitude_deg, longitude_deg: result.place.longitude_deg });
   }
 
   private keyPressed(event: KeyboardEvent): void {
@@ -118,7 +118,7 @@ export class Search {
     else if (event.key === "Enter") this.choose(this.active);
     else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
       const step = event.key === "ArrowDown" ? 1 : -1;
-      if (this.found.length > 0) this.active = (this.active + step + this.found.length) % this.found.length;
+      if (this.results.length > 0) this.active = (this.active + step + this.results.length) % this.results.length;
       this.render();
     } else return;
     event.preventDefault();

@@ -4,7 +4,7 @@ import { words } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { byId } from "./dom.ts";
 
-/** How long it is said that the link is copied. */
+/** How long the page shows that the link is copied. */
 const STATUS_MS = 6000;
 
 export function mountShare(lights: Lights): void {

@@ -1,4 +1,4 @@
-// What the browser keeps of the viewer from one visit to the next.
+// Settings that the browser stores from one visit to the next.
 
 export function loadSetting(key: string): string | null {
   try {

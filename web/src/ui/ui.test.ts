@@ -18,14 +18,16 @@ const PLACES = [
   { name: "Zürich", latitude_deg: 47.37, longitude_deg: 8.54, population: null },
 ];
 
-test("coordinates are read latitude first, with signs or letters", () => {
+/** Coordinates are read latitude first, with signs or letters. */
+test("coordinates are latitude first", () => {
   assert.deepEqual(placeFromText("-1.29, 36.82"), { latitude_deg: -1.29, longitude_deg: 36.82 });
   assert.deepEqual(placeFromText("1.29°S 36.82°E"), { latitude_deg: -1.29, longitude_deg: 36.82 });
   assert.equal(placeFromText("91, 10"), null);
   assert.equal(placeFromText("Nairobi"), null);
 });
 
-test("names that begin with the text come first, larger ones before smaller, accents ignored", () => {
+/** Names that begin with the text come first, larger ones before smaller, accents ignored. */
+test("names that begin with the text come first", () => {
   assert.deepEqual(
     matchingPlaces(PLACES, "nai").map(({ name }) => name),
     ["Nairobi", "Nairutia"],
@@ -50,7 +52,8 @@ test("the bearing along the equator is east", () => {
   assert.ok(Math.abs(way.distanceKm - 111.195) < 0.01);
 });
 
-test("quantities take the prefix that keeps them readable", () => {
+/** Quantities take the prefix that keeps them readable. */
+test("quantities take a readable prefix", () => {
   assert.equal(withPrefix(171.2e-6, "cd/m²"), "171 µcd/m²");
   assert.equal(withPrefix(0.0123, "lx"), "12.3 mlx");
   assert.equal(withPrefix(0, "lx"), "0 lx");
@@ -59,7 +62,8 @@ test("quantities take the prefix that keeps them readable", () => {
   assert.equal(coordinates(-1.28, 36.8), "1.2800° S, 36.8000° E");
 });
 
-test("each scattering has its own turbidities, and the best is the default", () => {
+/** Each scattering has its own turbidities, and the best is the default. */
+test("each scattering has its own turbidities", () => {
   const packs = [
     { scattering: "single", turbidity: 1.5 },
     { scattering: "single", turbidity: 6 },
@@ -79,7 +83,8 @@ test("each scattering has its own turbidities, and the best is the default", () 
   assert.deepEqual(["multiple", "single"].map(scatteringTitle), ["all orders", "first order alone"]);
 });
 
-test("clouds are those that there are packs for, and their packs are no clear sky's", () => {
+/** Clouds are those that there are packs for, and their packs are no clear sky's. */
+test("clouds are those that packs are resident for", () => {
   const packs = [
     { cloud_base_m: null, n: 1 },
     { cloud_base_m: 2000, n: 2 },
@@ -99,7 +104,8 @@ test("clouds are those that there are packs for, and their packs are no clear sk
   assert.deepEqual([cloudsTitle(null), cloudsTitle(800)], ["none, a clear sky", "closed, from 800 m up"]);
 });
 
-test("a problem document becomes a headline and one sentence for each bad parameter", () => {
+/** A problem document becomes a headline and one sentence for each bad parameter. */
+test("a problem becomes a headline and sentences", () => {
   const error = new ApiError(422, {
     title: "A parameter is out of range",
     detail: "One parameter is not accepted.",
@@ -120,7 +126,8 @@ test("what terrain hides is said in words", () => {
   );
 });
 
-test("the ends of a layer's colours are told in units that people read", () => {
+/** The ends of a layer's colours are told in units that people read. */
+test("the ends of a layer's colours have units", () => {
   assert.equal(typeset("nW cm-2 sr-1"), "nW/cm²/sr");
   assert.equal(typeset("cd m-2"), "cd/m²");
   assert.equal(typeset("lx"), "lx");
