@@ -1,6 +1,7 @@
 // The picture of the sky on two canvases: the sky with its frame, and over it what moves with the pointer.
 
 import type { NamedPlace } from "../api/types.ts";
+import { words } from "../language/words.ts";
 import type { Place } from "../state/view-state.ts";
 import { drawFrame } from "./frame.ts";
 import type { SkyGrid } from "./grid.ts";
@@ -70,6 +71,17 @@ export class SkyCanvas {
   plot: Plot = { leftPx: 0, topPx: 0, widthPx: 1, heightPx: 1 };
   projection: Projection | null = null;
   private scale = 1;
+
+  constructor() {
+    this.picture.className = "sky-picture";
+    this.picture.setAttribute("aria-hidden", "true");
+    this.overlay.className = "sky-overlay";
+    this.overlay.tabIndex = 0;
+    this.overlay.setAttribute("role", "application");
+    this.overlay.setAttribute("aria-roledescription", words().sky.pictureKind);
+    this.overlay.setAttribute("aria-describedby", "sky-readout");
+    this.overlay.setAttribute("aria-label", words().sky.picture);
+  }
 
   /** Draws the sky, as large as its container. */
   draw(container: HTMLElement, scene: SkyScene, marks: SkyMarks): void {

@@ -1,6 +1,5 @@
 // The picture of the sky, and what pointers and keys do over it: read a direction, look around, draw a region.
 
-import { words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { make } from "../ui/dom.ts";
 import { movedCursor } from "./cursor.ts";
@@ -29,14 +28,6 @@ export class SkyView {
     private readonly store: AppStore,
   ) {
     const { picture, overlay } = this.canvas;
-    picture.className = "sky-picture";
-    picture.setAttribute("aria-hidden", "true");
-    overlay.className = "sky-overlay";
-    overlay.tabIndex = 0;
-    overlay.setAttribute("role", "application");
-    overlay.setAttribute("aria-roledescription", words().sky.pictureKind);
-    overlay.setAttribute("aria-describedby", "sky-readout");
-    overlay.setAttribute("aria-label", words().sky.picture);
     container.append(make("div", "sky-canvases", picture, overlay));
     this.listen(overlay);
     store.watch(["gaze"], ({ gaze }) => {

@@ -1,0 +1,51 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import {
+  conditionsOf,
+  coordinatesOf,
+  influenceQuery,
+  initialState,
+  isCompared,
+  packsOf,
+  sceneOf,
+  todaysConditions,
+} from "./app-state.ts";
+import { DEFAULT_STATE } from "./view-state.ts";
+
+const PLAN = "p-0123456789abcdef0123";
+const DEFAULT = initialState({ ...DEFAULT_STATE });
+
+/** A request names what differs from the server's own assumptions, and the lights that are shown. */
+test("conditions name what differs from the defaults", () => {
+  assert.deepEqual(conditionsOf(DEFAULT), { lamp: "mixed", emission: "garstang" });
+  const state = { ...DEFAULT, turbidity: 4, clouds: 800, terrain: "off", scenario: PLAN } as const;
+  const today = { lamp: "mixed", emission: "garstang", terrain: "off", turbidity: 4, clouds: "800" };
+  assert.deepEqual(conditionsOf(state), { ...today, scenario: PLAN });
+  assert.deepEqual(conditionsOf({ ...state, lights: "today" }), today);
+  assert.deepEqual(todaysConditions(state), today);
+});
+
+test("two skies are compared only with a scenario", () => {
+  assert.ok(!isCompared({ ...DEFAULT, lights: "both" }));
+  assert.ok(isCompared({ ...DEFAULT, lights: "both", scenario: PLAN }));
+  assert.ok(!isCompared({ ...DEFAULT, lights: "today", scenario: PLAN }));
+});
+
+test("a region belongs to its own measure", () => {
+  const region = [
+    { azimuthDeg: 10, elevationDeg: 20 },
+    { azimuthDeg: 50, elevationDeg: 20 },
+    { azimuthDeg: 30, elevationDeg: 60 },
+  ];
+  const place = { latitude_deg: 46.1234567, longitude_deg: 8 };
+  const query = { ...coordinatesOf(place), measure: "zenith" };
+  assert.equal(query.lat, 46.12346);
+  assert.deepEqual(influenceQuery({ ...DEFAULT, region }, place, {}), query);
+  const marked = { ...query, measure: "region", region: "10,20;50,20;30,60" };
+  assert.deepEqual(influenceQuery({ ...DEFAULT, region, measure: "region" }, place, {}), marked);
+});
+
+test("scene and packs are those of the state", () => {
+  assert.equal(sceneOf({ ...DEFAULT, scene: "demo" }), null);
+  assert.deepEqual(packsOf(DEFAULT), []);
+});
