@@ -6,18 +6,9 @@
 pub mod absences;
 pub mod arrows;
 pub mod circles;
-pub mod class_errors;
-pub mod class_scenes;
 pub mod documents;
 mod imports;
-pub mod lit_areas;
-pub mod lobe_sum;
-pub mod lobe_truth;
-pub mod merged_sources;
-pub mod open_sky;
 pub mod outside;
 pub mod packs;
-pub mod places;
-pub mod sky_errors;
 pub mod test_names;
 pub mod tree;

@@ -5,8 +5,8 @@ mod packs;
 mod rasters;
 mod requests;
 
-pub use packs::{pack, smallest_pack};
-pub use rasters::{places, raster, smallest_raster};
+pub use packs::pack;
+pub use rasters::{places, raster};
 pub use requests::{body, boundary, parameters};
 
 /// A parser's rules.

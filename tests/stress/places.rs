@@ -3,9 +3,10 @@
 use crate::{
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
-    geotiff::{Folder, Raster, scattered},
+    geotiff::{Folder, scattered},
     rig::{Bench, Rig, row_maxima, widened},
 };
+use skyglow_lab::light_raster::LightRaster;
 use skyglow_physics::{AZIMUTH_COUNT, GeoPoint};
 use skyglow_scene::Scene;
 use std::error::Error;
@@ -35,8 +36,8 @@ fn apart(sky: &[f32], wanted: &[f32]) -> f64 {
 }
 
 /// One degree of scattered lights about a place.
-fn about(latitude_deg: f64, longitude_deg: f64) -> Raster {
-    Raster::new((longitude_deg - 0.5, latitude_deg + 0.5), (STEP, STEP), (240, 240), scattered)
+fn about(latitude_deg: f64, longitude_deg: f64) -> LightRaster {
+    LightRaster::new((longitude_deg - 0.5, latitude_deg + 0.5), (STEP, STEP), (240, 240), scattered)
 }
 
 /// The same lights at other longitudes give the same sky: at the antimeridian, at 0 and at 360°.
@@ -103,7 +104,7 @@ fn rearranged(sky: &[f32], to: impl Fn(usize) -> usize) -> Vec<f32> {
 /// All longitudes around a pole, where a row of 3 600 pixels is one place.
 fn poles(report: &mut Report, rig: &Rig) -> Outcome {
     let folder = Folder::new()?;
-    let cap = Raster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 64), scattered);
+    let cap = LightRaster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 64), scattered);
     let (north, south) = (folder.scene(&cap)?, folder.scene(&cap.mirrored())?);
     let step_deg = 360.0 / AZIMUTH_COUNT as f64;
 
@@ -151,8 +152,8 @@ fn whole(report: &mut Report, rig: &Rig) -> Outcome {
         about(0.0, 180.0),
         about(60.0, 0.0),
         about(-89.5, 100.0),
-        Raster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 64), scattered),
-        Raster::new((-180.0, 90.0), (1.0, 1.0), (360, 180), scattered),
+        LightRaster::new((-180.0, 90.0), (0.1, 0.05), (3_600, 64), scattered),
+        LightRaster::new((-180.0, 90.0), (1.0, 1.0), (360, 180), scattered),
     ];
     let (mut faults, mut worst, mut planted, mut cases) = (Faults::default(), 0f64, 0f64, 0);
     let mut planted_faults = 0;

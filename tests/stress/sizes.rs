@@ -3,9 +3,10 @@
 use crate::{
     checks::{Check, Outcome, Report},
     detectors::{Faults, lost_digits},
-    geotiff::{Folder, Raster},
+    geotiff::Folder,
     rig::{Bench, Rig, row_maxima, widened},
 };
+use skyglow_lab::light_raster::LightRaster;
 use skyglow_physics::{
     AZIMUTH_COUNT, EARTH_RADIUS_M, GeoPoint, Turbidity,
     error_metric::BAND_FLOOR_W_M2_SR,
@@ -35,7 +36,7 @@ fn radiances(report: &mut Report, rig: &Rig) -> Outcome {
     {
         let skies = |radiance: f32| -> Result<Vec<Vec<f32>>, Box<dyn Error>> {
             let lit = |column, row| if (column, row) == (2, 1) { radiance } else { 0.0 };
-            let scene = folder.scene(&Raster::new((37.0, -1.0), (STEP, STEP), (5, 3), lit))?;
+            let scene = folder.scene(&LightRaster::new((37.0, -1.0), (STEP, STEP), (5, 3), lit))?;
             let lamp = GeoPoint::from_deg(-1.0 - 1.5 * STEP, 37.0 + 2.5 * STEP)?;
             let from = |distance_m: f64| -> Result<Vec<f32>, Box<dyn Error>> {
                 let mut request = rig.request(scene.polar_grid(lamp.destination(2.0, distance_m), false))?;
@@ -82,7 +83,7 @@ fn ten_million(report: &mut Report, rig: &Rig) -> Outcome {
     let half_deg = 0.5 * STEP * f64::from(SIDE);
     let folder = Folder::new()?;
     let raster =
-        Raster::new((30.0 - half_deg, half_deg), (STEP, STEP), (SIDE, SIDE), |_, _| RADIANCE_NW_CM2_SR);
+        LightRaster::new((30.0 - half_deg, half_deg), (STEP, STEP), (SIDE, SIDE), |_, _| RADIANCE_NW_CM2_SR);
     let options = folder.write(&raster)?;
     drop(raster);
     let before_mb = peak_mb();

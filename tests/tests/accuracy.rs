@@ -1,7 +1,8 @@
 //! Whole skies from the packs that come with the program, against stored truth: the sum over every pixel, all orders of
-//! scattering (`tests/examples/truth.rs`, then `tests/examples/truth_multiple.rs`).
+//! scattering (`lab truth`, then `lab truth-multiple`).
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
+use skyglow_lab::setup::{engine_with, observatory, open_sky};
 use skyglow_observatory::{BrightnessRequest, SkyRequest};
 use skyglow_physics::{
     ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
@@ -12,11 +13,7 @@ use skyglow_physics::{
 use skyglow_render::{Engine, RenderRequest};
 use skyglow_scene::{Scene, SceneId, SceneStore, create_demo};
 use skyglow_tables::Scattering;
-use skyglow_tests::{
-    class_errors::engine_with,
-    open_sky::{observatory, open_sky},
-    tree,
-};
+use skyglow_tests::tree;
 use std::{path::PathBuf, sync::Arc};
 
 /// Largest mean error allowed at any place and turbidity.
@@ -116,7 +113,7 @@ fn demo_skies_match_the_stored_reference() {
         let flux_dnb_w: f64 = sources.iter().map(|source| source.flux_dnb_w).sum();
         assert!(
             sources.len() == truth.sources && (flux_dnb_w / truth.flux_dnb_w - 1.0).abs() < 1e-9,
-            "{name}: the demo has changed; make the truth anew (see tests/examples/truth.rs)"
+            "{name}: the demo has changed; make the truth anew (see `lab truth`)"
         );
         for (index, turbidity) in truth.turbidities.iter().enumerate() {
             let (error, zenith) = compare(&engine, &scene, &truth, index, 0.0);

@@ -24,6 +24,7 @@ fn an_arrow_that_points_the_wrong_way_is_seen() {
         ("skyglow-display", "skyglow-render", "skyglow-display must not use skyglow-render"),
         ("skyglow-bench", "skyglow-http", "skyglow-bench must not use skyglow-http"),
         ("skyglow-render", "skyglow-bench", "skyglow-render must not use skyglow-bench"),
+        ("skyglow", "skyglow-lab", "skyglow must not use skyglow-lab"),
         ("skyglow-display", "wgpu", "wgpu belongs to skyglow-render alone, not to skyglow-display"),
         ("skyglow", "axum", "axum belongs to skyglow-http alone, not to skyglow"),
         ("skyglow-tests", "gdal", "gdal belongs to skyglow-scene alone, not to skyglow-tests"),

@@ -1,15 +1,16 @@
 //! Whole skies of classes of places from the packs that come with the program, against stored truth with each lobe apart
-//! (`tests/examples/class_truth.rs`): the sum over every source, all orders of scattering.
+//! (`lab class-truth`): the sum over every source, all orders of scattering.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
-use skyglow_physics::EmissionMix;
-use skyglow_tests::{
-    class_errors::{class_grid, engine_with, errors_of_sky},
+use skyglow_lab::{
+    class_errors::{class_grid, errors_of_sky},
     class_scenes::Class,
     lobe_truth::LobeTruth,
+    setup::engine_with,
     sky_errors::{SkyErrors, mixes},
-    tree,
 };
+use skyglow_physics::EmissionMix;
+use skyglow_tests::tree;
 
 /// Those that packs are of, and those that lie between packs.
 const TURBIDITIES: [f64; 6] = [1.75, 2.0, 2.5, 3.0, 4.0, 6.0];

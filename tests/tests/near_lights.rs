@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 use skyglow_bench::scenes::{LitPixel, grid_under_open_sky, sources_of_pixels};
+use skyglow_lab::setup::{engine_with, observatory, open_sky};
 use skyglow_observatory::{InfluenceRequest, InfluenceSolver, Measure, Observatory, SkyRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Direction, EmissionMix, GeoPoint, Horizon, LampPreset,
@@ -12,11 +13,7 @@ use skyglow_physics::{
 use skyglow_render::{Engine, RenderRequest, TableSet, resident_tables};
 use skyglow_scene::{PolarGrid, SceneId, SceneStore, create_demo};
 use skyglow_tables::{Scattering, packs_in};
-use skyglow_tests::{
-    class_errors::engine_with,
-    open_sky::{observatory, open_sky},
-    tree,
-};
+use skyglow_tests::tree;
 use std::sync::Arc;
 
 fn packs() -> std::path::PathBuf {

@@ -6,8 +6,9 @@ use proptest::{
     prelude::*,
     test_runner::{RngAlgorithm, TestRng, TestRunner},
 };
+use skyglow_lab::seeds::{smallest_pack, smallest_raster};
 use skyglow_tests::{
-    outside::{self, Rules, smallest_pack, smallest_raster},
+    outside::{self, Rules},
     tree::root,
 };
 use std::path::PathBuf;
@@ -84,7 +85,7 @@ fn any_rasters_and_places_are_judged() {
 #[test]
 fn fuzzing_seeds_are_accepted_today() {
     let whole = seeds("pack").into_iter().find(|seed| *seed == smallest_pack());
-    let write = "write it again with `cargo run --release -p skyglow-tests --example seeds`";
+    let write = "write it again with `cargo run --release -p skyglow-lab -- seeds`";
     assert!(whole.is_some(), "no seed is the smallest pack of this format: {write}");
     assert!(seeds("raster").contains(&smallest_raster()), "{write}");
     let body = [smallest_pack(), blake3::hash(&smallest_pack()).as_bytes().to_vec()].concat();

@@ -17,7 +17,7 @@
 //! distance), the width of an azimuth column, and leaves the mean position of the block's light where it was:
 //! the error is of second order and below that of the splat itself. A block's skyline is the mean of its lights', which
 //! differs from the sky of lights behind different ones by 0.001 to 0.22 % in the mean over the sky at ten places of the
-//! demo and Kenya (`block_skylines` of the workspace's tests).
+//! demo and Kenya (`docs/notebook/2026-11-21.md`).
 
 use crate::grid::Grid;
 use crate::light_pyramid::LightPyramid;

@@ -1,11 +1,6 @@
 //! Packs of tables.
 
-use serde_json::{Value, json};
-use skyglow_physics::ELEVATION_COUNT;
-use skyglow_tables::{layout::IMAGE_COUNT, pack::Pack, resident::FREQUENCY_COUNT};
-
-/// The description of a pack that comes with the program.
-const MANIFEST: &str = include_str!("../../../precomputed/turbidity-2.50-multiple.json");
+use skyglow_tables::pack::Pack;
 
 /// A pack without its hash, which is put behind it here: whoever alters a file can do so too.
 pub fn pack(content: &[u8]) {
@@ -18,34 +13,4 @@ pub fn pack(content: &[u8]) {
             assert_eq!(resident.ring_distance_m.len(), 3);
         }
     }
-}
-
-/// The content of a whole pack with one point on each axis, all values zero; without its hash.
-///
-/// # Panics
-/// Where the description that comes with the program cannot be read.
-#[must_use]
-pub fn smallest_pack() -> Vec<u8> {
-    let [log_scale, steps, shape, spectrum] =
-        [IMAGE_COUNT * 3 * 4, IMAGE_COUNT * 3, IMAGE_COUNT * 3 * 2, ELEVATION_COUNT * FREQUENCY_COUNT * 4];
-    let mut hasher = blake3::Hasher::new();
-    // Steps of no coefficients say nothing, and are not among what is hashed.
-    for bytes in [log_scale, shape, spectrum] {
-        hasher.update(&vec![0; bytes]);
-    }
-    let mut manifest: Value = serde_json::from_str(MANIFEST).unwrap_or_default();
-    manifest["axes"] = json!({ "distance_m": [250.0], "observer_altitude_m": [0.0], "offset_count": 3 });
-    manifest["blocked"] = Value::Null;
-    manifest["basis_count"] = json!(1);
-    manifest["checksum"] = json!(hasher.finalize().to_hex().to_string());
-    let manifest = manifest.to_string();
-    let mut content = b"SKYGLOW\x01".to_vec();
-    content.extend((manifest.len() as u64).to_le_bytes());
-    content.extend(manifest.as_bytes());
-    for bytes in [log_scale, steps, shape, spectrum] {
-        let packed = zstd::bulk::compress(&vec![0; bytes], 19).unwrap_or_default();
-        content.extend((packed.len() as u64).to_le_bytes());
-        content.extend(packed);
-    }
-    content
 }

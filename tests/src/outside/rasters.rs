@@ -1,11 +1,8 @@
 //! Rasters and lists of places, as an operator uploads them.
 
+use skyglow_lab::seeds::smallest_raster;
 use skyglow_scene::{IngestOptions, SceneStore, ingest};
-use std::{io::Cursor, path::Path};
-use tiff::{
-    encoder::{TiffEncoder, colortype::Gray32Float},
-    tags::Tag,
-};
+use std::path::Path;
 
 /// Ingests and opens; a refusal leaves nothing behind.
 #[expect(clippy::panic, reason = "a rule that is broken ends the fuzzer")]
@@ -54,29 +51,4 @@ pub fn places(bytes: &[u8]) {
             ingest_in(folder, &options);
         }
     });
-}
-
-/// A GeoTIFF of 8 × 8 pixels, two of them lit, that is understood.
-///
-/// # Panics
-/// Never: it writes into memory.
-#[must_use]
-#[expect(clippy::panic, reason = "nothing fails in memory")]
-pub fn smallest_raster() -> Vec<u8> {
-    let write = || -> tiff::TiffResult<Vec<u8>> {
-        let mut file = Cursor::new(Vec::new());
-        let mut encoder = TiffEncoder::new(&mut file)?;
-        let mut image = encoder.new_image::<Gray32Float>(8, 8)?;
-        let tags = image.encoder();
-        tags.write_tag(Tag::ModelPixelScaleTag, &[0.01, 0.01, 0.0][..])?;
-        tags.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, 36.0, -1.0, 0.0][..])?;
-        // Geographic coordinates, pixels as areas, WGS 84.
-        let keys: [u16; 16] = [1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326];
-        tags.write_tag(Tag::GeoKeyDirectoryTag, &keys[..])?;
-        let mut pixels = [0.0f32; 64];
-        (pixels[27], pixels[28]) = (12.5, 80.0);
-        image.write_data(&pixels)?;
-        Ok(file.into_inner())
-    };
-    write().unwrap_or_else(|error| panic!("{error}"))
 }

@@ -55,7 +55,7 @@ pub struct LaterAxes {
     /// Panorama columns, ascending from 0 to 128.
     pub column: Vec<usize>,
     /// How finely the fields of cut and open sources are solved whose ratio is taken: a coarse one is enough, for both
-    /// have the same errors (`cut_parts` of physics: 0.1, 0.6 and 3.4 % of the part in the mean at 1, 4
+    /// have the same errors (`docs/notebook/2026-11-21.md`: 0.1, 0.6 and 3.4 % of the part in the mean at 1, 4
     /// and 16°).
     pub field_resolution: FieldResolution,
 }

@@ -1,0 +1,100 @@
+//! Programs that measure: each subcommand computes reference solutions, judges by them, or times a part of the program.
+
+mod accuracy;
+mod against_reference;
+mod arguments;
+mod blocked_accuracy;
+mod brightness;
+mod class_accuracy;
+mod class_truth;
+mod field_noise;
+mod field_resolution;
+mod hidden_lights;
+mod influence_times;
+mod influence_truth;
+mod latency;
+mod multiple_accuracy;
+mod multiple_vs_monte_carlo;
+mod offset_interpolation;
+mod pass_times;
+mod pictures;
+mod place_truth;
+mod plan_truth;
+mod scene_times;
+mod seeds;
+mod speed;
+mod tolerance;
+mod truth;
+mod truth_multiple;
+
+use arguments::Outcome;
+use clap::{Parser, Subcommand};
+
+/// Programs that measure Skyglow: reference solutions, errors against them, times.
+#[derive(Debug, Parser)]
+#[command(name = "lab", allow_negative_numbers = true)]
+struct Lab {
+    #[command(subcommand)]
+    program: Program,
+}
+
+#[derive(Debug, Subcommand)]
+#[command(allow_negative_numbers = true)]
+enum Program {
+    Truth(truth::Arguments),
+    TruthMultiple(truth_multiple::Arguments),
+    ClassTruth(class_truth::Arguments),
+    PlaceTruth(place_truth::Arguments),
+    Accuracy(accuracy::Arguments),
+    AgainstReference(against_reference::Arguments),
+    ClassAccuracy(class_accuracy::Arguments),
+    HiddenLights(hidden_lights::Arguments),
+    BlockedAccuracy(blocked_accuracy::Arguments),
+    MultipleAccuracy(multiple_accuracy::Arguments),
+    OffsetInterpolation(offset_interpolation::Arguments),
+    FieldResolution(field_resolution::Arguments),
+    FieldNoise(field_noise::Arguments),
+    MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
+    Brightness(brightness::Arguments),
+    InfluenceTruth(influence_truth::Arguments),
+    PlanTruth(plan_truth::Arguments),
+    Speed(speed::Arguments),
+    Tolerance(tolerance::Arguments),
+    PassTimes(pass_times::Arguments),
+    SceneTimes(scene_times::Arguments),
+    InfluenceTimes(influence_times::Arguments),
+    Latency(latency::Arguments),
+    Pictures(pictures::Arguments),
+    /// Writes what fuzzers start from where the program makes it: the smallest pack and the smallest raster.
+    Seeds,
+}
+
+fn main() -> Outcome {
+    match Lab::parse().program {
+        Program::Truth(arguments) => truth::run(&arguments),
+        Program::TruthMultiple(arguments) => truth_multiple::run(&arguments),
+        Program::ClassTruth(arguments) => class_truth::run(&arguments),
+        Program::PlaceTruth(arguments) => place_truth::run(&arguments),
+        Program::Accuracy(arguments) => accuracy::run(&arguments),
+        Program::AgainstReference(arguments) => against_reference::run(&arguments),
+        Program::ClassAccuracy(arguments) => class_accuracy::run(&arguments),
+        Program::HiddenLights(arguments) => hidden_lights::run(&arguments),
+        Program::BlockedAccuracy(arguments) => blocked_accuracy::run(&arguments),
+        Program::MultipleAccuracy(arguments) => multiple_accuracy::run(&arguments),
+        Program::OffsetInterpolation(arguments) => offset_interpolation::run(&arguments),
+        Program::FieldResolution(arguments) => field_resolution::run(&arguments),
+        Program::FieldNoise(arguments) => field_noise::run(&arguments),
+        Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
+        Program::Brightness(arguments) => brightness::run(&arguments),
+        Program::InfluenceTruth(arguments) => influence_truth::run(&arguments),
+        Program::PlanTruth(arguments) => plan_truth::run(&arguments),
+        Program::Speed(arguments) => speed::run(&arguments),
+        Program::Tolerance(arguments) => tolerance::run(&arguments),
+        Program::PassTimes(arguments) => pass_times::run(&arguments),
+        Program::SceneTimes(arguments) => scene_times::run(&arguments),
+        Program::InfluenceTimes(arguments) => influence_times::run(&arguments),
+        Program::Latency(arguments) => latency::run(&arguments),
+        Program::Pictures(arguments) => pictures::run(&arguments),
+        Program::Seeds => seeds::run(),
+    }
+}
