@@ -48,7 +48,7 @@ fn read(path: &Path) -> Result<Truth, Box<dyn Error>> {
     })
 }
 
-/// Panoramas against files of `truth` or `truth-multiple`: the error of model section 9 at every place and turbidity, none
+/// Panoramas against files of `truth` or `truth-multiple`: the error of `docs/model.md#error` at every place and turbidity, none
 /// left out, as a table.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {

@@ -52,7 +52,7 @@ fn words(pairs: &[(Bands, Bands)], scale: f64) -> Result<String, Box<dyn Error>>
     ))
 }
 
-/// A panorama against the reference at the same place: the error of model section 9 over the directions of the reference
+/// A panorama against the reference at the same place: the error of `docs/model.md#error` over the directions of the reference
 /// that terrain does not hide, of artificial light alone. Both with the same parameters, by `skyglow reference … >
 /// REFERENCE.json` and `skyglow panorama … -o PANORAMA.json`. The floor of the error is an absolute one, so a second line
 /// has both skies scaled to a zenith as bright as the natural one.
