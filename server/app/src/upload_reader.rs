@@ -146,17 +146,29 @@ pub fn read_upload(mut input: impl Read, mut output: impl Write) -> std::io::Res
 /// Why an upload is refused: files by the names of their fields, for nobody outside knows the server's folders.
 fn refused(error: SceneError, options: &IngestOptions) -> UploadOutcome {
     let field = |path: &Path| {
-        if path == options.radiance {
+        let name = || path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let has = |list: &[PathBuf]| list.iter().any(|own| own == path);
+        if options.radiance.len() == 1 && !has(&options.terrain) && Some(path) != options.places.as_deref()
+            && !has(&options.masks) && !has(&options.quality_files) && !has(&options.observation_files)
+        {
+            // Also what it was unpacked to.
             "radiance".to_owned()
         } else if Some(path) == options.places.as_deref() {
             "places".to_owned()
+        } else if has(&options.terrain) {
+            format!("terrain \"{}\"", name())
+        } else if has(&options.masks) {
+            format!("mask \"{}\"", name())
+        } else if has(&options.quality_files) {
+            format!("quality_file \"{}\"", name())
+        } else if has(&options.observation_files) {
+            format!("observations_file \"{}\"", name())
         } else {
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-            format!("terrain \"{}\"", name.unwrap_or_default())
+            format!("radiance \"{}\"", name())
         }
     };
     // The library that reads rasters names files with their folders, and what reads them speaks of a command's options.
-    let folder = options.radiance.ancestors().nth(2).map(|folder| format!("{}/", folder.display()));
+    let folder = options.radiance.first().and_then(|path| path.ancestors().nth(2)).map(|folder| format!("{}/", folder.display()));
     let for_upload = |reason: &str| {
         let reason = match &folder {
             Some(folder) if folder.len() > 1 => reason.replace(folder, ""),
@@ -173,7 +185,7 @@ fn refused(error: SceneError, options: &IngestOptions) -> UploadOutcome {
             UploadOutcome::Refused(format!("{}: {}", field(path), for_upload(reason)))
         }
         SceneError::InvalidOption { option, reason } => {
-            UploadOutcome::Refused(format!("{}: {reason}", option.trim_start_matches('-')))
+            UploadOutcome::Refused(format!("{}: {reason}", option.trim_start_matches('-').replace('-', "_")))
         }
         SceneError::InvalidId { .. } => UploadOutcome::Refused(error.to_string()),
         _ => UploadOutcome::Storage(error.to_string()),
@@ -224,7 +236,7 @@ mod tests {
     fn what_a_reader_says_comes_through() {
         let folder = tempfile::tempdir().unwrap();
         let task = task(folder.path());
-        std::fs::write(&task.options.radiance, "no raster").unwrap();
+        std::fs::write(&task.options.radiance[0], "no raster").unwrap();
         let mut said = Vec::new();
         read_upload(&*serde_json::to_vec(&task).unwrap(), &mut said).unwrap();
         let UploadOutcome::Refused(reason) = serde_json::from_slice(&said).unwrap() else { panic!("taken") };
@@ -236,7 +248,7 @@ mod tests {
         let options = IngestOptions::new("/srv/data/incoming/7/radiance");
         let reason =
             "/srv/data/incoming/radiance has 8-bit numbers; give their --scale, or choose with --band: a, b";
-        let error = SceneError::Refused { path: options.radiance.clone(), reason: reason.to_owned() };
+        let error = SceneError::Refused { path: options.radiance[0].clone(), reason: reason.to_owned() };
         let UploadOutcome::Refused(said) = refused(error, &options) else { panic!("another kind") };
         assert_eq!(
             said,

@@ -1,6 +1,6 @@
 //! A scene's ingest report as lines of a table.
 
-use skyglow_scene::{PixelCount, SceneMetadata};
+use skyglow_scene::{Confidence, PixelCount, SceneMetadata};
 
 /// Name and value of each line, indented; counts of nothing are left out.
 pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
@@ -18,7 +18,18 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
             scene.grid.width, scene.grid.height, scene.pixel_size_m, scene.crs
         ),
     );
+    if !report.files.is_empty() {
+        rows.add("files", format!("{}: {}", report.files.len(), report.files.join(", ")));
+    }
     rows.add("read", format!("{}, times {}", report.band, report.scale));
+    for entry in &report.recognised {
+        let sure = match entry.confidence {
+            Confidence::Certain => "certain",
+            Confidence::Likely => "likely",
+            Confidence::Assumed => "assumed",
+        };
+        rows.add(&entry.what, format!("{} ({sure})", entry.value));
+    }
     if report.offset_nw_cm2_sr != 0.0 {
         rows.add("offset", format!("{} nW cm-2 sr-1", report.offset_nw_cm2_sr));
     }
@@ -36,6 +47,8 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
     rows.count("NaN", &report.nan, true);
     rows.count("infinite", &report.infinite, true);
     rows.count("no data", &report.no_data, false);
+    rows.count("fill values", &report.fill, true);
+    rows.count("quality too low", &report.rejected, false);
     rows.count("capped", &report.capped, true);
     rows.count("off the Earth", &report.outside_world, true);
     match &report.terrain {
@@ -53,7 +66,7 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
     if scene.places_count > 0 {
         rows.add("places", scene.places_count.to_string());
     }
-    for (name, value) in [("date", &scene.date), ("attribution", &scene.attribution)] {
+    for (name, value) in [("taken", &scene.date), ("attribution", &scene.attribution)] {
         if let Some(value) = value {
             rows.add(name, value);
         }

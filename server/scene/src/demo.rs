@@ -47,7 +47,7 @@ pub fn create_demo(
     let radiances = lights::radiances_nw_cm2_sr(&light_spec, &relief);
     step(2);
     let mut options = IngestOptions::new(dir.path().join("demo.tif"));
-    raster_file::write(&options.radiance, &light_spec, &radiances)?;
+    raster_file::write(&options.radiance[0], &light_spec, &radiances)?;
     let terrain = dir.path().join("terrain.tif");
     raster_file::write(&terrain, &terrain_spec, &heights)?;
     let places = dir.path().join("places.csv");

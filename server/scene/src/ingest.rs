@@ -2,27 +2,39 @@
 
 mod black_marble;
 mod date;
+mod file_list;
 mod gdal_open;
 mod georeference;
+mod granule_name;
 mod hdf5;
+mod layers;
+mod memory;
+mod mosaic;
+mod no_data;
+mod noise;
 mod options;
 mod places;
 mod radiance;
 mod radiance_band;
 mod radiance_source;
 mod skylines;
+mod statistics;
 mod tally;
 mod terrain_files;
+mod units;
+mod unpack;
 
-pub use options::{IngestOptions, IngestProgress, IngestStage, RadianceUnit};
+pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
+pub use units::RadianceUnit;
 
 use crate::error::SceneError;
 use crate::light_layer::{LightLayer, Lights};
-use crate::metadata::{GridMetadata, SceneMetadata};
+use crate::metadata::{GridMetadata, Recognition, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::scene_writer;
 use crate::store::SceneStore;
+use self::mosaic::Mosaic;
 use std::sync::Arc;
 
 /// Reads a radiance raster with its terrain and places, and stores the scene.
@@ -44,22 +56,40 @@ pub(crate) fn ingest_as(
     illustrative: bool,
     progress: &mut dyn FnMut(IngestProgress),
 ) -> Result<SceneMetadata, SceneError> {
+    let first = options.radiance.first().ok_or_else(|| SceneError::InvalidOption {
+        option: "FILES",
+        reason: "no radiance raster is given".to_owned(),
+    })?;
     let id = match &options.id {
         Some(id) => id.clone(),
-        None => SceneId::from_file_name(&options.radiance)?,
+        None => SceneId::from_file_name(first)?,
     };
     // First of all, as it may bring a scene back that was set aside.
     store.clear_stale();
     if store.exists(&id) && !options.replace {
         return Err(SceneError::SceneExists { id: id.to_string() });
     }
+    let is_trusted = options.max_pixels.is_none();
+    let mut options = options.clone();
+    if is_trusted {
+        let list = file_list::expand(&options.radiance)?;
+        options.radiance = list.paths;
+        options.no_data.extend(list.no_data);
+    }
+    let unpacked = unpack::unpack(&options.radiance, options.max_pixels)?;
+    options.radiance = unpacked.paths.clone();
     options.check()?;
+    let options = &options;
     let places = options.places.as_deref().map(places::read).transpose()?.unwrap_or_default();
-    let source = radiance_band::open(options)?;
-    options
-        .check_size(source.dataset.raster_size())
-        .map_err(|reason| SceneError::Refused { path: options.radiance.clone(), reason })?;
-    let mut light = radiance::read(&source, progress)?;
+    let (mosaic, date) = open_mosaic(options)?;
+    options.check_size(mosaic.size).map_err(|reason| SceneError::Refused {
+        path: mosaic.first().path.clone(),
+        reason,
+    })?;
+    let mut light = radiance::read(&mosaic, options, progress)?;
+    light.report.warnings.extend(places.warnings);
+    let places = places.places;
+    let (crs_wkt, crs_name) = mosaic.crs_text()?;
     let terrain = terrain_files::read(options, progress)?;
     terrain_files::set_altitudes(&terrain, &mut light, progress);
     let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
@@ -77,15 +107,15 @@ pub(crate) fn ingest_as(
         grid: GridMetadata {
             width: light.grid.width,
             height: light.grid.height,
-            geotransform: source.geotransform,
-            crs_wkt: source.crs_wkt.clone(),
+            geotransform: mosaic.geotransform,
+            crs_wkt,
         },
-        crs: source.crs_name.clone(),
+        crs: crs_name,
         calibration: options.calibration,
         report,
         pixel_size_m: light.grid.pixel_size_m(),
         lit_pixels: lights.pixels.len() as u64,
-        date: options.date.clone(),
+        date,
         attribution: options.attribution.clone(),
         illustrative,
         terrain: !terrain.terrain.is_empty(),
@@ -105,4 +135,38 @@ pub(crate) fn ingest_as(
     scene_writer::write(store.scenes_dir(), &mut scene, options.replace)?;
     progress(IngestProgress { stage: IngestStage::Store, done: 1, total: 1 });
     Ok(scene.metadata)
+}
+
+/// Opens all radiance rasters, and says when they were taken: by the options, else by the files' names.
+fn open_mosaic(options: &IngestOptions) -> Result<(Mosaic, Option<String>), SceneError> {
+    let mut sources = Vec::with_capacity(options.radiance.len());
+    let mut dates = Vec::new();
+    for (index, path) in options.radiance.iter().enumerate() {
+        let mut source = radiance_band::open(options, path, index)?;
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let product = granule_name::product(&name);
+        if source.no_data.has_zero() {
+            // Masked products of the Earth Observation Group are 0 where nothing shines.
+            if options.zero_is_dark || product.is_some() {
+                source.no_data.take_zero_for_dark();
+                source.recognised.push(Recognition::likely("no data", "0 is dark ground".to_owned()));
+            } else {
+                source.warnings.push(
+                    "0 is declared no data, so dark ground counts as not measured; where 0 means dark, give --zero-is-dark"
+                        .to_owned(),
+                );
+            }
+        }
+        dates.push(product.as_ref().and_then(|product| product.date.clone()));
+        if let Some(product) = product {
+            source.recognised.push(Recognition::likely("product", product.name.to_owned()));
+        }
+        sources.push(source);
+    }
+    let by_name = granule_name::span(&dates);
+    if let (None, Some(date), Some(source)) = (&options.date, &by_name, sources.first_mut()) {
+        source.recognised.push(Recognition::likely("date", format!("{date} by the name of the file")));
+    }
+    let date = options.date.clone().or(by_name);
+    Ok((Mosaic::new(sources)?, date))
 }

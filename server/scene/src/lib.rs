@@ -63,13 +63,14 @@ pub use dual_tree::{PatchStore, PlaceLattice, PlaceValues};
 pub use error::SceneError;
 pub use geotiff::{RasterError, RasterMetadata};
 pub use ground::Ground;
-pub use ingest::{IngestOptions, IngestProgress, IngestStage, RadianceUnit, ingest};
+pub use ingest::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, RadianceUnit, ingest};
 pub use light_shares::{CellShare, LightShares, LitPixel};
 pub use light_tree::{FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M};
 pub use map_tile::{PixelValues, RasterTile, TileLayer};
 pub use mercator::{tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
 pub use metadata::{
-    ExamplePlace, GridMetadata, IngestReport, NamedPlace, PixelCount, SceneMetadata, TerrainReport,
+    Confidence, ExamplePlace, GridMetadata, IngestReport, NamedPlace, NoiseReport, PixelCount, Recognition,
+    SceneMetadata, TerrainReport,
 };
 pub use place_kernel::{PlaceKernel, UniformAxis};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};

@@ -57,6 +57,16 @@ impl LitPixels {
         }
     }
 
+    /// Drops the pixels that have become dark.
+    pub(crate) fn drop_dark(&mut self) {
+        let lit: Vec<bool> = self.radiance_nw_cm2_sr.iter().map(|value| *value > 0.0).collect();
+        let mut is_lit = lit.iter();
+        self.codes.retain(|_| is_lit.next().is_some_and(|lit| *lit));
+        let mut is_lit = lit.iter();
+        self.altitude_m.retain(|_| is_lit.next().is_some_and(|lit| *lit));
+        self.radiance_nw_cm2_sr.retain(|value| *value > 0.0);
+    }
+
     /// Sorts by code. Codes must be distinct.
     pub(crate) fn sort(&mut self) {
         let mut order: Vec<u32> = (0..self.codes.len() as u32).collect();

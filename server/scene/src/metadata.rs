@@ -75,6 +75,12 @@ pub struct IngestReport {
     pub infinite: PixelCount,
     /// Pixels at the raster's no-data value or masked.
     pub no_data: PixelCount,
+    /// Pixels with a value that fills gaps though nobody declares it: no light, no data.
+    #[serde(default, skip_serializing_if = "PixelCount::is_none")]
+    pub fill: PixelCount,
+    /// Pixels that a quality or observation layer refuses: no light, no data.
+    #[serde(default, skip_serializing_if = "PixelCount::is_none")]
+    pub rejected: PixelCount,
     /// Pixels at exactly the largest value, where those are suspiciously many.
     pub capped: PixelCount,
     /// Lit pixels that have no place on Earth in the raster's CRS: left out.
@@ -95,8 +101,70 @@ pub struct IngestReport {
     pub offset_nw_cm2_sr: f64,
     /// Terrain under the lit pixels; none without terrain files.
     pub terrain: Option<TerrainReport>,
+    /// Radiance rasters that the scene is made of; left out where it is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+    /// What was recognised of the files, and how sure that is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recognised: Vec<Recognition>,
+    /// Noise around zero and what became of it; none where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseReport>,
     /// What looks wrong without being a reason to refuse, one sentence each.
     pub warnings: Vec<String>,
+}
+
+/// Something that was recognised of a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recognition {
+    /// What: `product`, `unit`, `scale`, `date` and the like.
+    pub what: String,
+    /// As what, and by what.
+    pub value: String,
+    /// How sure that is.
+    pub confidence: Confidence,
+}
+
+/// How sure something that was recognised is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Confidence {
+    /// The file says it.
+    Certain,
+    /// The file's name or its numbers say it.
+    Likely,
+    /// Nothing says otherwise.
+    Assumed,
+}
+
+impl Recognition {
+    /// What the file says itself.
+    pub(crate) fn certain(what: &str, value: String) -> Self {
+        Self { what: what.to_owned(), value, confidence: Confidence::Certain }
+    }
+
+    /// What the file's name or its numbers say.
+    pub(crate) fn likely(what: &str, value: String) -> Self {
+        Self { what: what.to_owned(), value, confidence: Confidence::Likely }
+    }
+
+    /// What nothing contradicts.
+    pub(crate) fn assumed(what: &str, value: String) -> Self {
+        Self { what: what.to_owned(), value, confidence: Confidence::Assumed }
+    }
+}
+
+/// Noise around zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NoiseReport {
+    /// Standard deviation by the negative values, nW cm⁻² sr⁻¹.
+    pub deviation_nw_cm2_sr: f64,
+    /// By how much the light of all pixels together would be too bright were negative values cut alone, as a factor.
+    pub bias: f64,
+    /// Whether negative values were balanced against the faintest pixels around them.
+    pub balanced: bool,
+    /// Pixels that became dark by that.
+    pub darkened: u64,
 }
 
 /// A number of pixels, and where the first few of them are.
@@ -137,6 +205,9 @@ pub struct ExamplePlace {
 pub struct TerrainReport {
     /// Terrain files read.
     pub files: u64,
+    /// Units of files that are not in metres; left out where all are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub units: Vec<String>,
     /// Lit pixels with terrain at their centre.
     pub covered: u64,
     /// Lit pixels that took the nearest valid elevation within 5 km.

@@ -21,8 +21,8 @@ fn stored() -> (TestStore, SceneId) {
     )
     .unwrap();
     let scene = test_store.scene_with(&TestRaster::scattered(200, 150), |options| {
-        options.terrain = vec![options.radiance.with_file_name("terrain.tif")];
-        options.places = Some(options.radiance.with_file_name("places.csv"));
+        options.terrain = vec![options.radiance[0].with_file_name("terrain.tif")];
+        options.places = Some(options.radiance[0].with_file_name("places.csv"));
         options.title = Some("Plain".into());
         options.date = Some("2023".into());
         options.attribution = Some("Nobody".into());

@@ -8,17 +8,19 @@ use crate::{
     table::aligned,
 };
 use clap::{Args, builder::BoolishValueParser};
-use skyglow_scene::{IngestOptions, RadianceUnit, SceneError, SceneId, SceneStore, ingest};
+use skyglow_scene::{IngestOptions, NoisePolicy, RadianceUnit, SceneError, SceneId, SceneStore, ingest};
 use std::path::PathBuf;
 
-/// Check a radiance raster and store it as a scene
+/// Check radiance rasters and store them as a scene
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  skyglow ingest VNP46A4_2023.tif --terrain elevation.tif --id my-region --title 'My region'"
+    after_help = "Examples:\n  skyglow ingest VNP46A4_2023.tif --terrain elevation.tif --id my-region --title 'My region'\n  skyglow ingest VNP46A4.A2023001.h2*v0*.h5 --id east-africa --quality 0"
 )]
 pub(crate) struct Ingest {
-    /// Upward radiance: GeoTIFF, COG, or a NASA Black Marble HDF5 granule
-    radiance: PathBuf,
+    /// Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene,
+    /// of which the first that has a measurement counts; also a folder, a list (.txt) or a virtual raster (.vrt) of such files
+    #[arg(required = true, value_name = "FILE")]
+    radiance: Vec<PathBuf>,
     /// Terrain, GeoTIFF or SRTM .hgt; may be given several times, the first that has a value wins
     #[arg(long, env = "SKYGLOW_TERRAIN", value_name = "FILE", value_delimiter = ',')]
     terrain: Vec<PathBuf>,
@@ -43,9 +45,42 @@ pub(crate) struct Ingest {
     /// Factor on the stored numbers [default: the file's own]
     #[arg(long, env = "SKYGLOW_SCALE", value_name = "K", allow_negative_numbers = true)]
     scale: Option<f64>,
-    /// Unit of the numbers: nw-cm2-sr or w-m2-sr [default: nw-cm2-sr]
+    /// Unit of the numbers: nw-cm2-sr, uw-cm2-sr, w-cm2-sr, uw-m2-sr, mw-m2-sr or w-m2-sr [default: what the file says, else nw-cm2-sr]
     #[arg(long, env = "SKYGLOW_UNITS", value_name = "UNIT", value_parser = RadianceUnit::parse)]
     units: Option<RadianceUnit>,
+    /// Stored values that are no data, beside those that the file declares
+    #[arg(long = "nodata", env = "SKYGLOW_NODATA", value_name = "N", value_delimiter = ',', allow_negative_numbers = true)]
+    no_data: Vec<f64>,
+    /// Zero is dark ground though the file declares it no data
+    #[arg(long, env = "SKYGLOW_ZERO_IS_DARK", value_parser = BoolishValueParser::new())]
+    zero_is_dark: bool,
+    /// Radiances below this are dark, nW cm-2 sr-1
+    #[arg(long = "floor", env = "SKYGLOW_FLOOR", value_name = "L", allow_negative_numbers = true)]
+    floor_nw_cm2_sr: Option<f64>,
+    /// Radiances above this count as this, nW cm-2 sr-1
+    #[arg(long = "cap", env = "SKYGLOW_CAP", value_name = "L", allow_negative_numbers = true)]
+    cap_nw_cm2_sr: Option<f64>,
+    /// Raster on the radiances' grid that is 0 where what is measured is no light; one for each FILE
+    #[arg(long = "mask", env = "SKYGLOW_MASK", value_name = "FILE", value_delimiter = ',')]
+    masks: Vec<PathBuf>,
+    /// Values of the quality layer that are taken, such as 0,1; pixels of others are no data [default: all]
+    #[arg(long, env = "SKYGLOW_QUALITY", value_name = "N", value_delimiter = ',')]
+    quality: Option<Vec<i64>>,
+    /// Quality layer on the radiances' grid, where the granule has none of its own; one for each FILE
+    #[arg(long = "quality-file", env = "SKYGLOW_QUALITY_FILE", value_name = "FILE", value_delimiter = ',')]
+    quality_files: Vec<PathBuf>,
+    /// Pixels with fewer observations are no data
+    #[arg(long, env = "SKYGLOW_MIN_OBSERVATIONS", value_name = "N")]
+    min_observations: Option<u32>,
+    /// Numbers of observations on the radiances' grid, where the granule has none of its own; one for each FILE
+    #[arg(long = "observations-file", env = "SKYGLOW_OBSERVATIONS_FILE", value_name = "FILE", value_delimiter = ',')]
+    observation_files: Vec<PathBuf>,
+    /// Noise around zero: balance (negative values take their part from the faintest pixels around them) or cut [default: balance]
+    #[arg(long, env = "SKYGLOW_NOISE", value_name = "HOW", value_parser = NoisePolicy::parse)]
+    noise: Option<NoisePolicy>,
+    /// Unit of the terrain, such as m or ft [default: what each file says, else m]
+    #[arg(long, env = "SKYGLOW_TERRAIN_UNITS", value_name = "UNIT")]
+    terrain_units: Option<String>,
     /// Factor on every radiance that is kept with the scene and shown with every answer
     #[arg(
         long,
@@ -79,6 +114,17 @@ impl Ingest {
             band: self.band,
             scale: self.scale,
             units: self.units,
+            no_data: self.no_data,
+            zero_is_dark: self.zero_is_dark,
+            floor_nw_cm2_sr: self.floor_nw_cm2_sr,
+            cap_nw_cm2_sr: self.cap_nw_cm2_sr,
+            masks: self.masks,
+            quality: self.quality,
+            quality_files: self.quality_files,
+            min_observations: self.min_observations,
+            observation_files: self.observation_files,
+            noise: self.noise.unwrap_or_default(),
+            terrain_units: self.terrain_units,
             calibration: self.calibration,
             replace: self.replace,
             max_pixels: None,

@@ -19,7 +19,7 @@ use skyglow_app::{
     request::{no_parameters, scene_id},
     validation::{FieldError, ValidationCode, echo},
 };
-use skyglow_scene::{IngestOptions, RadianceUnit, SceneId};
+use skyglow_scene::{IngestOptions, NoisePolicy, RadianceUnit, SceneId};
 use std::{
     path::{Path as FilePath, PathBuf},
     time::Duration,
@@ -29,8 +29,8 @@ use utoipa::ToSchema;
 
 /// Longest text of a field that is no file, bytes.
 const MAX_TEXT_BYTES: usize = 4096;
-/// Files of terrain at most.
-const MAX_TERRAIN_FILES: usize = 256;
+/// Files of radiance, and of terrain, at most.
+const MAX_FILES: usize = 256;
 /// Longest wait for the next piece of a file.
 const MAX_PAUSE: Duration = Duration::from_secs(30);
 
@@ -38,8 +38,9 @@ const MAX_PAUSE: Duration = Duration::from_secs(30);
 #[derive(Debug, ToSchema)]
 #[expect(dead_code, reason = "for the document: the fields are read one by one as they come")]
 pub struct SceneUpload {
-    /// Upward radiance: GeoTIFF, COG, or a NASA Black Marble HDF5 granule.
-    #[schema(value_type = String, format = Binary)]
+    /// Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene,
+    /// of which the first that has a measurement counts.
+    #[schema(value_type = Vec<String>, format = Binary)]
     radiance: Vec<u8>,
     /// Terrain, GeoTIFF or SRTM `.hgt`; may be given several times, the first that has a value wins.
     #[schema(value_type = Option<String>, format = Binary)]
@@ -57,8 +58,24 @@ pub struct SceneUpload {
     band: Option<String>,
     /// Factor on the stored numbers.
     scale: Option<f64>,
-    /// `nw-cm2-sr` or `w-m2-sr`.
+    /// `nw-cm2-sr`, `uw-cm2-sr`, `w-cm2-sr`, `uw-m2-sr`, `mw-m2-sr` or `w-m2-sr`; by default what the file says.
     units: Option<String>,
+    /// Stored values that are no data, with commas between.
+    nodata: Option<String>,
+    /// `on` where zero is dark ground though the file declares it no data.
+    zero_is_dark: Option<String>,
+    /// Radiances below this are dark, nW cm⁻² sr⁻¹.
+    floor: Option<f64>,
+    /// Radiances above this count as this, nW cm⁻² sr⁻¹.
+    cap: Option<f64>,
+    /// Values of the granules' quality layer that are taken, with commas between.
+    quality: Option<String>,
+    /// Pixels with fewer observations are no data, where the granules say how many there were.
+    min_observations: Option<u32>,
+    /// Noise around zero: `balance` or `cut`.
+    noise: Option<String>,
+    /// Unit of the terrain, such as `m` or `ft`; by default what each file says.
+    terrain_units: Option<String>,
     /// Factor on every radiance.
     calibration: Option<f64>,
 }
@@ -159,7 +176,7 @@ async fn upload(
         field_error("body", None, error.body_text(), "a form (multipart/form-data) with the file `radiance`")
     })?;
     let folder = state.blocking(|source| Ok(source.upload_folder()?)).await?;
-    let mut options = IngestOptions::new(PathBuf::new());
+    let mut options = IngestOptions { calibration: 1.0, ..IngestOptions::default() };
     (options.id, options.replace) = (Some(id.clone()), true);
     options.max_pixels = Some(state.config.upload_pixels);
     loop {
@@ -167,7 +184,7 @@ async fn upload(
         let Some(field) = next.map_err(|error| unreadable(state, &error))? else { break };
         take(state, folder.path(), field, &mut options).await?;
     }
-    if options.radiance.as_os_str().is_empty() {
+    if options.radiance.is_empty() {
         return Err(field_error("radiance", None, ValidationCode::Missing.words().to_owned(), "a raster"));
     }
     let (scene, was_there) = state
@@ -199,9 +216,9 @@ async fn take(
 ) -> Result<(), ApiError> {
     let name = field.name().unwrap_or_default().to_owned();
     let is_repeated = match name.as_str() {
-        "radiance" => !options.radiance.as_os_str().is_empty(),
+        "radiance" => options.radiance.len() >= MAX_FILES,
         "places" => options.places.is_some(),
-        "terrain" => options.terrain.len() >= MAX_TERRAIN_FILES,
+        "terrain" => options.terrain.len() >= MAX_FILES,
         _ => false,
     };
     if is_repeated {
@@ -209,47 +226,90 @@ async fn take(
             &name,
             None,
             ValidationCode::Repeated.words().to_owned(),
-            "one, or 256 files of terrain",
+            "one, or 256 files of radiance and of terrain",
         ));
     }
     match name.as_str() {
-        "radiance" => options.radiance = save_file(state, folder, "radiance", "tif", field).await?,
+        "radiance" => {
+            let part = match options.radiance.len() {
+                0 => "radiance".to_owned(),
+                count => format!("radiance{count}"),
+            };
+            options.radiance.push(save_file(state, folder, &part, "tif", field).await?);
+        }
         "places" => options.places = Some(save_file(state, folder, "places", "csv", field).await?),
         "terrain" => {
             let part = format!("terrain{}", options.terrain.len());
             options.terrain.push(save_file(state, folder, &part, "tif", field).await?);
         }
-        "title" | "date" | "attribution" | "band" | "scale" | "units" | "calibration" => {
+        _ if TEXT_FIELDS.contains(&name.as_str()) => {
             let text = text_of(state, &name, field).await?;
-            let number = |allowed: &str| {
-                let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-                number.ok_or_else(|| {
-                    field_error(&name, Some(&text), ValidationCode::Malformed.words().to_owned(), allowed)
-                })
-            };
-            match name.as_str() {
-                "title" => options.title = Some(text),
-                "date" => options.date = Some(text),
-                "attribution" => options.attribution = Some(text),
-                "band" => options.band = Some(text),
-                "scale" => options.scale = Some(number("a number above 0")?),
-                "calibration" => options.calibration = number("a number above 0")?,
-                _ => {
-                    let units = RadianceUnit::parse(&text);
-                    options.units = Some(units.map_err(|error| {
-                        field_error("units", Some(&text), error.to_string(), "nw-cm2-sr or w-m2-sr")
-                    })?);
-                }
-            }
+            take_text(&name, text, options)?;
         }
         _ => {
-            let allowed =
-                "radiance, terrain, places, title, date, attribution, band, scale, units, calibration";
+            let allowed = format!("radiance, terrain, places, {}", TEXT_FIELDS.join(", "));
             let message = ValidationCode::UnknownParameter.words().to_owned();
-            return Err(field_error(&echo(&name), None, message, allowed));
+            return Err(field_error(&echo(&name), None, message, &allowed));
         }
     }
     Ok(())
+}
+
+/// Fields that are no files.
+const TEXT_FIELDS: [&str; 15] = [
+    "title", "date", "attribution", "band", "scale", "units", "calibration", "nodata", "zero_is_dark", "floor", "cap", "quality",
+    "min_observations", "noise", "terrain_units",
+];
+
+/// Takes a field that is no file into the options.
+fn take_text(name: &str, text: String, options: &mut IngestOptions) -> Result<(), ApiError> {
+    let malformed = |allowed: &str| {
+        field_error(name, Some(&text), ValidationCode::Malformed.words().to_owned(), allowed)
+    };
+    let number = |allowed: &str| {
+        text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| malformed(allowed))
+    };
+    let refused = |error: skyglow_scene::SceneError, allowed: &str| {
+        field_error(name, Some(&text), error.to_string(), allowed)
+    };
+    match name {
+        "title" => options.title = Some(text),
+        "date" => options.date = Some(text),
+        "attribution" => options.attribution = Some(text),
+        "band" => options.band = Some(text),
+        "terrain_units" => options.terrain_units = Some(text),
+        "scale" => options.scale = Some(number("a number above 0")?),
+        "calibration" => options.calibration = number("a number above 0")?,
+        "floor" => options.floor_nw_cm2_sr = Some(number("a number above 0")?),
+        "cap" => options.cap_nw_cm2_sr = Some(number("a number above 0")?),
+        "nodata" => options.no_data = list(&text).ok_or_else(|| malformed("numbers with commas between"))?,
+        "quality" => {
+            options.quality = Some(list(&text).ok_or_else(|| malformed("whole numbers with commas between"))?);
+        }
+        "min_observations" => {
+            options.min_observations = Some(text.parse().map_err(|_| malformed("a whole number"))?);
+        }
+        "zero_is_dark" => {
+            options.zero_is_dark = match text.as_str() {
+                "on" | "true" | "1" => true,
+                "off" | "false" | "0" => false,
+                _ => return Err(malformed("on or off")),
+            };
+        }
+        "noise" => {
+            options.noise = NoisePolicy::parse(&text).map_err(|error| refused(error, "balance or cut"))?;
+        }
+        _ => {
+            let names = RadianceUnit::ALL.map(RadianceUnit::name).join(", ");
+            options.units = Some(RadianceUnit::parse(&text).map_err(|error| refused(error, &names))?);
+        }
+    }
+    Ok(())
+}
+
+/// Numbers with commas between; None where one is none.
+fn list<T: std::str::FromStr>(text: &str) -> Option<Vec<T>> {
+    text.split(',').map(|word| word.trim().parse().ok()).collect()
 }
 
 /// Writes a file into a folder of its own, for rasters may look for others beside them.

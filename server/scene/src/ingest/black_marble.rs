@@ -1,11 +1,16 @@
 //! NASA Black Marble granules (HDF5): which subdataset, its scale, and the tile's place on Earth.
 
 use super::gdal_open::{gdal_reason, open_name};
+use super::layers;
+use super::no_data::NoData;
 use super::options::IngestOptions;
-use super::radiance_source::{Conversion, RadianceSource};
+use super::radiance_band::unit_of;
+use super::radiance_source::{BandFacts, Conversion, Layer, LayerTest, RadianceSource};
 use crate::error::SceneError;
+use crate::metadata::Recognition;
 use gdal::spatial_ref::SpatialRef;
 use gdal::{Dataset, Metadata};
+use std::path::Path;
 
 /// Subdatasets taken when none is named, in this order: daily gap-filled, monthly and yearly composites.
 const RADIANCE_NAMES: [&str; 2] = ["Gap_Filled_DNB_BRDF-Corrected_NTL", "NearNadir_Composite_Snow_Free"];
@@ -16,16 +21,19 @@ const DEFAULT_FILL: f64 = 65_535.0;
 const TILE_DEG: f64 = 10.0;
 
 /// Opens the radiance subdataset of a granule.
-pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<RadianceSource, SceneError> {
-    let path = &options.radiance;
-    let refuse = |reason: String| SceneError::Refused { path: path.clone(), reason };
+pub(super) fn open(
+    container: Dataset,
+    path: &Path,
+    options: &IngestOptions,
+) -> Result<RadianceSource, SceneError> {
+    let refuse = |reason: String| SceneError::Refused { path: path.to_owned(), reason };
     let listed = subdatasets(&container);
     let name = choose(&listed, options.band.as_deref()).map_err(refuse)?;
     let (dataset, short_name) = match name {
         Some(full) => {
             let short = short_name(&full).to_owned();
             let opened = open_name(&full, &["HDF5Image"]).map_err(|reason| SceneError::Unreadable {
-                path: path.clone(),
+                path: path.to_owned(),
                 reason: format!("its dataset {short} does not open: {reason}"),
             })?;
             (opened, short)
@@ -43,9 +51,9 @@ pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<Radian
             (container, band_name)
         }
     };
-    let conversion = conversion(&dataset, &short_name).map_err(refuse)?;
+    let facts = facts(&dataset, short_name, options).map_err(refuse)?;
     let (width, height) = dataset.raster_size();
-    let place = tile(&dataset, options)
+    let place = tile(&dataset, path)
         .map(|(h, v)| {
             let step = (TILE_DEG / width as f64, TILE_DEG / height as f64);
             [TILE_DEG * h - 180.0, step.0, 0.0, 90.0 - TILE_DEG * v, 0.0, -step.1]
@@ -62,7 +70,55 @@ pub(super) fn open(container: Dataset, options: &IngestOptions) -> Result<Radian
         ));
     };
     let (geotransform, crs) = place.map_err(|e| refuse(gdal_reason(e)))?;
-    RadianceSource::new(dataset, options, (1, short_name), conversion, geotransform, crs)
+    let short_name = facts.name.clone();
+    let mut source = RadianceSource::new(dataset, path, options, facts, geotransform, crs)?;
+    add_layers(&mut source, &listed, &short_name, options)?;
+    Ok(source)
+}
+
+/// The granule's own layers of quality and of the number of observations, where the options ask for them.
+fn add_layers(
+    source: &mut RadianceSource,
+    listed: &[String],
+    band: &str,
+    options: &IngestOptions,
+) -> Result<(), SceneError> {
+    let find = |names: &[String]| {
+        names.iter().find_map(|name| listed.iter().find(|full| short_name(full) == name.as_str()))
+    };
+    let quality = find(&[format!("{band}_Quality"), "Mandatory_Quality_Flag".to_owned()]);
+    let observations = find(&[format!("{band}_Num"), "Num_Observations".to_owned()]);
+    layers::require(options, source, quality.is_some(), observations.is_some())?;
+    let open = |full: &String| {
+        open_name(full, &["HDF5Image"]).map_err(|reason| SceneError::Unreadable {
+            path: source.path.clone(),
+            reason: format!("its dataset {} does not open: {reason}", short_name(full)),
+        })
+    };
+    let mut own = Vec::new();
+    if let (Some(full), Some(good), true) = (quality, &options.quality, options.quality_files.is_empty()) {
+        own.push((full, LayerTest::OneOf(good.clone())));
+    }
+    if let (Some(full), Some(least), true) =
+        (observations, options.min_observations, options.observation_files.is_empty())
+    {
+        own.push((full, LayerTest::AtLeast(f64::from(least))));
+    }
+    let own: Vec<(String, Layer)> = own
+        .into_iter()
+        .map(|(full, test)| Ok((short_name(full).to_owned(), Layer { dataset: open(full)?, test })))
+        .collect::<Result<_, SceneError>>()?;
+    for (name, layer) in own {
+        source.recognised.push(Recognition::certain("layer", name));
+        source.layers.push(layer);
+    }
+    if let (Some(full), None) = (quality, &options.quality) {
+        source.recognised.push(Recognition::certain(
+            "quality layer",
+            format!("{} is there and not used: --quality 0 takes good pixels alone", short_name(full)),
+        ));
+    }
+    Ok(())
 }
 
 /// The attributes of a dataset's only band, as `key=value`.
@@ -71,20 +127,35 @@ fn attributes(dataset: &Dataset) -> Result<Vec<String>, String> {
     Ok(band.metadata_domain("").unwrap_or_default())
 }
 
-/// Scale, offset and fill value of a dataset: its attributes', else the product's.
-fn conversion(dataset: &Dataset, short_name: &str) -> Result<Conversion, String> {
+/// Scale, offset, no data and unit of a dataset: its attributes', else the product's.
+fn facts(dataset: &Dataset, short_name: String, options: &IngestOptions) -> Result<BandFacts, String> {
     let band = dataset.rasterband(1).map_err(gdal_reason)?;
     let attributes = attributes(dataset)?;
-    let attribute = |suffix: &str| number(&attributes, short_name, suffix);
-    let is_counts = RADIANCE_NAMES.contains(&short_name) && !band.band_type().is_floating();
+    // Attributes of other datasets of the granule are not of this band.
+    let own: Vec<String> = attributes.iter().filter(|item| is_of(item, &short_name)).cloned().collect();
+    let attribute = |suffix: &str| number(&own, &short_name, suffix);
+    let is_counts = RADIANCE_NAMES.contains(&short_name.as_str()) && !band.band_type().is_floating();
     let scale = attribute("_scale_factor").or(band.scale().filter(|s| *s != 1.0));
     let offset = attribute("_add_offset").or(attribute("_offset")).or(band.offset());
-    let no_data = attribute("__FillValue").or(band.no_data_value());
-    Ok(Conversion {
+    let mut no_data = NoData::of(&band, &own, &options.no_data);
+    if is_counts {
+        no_data.or_declare(DEFAULT_FILL);
+    }
+    let conversion = Conversion {
         scale: scale.unwrap_or(if is_counts { DEFAULT_SCALE } else { 1.0 }),
         offset: offset.unwrap_or(0.0),
-        no_data: no_data.or(is_counts.then_some(DEFAULT_FILL)),
-    })
+    };
+    if !band.band_type().is_floating() && conversion.scale == 1.0 && options.scale.is_none() {
+        return Err("its dataset holds whole numbers without a scale; give --scale, or --scale 1 if they are nW cm-2 sr-1".to_owned());
+    }
+    let unit = unit_of(&band, &own);
+    Ok(BandFacts { number: 1, name: short_name, conversion, no_data, unit })
+}
+
+/// Whether an attribute `<groups>_<dataset>_<name>=…` is of this dataset, or of none in particular.
+fn is_of(item: &str, dataset: &str) -> bool {
+    let key = item.split('=').next().unwrap_or_default();
+    !key.contains("Data_Fields_") || key.contains(&format!("{dataset}_"))
 }
 
 /// The names that GDAL opens the subdatasets by.
@@ -139,8 +210,8 @@ fn number(attributes: &[String], dataset: &str, suffix: &str) -> Option<f64> {
 }
 
 /// Column and row of the tile: from the file's name, else from the granule's attributes.
-fn tile(dataset: &Dataset, options: &IngestOptions) -> Option<(f64, f64)> {
-    let file_name = options.radiance.file_name().map(|name| name.to_string_lossy().into_owned());
+fn tile(dataset: &Dataset, path: &Path) -> Option<(f64, f64)> {
+    let file_name = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let item = |key: &str| {
         dataset.metadata_item(key, "").or_else(|| {
             // Groups come before the key, joined by underscores.

@@ -1,6 +1,6 @@
 //! Opening files with GDAL: plain files of the allowed formats alone.
 
-use super::hdf5;
+use super::{hdf5, unpack};
 use crate::error::SceneError;
 use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use std::path::Path;
@@ -36,7 +36,11 @@ pub(super) fn open_file(path: &Path, drivers: &[&str]) -> Result<Dataset, SceneE
     hdf5::check_length(path)?;
     open_name(&path.to_string_lossy(), drivers).map_err(|reason| {
         let is_other = reason.contains("not recognized as");
-        unreadable(if is_other { format!("it is none of {}", drivers.join(", ")) } else { reason })
+        unreadable(match unpack::advice(path) {
+            Some(advice) => advice,
+            None if is_other => format!("it is none of {}", drivers.join(", ")),
+            None => reason,
+        })
     })
 }
 

@@ -1,50 +1,46 @@
 //! Options and progress of an ingest.
 
 use super::date::{FORMS, is_date};
+use super::units::{RadianceUnit, metres_in};
 use crate::error::SceneError;
 use crate::scene_id::SceneId;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The unit of the raster's radiances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RadianceUnit {
-    /// nW cm⁻² sr⁻¹, as the VIIRS products have it.
-    NanowattPerSquareCentimetreSteradian,
-    /// W m⁻² sr⁻¹.
-    WattPerSquareMetreSteradian,
+/// What becomes of noise around zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoisePolicy {
+    /// Negative values take as much from the faintest pixels around them: the light of every block stays the sum of its pixels.
+    #[default]
+    Balance,
+    /// Negative values count as dark, and the positive half of the noise as light.
+    Cut,
 }
 
-impl RadianceUnit {
-    /// From the command line's spelling, `nw-cm2-sr` or `w-m2-sr`.
+impl NoisePolicy {
+    /// From the command line's spelling, `balance` or `cut`.
     ///
     /// # Errors
     /// [`SceneError::InvalidOption`].
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         match text {
-            "nw-cm2-sr" => Ok(Self::NanowattPerSquareCentimetreSteradian),
-            "w-m2-sr" => Ok(Self::WattPerSquareMetreSteradian),
+            "balance" => Ok(Self::Balance),
+            "cut" => Ok(Self::Cut),
             _ => Err(SceneError::InvalidOption {
-                option: "--units",
-                reason: format!("\"{text}\" is no unit; nw-cm2-sr and w-m2-sr are known"),
+                option: "--noise",
+                reason: format!("\"{text}\" is neither balance nor cut"),
             }),
-        }
-    }
-
-    /// nW cm⁻² sr⁻¹ in one of the unit.
-    pub fn nw_cm2_sr(self) -> f64 {
-        match self {
-            Self::NanowattPerSquareCentimetreSteradian => 1.0,
-            Self::WattPerSquareMetreSteradian => 1e5,
         }
     }
 }
 
 /// The options of `skyglow ingest`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct IngestOptions {
-    /// The radiance raster: GeoTIFF, COG or HDF5.
-    pub radiance: PathBuf,
+    /// The radiance rasters, GeoTIFF, COG or HDF5, plain or in gzip or zip: one, or several on one grid, of which the first that
+    /// has a measurement counts. Of whoever is trusted also folders, lists (`.txt`) and virtual rasters of local files.
+    pub radiance: Vec<PathBuf>,
     /// Terrain rasters: GeoTIFF or SRTM `.hgt`; the first that has a value counts.
     pub terrain: Vec<PathBuf>,
     /// The scene's id; by default the file's name made one.
@@ -61,8 +57,30 @@ pub struct IngestOptions {
     pub band: Option<String>,
     /// Factor on the stored numbers, instead of the file's own scale (its offset is then not used).
     pub scale: Option<f64>,
-    /// Unit after scaling; by default nW cm⁻² sr⁻¹.
+    /// Unit after scaling; by default what the file says, and nW cm⁻² sr⁻¹ where it says nothing.
     pub units: Option<RadianceUnit>,
+    /// Stored values that are no data, beside those that the file declares.
+    pub no_data: Vec<f64>,
+    /// Zero is dark ground though the file declares it no data.
+    pub zero_is_dark: bool,
+    /// Radiances below this are dark, nW cm⁻² sr⁻¹.
+    pub floor_nw_cm2_sr: Option<f64>,
+    /// Radiances above this count as this, nW cm⁻² sr⁻¹.
+    pub cap_nw_cm2_sr: Option<f64>,
+    /// Rasters on the radiances' grid that are 0 or no data where what is measured is no light: one for each radiance raster.
+    pub masks: Vec<PathBuf>,
+    /// Values of the quality layer that are taken; pixels of others are no data. None for all.
+    pub quality: Option<Vec<i64>>,
+    /// Quality layers as rasters on the radiances' grid; granules have their own.
+    pub quality_files: Vec<PathBuf>,
+    /// Pixels with fewer observations are no data.
+    pub min_observations: Option<u32>,
+    /// Numbers of observations as rasters on the radiances' grid; granules have their own.
+    pub observation_files: Vec<PathBuf>,
+    /// What becomes of noise around zero.
+    pub noise: NoisePolicy,
+    /// Unit of the terrain, such as `m` or `ft`; by default what each file says, and metres where it says nothing.
+    pub terrain_units: Option<String>,
     /// Factor on the radiances wherever flux is made of them; 1 by default.
     pub calibration: f64,
     /// Overwrite a scene of the same id.
@@ -87,21 +105,7 @@ impl IngestOptions {
 
     /// The defaults for a raster.
     pub fn new(radiance: impl Into<PathBuf>) -> Self {
-        Self {
-            radiance: radiance.into(),
-            terrain: Vec::new(),
-            id: None,
-            title: None,
-            date: None,
-            attribution: None,
-            places: None,
-            band: None,
-            scale: None,
-            units: None,
-            calibration: 1.0,
-            replace: false,
-            max_pixels: None,
-        }
+        Self { radiance: vec![radiance.into()], calibration: 1.0, ..Self::default() }
     }
 
     /// Checks the numbers and the date.
@@ -115,6 +119,30 @@ impl IngestOptions {
         };
         positive("--calibration", self.calibration)?;
         positive("--scale", self.scale.unwrap_or(1.0))?;
+        for (option, value) in
+            [("--floor", self.floor_nw_cm2_sr), ("--cap", self.cap_nw_cm2_sr)]
+        {
+            positive(option, value.unwrap_or(1.0))?;
+        }
+        let files = [
+            ("--mask", &self.masks),
+            ("--quality-file", &self.quality_files),
+            ("--observations-file", &self.observation_files),
+        ];
+        for (option, given) in files {
+            if !given.is_empty() && given.len() != self.radiance.len() {
+                let reason = format!(
+                    "{} files are given for {} radiance rasters; give one for each, in their order",
+                    given.len(),
+                    self.radiance.len()
+                );
+                return Err(SceneError::InvalidOption { option, reason });
+            }
+        }
+        if let Some(unit) = self.terrain_units.as_deref().filter(|unit| metres_in(unit).is_none()) {
+            let reason = format!("\"{unit}\" is no length; m, ft, us-ft, dm and cm are known");
+            return Err(SceneError::InvalidOption { option: "--terrain-units", reason });
+        }
         match &self.date {
             Some(date) if !is_date(date) => {
                 let reason = format!("\"{date}\" is no date; {FORMS}");

@@ -1,29 +1,44 @@
 //! The radiance band of a raster: which band is meant, and whether it can be a measurement.
 
 use super::black_marble;
+use super::layers;
+use super::no_data::NoData;
 use super::gdal_open::{gdal_reason, open_file};
 use super::options::IngestOptions;
-use super::radiance_source::{Conversion, RadianceSource};
+use super::radiance_source::{BandFacts, Conversion, RadianceSource};
 use crate::error::SceneError;
-use gdal::Dataset;
+use gdal::{Dataset, Metadata};
 use gdal::raster::{ColorInterpretation, GdalDataType, RasterBand};
+use std::path::Path;
 
-/// Opens the radiance band that the options mean.
-pub(super) fn open(options: &IngestOptions) -> Result<RadianceSource, SceneError> {
-    let path = &options.radiance;
-    let refuse = |reason: String| SceneError::Refused { path: path.clone(), reason };
+/// Opens the radiance band of a file that the options mean, with the layers beside it.
+///
+/// * `index`: of the file among the radiance rasters.
+pub(super) fn open(options: &IngestOptions, path: &Path, index: usize) -> Result<RadianceSource, SceneError> {
+    let refuse = |reason: String| SceneError::Refused { path: path.to_owned(), reason };
     let container = open_file(path, &["GTiff", "COG", "HDF5", "HDF5Image"])?;
     if container.driver().short_name().starts_with("HDF5") {
-        return black_marble::open(container, options);
+        let mut source = black_marble::open(container, path, options)?;
+        layers::add_files(&mut source, options, index)?;
+        return Ok(source);
     }
     let band_number = choose_band(&container, options.band.as_deref()).map_err(refuse)?;
-    let (conversion, name) = {
+    let facts = {
         let band = container.rasterband(band_number).map_err(|e| refuse(gdal_reason(e)))?;
         check_is_measurement(&container, &band, options).map_err(refuse)?;
         let description = gdal::Metadata::description(&band).unwrap_or_default();
-        let name = if description.is_empty() { format!("band {band_number}") } else { description };
-        let (scale, offset) = (band.scale().unwrap_or(1.0), band.offset().unwrap_or(0.0));
-        (Conversion { scale, offset, no_data: band.no_data_value() }, name)
+        let mut attributes = container.metadata_domain("").unwrap_or_default();
+        attributes.extend(band.metadata_domain("").unwrap_or_default());
+        BandFacts {
+            number: band_number,
+            name: if description.is_empty() { format!("band {band_number}") } else { description },
+            conversion: Conversion {
+                scale: band.scale().unwrap_or(1.0),
+                offset: band.offset().unwrap_or(0.0),
+            },
+            no_data: NoData::of(&band, &attributes, &options.no_data),
+            unit: unit_of(&band, &attributes),
+        }
     };
     let crs = container.spatial_ref().ok().filter(|crs| crs.is_geographic() || crs.is_projected());
     let crs = crs.ok_or_else(|| {
@@ -36,8 +51,26 @@ pub(super) fn open(options: &IngestOptions) -> Result<RadianceSource, SceneError
         )
     })?;
     let alpha_band = (1..=container.raster_count()).find(|&n| is_alpha(&container, n));
-    let source = RadianceSource::new(container, options, (band_number, name), conversion, geotransform, crs)?;
-    Ok(RadianceSource { alpha_band, ..source })
+    let mut source = RadianceSource::new(container, path, options, facts, geotransform, crs)?;
+    source.alpha_band = alpha_band;
+    layers::require(options, &source, false, false)?;
+    layers::add_files(&mut source, options, index)?;
+    Ok(source)
+}
+
+/// A band's unit in the file's words: the band's own, else an attribute's.
+pub(super) fn unit_of(band: &RasterBand<'_>, attributes: &[String]) -> String {
+    let own = band.unit();
+    if !own.is_empty() {
+        return own;
+    }
+    let is_unit = |key: &str| key == "units" || key == "unit" || key.ends_with("_units") || key.ends_with("#units");
+    attributes
+        .iter()
+        .filter_map(|item| item.split_once('='))
+        .find(|(key, _)| is_unit(&key.to_lowercase()))
+        .map(|(_, value)| value.trim().to_owned())
+        .unwrap_or_default()
 }
 
 fn choose_band(dataset: &Dataset, wanted: Option<&str>) -> Result<usize, String> {
@@ -99,6 +132,11 @@ fn check_is_measurement(
             "the raster holds 8-bit numbers, as a picture does, not radiances; if they are scaled radiances, give their --scale"
                 .to_owned(),
         ),
+        kind if kind.is_integer() && !is_scaled => Err(format!(
+            "the raster holds whole numbers ({}) without a scale: NASA Black Marble stores tenths (--scale 0.1 --nodata 65535); if they are \
+             nW cm-2 sr-1 as they are, say --scale 1",
+            kind.name()
+        )),
         GdalDataType::Unknown => Err("the raster holds numbers of an unknown or complex type".to_owned()),
         _ => Ok(()),
     }
