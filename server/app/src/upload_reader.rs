@@ -148,8 +148,12 @@ fn refused(error: SceneError, options: &IngestOptions) -> UploadOutcome {
     let field = |path: &Path| {
         let name = || path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let has = |list: &[PathBuf]| list.iter().any(|own| own == path);
-        if options.radiance.len() == 1 && !has(&options.terrain) && Some(path) != options.places.as_deref()
-            && !has(&options.masks) && !has(&options.quality_files) && !has(&options.observation_files)
+        if options.radiance.len() == 1
+            && !has(&options.terrain)
+            && Some(path) != options.places.as_deref()
+            && !has(&options.masks)
+            && !has(&options.quality_files)
+            && !has(&options.observation_files)
         {
             // Also what it was unpacked to.
             "radiance".to_owned()
@@ -168,7 +172,11 @@ fn refused(error: SceneError, options: &IngestOptions) -> UploadOutcome {
         }
     };
     // The library that reads rasters names files with their folders, and what reads them speaks of a command's options.
-    let folder = options.radiance.first().and_then(|path| path.ancestors().nth(2)).map(|folder| format!("{}/", folder.display()));
+    let folder = options
+        .radiance
+        .first()
+        .and_then(|path| path.ancestors().nth(2))
+        .map(|folder| format!("{}/", folder.display()));
     let for_upload = |reason: &str| {
         let reason = match &folder {
             Some(folder) if folder.len() > 1 => reason.replace(folder, ""),

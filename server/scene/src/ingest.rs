@@ -27,6 +27,7 @@ mod unpack;
 pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
 pub use units::RadianceUnit;
 
+use self::mosaic::Mosaic;
 use crate::error::SceneError;
 use crate::light_layer::{LightLayer, Lights};
 use crate::metadata::{GridMetadata, Recognition, SceneMetadata};
@@ -34,7 +35,6 @@ use crate::scene::Scene;
 use crate::scene_id::SceneId;
 use crate::scene_writer;
 use crate::store::SceneStore;
-use self::mosaic::Mosaic;
 use std::sync::Arc;
 
 /// Reads a radiance raster with its terrain and places, and stores the scene.
@@ -82,10 +82,9 @@ pub(crate) fn ingest_as(
     let options = &options;
     let places = options.places.as_deref().map(places::read).transpose()?.unwrap_or_default();
     let (mosaic, date) = open_mosaic(options)?;
-    options.check_size(mosaic.size).map_err(|reason| SceneError::Refused {
-        path: mosaic.first().path.clone(),
-        reason,
-    })?;
+    options
+        .check_size(mosaic.size)
+        .map_err(|reason| SceneError::Refused { path: mosaic.first().path.clone(), reason })?;
     let mut light = radiance::read(&mosaic, options, progress)?;
     light.report.warnings.extend(places.warnings);
     let places = places.places;

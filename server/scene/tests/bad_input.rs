@@ -255,7 +255,10 @@ fn bad_terrain_and_places_are_refused() {
         std::fs::write(&places, format!("name,latitude,longitude\nB,-1,{off}\n")).unwrap();
         options.places = Some(places.clone());
         let told = test_store.refusal(&options);
-        assert!(told.contains("no places") && told.contains("line 2") && told.contains("off the world"), "{told}");
+        assert!(
+            told.contains("no places") && told.contains("line 2") && told.contains("off the world"),
+            "{told}"
+        );
     }
     options.places = None;
     options.date = Some("a dark night".into());

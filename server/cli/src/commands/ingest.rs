@@ -49,7 +49,13 @@ pub(crate) struct Ingest {
     #[arg(long, env = "SKYGLOW_UNITS", value_name = "UNIT", value_parser = RadianceUnit::parse)]
     units: Option<RadianceUnit>,
     /// Stored values that are no data, beside those that the file declares
-    #[arg(long = "nodata", env = "SKYGLOW_NODATA", value_name = "N", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(
+        long = "nodata",
+        env = "SKYGLOW_NODATA",
+        value_name = "N",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
     no_data: Vec<f64>,
     /// Zero is dark ground though the file declares it no data
     #[arg(long, env = "SKYGLOW_ZERO_IS_DARK", value_parser = BoolishValueParser::new())]
@@ -73,7 +79,12 @@ pub(crate) struct Ingest {
     #[arg(long, env = "SKYGLOW_MIN_OBSERVATIONS", value_name = "N")]
     min_observations: Option<u32>,
     /// Numbers of observations on the radiances' grid, where the granule has none of its own; one for each FILE
-    #[arg(long = "observations-file", env = "SKYGLOW_OBSERVATIONS_FILE", value_name = "FILE", value_delimiter = ',')]
+    #[arg(
+        long = "observations-file",
+        env = "SKYGLOW_OBSERVATIONS_FILE",
+        value_name = "FILE",
+        value_delimiter = ','
+    )]
     observation_files: Vec<PathBuf>,
     /// Noise around zero: balance (negative values take their part from the faintest pixels around them) or cut [default: balance]
     #[arg(long, env = "SKYGLOW_NOISE", value_name = "HOW", value_parser = NoisePolicy::parse)]

@@ -257,15 +257,27 @@ async fn take(
 
 /// Fields that are no files.
 const TEXT_FIELDS: [&str; 15] = [
-    "title", "date", "attribution", "band", "scale", "units", "calibration", "nodata", "zero_is_dark", "floor", "cap", "quality",
-    "min_observations", "noise", "terrain_units",
+    "title",
+    "date",
+    "attribution",
+    "band",
+    "scale",
+    "units",
+    "calibration",
+    "nodata",
+    "zero_is_dark",
+    "floor",
+    "cap",
+    "quality",
+    "min_observations",
+    "noise",
+    "terrain_units",
 ];
 
 /// Takes a field that is no file into the options.
 fn take_text(name: &str, text: String, options: &mut IngestOptions) -> Result<(), ApiError> {
-    let malformed = |allowed: &str| {
-        field_error(name, Some(&text), ValidationCode::Malformed.words().to_owned(), allowed)
-    };
+    let malformed =
+        |allowed: &str| field_error(name, Some(&text), ValidationCode::Malformed.words().to_owned(), allowed);
     let number = |allowed: &str| {
         text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| malformed(allowed))
     };
@@ -284,7 +296,8 @@ fn take_text(name: &str, text: String, options: &mut IngestOptions) -> Result<()
         "cap" => options.cap_nw_cm2_sr = Some(number("a number above 0")?),
         "nodata" => options.no_data = list(&text).ok_or_else(|| malformed("numbers with commas between"))?,
         "quality" => {
-            options.quality = Some(list(&text).ok_or_else(|| malformed("whole numbers with commas between"))?);
+            options.quality =
+                Some(list(&text).ok_or_else(|| malformed("whole numbers with commas between"))?);
         }
         "min_observations" => {
             options.min_observations = Some(text.parse().map_err(|_| malformed("a whole number"))?);

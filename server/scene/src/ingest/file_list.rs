@@ -31,7 +31,10 @@ pub(super) fn expand(given: &[PathBuf]) -> Result<FileList, SceneError> {
             list.paths.extend(of_folder(path)?);
         } else if ending == "vrt" || ending == "txt" || ending == "lst" {
             if metadata.len() > MAX_LIST_BYTES {
-                return Err(refused(path, format!("it has {} bytes; a list of files is shorter", metadata.len())));
+                return Err(refused(
+                    path,
+                    format!("it has {} bytes; a list of files is shorter", metadata.len()),
+                ));
             }
             let text = std::fs::read_to_string(path).map_err(SceneError::io(path))?;
             if ending == "vrt" { of_vrt(path, &text, &mut list)? } else { of_list(path, &text, &mut list)? }
@@ -70,7 +73,9 @@ fn of_list(path: &Path, text: &str, list: &mut FileList) -> Result<(), SceneErro
     let folder = path.parent().unwrap_or(Path::new("."));
     let before = list.paths.len();
     let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
-    list.paths.extend(lines.filter(|line| !line.is_empty() && !line.starts_with('#')).map(|line| folder.join(line)));
+    list.paths.extend(
+        lines.filter(|line| !line.is_empty() && !line.starts_with('#')).map(|line| folder.join(line)),
+    );
     if list.paths.len() == before {
         return Err(refused(path, "the list names no file; write one on each line"));
     }
@@ -88,8 +93,16 @@ fn of_vrt(path: &Path, text: &str, list: &mut FileList) -> Result<(), SceneError
             ),
         )
     };
-    let is_computed =
-        ["<ScaleRatio", "<ScaleOffset", "<LUT", "PixelFunction", "VRTWarpedDataset", "VRTPansharpened", "<KernelFiltered", "<MaskBand"];
+    let is_computed = [
+        "<ScaleRatio",
+        "<ScaleOffset",
+        "<LUT",
+        "PixelFunction",
+        "VRTWarpedDataset",
+        "VRTPansharpened",
+        "<KernelFiltered",
+        "<MaskBand",
+    ];
     if is_computed.iter().any(|word| text.contains(word)) || text.matches("<VRTRasterBand").count() != 1 {
         return Err(more());
     }
@@ -110,8 +123,14 @@ fn of_vrt(path: &Path, text: &str, list: &mut FileList) -> Result<(), SceneError
     for source in text.split("<SourceFilename").skip(1) {
         let Some((head, name)) = source.split_once('>') else { return Err(more()) };
         let name = name.split('<').next().unwrap_or_default();
-        let name = name.replace("&quot;", "\"").replace("&apos;", "'").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
-        let file = if head.contains("relativeToVRT=\"1\"") { folder.join(&name) } else { PathBuf::from(&name) };
+        let name = name
+            .replace("&quot;", "\"")
+            .replace("&apos;", "'")
+            .replace("&lt;", "<")
+            .replace("&gt;", ">")
+            .replace("&amp;", "&");
+        let file =
+            if head.contains("relativeToVRT=\"1\"") { folder.join(&name) } else { PathBuf::from(&name) };
         if !file.is_file() {
             return Err(refused(path, format!("its source {name} is no file of this machine")));
         }
@@ -169,6 +188,9 @@ mod tests {
         assert_eq!(list.paths, [folder.path().join("a.h5"), folder.path().join("b.tif")]);
         let lines = folder.path().join("files.txt");
         std::fs::write(&lines, "# two\nb.tif\n\na.h5\n").unwrap();
-        assert_eq!(expand(&[lines]).unwrap().paths, [folder.path().join("b.tif"), folder.path().join("a.h5")]);
+        assert_eq!(
+            expand(&[lines]).unwrap().paths,
+            [folder.path().join("b.tif"), folder.path().join("a.h5")]
+        );
     }
 }

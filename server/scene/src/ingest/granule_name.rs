@@ -24,7 +24,11 @@ pub(super) fn product(file_name: &str) -> Option<Product> {
         let date = date.or_else(|| name.split(['.', '_']).find(|part| is_year(part)).map(str::to_owned));
         return Some(Product { name: "NASA Black Marble", date });
     }
-    if file_name.starts_with("VNL_") || file_name.contains("vcmslcfg") || file_name.contains("vcmcfg") || file_name.starts_with("SVDNB_") {
+    if file_name.starts_with("VNL_")
+        || file_name.contains("vcmslcfg")
+        || file_name.contains("vcmcfg")
+        || file_name.starts_with("SVDNB_")
+    {
         let date = file_name.split('_').find_map(|part| match part.split_once('-') {
             Some((first, last)) => month_of(first, last),
             None => (is_year(part) || (part.len() == 6 && is_year(&part[..4]))).then(|| {
@@ -70,18 +74,25 @@ fn day_of_year(digits: &str, level: &str) -> Option<String> {
 
 /// `20230101`, `20230131` is a month or a span.
 fn month_of(first: &str, last: &str) -> Option<String> {
-    let is_month = |text: &str| text.len() == 6 && text.bytes().all(|b| b.is_ascii_digit()) && is_year(&text[..4]);
+    let is_month =
+        |text: &str| text.len() == 6 && text.bytes().all(|b| b.is_ascii_digit()) && is_year(&text[..4]);
     if is_month(first) && is_month(last) {
         let month = |text: &str| format!("{}-{}", &text[..4], &text[4..]);
         return Some(format!("{}/{}", month(first), month(last)));
     }
-    let plain = |text: &str| text.len() == 8 && text.bytes().all(|b| b.is_ascii_digit()) && is_year(&text[..4]);
+    let plain =
+        |text: &str| text.len() == 8 && text.bytes().all(|b| b.is_ascii_digit()) && is_year(&text[..4]);
     if !plain(first) || !plain(last) {
         return None;
     }
     let day = |text: &str| format!("{}-{}-{}", &text[..4], &text[4..6], &text[6..]);
-    let is_month = first[..6] == last[..6] && first.ends_with("01") && last[6..].parse().is_ok_and(|d: u32| d >= 28);
-    Some(if is_month { format!("{}-{}", &first[..4], &first[4..6]) } else { format!("{}/{}", day(first), day(last)) })
+    let is_month =
+        first[..6] == last[..6] && first.ends_with("01") && last[6..].parse().is_ok_and(|d: u32| d >= 28);
+    Some(if is_month {
+        format!("{}-{}", &first[..4], &first[4..6])
+    } else {
+        format!("{}/{}", day(first), day(last))
+    })
 }
 
 #[cfg(test)]

@@ -31,9 +31,9 @@ fn open_beside(path: &Path, source: &RadianceSource) -> Result<gdal::Dataset, Sc
     let refuse = |reason: String| SceneError::Refused { path: path.to_owned(), reason };
     let dataset = open_file(path, &["GTiff", "COG"])?;
     let side = source.geotransform[1].abs().max(source.geotransform[2].abs());
-    let is_same_grid = dataset.geo_transform().is_ok_and(|own| {
-        own.iter().zip(&source.geotransform).all(|(a, b)| (a - b).abs() <= 0.01 * side)
-    });
+    let is_same_grid = dataset
+        .geo_transform()
+        .is_ok_and(|own| own.iter().zip(&source.geotransform).all(|(a, b)| (a - b).abs() <= 0.01 * side));
     if dataset.raster_count() != 1 || dataset.raster_size() != source.dataset.raster_size() || !is_same_grid {
         return Err(refuse(format!(
             "it is not one band on the grid of {}; bring it there first: gdalwarp -tr -te",

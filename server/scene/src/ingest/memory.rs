@@ -18,7 +18,8 @@ pub(super) fn available_bytes() -> Option<u64> {
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let field = |path: &str, name: &str| {
         let text = std::fs::read_to_string(path).ok()?;
-        let line = text.lines().find_map(|line| line.strip_prefix(name))?.trim_start_matches(':').trim().to_owned();
+        let line =
+            text.lines().find_map(|line| line.strip_prefix(name))?.trim_start_matches(':').trim().to_owned();
         Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
     };
     let machine = field("/proc/meminfo", "MemAvailable");

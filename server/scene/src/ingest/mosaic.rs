@@ -147,7 +147,8 @@ impl Mosaic {
     /// # Errors
     /// [`SceneError::Refused`] for one that GDAL cannot write.
     pub(super) fn crs_text(&self) -> Result<(String, String), SceneError> {
-        let refuse = |error| SceneError::Refused { path: self.first().path.clone(), reason: gdal_reason(error) };
+        let refuse =
+            |error| SceneError::Refused { path: self.first().path.clone(), reason: gdal_reason(error) };
         Ok((self.crs.to_wkt().map_err(refuse)?, self.crs.name().unwrap_or_else(|| "unnamed".to_owned())))
     }
 }

@@ -4,7 +4,8 @@
 use gdal::raster::{GdalDataType, RasterBand};
 
 /// Attributes that name a value of no data, in lower case; in HDF5 groups and the dataset stand before them.
-const NO_DATA_KEYS: [&str; 6] = ["_fillvalue", "fillvalue", "missing_value", "nodata", "no_data", "nodata_value"];
+const NO_DATA_KEYS: [&str; 6] =
+    ["_fillvalue", "fillvalue", "missing_value", "nodata", "no_data", "nodata_value"];
 /// No noise of any instrument reaches below this, nW cm⁻² sr⁻¹: what does is a fill.
 const MIN_NOISE_NW_CM2_SR: f64 = -90.0;
 /// Largest numbers of integer types, as they are and in tenths, where a float raster was made of counts without their fill value.
@@ -105,7 +106,11 @@ impl NoData {
                     || stored.abs() > MAX_NUMBER
             }
         };
-        if is_fill || radiance < MIN_NOISE_NW_CM2_SR || is_gap_code(stored) { Kind::Fill } else { Kind::Number }
+        if is_fill || radiance < MIN_NOISE_NW_CM2_SR || is_gap_code(stored) {
+            Kind::Fill
+        } else {
+            Kind::Number
+        }
     }
 
     /// Declared values compare in the band's own precision; text in a tag may have lost digits of the largest floats.

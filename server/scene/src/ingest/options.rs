@@ -119,9 +119,7 @@ impl IngestOptions {
         };
         positive("--calibration", self.calibration)?;
         positive("--scale", self.scale.unwrap_or(1.0))?;
-        for (option, value) in
-            [("--floor", self.floor_nw_cm2_sr), ("--cap", self.cap_nw_cm2_sr)]
-        {
+        for (option, value) in [("--floor", self.floor_nw_cm2_sr), ("--cap", self.cap_nw_cm2_sr)] {
             positive(option, value.unwrap_or(1.0))?;
         }
         let files = [

@@ -8,12 +8,31 @@ use std::path::Path;
 
 /// Names of fields, in lower case, the first that a file has counts. OpenStreetMap has the kind of a place in `place`, beside `name`.
 const NAME: [&str; 12] = [
-    "name", "name_en", "name:en", "nameascii", "name_ascii", "asciiname", "city", "town", "city_name", "label", "title", "place",
+    "name",
+    "name_en",
+    "name:en",
+    "nameascii",
+    "name_ascii",
+    "asciiname",
+    "city",
+    "town",
+    "city_name",
+    "label",
+    "title",
+    "place",
 ];
 const LATITUDE: [&str; 6] = ["latitude", "lat", "lat_deg", "ylat", "y", "ycoord"];
 const LONGITUDE: [&str; 8] = ["longitude", "lon", "lng", "long", "lon_deg", "xlon", "x", "xcoord"];
 const POPULATION: [&str; 9] = [
-    "population", "pop", "pop_max", "pop_est", "pop_total", "population_total", "inhabitants", "einwohner", "pop_min",
+    "population",
+    "pop",
+    "pop_max",
+    "pop_est",
+    "pop_total",
+    "population_total",
+    "inhabitants",
+    "einwohner",
+    "pop_min",
 ];
 
 /// Bytes of a file of places at most: all of it is read, and JSON takes many times as much.
@@ -82,9 +101,12 @@ fn text_of(bytes: &[u8]) -> Result<String, String> {
     match bytes {
         [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
         [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
-        [0xef, 0xbb, 0xbf, rest @ ..] => String::from_utf8(rest.to_vec()).map_err(|_| "it is no text".to_owned()),
+        [0xef, 0xbb, 0xbf, rest @ ..] => {
+            String::from_utf8(rest.to_vec()).map_err(|_| "it is no text".to_owned())
+        }
         _ if bytes.contains(&0) => Err("it is no text, so neither GeoJSON nor a table".to_owned()),
-        _ => Ok(String::from_utf8(bytes.to_vec()).unwrap_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect())),
+        _ => Ok(String::from_utf8(bytes.to_vec())
+            .unwrap_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect())),
     }
 }
 
@@ -121,7 +143,8 @@ impl Reading {
 /// A population as people write it: 4397073, "4 397 073", "4,397,073", 4397073.0; None where there is none.
 fn population(text: &str) -> Option<Result<u64, ()>> {
     let text = text.trim();
-    if text.is_empty() || text == "-" || text.eq_ignore_ascii_case("null") || text.eq_ignore_ascii_case("nan") {
+    if text.is_empty() || text == "-" || text.eq_ignore_ascii_case("null") || text.eq_ignore_ascii_case("nan")
+    {
         return None;
     }
     let plain: String =
@@ -158,9 +181,11 @@ fn from_geojson(text: &str) -> Result<Reading, String> {
         Value::Object(object) if object.get("type").and_then(Value::as_str) == Some("Feature") => {
             std::slice::from_ref(&document)
         }
-        Value::Object(object) => {
-            object.get("features").and_then(Value::as_array).ok_or("it is no GeoJSON FeatureCollection")?.as_slice()
-        }
+        Value::Object(object) => object
+            .get("features")
+            .and_then(Value::as_array)
+            .ok_or("it is no GeoJSON FeatureCollection")?
+            .as_slice(),
         _ => return Err("it is no GeoJSON FeatureCollection".to_owned()),
     };
     let mut reading = Reading::default();
@@ -221,8 +246,10 @@ fn from_table(text: &str) -> Result<Reading, String> {
         .flexible(true)
         .from_reader(text.as_bytes());
     let heads = reader.headers().map_err(|e| format!("it is no CSV ({e})"))?.clone();
-    let column = |keys: &[&str]| keys.iter().find_map(|key| heads.iter().position(|head| head.to_lowercase() == *key));
-    let (Some(name), Some(latitude), Some(longitude)) = (column(&NAME), column(&LATITUDE), column(&LONGITUDE))
+    let column =
+        |keys: &[&str]| keys.iter().find_map(|key| heads.iter().position(|head| head.to_lowercase() == *key));
+    let (Some(name), Some(latitude), Some(longitude)) =
+        (column(&NAME), column(&LATITUDE), column(&LONGITUDE))
     else {
         return Err(format!(
             "it is neither GeoJSON nor a table with the columns name, latitude, longitude; its columns are {}",

@@ -1,14 +1,14 @@
 //! The radiance band of a raster: which band is meant, and whether it can be a measurement.
 
 use super::black_marble;
+use super::gdal_open::{gdal_reason, open_file};
 use super::layers;
 use super::no_data::NoData;
-use super::gdal_open::{gdal_reason, open_file};
 use super::options::IngestOptions;
 use super::radiance_source::{BandFacts, Conversion, RadianceSource};
 use crate::error::SceneError;
-use gdal::{Dataset, Metadata};
 use gdal::raster::{ColorInterpretation, GdalDataType, RasterBand};
+use gdal::{Dataset, Metadata};
 use std::path::Path;
 
 /// Opens the radiance band of a file that the options mean, with the layers beside it.
@@ -64,7 +64,8 @@ pub(super) fn unit_of(band: &RasterBand<'_>, attributes: &[String]) -> String {
     if !own.is_empty() {
         return own;
     }
-    let is_unit = |key: &str| key == "units" || key == "unit" || key.ends_with("_units") || key.ends_with("#units");
+    let is_unit =
+        |key: &str| key == "units" || key == "unit" || key.ends_with("_units") || key.ends_with("#units");
     attributes
         .iter()
         .filter_map(|item| item.split_once('='))

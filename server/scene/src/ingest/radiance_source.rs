@@ -134,9 +134,14 @@ impl RadianceSource {
         match (options.units, of_file) {
             (Some(_), _) => {}
             (None, Some(unit)) => {
-                recognised.push(Recognition::certain("unit", format!("{} by the file: {}", unit.name(), band.unit)));
+                recognised.push(Recognition::certain(
+                    "unit",
+                    format!("{} by the file: {}", unit.name(), band.unit),
+                ));
             }
-            (None, None) => recognised.push(Recognition::assumed("unit", "nw-cm2-sr: the file says nothing".to_owned())),
+            (None, None) => {
+                recognised.push(Recognition::assumed("unit", "nw-cm2-sr: the file says nothing".to_owned()))
+            }
         }
         let factor = unit.map_or(1.0, RadianceUnit::nw_cm2_sr);
         let conversion = Conversion { scale: conversion.scale * factor, offset: conversion.offset * factor };
@@ -169,7 +174,12 @@ impl RadianceSource {
     ///
     /// # Errors
     /// [`SceneError::Unreadable`] for a file that ends too early or does not unpack.
-    pub(super) fn read_rows(&self, first_row: usize, rows: usize, strip: &mut Strip) -> Result<(), SceneError> {
+    pub(super) fn read_rows(
+        &self,
+        first_row: usize,
+        rows: usize,
+        strip: &mut Strip,
+    ) -> Result<(), SceneError> {
         let refuse = |error| SceneError::Refused { path: self.path.clone(), reason: gdal_reason(error) };
         let band = self.dataset.rasterband(self.band_number).map_err(refuse)?;
         let count = band.x_size() * rows;

@@ -294,7 +294,8 @@ impl PixelStatistics {
         let is_plain = mosaic.sources().all(|source| !source.is_scaled);
         if self.all_whole && is_plain && self.minimum >= 0.0 && self.measured() > 100 {
             warnings.push(if self.maximum <= 255.0 {
-                "all values are whole numbers from 0 to 255, as in a picture: they may not be radiances".to_owned()
+                "all values are whole numbers from 0 to 255, as in a picture: they may not be radiances"
+                    .to_owned()
             } else {
                 "all values are whole numbers: they may be counts without their scale".to_owned()
             });

@@ -157,7 +157,9 @@ fn unit_m(band: &RasterBand<'_>, crs: &SpatialRef, options: &IngestOptions) -> R
     let of_band = band.unit();
     if !of_band.is_empty() {
         return metres_in(&of_band).map(|unit_m| (unit_m, of_band.clone())).ok_or_else(|| {
-            format!("its elevations are in \"{of_band}\", which is no length that is known; give --terrain-units")
+            format!(
+                "its elevations are in \"{of_band}\", which is no length that is known; give --terrain-units"
+            )
         });
     }
     match vertical_unit(crs) {

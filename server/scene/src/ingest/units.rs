@@ -139,8 +139,8 @@ pub(super) fn metres_in(text: &str) -> Option<f64> {
         "m" | "meter" | "meters" | "metre" | "metres" => Some(1.0),
         "ft" | "foot" | "feet" | "footinternational" | "internationalfoot" | "internationalfeet"
         | "feetinternational" => Some(0.3048),
-        "ftus" | "usft" | "ussurveyfoot" | "ussurveyfeet" | "footus" | "usfoot" | "usfeet"
-        | "surveyfoot" | "ussurveyft" => Some(1200.0 / 3937.0),
+        "ftus" | "usft" | "ussurveyfoot" | "ussurveyfeet" | "footus" | "usfoot" | "usfeet" | "surveyfoot"
+        | "ussurveyft" => Some(1200.0 / 3937.0),
         "dm" | "decimeter" | "decimeters" | "decimetre" | "decimetres" => Some(0.1),
         "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" => Some(0.01),
         "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => Some(0.001),

@@ -97,7 +97,10 @@ fn copy(from: &mut dyn Read, to: &Path, limit: u64, packed: &Path) -> Result<u64
         }
         written += count as u64;
         if written > limit {
-            return Err(refused(packed, format!("it unpacks to more than {limit} bytes, which is not allowed")));
+            return Err(refused(
+                packed,
+                format!("it unpacks to more than {limit} bytes, which is not allowed"),
+            ));
         }
         file.write_all(&buffer[..count]).map_err(SceneError::io(to))?;
     }
@@ -124,7 +127,8 @@ fn unzip(path: &Path, folder: &Path, limit: u64) -> Result<Vec<PathBuf>, SceneEr
     for index in 0..archive.len() {
         let mut entry = archive.by_index(index).map_err(broken)?;
         // The name alone: where an entry would like to lie does not matter.
-        let Some(name) = entry.enclosed_name().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()))
+        let Some(name) =
+            entry.enclosed_name().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()))
         else {
             continue;
         };
@@ -142,7 +146,10 @@ fn unzip(path: &Path, folder: &Path, limit: u64) -> Result<Vec<PathBuf>, SceneEr
     }
     if rasters.is_empty() {
         others.truncate(5);
-        return Err(refused(path, format!("it holds no GeoTIFF, HDF5 or .hgt file, but {}", others.join(", "))));
+        return Err(refused(
+            path,
+            format!("it holds no GeoTIFF, HDF5 or .hgt file, but {}", others.join(", ")),
+        ));
     }
     rasters.sort();
     Ok(rasters)
@@ -164,12 +171,21 @@ pub(super) fn advice(path: &Path) -> Option<String> {
         );
     }
     if text.starts_with("<?xml") && text.contains("<error") || text.starts_with("<error") {
-        return Some("it is an error message of a download in XML, not a raster; download it again".to_owned());
+        return Some(
+            "it is an error message of a download in XML, not a raster; download it again".to_owned(),
+        );
     }
     if text.starts_with('{') {
-        return Some("it is JSON, not a raster; if it is an answer of a download, it says what went wrong".to_owned());
+        return Some(
+            "it is JSON, not a raster; if it is an answer of a download, it says what went wrong".to_owned(),
+        );
     }
-    if head.starts_with(b"CDF\x01") || head.starts_with(b"CDF\x02") || head.starts_with(b"CDF\x05") || ending == "nc" || ending == "nc4" {
+    if head.starts_with(b"CDF\x01")
+        || head.starts_with(b"CDF\x02")
+        || head.starts_with(b"CDF\x05")
+        || ending == "nc"
+        || ending == "nc4"
+    {
         return convert("NetCDF", format!("NETCDF:{name}:VARIABLE (gdalinfo lists the variables)"));
     }
     if text.starts_with("<vrtdataset") {
@@ -192,8 +208,14 @@ pub(super) fn advice(path: &Path) -> Option<String> {
     if head.starts_with(b"GRIB") {
         return convert("GRIB", name);
     }
-    if head.starts_with(b"\x89PNG") || head.starts_with(b"\xff\xd8\xff") || head.starts_with(b"RIFF") || head.starts_with(b"GIF8") {
-        return Some("it is a picture, not a measurement; download the radiances (GeoTIFF or HDF5)".to_owned());
+    if head.starts_with(b"\x89PNG")
+        || head.starts_with(b"\xff\xd8\xff")
+        || head.starts_with(b"RIFF")
+        || head.starts_with(b"GIF8")
+    {
+        return Some(
+            "it is a picture, not a measurement; download the radiances (GeoTIFF or HDF5)".to_owned(),
+        );
     }
     if head.starts_with(b"%PDF") {
         return Some("it is a PDF document, not a raster".to_owned());
@@ -204,7 +226,11 @@ pub(super) fn advice(path: &Path) -> Option<String> {
     if head[257..].starts_with(b"ustar") || ending == "tgz" {
         return Some(format!("it is a tape archive; unpack it first: tar xf {name}"));
     }
-    if head.starts_with(b"7z\xbc\xaf\x27\x1c") || head.starts_with(b"Rar!") || head.starts_with(b"BZh") || head.starts_with(b"\xfd7zXZ") {
+    if head.starts_with(b"7z\xbc\xaf\x27\x1c")
+        || head.starts_with(b"Rar!")
+        || head.starts_with(b"BZh")
+        || head.starts_with(b"\xfd7zXZ")
+    {
         return Some("it is packed; unpack it first (gzip and zip are read as they are)".to_owned());
     }
     match ending.as_str() {
