@@ -1,4 +1,5 @@
-//! The second rival: the sky as the sum of every lit cell's own image, interpolated between resident images.
+//! The second baseline, accumulation of source images: the sky as the sum of every lit cell's own image, interpolated between
+//! resident images.
 //!
 //! The obvious fast way without a basis. For each node (ring × source altitude) that a cell touches there is an image of
 //! 256 × 64 directions in three bands for this observer and these lobes. A cell's image is a line between those of its two
@@ -44,9 +45,9 @@ pub struct SourceImages {
 }
 
 impl SourceImages {
-    /// Images of every node that some of the request's cells need: at most `most_cells` of them, evenly chosen.
-    pub fn of(request: &Prepared, tables: &ResidentTables, most_cells: usize) -> Self {
-        let stride = request.cells.len().div_ceil(most_cells.max(1)).max(1);
+    /// Images of every node that some of the request's cells need: at most `max_cells` of them, evenly chosen.
+    pub fn of(request: &Prepared, tables: &ResidentTables, max_cells: usize) -> Self {
+        let stride = request.cells.len().div_ceil(max_cells.max(1)).max(1);
         let placed = request.columns.iter().flat_map(|column| {
             let cells = &request.cells[column.first_cell as usize..column.end_cell as usize];
             cells.iter().map(|&cell| PlacedCell { azimuth: column.azimuth as usize, cell })
@@ -157,19 +158,20 @@ mod tests {
 
     /// Largest difference between the engine's sky and an accumulated one, of the brighter of the two, where either is a
     /// thousandth of the brightest direction.
-    fn difference(request: &RenderRequest, accumulated: &Prepared, most_cells: usize) -> f64 {
+    fn difference(request: &RenderRequest, accumulated: &Prepared, max_cells: usize) -> f64 {
         let tables = synthetic::table_set(&[2.0], 24);
         let config =
             EngineConfig { device: DeviceChoice::Cpu, tables: tables.clone(), ..EngineConfig::default() };
         let rendered = Engine::start(config).unwrap().render_blocking(request.clone()).unwrap();
-        let sky = SourceImages::of(accumulated, &tables[0], most_cells).accumulate();
+        let sky = SourceImages::of(accumulated, &tables[0], max_cells).accumulate();
         let brightest = sky.iter().copied().fold(0.0, f32::max);
         let of_sample = |(a, b): (&f32, &f32)| f64::from((a - b).abs() / a.max(*b).max(1e-3 * brightest));
         rendered.panorama.samples().iter().zip(&sky).map(of_sample).fold(0.0, f64::max)
     }
 
+    /// The accumulated sky is the engine's and that of half the cells is not.
     #[test]
-    fn the_accumulated_sky_is_the_engines_and_that_of_half_the_cells_is_not() {
+    fn accumulation_equals_the_engine() {
         let set = TableSet::new(synthetic::table_set(&[2.0], 24)).unwrap();
         let scene = LitScene::of_cells(200);
         let request = RenderRequest {

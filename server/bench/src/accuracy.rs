@@ -133,8 +133,9 @@ mod tests {
     use crate::{scenes::LitScene, truth};
     use skyglow_physics::direct_sum::stratified_samples;
 
+    /// A uniform sky gives its luminance at the zenith and pi times it on the ground.
     #[test]
-    fn a_uniform_sky_gives_its_luminance_at_the_zenith_and_pi_times_it_on_the_ground() {
+    fn a_uniform_sky_gives_pi_times_its_luminance() {
         let samples = stratified_samples(16_384);
         let radiance = vec![[1e-6, 2e-6, 3e-6]; samples.len()];
         let luminance = luminance_cd_m2(radiance[0]);
@@ -143,8 +144,9 @@ mod tests {
         assert!((horizontal / (std::f64::consts::PI * luminance) - 1.0).abs() < 1e-3);
     }
 
+    /// A sky is no error from itself and one a tenth too bright is a tenth off.
     #[test]
-    fn a_sky_is_no_error_from_itself_and_one_a_tenth_too_bright_is_a_tenth_off() {
+    fn a_tenth_too_bright_is_an_error_of_a_tenth() {
         let setting = crate::run::tests::setting(8);
         let scene = LitScene::of_cells(40);
         let sky = truth::of_scene(&setting, &scene, 30).unwrap();

@@ -2,9 +2,9 @@
 
 use crate::{
     error::BenchError,
-    floor,
     options::Setting,
     report::{BatchRow, ExecutorRecord},
+    roofline,
     rows::Subject,
 };
 use skyglow_render::{Engine, MAX_BATCH, RenderError, RenderRequest, prepare::Prepared};
@@ -15,7 +15,7 @@ const CALLERS: [usize; 3] = [1, MAX_BATCH, 2 * MAX_BATCH];
 /// Panoramas that each caller asks for in a round.
 const PANORAMAS_EACH: usize = 8;
 /// Rounds at most.
-const MOST_ROUNDS: usize = 5;
+const MAX_ROUNDS: usize = 5;
 
 /// A row for each number of callers and each of these.
 ///
@@ -31,11 +31,11 @@ pub(crate) fn of_engine(
     let mut rows = Vec::new();
     for subject in subjects {
         let prepared = Prepared::new(&subject.request, &setting.set)?;
-        let floors = floor::floors(&prepared, &setting.set);
+        let passes = roofline::of_request(&prepared, &setting.set);
         for callers in CALLERS {
             let mut timed = Vec::new();
             // The first round warms up.
-            for round in 0..=rounds.clamp(1, MOST_ROUNDS) {
+            for round in 0..=rounds.clamp(1, MAX_ROUNDS) {
                 let of_round = round_of(engine, &subject.request, callers)?;
                 if round > 0 {
                     timed.push(of_round);
@@ -51,7 +51,7 @@ pub(crate) fn of_engine(
                 batch_size: timed[0].batch_size,
                 panoramas_per_s: timed[0].panoramas_per_s,
                 median_panoramas_per_s: timed[timed.len() / 2].panoramas_per_s,
-                passes_floor_ms: floors.iter().map(|floor| floor.ms(executor)).sum(),
+                passes_roofline_ms: passes.iter().map(|pass| pass.ms(executor)).sum(),
             });
         }
     }
@@ -87,13 +87,14 @@ fn round_of(engine: &Engine, request: &RenderRequest, callers: usize) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{executors, rivals, run, scenes::LitScene};
+    use crate::{baselines, executors, run, scenes::LitScene};
 
+    /// Callers that ask together are rendered together.
     #[test]
-    fn callers_that_ask_together_are_rendered_together() {
+    fn concurrent_callers_are_rendered_in_one_batch() {
         let setting = run::tests::setting(8);
         let lit = LitScene::of_cells(40);
-        let scene = rivals::of_scene(&setting, &lit, &run::tests::tiny()).unwrap();
+        let scene = baselines::of_scene(&setting, &lit, &run::tests::tiny()).unwrap();
         let turbidity = setting.turbidity;
         let request = executors::request(&setting, &lit.polar, lit.observer_altitude_m, turbidity, 8);
         let subject = Subject { scene: &scene, skipping: true, turbidity, request };
@@ -107,7 +108,7 @@ mod tests {
         for row in &rows {
             assert!(row.panoramas_per_s >= row.median_panoramas_per_s && row.median_panoramas_per_s > 1.0);
             assert!(
-                row.passes_floor_ms > 0.0 && row.passes_floor_ms < 1e3 / row.panoramas_per_s * 100.0,
+                row.passes_roofline_ms > 0.0 && row.passes_roofline_ms < 1e3 / row.panoramas_per_s * 100.0,
                 "{row:?}"
             );
         }

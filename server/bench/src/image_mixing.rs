@@ -26,9 +26,9 @@ pub struct StoredImages {
 }
 
 impl StoredImages {
-    /// Around at most `most_nodes` of the request's nodes, evenly chosen.
-    pub fn of(request: &Prepared, tables: &ResidentTables, most_nodes: usize) -> Self {
-        let stride = request.nodes.len().div_ceil(most_nodes.max(1)).max(1);
+    /// Around at most `max_nodes` of the request's nodes, evenly chosen.
+    pub fn of(request: &Prepared, tables: &ResidentTables, max_nodes: usize) -> Self {
+        let stride = request.nodes.len().div_ceil(max_nodes.max(1)).max(1);
         let nodes: Vec<MixNode> = request.nodes.iter().step_by(stride).copied().collect();
         let lobes: Vec<usize> = (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0).collect();
         let taps = request.altitude_taps;
@@ -70,12 +70,12 @@ impl StoredImages {
         self.stored.bytes()
     }
 
-    /// Room for the mixed images: made before the time is taken.
-    pub fn room(&self) -> Vec<f32> {
+    /// A buffer for the mixed images: made before the time is taken.
+    pub fn buffer(&self) -> Vec<f32> {
         vec![0.0; self.node_count * Panorama::LEN]
     }
 
-    /// Mixes the image of every node into `mixed`, `[task][node][row in task][column]`, of [`Self::room`].
+    /// Mixes the image of every node into `mixed`, `[task][node][row in task][column]`, of [`Self::buffer`].
     pub fn mix(&self, mixed: &mut [f32]) {
         let of_band = self.node_count * self.part_count;
         mixed.par_chunks_mut((self.node_count * TASK_LEN).max(1)).take(TASK_COUNT).enumerate().for_each(
@@ -125,8 +125,9 @@ mod tests {
     use skyglow_physics::Turbidity;
     use skyglow_render::reference::mixed_node;
 
+    /// Mixed images are those of the engine's mixed coefficients and those of another observer are not.
     #[test]
-    fn mixed_images_are_those_of_the_engines_mixed_coefficients_and_those_of_another_observer_are_not() {
+    fn mixed_images_equal_mixed_coefficients() {
         let setting = crate::run::tests::setting(12);
         let scene = LitScene::of_cells(30);
         let tables = &setting.set.tables()[0];
@@ -138,7 +139,7 @@ mod tests {
         let here = prepared(scene.observer_altitude_m);
         let stored = StoredImages::of(&here, tables, usize::MAX);
         assert_eq!(stored.part_count, 8);
-        let mut mixed = stored.room();
+        let mut mixed = stored.buffer();
         stored.mix(&mut mixed);
         let difference = |request: &Prepared| {
             let shape: Vec<Vec<f32>> = (0..BAND_COUNT)

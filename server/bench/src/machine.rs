@@ -18,7 +18,7 @@ const CHAINS: usize = 12;
 /// Values that a thread sums at a time.
 const CHUNK: usize = 1 << 16;
 /// Tries at least.
-const LEAST_TRIES: usize = 3;
+const MIN_TRIES: usize = 3;
 
 /// Describes the machine and measures it: a sum over memory (more than its caches hold, or it is the cache that is
 /// measured), and fused multiply-adds in registers, as much of both as the extent says.
@@ -65,7 +65,7 @@ fn multiply_adds_per_s(per_thread: usize, time_for_tries: Duration) -> f64 {
 pub(crate) fn fastest_s(time_for_tries: Duration, mut work: impl FnMut()) -> f64 {
     let (mut fastest_s, mut tries) = (f64::INFINITY, 0);
     let begin = Instant::now();
-    while tries < LEAST_TRIES || begin.elapsed() < time_for_tries {
+    while tries < MIN_TRIES || begin.elapsed() < time_for_tries {
         let start = Instant::now();
         work();
         fastest_s = fastest_s.min(start.elapsed().as_secs_f64());

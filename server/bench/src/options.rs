@@ -43,7 +43,7 @@ pub struct Extent {
     pub accumulated_cells: usize,
     /// Most nodes whose images are mixed.
     pub mixed_nodes: usize,
-    /// How long rivals and measures of the machine are tried again; the fastest try counts.
+    /// How long baselines and measures of the machine are tried again; the fastest try counts.
     pub time_for_tries: Duration,
     /// Bytes of the streaming sum.
     pub stream_bytes: usize,

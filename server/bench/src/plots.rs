@@ -123,15 +123,16 @@ fn against_lights(report: &Report) -> Vec<Curve> {
         curves.extend(Curve::of(format!("{executor}, {largest} functions"), rows(true)));
         curves.extend(Curve::of(format!("{executor}, nothing skipped"), rows(false)));
     }
-    let rival = |name: &str, seconds: &dyn Fn(usize) -> f64| {
+    let baseline = |name: &str, seconds: &dyn Fn(usize) -> f64| {
         let scenes = report.scenes.iter().enumerate();
         Curve::of(name, scenes.map(|(index, scene)| (scene.lit_sources as f64, 1e3 * seconds(index))))
     };
     let whole =
         |index: usize| report.scenes[index].image_mixing.seconds + report.scenes[index].accumulation.seconds;
-    curves.extend(rival("accumulation of images", &whole));
-    curves.extend(rival("images ready for this place", &|index| report.scenes[index].accumulation.seconds));
-    curves.extend(rival("direct sum (scaled)", &|index| report.scenes[index].direct_sum.seconds));
+    curves.extend(baseline("accumulation of images", &whole));
+    curves
+        .extend(baseline("images ready for this place", &|index| report.scenes[index].accumulation.seconds));
+    curves.extend(baseline("direct sum (scaled)", &|index| report.scenes[index].direct_sum.seconds));
     curves
 }
 
@@ -232,15 +233,17 @@ fn tick(value: &f64) -> String {
 mod tests {
     use super::*;
 
+    /// A curve holds what a logarithmic plot can show in the order of its rows.
     #[test]
-    fn a_curve_holds_what_a_logarithmic_plot_can_show_in_the_order_of_its_rows() {
+    fn curves_hold_positive_points_in_row_order() {
         let curve = Curve::of("a", [(4.0, 2.0), (0.0, 1.0), (1.0, 3.0), (2.0, 0.0)]).unwrap();
         assert_eq!(curve.points, [(4.0, 2.0), (1.0, 3.0)]);
         assert_eq!(Curve::of("dark", [(1.0, 0.0)]), None);
     }
 
+    /// A plot is an SVG with its words and a mark for every point.
     #[test]
-    fn a_plot_is_an_svg_with_its_words_and_a_mark_for_every_point() {
+    fn plots_are_svgs_with_every_point() {
         let curve = |name: &str, points: &[(f64, f64)]| Curve::of(name, points.iter().copied()).unwrap();
         let draw = |curves: Vec<Curve>| {
             let plot = Plot { file: "a.svg", title: "the title".to_owned(), x: "lights", y: "ms", curves };

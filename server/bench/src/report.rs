@@ -1,8 +1,6 @@
 //! What a bench found, row by row: what `bench.json` holds.
 
-use crate::error::BenchError;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// A whole run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,18 +15,20 @@ pub struct Report {
     pub packs: Vec<PackRecord>,
     /// Executors that there are, in the order of their rows.
     pub executors: Vec<ExecutorRecord>,
-    /// Scenes whose panoramas were timed, with the rivals' times.
+    /// Scenes whose panoramas were timed, with the times of the baselines.
     pub scenes: Vec<SceneRow>,
     /// Run times.
     pub run_times: Vec<RunTimeRow>,
     /// Panoramas that come together.
     pub batches: Vec<BatchRow>,
     /// The least time that the device would need, pass by pass.
-    pub floors: Vec<FloorRow>,
+    #[serde(rename = "floors")]
+    pub roofline: Vec<RooflineRow>,
     /// Errors.
     pub errors: Vec<ErrorRow>,
-    /// What was wanted of it all, and what came out.
-    pub aims: Vec<AimRow>,
+    /// Performance targets, and what came out.
+    #[serde(rename = "aims")]
+    pub targets: Vec<TargetRow>,
     /// What was left out, and how to read the rest.
     pub notes: Vec<String>,
 }
@@ -40,7 +40,7 @@ pub struct Machine {
     pub processor: String,
     /// Logical cores that this program may use.
     pub logical_cores: usize,
-    /// Threads of the CPU executor and of both rivals.
+    /// Threads of the CPU executor and of both baselines.
     pub threads: usize,
     /// Tasks that ran or waited in the minute before the run, where the kernel says; above 0 others' work slowed this.
     pub load_average: Option<f64>,
@@ -85,7 +85,7 @@ pub struct ExecutorRecord {
     pub read_back_ms: Option<f64>,
 }
 
-/// A scene, and its panorama by the rivals.
+/// A scene, and its panorama by the baselines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneRow {
     /// `cells`: so many cells of the polar grid, each one source. `raster`: so many pixels of a raster.
@@ -100,19 +100,19 @@ pub struct SceneRow {
     /// far ones in blocks); None where the scene is made of cells.
     pub binning_ms: Option<f64>,
     /// The direct sum.
-    pub direct_sum: RivalTime,
+    pub direct_sum: BaselineTime,
     /// The accumulation of images that are there for this very observer and these lobes.
-    pub accumulation: RivalTime,
+    pub accumulation: BaselineTime,
     /// Bytes of these images, for the cells that were accumulated.
     pub image_bytes: u64,
     /// Mixing them from images on the pack's own axes, as a table that serves every observer has them; sources here are
     /// nodes.
-    pub image_mixing: RivalTime,
+    pub image_mixing: BaselineTime,
 }
 
-/// The time of a rival for a whole panorama.
+/// The time of a baseline for a whole panorama.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RivalTime {
+pub struct BaselineTime {
     /// Seconds for all sources and directions, of the fastest try; scaled where a share was timed.
     pub seconds: f64,
     /// Share of the work that was timed, 0..=1; 1 is all of it.
@@ -191,14 +191,15 @@ pub struct BatchRow {
     pub panoramas_per_s: f64,
     /// The same in the median round.
     pub median_panoramas_per_s: f64,
-    /// Least time of a panorama's passes alone by their bytes and operations, pass by pass, milliseconds; near lights are none of
-    /// them, and tables that a batch shares count for each.
-    pub passes_floor_ms: f64,
+    /// Least time of a panorama's passes alone by their bytes and operations, pass by pass, milliseconds; the near-field correction
+    /// is none of them, and tables that a batch shares count for each.
+    #[serde(rename = "passes_floor_ms")]
+    pub passes_roofline_ms: f64,
 }
 
 /// What a pass needs at least.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FloorRow {
+pub struct RooflineRow {
     /// As in the row of run times that it belongs to.
     pub executor: String,
     /// The same.
@@ -262,11 +263,12 @@ pub struct ErrorRow {
     pub fastest_ms: Option<f64>,
 }
 
-/// An aim.
+/// A performance target.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AimRow {
+pub struct TargetRow {
     /// What is wanted.
-    pub aim: String,
+    #[serde(rename = "aim")]
+    pub target: String,
     /// On which executor.
     pub executor: String,
     /// What is wanted at least, or at most.
@@ -275,20 +277,4 @@ pub struct AimRow {
     pub measured: f64,
     /// Whether that is met.
     pub is_met: bool,
-}
-
-impl Report {
-    /// Writes `bench.json` and the plots into a folder, which is made.
-    ///
-    /// # Errors
-    /// [`BenchError::File`] and [`BenchError::Plot`] naming the file.
-    pub fn write(&self, folder: &Path) -> Result<(), BenchError> {
-        std::fs::create_dir_all(folder).map_err(BenchError::file(folder))?;
-        let path = folder.join("bench.json");
-        let mut text = serde_json::to_string_pretty(self)
-            .map_err(|error| BenchError::File { path: path.clone(), source: error.into() })?;
-        text.push('\n');
-        std::fs::write(&path, text).map_err(BenchError::file(&path))?;
-        crate::plots::draw(self, folder)
-    }
 }

@@ -2,9 +2,9 @@
 
 use crate::{
     executors::Timed,
-    floor::{self, PassFloor},
     options::Setting,
-    report::{ExecutorRecord, FloorRow, RivalTime, RunTimeRow, SceneRow},
+    report::{BaselineTime, ExecutorRecord, RooflineRow, RunTimeRow, SceneRow},
+    roofline::{self, PassRoofline},
 };
 use skyglow_physics::Turbidity;
 use skyglow_render::{RenderRequest, prepare::Prepared};
@@ -14,20 +14,21 @@ const WHOLE: &str = "whole panorama";
 
 /// A request of a run, and what its row says of it.
 pub(crate) struct Subject<'a> {
-    /// Its scene, with the rivals' times.
+    /// Its scene, with the times of the baselines.
     pub(crate) scene: &'a SceneRow,
     /// Whether what is dark is left out.
     pub(crate) skipping: bool,
     /// Its turbidity.
     pub(crate) turbidity: Turbidity,
-    /// What the engine is asked.
+    /// What the engine renders.
     pub(crate) request: RenderRequest,
 }
 
 /// The row of a run time.
 pub(crate) fn run_time(executor: &str, subject: &Subject<'_>, timed: Timed, rounds: usize) -> RunTimeRow {
-    let times =
-        |rivals: &[RivalTime]| 1e3 * rivals.iter().map(|rival| rival.seconds).sum::<f64>() / timed.fastest_ms;
+    let times = |baselines: &[BaselineTime]| {
+        1e3 * baselines.iter().map(|baseline| baseline.seconds).sum::<f64>() / timed.fastest_ms
+    };
     let scene = subject.scene;
     RunTimeRow {
         executor: executor.to_owned(),
@@ -50,32 +51,32 @@ pub(crate) fn run_time(executor: &str, subject: &Subject<'_>, timed: Timed, roun
     }
 }
 
-/// The rows of the floor under it, pass by pass and all together.
-pub(crate) fn floors(
+/// The rows of its roofline, pass by pass and all together.
+pub(crate) fn roofline(
     executor: &ExecutorRecord,
     subject: &Subject<'_>,
     prepared: &Prepared,
     timed: &Timed,
     setting: &Setting,
-) -> Vec<FloorRow> {
+) -> Vec<RooflineRow> {
     let measured = |name: &str| timed.passes.iter().find(|pass| pass.pass == name).map(|pass| pass.ms);
-    let row = |floor: PassFloor, pass: &str, measured_ms: f64| FloorRow {
+    let row = |pass_roofline: PassRoofline, pass: &str, measured_ms: f64| RooflineRow {
         executor: executor.executor.clone(),
         scene: subject.scene.scene.clone(),
         lit_sources: subject.scene.lit_sources,
         basis_count: prepared.basis_count,
         pass: pass.to_owned(),
-        bytes: floor.bytes,
-        operations: floor.operations,
-        bytes_ms: floor.bytes_ms(executor),
-        operations_ms: floor.operations_ms(executor),
+        bytes: pass_roofline.bytes,
+        operations: pass_roofline.operations,
+        bytes_ms: pass_roofline.bytes_ms(executor),
+        operations_ms: pass_roofline.operations_ms(executor),
         measured_ms,
     };
-    let floors = floor::floors(prepared, &setting.set);
-    let whole = floor::whole(&floors);
-    let passes = floors.iter().filter_map(|floor| {
-        let name = floor.pass.name();
-        Some(row(*floor, name, measured(name)?))
+    let passes = roofline::of_request(prepared, &setting.set);
+    let whole = roofline::whole(&passes);
+    let passes = passes.iter().filter_map(|pass_roofline| {
+        let name = pass_roofline.pass.name();
+        Some(row(*pass_roofline, name, measured(name)?))
     });
     passes.chain(whole.map(|whole| row(whole, WHOLE, timed.median_ms))).collect()
 }

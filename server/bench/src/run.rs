@@ -1,16 +1,15 @@
 //! The whole run, step by step.
 
 use crate::{
-    accuracy, aims, batches,
+    accuracy, baselines, batches,
     error::BenchError,
     executors::{self, CHOICES},
     machine,
     options::{BenchOptions, Extent, Setting},
     report::{ExecutorRecord, PackRecord, Report, SceneRow},
-    rivals,
     rows::{self, Subject},
     scenes::LitScene,
-    skies,
+    skies, targets,
     truth::{self, TruthSky},
 };
 use skyglow_render::{DeviceChoice, Engine, PackKind, RenderRequest, prepare::Prepared};
@@ -37,8 +36,8 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
         lit.iter().map(|scene| Arc::new(scene.without_skipping(&setting.set))).collect();
     let mut scenes = Vec::with_capacity(lit.len());
     for scene in &lit {
-        tracing::info!("rivals of {} {}", scene.name, scene.lit_sources);
-        scenes.push(rivals::of_scene(&setting, scene, extent)?);
+        tracing::info!("baselines of {} {}", scene.name, scene.lit_sources);
+        scenes.push(baselines::of_scene(&setting, scene, extent)?);
     }
     let skies = skies::of_run(options, &setting, &lit, &mut notes)?;
     let subjects = subjects(&setting, &lit, &whole, &scenes);
@@ -51,9 +50,9 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
         scenes: Vec::new(),
         run_times: Vec::new(),
         batches: Vec::new(),
-        floors: Vec::new(),
+        roofline: Vec::new(),
         errors: Vec::new(),
-        aims: Vec::new(),
+        targets: Vec::new(),
         notes,
     };
     let mut missing = Vec::new();
@@ -72,7 +71,7 @@ pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
     report.notes.append(&mut missing);
     tracing::info!("sums in f64");
     report.errors.extend(accuracy::of_f64(&setting, &skies)?);
-    report.aims = aims::of(&report.run_times);
+    report.targets = targets::of(&report.run_times);
     drop(subjects);
     report.scenes = scenes;
     Ok(report)
@@ -87,7 +86,7 @@ fn notes(setting: &Setting, extent: &Extent) -> Vec<String> {
          that all cells, columns and nodes are worked on whatever the scene"
             .to_owned(),
         "the direct sum is of the first order alone, also beside packs of all orders".to_owned(),
-        "rivals whose share is below 1 were timed on that share and scaled; factors are fastest over fastest, for other \
+        "baselines whose share is below 1 were timed on that share and scaled; factors are fastest over fastest, for other \
          work on the machine only ever slows"
             .to_owned(),
         format!(
@@ -164,14 +163,14 @@ fn on_executor(
     let record = executors::record(&engine, &report.machine, extent)?;
     report.executors.push(record.clone());
     time_engine(&engine, &record, setting, subjects, extent.rounds, report)?;
-    let asked = asked_together(setting, subjects);
-    report.batches.extend(batches::of_engine(&engine, &record, setting, &asked, extent.rounds)?);
+    let together = rendered_together(setting, subjects);
+    report.batches.extend(batches::of_engine(&engine, &record, setting, &together, extent.rounds)?);
     report.errors.extend(accuracy::of_engine(&engine, setting, skies, extent.rounds)?);
     Ok(true)
 }
 
 /// Of each kind of scene the largest, at a pack's turbidity with the largest basis, and the cells with 32 functions too.
-fn asked_together<'a, 'b>(setting: &Setting, subjects: &'b [Subject<'a>]) -> Vec<&'b Subject<'a>> {
+fn rendered_together<'a, 'b>(setting: &Setting, subjects: &'b [Subject<'a>]) -> Vec<&'b Subject<'a>> {
     let largest = |scene: &str, basis: usize| {
         let of_scene = subjects.iter().filter(|subject| subject.skipping && subject.scene.scene == scene);
         let at_pack = of_scene.filter(|subject| subject.turbidity == setting.turbidity);
@@ -198,7 +197,7 @@ fn time_engine(
         let is_whole = subject.request.basis == Some(setting.basis_count()) && timed.work.packs == 1;
         if is_whole && subject.skipping {
             let prepared = Prepared::new(&subject.request, &setting.set)?;
-            report.floors.extend(rows::floors(record, subject, &prepared, &timed, setting));
+            report.roofline.extend(rows::roofline(record, subject, &prepared, &timed, setting));
         }
         report.run_times.push(rows::run_time(&record.executor, subject, timed, rounds));
     }

@@ -55,8 +55,9 @@ pub(crate) fn tiny() -> Extent {
     }
 }
 
+/// A file that is no truth is refused by its name before anything is measured.
 #[test]
-fn a_file_that_is_no_truth_is_refused_by_its_name_before_anything_is_measured() {
+fn a_bad_truth_file_is_refused_by_name_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("truth.json");
     std::fs::write(&file, "{}").unwrap();
@@ -73,8 +74,9 @@ fn a_file_that_is_no_truth_is_refused_by_its_name_before_anything_is_measured() 
     }
 }
 
+/// Every scene has a row for every executor basis and way and the report reads back.
 #[test]
-fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_back() {
+fn reports_have_all_rows_and_read_back() {
     let report = run(&options(16, tiny())).unwrap();
     assert_eq!(report.scenes.len(), 3);
     assert!(report.executors.iter().any(|executor| executor.executor == "cpu"));
@@ -95,8 +97,8 @@ fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_b
             let ratio = 1e3 * scene.direct_sum.seconds / rows[0].fastest_ms;
             assert!((rows[0].times_direct_sum / ratio - 1.0).abs() < 1e-9);
         }
-        let floors = report.floors.iter().filter(|floor| floor.executor == executor.executor).count();
-        assert_eq!(floors, 3 * 8);
+        let passes = report.roofline.iter().filter(|row| row.executor == executor.executor).count();
+        assert_eq!(passes, 3 * 8);
         assert!(executor.bandwidth_gb_s > 0.0 && executor.multiply_adds_g_s > 0.0, "{executor:?}");
         assert_eq!(executor.read_back_ms.is_some(), executor.executor == "gpu");
         // The largest scene of each kind, for each number of callers.
@@ -104,7 +106,7 @@ fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_b
         let asked: Vec<_> = batches.map(|batch| (batch.scene.as_str(), batch.lit_sources)).collect();
         assert_eq!(asked, [[("cells", 32); 3], [("raster", 500); 3]].concat());
     }
-    assert_eq!(report.aims.len(), 6 * report.executors.len());
+    assert_eq!(report.targets.len(), 6 * report.executors.len());
     assert_eq!(report.packs.len(), 2);
     assert!(
         report.errors.is_empty() && report.notes.iter().any(|note| note.contains("errors were left out"))
@@ -123,10 +125,11 @@ fn every_scene_has_a_row_for_every_executor_basis_and_way_and_the_report_reads_b
     }
 }
 
+/// Baselines that were timed in part say how large a part.
 #[test]
-fn rivals_that_were_timed_in_part_say_how_large_a_part() {
+fn baselines_report_the_share_timed() {
     let setting = setting(8);
-    let row = rivals::of_scene(&setting, &LitScene::of_cells(64), &tiny()).unwrap();
+    let row = baselines::of_scene(&setting, &LitScene::of_cells(64), &tiny()).unwrap();
     assert_eq!(row.accumulation.sources_timed, 16);
     assert!((row.accumulation.share_timed - 0.25).abs() < 1e-9);
     assert_eq!(row.image_mixing.sources_timed, 8);
@@ -134,7 +137,7 @@ fn rivals_that_were_timed_in_part_say_how_large_a_part() {
     let sum = row.direct_sum;
     let share = sum.sources_timed as f64 / 64.0 * sum.directions_timed as f64 / 16_384.0;
     assert!(sum.share_timed < 0.01 && (sum.share_timed / share - 1.0).abs() < 1e-12);
-    let all = rivals::of_scene(&setting, &LitScene::of_cells(10), &tiny()).unwrap();
+    let all = baselines::of_scene(&setting, &LitScene::of_cells(10), &tiny()).unwrap();
     assert_eq!(all.accumulation.share_timed, 1.0);
 }
 
@@ -145,8 +148,9 @@ fn packs_under_clouds_alone_are_refused() {
     assert!(matches!(run(&options), Err(BenchError::NoClearPacks)));
 }
 
+/// Errors have a row for every sky basis and executor and made-up packs are wrong.
 #[test]
-fn errors_have_a_row_for_every_sky_basis_and_executor_and_made_up_packs_are_wrong() {
+fn errors_have_a_row_for_every_sky_and_basis() {
     let setting = setting(16);
     let sky = truth::of_scene(&setting, &LitScene::of_cells(20), 24).unwrap();
     let skies = [sky];

@@ -1,9 +1,9 @@
-//! The first rival: the direct sum over every source, first order alone, timed on a share of it.
+//! The first baseline: the direct sum over every source, first order alone, timed on a share of it.
 
 use crate::{
     machine::fastest_s,
     options::{Extent, Setting},
-    report::RivalTime,
+    report::BaselineTime,
     scenes::LitScene,
 };
 use skyglow_physics::{
@@ -21,7 +21,7 @@ const DIRECTIONS_PER_THREAD: usize = 8;
 /// 16 384 directions.
 ///
 /// Later orders are left out also where the packs have them: the sum over those would take longer still.
-pub(crate) fn time(scene: &LitScene, setting: &Setting, extent: &Extent) -> RivalTime {
+pub(crate) fn time(scene: &LitScene, setting: &Setting, extent: &Extent) -> BaselineTime {
     let integrals = extent.direct_sum_integrals;
     let wanted = DIRECTIONS_PER_THREAD * rayon::current_num_threads();
     let samples = stratified_samples(wanted.min(integrals).max(1));
@@ -43,7 +43,7 @@ pub(crate) fn time(scene: &LitScene, setting: &Setting, extent: &Extent) -> Riva
     });
     let of_sources = sources.len() as f64 / scene.sources.len().max(1) as f64;
     let share_timed = of_sources * directions.len() as f64 / DIRECTION_COUNT as f64;
-    RivalTime {
+    BaselineTime {
         seconds: timed_s / share_timed,
         share_timed,
         sources_timed: sources.len(),

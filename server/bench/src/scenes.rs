@@ -269,8 +269,9 @@ mod tests {
     use skyglow_render::{RenderRequest, prepare::Prepared, synthetic};
     use skyglow_tables::Scattering;
 
+    /// A scene has the lights asked for and its grid has their flux.
     #[test]
-    fn a_scene_has_the_lights_asked_for_and_its_grid_has_their_flux() {
+    fn scenes_have_their_lights_and_grids_their_flux() {
         for scene in [LitScene::of_cells(1), LitScene::of_cells(300), LitScene::of_pixels(2_000)] {
             let flux_w = scene.flux_dnb_w();
             assert!((scene.polar.flux_dnb_w / flux_w - 1.0).abs() < 1e-5);
@@ -287,8 +288,9 @@ mod tests {
         assert!((LitScene::of_cells(200).flux_dnb_w() / cells.flux_dnb_w() - 1.0).abs() > 0.01);
     }
 
+    /// Without skipping all scenes are as much work and as bright as before.
     #[test]
-    fn without_skipping_all_scenes_are_as_much_work_and_as_bright_as_before() {
+    fn without_skipping_work_is_equal_not_brighter() {
         let set = TableSet::new(synthetic::table_set(&[2.0], 8)).unwrap();
         let work = |polar: PolarGrid, observer_altitude_m| {
             let request = RenderRequest {

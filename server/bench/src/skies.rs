@@ -31,9 +31,9 @@ pub(crate) fn of_run(
         return Ok(skies);
     }
     let of = |name: &'static str| lit.iter().filter(move |scene| scene.name == name);
-    let most_cells = of("cells").max_by_key(|scene| scene.lit_sources);
+    let max_cells = of("cells").max_by_key(|scene| scene.lit_sources);
     let fewest_pixels = of("raster").min_by_key(|scene| scene.lit_sources);
-    for scene in most_cells.into_iter().chain(fewest_pixels) {
+    for scene in max_cells.into_iter().chain(fewest_pixels) {
         tracing::info!("truth of {} {}", scene.name, scene.lit_sources);
         skies.push(truth::of_scene(setting, scene, directions)?);
     }

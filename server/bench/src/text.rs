@@ -1,6 +1,6 @@
 //! The report as tables of text.
 
-use crate::report::{BatchRow, ErrorRow, FloorRow, Report, RivalTime, RunTimeRow, SceneRow};
+use crate::report::{BaselineTime, BatchRow, ErrorRow, Report, RooflineRow, RunTimeRow, SceneRow};
 
 /// A titled table; the first row is its head.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,28 +36,28 @@ pub fn sections(report: &Report) -> Vec<Section> {
             executor.read_back_ms.map_or_else(|| "-".to_owned(), figures),
         ]
     });
-    let run_times = "run times, milliseconds (the factors are those over the rivals of the scene)";
-    let aims = report.aims.iter().map(|aim| {
-        let met = if aim.is_met { "met" } else { "missed" };
+    let run_times = "run times, milliseconds (the factors are those over the baselines of the scene)";
+    let targets = report.targets.iter().map(|target| {
+        let met = if target.is_met { "met" } else { "missed" };
         vec![
-            aim.executor.clone(),
-            aim.aim.clone(),
-            figures(aim.wanted),
-            figures(aim.measured),
+            target.executor.clone(),
+            target.target.clone(),
+            figures(target.wanted),
+            figures(target.measured),
             met.to_owned(),
         ]
     });
     let all = [
         table(&title, &EXECUTORS, executors),
-        table("rivals", &RIVALS, report.scenes.iter().map(rival)),
+        table("baselines", &BASELINES, report.scenes.iter().map(baseline)),
         table(run_times, &RUN_TIMES, report.run_times.iter().map(run_time)),
         table("callers at once, panoramas a second", &BATCHES, report.batches.iter().map(batch)),
-        table("floors: milliseconds that bytes and operations need at least", &FLOORS, {
-            let shown = report.floors.iter().filter(|floor| is_shown(report, floor));
-            shown.map(floor)
+        table("roofline: milliseconds that bytes and operations need at least", &ROOFLINE, {
+            let shown = report.roofline.iter().filter(|row| is_shown(report, row));
+            shown.map(roofline)
         }),
         table("errors against the truth", &ERRORS, report.errors.iter().map(error)),
-        table("aims", &["executor", "aim", "wanted", "measured", ""], aims),
+        table("targets", &["executor", "target", "wanted", "measured", ""], targets),
         table("notes", &[""], report.notes.iter().map(|note| vec![note.clone()])),
     ];
     all.into_iter().filter(|section| section.rows.len() > 1).collect()
@@ -74,9 +74,9 @@ const BATCHES: [&str; 9] = [
     "together",
     "fastest /s",
     "median /s",
-    "passes' floor ms",
+    "passes' least ms",
 ];
-const RIVALS: [&str; 10] = [
+const BASELINES: [&str; 10] = [
     "scene",
     "lit",
     "polar cells",
@@ -92,7 +92,7 @@ const RUN_TIMES: [&str; 12] = [
     "executor", "scene", "lit", "basis", "T", "packs", "skipping", "median", "fastest", "x direct",
     "x accum.", "x ready",
 ];
-const FLOORS: [&str; 8] =
+const ROOFLINE: [&str; 8] =
     ["executor", "scene", "lit", "pass", "kB", "bytes ms", "operations ms", "measured ms"];
 const ERRORS: [&str; 12] = [
     "executor",
@@ -127,11 +127,11 @@ fn percent(share: f64) -> String {
     figures(100.0 * share)
 }
 
-fn share(rival: RivalTime) -> String {
-    format!("{:.1e}", rival.share_timed)
+fn share(baseline: BaselineTime) -> String {
+    format!("{:.1e}", baseline.share_timed)
 }
 
-fn rival(scene: &SceneRow) -> Vec<String> {
+fn baseline(scene: &SceneRow) -> Vec<String> {
     let megabytes = scene.image_bytes as f64 / 1e6;
     vec![
         scene.scene.clone(),
@@ -174,18 +174,18 @@ fn batch(row: &BatchRow) -> Vec<String> {
         figures(row.batch_size),
         figures(row.panoramas_per_s),
         figures(row.median_panoramas_per_s),
-        figures(row.passes_floor_ms),
+        figures(row.passes_roofline_ms),
     ]
 }
 
-/// Floors of the largest scene of each name: the others are in the file.
-fn is_shown(report: &Report, floor: &FloorRow) -> bool {
+/// Rooflines of the largest scene of each name: the others are in the file.
+fn is_shown(report: &Report, row: &RooflineRow) -> bool {
     let largest =
-        report.scenes.iter().filter(|scene| scene.scene == floor.scene).map(|scene| scene.lit_sources);
-    largest.max() == Some(floor.lit_sources)
+        report.scenes.iter().filter(|scene| scene.scene == row.scene).map(|scene| scene.lit_sources);
+    largest.max() == Some(row.lit_sources)
 }
 
-fn floor(row: &FloorRow) -> Vec<String> {
+fn roofline(row: &RooflineRow) -> Vec<String> {
     vec![
         row.executor.clone(),
         row.scene.clone(),

@@ -207,8 +207,9 @@ mod tests {
     use super::*;
     use skyglow_render::synthetic;
 
+    /// A stored truth gives a sky for each turbidity that packs serve and a broken one is refused.
     #[test]
-    fn a_stored_truth_gives_a_sky_for_each_turbidity_that_packs_serve_and_a_broken_one_is_refused() {
+    fn stored_truths_give_skies_and_bad_ones_fail() {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/truth/demo-03.json"));
         let stored = read(path).unwrap();
         assert_eq!(stored.scattering, Some(Scattering::Multiple));

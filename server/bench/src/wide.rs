@@ -1,4 +1,4 @@
-//! Inner loops compiled for AVX2 with fused multiply-add too, and chosen at run time: rivals and measures of the machine
+//! Inner loops compiled for AVX2 with fused multiply-add too, and chosen at run time: baselines and measures of the machine
 //! get the vectors that the engine's own loops have.
 
 /// Defines `$name`, which runs `$body` with AVX2 and fused multiply-add where the processor has both. `$body` takes
@@ -10,7 +10,7 @@ macro_rules! dispatch_wide {
             #[cfg(target_arch = "x86_64")]
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 #[expect(unsafe_code, reason = "the processor was just asked for what the callee needs; the baseline's \
-                    code takes several times as long, and a slow rival would flatter the engine")]
+                    code takes several times as long, and a slow baseline would flatter the engine")]
                 // SAFETY: AVX2 and FMA are there, and the function has no other precondition.
                 return unsafe { $wide($($argument),*) };
             }

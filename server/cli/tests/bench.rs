@@ -16,7 +16,7 @@ fn quick_bench_prints_tables_and_writes_files() {
     precompute(&PrecomputeOptions::coarse(Turbidity::new(2.0).unwrap()), &packs, &Silent).unwrap();
     let arguments = ["bench", "--quick", "--packs", text(&packs), "--out", text(&out)];
     let finished = skyglow(&arguments).expect_status(0);
-    for title in ["rivals", "run times", "floors", "aims", "notes"] {
+    for title in ["baselines", "run times", "roofline", "targets", "notes"] {
         assert!(finished.stdout.lines().any(|line| line.starts_with(title)), "{title}: {}", finished.stdout);
     }
     let rows: serde_json::Value =

@@ -84,8 +84,9 @@ mod tests {
         0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
     }
 
+    /// Every map gets brighter all the way so that grey prints and all eyes can order it.
     #[test]
-    fn every_map_gets_brighter_all_the_way_so_that_grey_prints_and_all_eyes_can_order_it() {
+    fn every_map_rises_in_lightness() {
         for map in Colormap::ALL {
             let table = map.table();
             for step in 0..TABLE_LEN - 16 {

@@ -146,8 +146,9 @@ mod tests {
         Projection::Perspective { azimuth_deg: 90.0, elevation_deg: 20.0, fov_deg: 90.0 },
     ];
 
+    /// Ground has its colour up to the profile and a lighter line in every projection.
     #[test]
-    fn ground_has_its_colour_up_to_the_profile_and_a_lighter_line_in_every_projection() {
+    fn ground_fills_up_to_the_profile_with_a_line() {
         let horizon = hill();
         for projection in PROJECTIONS {
             let options = PictureOptions { legend: false, ..PictureOptions::new(projection) };
@@ -173,8 +174,9 @@ mod tests {
         }
     }
 
+    /// A flat horizon changes no pixel and dark samples show no ground.
     #[test]
-    fn a_flat_horizon_changes_no_pixel_and_dark_samples_show_no_ground() {
+    fn a_flat_horizon_changes_no_pixel() {
         for projection in PROJECTIONS {
             let options = PictureOptions::new(projection);
             let image = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap();
@@ -182,8 +184,9 @@ mod tests {
         }
     }
 
+    /// A camera sees ground below the horizontal plane too and the corners of a fisheye stay.
     #[test]
-    fn a_camera_sees_ground_below_the_horizontal_plane_too_and_the_corners_of_a_fisheye_stay() {
+    fn cameras_see_ground_and_fisheye_corners_stay() {
         let horizon = Horizon::new(vec![0.1; AZIMUTH_COUNT]).unwrap();
         let options = PictureOptions { legend: false, ..PictureOptions::new(PROJECTIONS[2]) };
         let image = picture(&bright_behind(&horizon), &horizon, &options).unwrap();
@@ -193,8 +196,9 @@ mod tests {
         assert_eq!(image.get_pixel(2, 2).0, GROUND_RGB);
     }
 
+    /// Ground is told from the dark end of every colour map by lightness or by its lack of hue.
     #[test]
-    fn ground_is_told_from_the_dark_end_of_every_colour_map_by_lightness_or_by_its_lack_of_hue() {
+    fn ground_differs_from_the_dark_end_of_every_map() {
         let lightness = |rgb: [u8; 3]| {
             let [r, g, b] = rgb.map(|c| (f64::from(c) / 255.0).powf(2.2));
             0.2126 * r + 0.7152 * g + 0.0722 * b

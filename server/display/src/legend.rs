@@ -290,8 +290,9 @@ mod tests {
         assert_eq!(round_steps(15.0, 25.0, 5.0), vec![16.0, 18.0, 20.0, 22.0, 24.0]);
     }
 
+    /// The legend is below the sky runs through the colour map and leaves the sky its size.
     #[test]
-    fn the_legend_is_below_the_sky_runs_through_the_colour_map_and_leaves_the_sky_its_size() {
+    fn the_legend_is_below_and_shows_the_map() {
         let panorama = Panorama::dark();
         let with = PictureOptions::new(Projection::Equirectangular);
         let without = PictureOptions { legend: false, ..with };
@@ -324,8 +325,9 @@ mod tests {
         assert!(ink(220, 256) > 100);
     }
 
+    /// The bar has a tip at an end beyond which the sky goes and at no other.
     #[test]
-    fn the_bar_has_a_tip_at_an_end_beyond_which_the_sky_goes_and_at_no_other() {
+    fn the_bar_has_tips_only_beyond_the_range() {
         let options =
             PictureOptions { sky: Sky::Artificial, ..PictureOptions::new(Projection::Equirectangular) };
         // Light ink beside the bar, in its height: nothing else is drawn there but the word at its right.
@@ -344,8 +346,9 @@ mod tests {
         assert_eq!(tips(1.0), (false, true));
     }
 
+    /// The legend of made-up light has a line that says so and no other legend has.
     #[test]
-    fn the_legend_of_made_up_light_has_a_line_that_says_so_and_no_other_legend_has() {
+    fn only_synthetic_light_is_labelled_so() {
         for (width_px, height_px) in [(1024, 256), (64, 64), (2048, 512)] {
             for style in [Style::default(), Style::Realistic { exposure_ev: 0.0 }] {
                 let measured = PictureOptions {

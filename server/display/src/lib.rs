@@ -11,6 +11,7 @@
 //! [`Panorama`]: skyglow_physics::Panorama
 
 pub mod colormap;
+mod colour_bins;
 pub mod encode;
 pub mod error;
 pub mod false_colour;
@@ -24,7 +25,6 @@ pub mod projection;
 pub mod raster;
 pub mod realistic;
 pub mod sampler;
-mod starts;
 mod text;
 pub mod tile;
 

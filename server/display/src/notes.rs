@@ -76,8 +76,9 @@ mod tests {
         assert_eq!(description("upward radiance", true), format!("upward radiance; {ILLUSTRATIVE}"));
     }
 
+    /// Notes are ASCII and the document stays the same to a reader.
     #[test]
-    fn notes_are_ascii_and_the_document_stays_the_same_to_a_reader() {
+    fn notes_are_ascii_and_round_trip_as_json() {
         let notes = Notes::new("sky over Zürich", r#"{"attribution":"© Müller 𝄞"}"#);
         assert_eq!(notes.description(), "sky over Z?rich");
         assert_eq!(notes.assumptions_json(), r#"{"attribution":"\u00a9 M\u00fcller \ud834\udd1e"}"#);

@@ -79,8 +79,9 @@ mod tests {
     use crate::options::Projection;
     use skyglow_physics::ELEVATION_COUNT;
 
+    /// Rows and columns give what taps give at every pixel.
     #[test]
-    fn rows_and_columns_give_what_taps_give_at_every_pixel() {
+    fn separable_sampling_equals_pixel_sampling() {
         let values: Vec<f64> =
             (0..ELEVATION_COUNT * AZIMUTH_COUNT).map(|i| 1.0 + ((i * 7919) % 1009) as f64).collect();
         for (width, height) in [(1024, 256), (256, 64), (100, 37)] {

@@ -2,6 +2,7 @@
 
 use crate::{
     colormap::TABLE_LEN,
+    colour_bins::ColourBins,
     error::DisplayError,
     ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
@@ -10,7 +11,6 @@ use crate::{
     projection::View,
     realistic::ToneMap,
     sampler::{Sampler, taps},
-    starts::Starts,
 };
 use image::{Rgb, RgbImage};
 use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, Panorama};
@@ -23,7 +23,7 @@ enum Painter<'a> {
     FalseColour {
         luminance_cd_m2: Vec<f64>,
         table: Box<[[u8; 3]; TABLE_LEN]>,
-        starts: Box<Starts>,
+        bins: Box<ColourBins>,
         ends_cd_m2: (f64, f64),
     },
     Realistic {
@@ -46,7 +46,7 @@ impl<'a> Painter<'a> {
                     table: Box::new(colormap.table()),
                     // With room for rounding: the ends themselves are inside.
                     ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
-                    starts: Box::new(Starts::new((dark, bright))),
+                    bins: Box::new(ColourBins::new((dark, bright))),
                 }
             }
             Style::Realistic { exposure_ev } => Painter::Realistic {
@@ -59,12 +59,12 @@ impl<'a> Painter<'a> {
     /// The colour of a direction; notes in `beyond` what the colours cannot tell apart from their ends.
     fn rgb(&self, direction: Direction, beyond: &mut Beyond) -> Option<[u8; 3]> {
         match self {
-            Painter::FalseColour { luminance_cd_m2, table, starts, ends_cd_m2 } => {
+            Painter::FalseColour { luminance_cd_m2, table, bins, ends_cd_m2 } => {
                 let taps = taps(direction)?;
                 let luminance: f64 =
                     (0..4).map(|tap| taps.weight[tap] * luminance_cd_m2[taps.offset[tap]]).sum();
                 beyond.note(luminance, *ends_cd_m2);
-                Some(table[starts.entry(luminance)])
+                Some(table[bins.entry(luminance)])
             }
             Painter::Realistic { sampler, tone_map } => {
                 sampler.radiance_w_m2_sr(direction).map(|radiance| tone_map.rgb(radiance))
@@ -98,7 +98,7 @@ pub fn picture(
         _ => None,
     };
     // Rows and columns of an equirectangular picture are found once.
-    if let (Some(columns), Painter::FalseColour { luminance_cd_m2, table, starts, ends_cd_m2 }) =
+    if let (Some(columns), Painter::FalseColour { luminance_cd_m2, table, bins, ends_cd_m2 }) =
         (&columns, &painter)
     {
         let azimuth_rad = |x: u32| {
@@ -115,7 +115,7 @@ pub fn picture(
                 .as_chunks_mut::<3>();
             let shown = ground.next_row(elevation_rad);
             let hides = |x: usize| shown.is_some_and(|shown| shown[x] == Shown::Ground);
-            let entries = row.0.map(|luminance_cd_m2| starts.entry(luminance_cd_m2));
+            let entries = row.0.map(|luminance_cd_m2| bins.entry(luminance_cd_m2));
             for run in columns.runs() {
                 let (left, right) = (entries[run.left], entries[run.right]);
                 // Between two samples of one colour lies no other; the first and the last may hide what is beyond them.
@@ -126,7 +126,7 @@ pub fn picture(
                 for x in run.columns.clone().filter(|&x| !hides(x)) {
                     let luminance_cd_m2 = row.at(columns, x);
                     beyond.note(luminance_cd_m2, *ends_cd_m2);
-                    pixels[x] = table[starts.entry(luminance_cd_m2)];
+                    pixels[x] = table[bins.entry(luminance_cd_m2)];
                 }
             }
             if let Some(shown) = shown {
@@ -215,16 +215,18 @@ mod tests {
         (lit.iter().map(|p| p.0).sum::<f64>() / n, lit.iter().map(|p| p.1).sum::<f64>() / n)
     }
 
+    /// A light low in the east is a quarter along the bottom of the equirectangular picture.
     #[test]
-    fn a_light_low_in_the_east_is_a_quarter_along_the_bottom_of_the_equirectangular_picture() {
+    fn east_is_a_quarter_along_the_equirectangular() {
         let image =
             picture(&beacon(0, 64), &Horizon::flat(), &plain(Projection::Equirectangular, 256, 64)).unwrap();
         assert_eq!(image.get_pixel(64, 63).0, [255; 3]);
         assert_eq!(image.pixels().filter(|p| p.0 != [0; 3]).count(), 1);
     }
 
+    /// A picture by rows and columns is that of every direction.
     #[test]
-    fn a_picture_by_rows_and_columns_is_that_of_every_direction() {
+    fn separable_pictures_equal_direct_ones() {
         let panorama = Panorama::from_samples(
             (0..Panorama::LEN).map(|i| 1e-9 * (1.0 + ((i * 7919) % 100_003) as f32)).collect(),
         )
@@ -253,8 +255,9 @@ mod tests {
         assert_eq!(image.get_pixel(0, 63 - 30).0, [255; 3]);
     }
 
+    /// On the fisheye east is left north is up and the zenith in the middle.
     #[test]
-    fn on_the_fisheye_east_is_left_north_is_up_and_the_zenith_in_the_middle() {
+    fn fisheye_east_is_left_and_zenith_central() {
         let options = plain(Projection::Fisheye, 256, 256);
         let (x, y) = centre_of_light(&picture(&beacon(20, 64), &Horizon::flat(), &options).unwrap());
         assert!(x < 60.0 && (y - 128.0).abs() < 1.0, "{x} {y}");
@@ -270,8 +273,9 @@ mod tests {
         assert_eq!(image.get_pixel(2, 2).0, GROUND_RGB);
     }
 
+    /// A camera looking south east has the east on its left.
     #[test]
-    fn a_camera_looking_south_east_has_the_east_on_its_left() {
+    fn a_camera_to_the_south_east_has_east_left() {
         let projection = Projection::Perspective { azimuth_deg: 135.0, elevation_deg: 10.0, fov_deg: 120.0 };
         let (x, _) = centre_of_light(
             &picture(&beacon(6, 64), &Horizon::flat(), &plain(projection, 400, 200)).unwrap(),
@@ -281,8 +285,9 @@ mod tests {
         assert_eq!(image.get_pixel(200, 199).0, GROUND_RGB);
     }
 
+    /// The colour of a known luminance is the one of its place on the map.
     #[test]
-    fn the_colour_of_a_known_luminance_is_the_one_of_its_place_on_the_map() {
+    fn known_luminances_have_their_map_colours() {
         let luminance = skyglow_physics::photometry::luminance_cd_m2([1e-6; 3]);
         let panorama = Panorama::from_samples(vec![1e-6; Panorama::LEN]).unwrap();
         for scale in [Scale::Luminance, Scale::Magnitude] {
@@ -296,8 +301,9 @@ mod tests {
         }
     }
 
+    /// A dark artificial sky is the dark end and the total sky is 22 magnitudes.
     #[test]
-    fn a_dark_artificial_sky_is_the_dark_end_and_the_total_sky_is_22_magnitudes() {
+    fn a_dark_total_sky_is_22_magnitudes() {
         let mut options = plain(Projection::Equirectangular, 64, 16);
         let range = ColourRange { scale: Scale::Magnitude, min: 20.0, max: 24.0 };
         options.style = Style::FalseColour { colormap: Colormap::Grey, range };

@@ -125,8 +125,9 @@ mod tests {
         Direction { azimuth_rad: azimuth_deg.to_radians(), elevation_rad: elevation_deg.to_radians() }
     }
 
+    /// The equirectangular zenith is at the top and north in column 0.
     #[test]
-    fn the_equirectangular_zenith_is_at_the_top_and_north_in_column_0() {
+    fn equirectangular_zenith_is_top_north_column_0() {
         let view = View::new(Projection::Equirectangular, 256, 64);
         let top_left = view.direction_at(0.5, 0.5).unwrap();
         assert!(top_left.azimuth_rad.abs() < 1e-12);
@@ -153,8 +154,9 @@ mod tests {
         assert!(view.direction_at(1.0, 1.0).is_none());
     }
 
+    /// The perspective has its azimuth in the centre and clockwise to the right.
     #[test]
-    fn the_perspective_has_its_azimuth_in_the_centre_and_clockwise_to_the_right() {
+    fn the_perspective_runs_clockwise_to_the_right() {
         let projection = Projection::Perspective { azimuth_deg: 90.0, elevation_deg: 30.0, fov_deg: 90.0 };
         let view = View::new(projection, 400, 300);
         let centre = view.direction_at(200.0, 150.0).unwrap();
@@ -173,8 +175,9 @@ mod tests {
         assert!((edge.azimuth_rad.to_degrees() - 45.0).abs() < 1e-9);
     }
 
+    /// Pixel and direction are inverse in every projection.
     #[test]
-    fn pixel_and_direction_are_inverse_in_every_projection() {
+    fn projections_invert_exactly() {
         for projection in [
             Projection::Equirectangular,
             Projection::Fisheye,

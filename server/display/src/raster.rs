@@ -71,8 +71,9 @@ mod tests {
     use super::*;
     use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT};
 
+    /// The default raster is the grid turned upside down bit for bit.
     #[test]
-    fn the_default_raster_is_the_grid_turned_upside_down_bit_for_bit() {
+    fn the_default_raster_is_the_flipped_grid() {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * (i as f32 + 1.0)).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
         let size = Projection::Equirectangular.default_raster_size_px();
@@ -90,8 +91,9 @@ mod tests {
         assert!(raster.has_sky.iter().all(|&sky| sky));
     }
 
+    /// Ground is 0 in a raster of the total sky and the default raster has the grid's own mask.
     #[test]
-    fn ground_is_0_in_a_raster_of_the_total_sky_and_the_default_raster_has_the_grids_own_mask() {
+    fn ground_is_0_in_rasters_by_the_grids_mask() {
         let elevations = (0..AZIMUTH_COUNT).map(|column| 0.002 * column as f64).collect();
         let horizon = Horizon::new(elevations).unwrap();
         let mut panorama = Panorama::from_samples(vec![1e-6; Panorama::LEN]).unwrap();

@@ -120,8 +120,9 @@ mod tests {
         lamp.flux_per_dnb_flux.map(|s| s * scale)
     }
 
+    /// Middle grey is 18 percent and every stop doubles the light.
     #[test]
-    fn middle_grey_is_18_percent_and_every_stop_doubles_the_light() {
+    fn middle_grey_is_18_percent_and_stops_double() {
         let grey = ToneMap::new(0.0).rgb(light_of(LampPreset::Neutral.lamp(), MIDDLE_GREY_LUMINANCE_CD_M2));
         // 18 % of white is the byte 118.
         let luminance = [0.2126, 0.7152, 0.0722]
@@ -135,8 +136,9 @@ mod tests {
         assert_eq!(grey, dimmer_longer);
     }
 
+    /// Sodium is orange and a 4000 K LED is whiter.
     #[test]
-    fn sodium_is_orange_and_a_4000_kelvin_led_is_whiter() {
+    fn sodium_is_orange_and_led_whiter() {
         let map = ToneMap::new(0.0);
         let sodium = map.rgb(light_of(LampPreset::Hps.lamp(), 1e-3));
         assert!(sodium[0] > sodium[1] + 30 && sodium[1] > sodium[2] + 60, "{sodium:?}");
@@ -144,8 +146,9 @@ mod tests {
         assert!(led[2] > sodium[2] && led[0] < sodium[0], "{led:?} {sodium:?}");
     }
 
+    /// Bright light turns white without changing its hue.
     #[test]
-    fn bright_light_turns_white_without_changing_its_hue() {
+    fn bright_light_turns_white_and_keeps_its_hue() {
         let map = ToneMap::new(0.0);
         // Mixing with grey and scaling leave (G − B) / (R − B) as it is.
         let hue = |luminance: f64| {

@@ -96,8 +96,9 @@ mod tests {
         }
     }
 
+    /// Between the last and the first column the sky wraps.
     #[test]
-    fn between_the_last_and_the_first_column_the_sky_wraps() {
+    fn azimuth_wraps_at_the_last_column() {
         let mut panorama = Panorama::dark();
         panorama.samples_mut()[Panorama::index(0, 5, 255)] = 2.0;
         panorama.samples_mut()[Panorama::index(0, 5, 0)] = 4.0;
@@ -132,8 +133,9 @@ mod tests {
         }
     }
 
+    /// Nothing is seen below the horizon and the lowest row reaches down to it.
     #[test]
-    fn nothing_is_seen_below_the_horizon_and_the_lowest_row_reaches_down_to_it() {
+    fn the_lowest_row_reaches_the_horizon() {
         let panorama = numbered();
         let sampler = Sampler::new(&panorama, 0.0);
         let at = |elevation_rad| sampler.radiance_w_m2_sr(Direction { azimuth_rad: 0.0, elevation_rad });

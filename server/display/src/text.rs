@@ -112,14 +112,16 @@ fn stamp(picture: &mut RgbImage, ink: &[Ink], (right, down): (i32, i32), colour:
 mod tests {
     use super::*;
 
+    /// The typeface has every character that legends use.
     #[test]
-    fn the_typeface_has_every_character_that_legends_use() {
+    fn the_typeface_has_every_legend_character() {
         let pen = Pen::new(13.0).unwrap();
         assert!(pen.has("0123456789.+-−NESW mag/arcsec² cd/m² 10⁰¹²³⁴⁵⁶⁷⁸⁹⁻ EV"));
     }
 
+    /// Text leaves ink where it is drawn and nowhere else.
     #[test]
-    fn text_leaves_ink_where_it_is_drawn_and_nowhere_else() {
+    fn text_leaves_ink_only_where_it_is_drawn() {
         let mut picture = RgbImage::new(80, 40);
         Pen::new(14.0).unwrap().draw(&mut picture, "N", (40.0, 10.0), Align::Centre, [255; 3]);
         let ink: Vec<(u32, u32)> =

@@ -173,8 +173,9 @@ mod tests {
         image::load_from_memory_with_format(bytes, image::ImageFormat::Png).unwrap().into_rgba8()
     }
 
+    /// Brighter radiance is brighter and dark or missing is transparent.
     #[test]
-    fn brighter_radiance_is_brighter_and_dark_or_missing_is_transparent() {
+    fn tiles_brighten_and_dark_is_transparent() {
         let values = [0.0, 1.0, 10.0, 500.0];
         let tile =
             decode(&radiance_tile_png(&values, &[true, true, true, true], 2, &Notes::default()).unwrap());
@@ -186,8 +187,9 @@ mod tests {
         assert!(radiance_tile_png(&values, &[true; 4], 3, &Notes::default()).is_err());
     }
 
+    /// Influences are coloured by their part of the most.
     #[test]
-    fn influences_are_coloured_by_their_part_of_the_most() {
+    fn influences_are_coloured_by_their_share() {
         let values = [0.0, 0.9e-4, 1e-2, 1.0];
         for unit in [1.0, 1e-9] {
             let values = values.map(|value| value * unit as f32);
@@ -202,8 +204,9 @@ mod tests {
         assert!(dark.pixels().all(|pixel| pixel.0[3] == 0));
     }
 
+    /// A slope that faces north west is lighter than one that faces away.
     #[test]
-    fn a_slope_that_faces_north_west_is_lighter_than_one_that_faces_away() {
+    fn north_west_slopes_are_lighter() {
         // A ridge that rises to the south-east, then falls.
         let altitudes: Vec<f32> = (0..64)
             .map(|i| {
@@ -217,8 +220,9 @@ mod tests {
         assert_eq!(tile.get_pixel(0, 0).0[3], 255);
     }
 
+    /// Higher ground has another tint than lower ground.
     #[test]
-    fn higher_ground_has_another_tint_than_lower_ground() {
+    fn ground_tint_depends_on_its_altitude() {
         assert_eq!(tint(-50.0), TINTS[0].1);
         assert_eq!(tint(9000.0), TINTS[7].1);
         assert_ne!(tint(100.0), tint(1500.0));

@@ -75,8 +75,9 @@ mod tests {
         list.iter().map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect())).collect()
     }
 
+    /// An EXR decodes to the same floats in channels named r g b.
     #[test]
-    fn an_exr_decodes_to_the_same_floats_in_channels_named_r_g_b() {
+    fn an_exr_round_trips_in_channels_r_g_b() {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
         let raster =
@@ -110,8 +111,9 @@ mod tests {
         }
     }
 
+    /// An EXR says what it shows and on what assumptions.
     #[test]
-    fn an_exr_says_what_it_shows_and_on_what_assumptions() {
+    fn an_exr_holds_description_and_assumptions() {
         let raster = raster(
             &Panorama::dark(),
             &Horizon::flat(),
@@ -128,8 +130,9 @@ mod tests {
         assert_eq!(found, Some(&AttributeValue::Text(Text::from(r#"{"turbidity":2.5}"#))));
     }
 
+    /// An EXR of a fisheye has an alpha that says where sky is.
     #[test]
-    fn an_exr_of_a_fisheye_has_an_alpha_that_says_where_sky_is() {
+    fn a_fisheye_exr_has_sky_as_alpha() {
         let raster =
             raster(&Panorama::dark(), &Horizon::flat(), Projection::Fisheye, (40, 40), Sky::Total).unwrap();
         let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());

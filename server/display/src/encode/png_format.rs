@@ -63,8 +63,9 @@ mod tests {
         assert_eq!(back.into_rgba8(), picture);
     }
 
+    /// A PNG says what it shows and on what assumptions.
     #[test]
-    fn a_png_says_what_it_shows_and_on_what_assumptions() {
+    fn a_png_holds_description_and_assumptions() {
         let notes = Notes::new("a sky", r#"{"turbidity":2.5}"#);
         let bytes = encode_png(&RgbImage::new(3, 2), &notes).unwrap();
         let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();

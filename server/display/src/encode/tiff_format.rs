@@ -80,8 +80,9 @@ mod tests {
         assert_eq!(metadata.matches("role=\"unittype\">W m-2 sr-1<").count(), 3);
     }
 
+    /// A TIFF says what it shows and on what assumptions.
     #[test]
-    fn a_tiff_says_what_it_shows_and_on_what_assumptions() {
+    fn a_tiff_holds_description_and_assumptions() {
         let size = Projection::Equirectangular.default_raster_size_px();
         let raster =
             raster(&Panorama::dark(), &Horizon::flat(), Projection::Equirectangular, size, Sky::Artificial)
@@ -95,8 +96,9 @@ mod tests {
         assert!(metadata.contains(item), "{metadata}");
     }
 
+    /// A TIFF decodes to the same floats and nan outside the sky.
     #[test]
-    fn a_tiff_decodes_to_the_same_floats_and_nan_outside_the_sky() {
+    fn a_tiff_round_trips_with_nan_outside_the_sky() {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
         for (projection, size) in [(Projection::Equirectangular, (256, 64)), (Projection::Fisheye, (50, 50))]

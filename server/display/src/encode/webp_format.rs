@@ -53,8 +53,9 @@ mod tests {
         assert_eq!(back.into_rgb8(), picture);
     }
 
+    /// A WebP says what it shows and on what assumptions.
     #[test]
-    fn a_webp_says_what_it_shows_and_on_what_assumptions() {
+    fn a_webp_holds_description_and_assumptions() {
         let notes = Notes::new("a sky", r#"{"turbidity":2.5}"#);
         let bytes = encode_webp(&RgbImage::new(3, 2), &notes).unwrap();
         let exif = WebPDecoder::new(Cursor::new(bytes)).unwrap().exif_metadata().unwrap().unwrap();

@@ -1,4 +1,4 @@
-//! Both rivals of a scene, timed on as much of it as a run can wait for.
+//! The two baselines of a scene, timed on as much of it as a run can wait for.
 
 use crate::{
     accumulation::SourceImages,
@@ -7,14 +7,14 @@ use crate::{
     image_mixing::StoredImages,
     machine,
     options::{Extent, Setting},
-    report::{RivalTime, SceneRow},
+    report::{BaselineTime, SceneRow},
     sampled_sum,
     scenes::LitScene,
 };
 use skyglow_render::prepare::Prepared;
 use std::hint::black_box;
 
-/// The rivals' times of a scene.
+/// The times of the baselines on a scene.
 ///
 /// # Errors
 /// A scene that the packs refuse.
@@ -35,8 +35,8 @@ pub(crate) fn of_scene(setting: &Setting, scene: &LitScene, extent: &Extent) -> 
     let (cells_timed, image_bytes) = (images.cell_count(), images.bytes());
     drop(images);
     let stored = StoredImages::of(&prepared, tables, extent.mixed_nodes);
-    let mut room = stored.room();
-    let mixed_s = machine::fastest_s(extent.time_for_tries, || stored.mix(black_box(&mut room)));
+    let mut buffer = stored.buffer();
+    let mixed_s = machine::fastest_s(extent.time_for_tries, || stored.mix(black_box(&mut buffer)));
     Ok(SceneRow {
         scene: scene.name.to_owned(),
         lit_sources: scene.lit_sources,
@@ -51,9 +51,9 @@ pub(crate) fn of_scene(setting: &Setting, scene: &LitScene, extent: &Extent) -> 
 }
 
 /// The time of all cells or nodes, in all directions, from that of some.
-fn scaled(timed_s: f64, timed: usize, all: usize) -> RivalTime {
+fn scaled(timed_s: f64, timed: usize, all: usize) -> BaselineTime {
     let share_timed = timed as f64 / all.max(1) as f64;
-    RivalTime {
+    BaselineTime {
         seconds: timed_s / share_timed,
         share_timed,
         sources_timed: timed,

@@ -1,6 +1,6 @@
-//! What is wanted of the engine, and whether this run shows it.
+//! Performance targets of the engine, and whether this run meets them.
 
-use crate::report::{AimRow, RunTimeRow};
+use crate::report::{RunTimeRow, TargetRow};
 
 /// How many times faster than the direct sum, at least, at 2 048 lit cells.
 const TIMES_DIRECT_SUM: f64 = 100_000.0;
@@ -11,36 +11,36 @@ const FLATNESS: f64 = 1.1;
 /// With skipping over without, at most.
 const SKIPPED_OVER_WHOLE: f64 = 1.0;
 
-/// The aims on every executor, with the largest basis at a pack's turbidity, by fastest rounds.
-pub(crate) fn of(run_times: &[RunTimeRow]) -> Vec<AimRow> {
+/// The targets on every executor, with the largest basis at a pack's turbidity, by fastest rounds.
+pub(crate) fn of(run_times: &[RunTimeRow]) -> Vec<TargetRow> {
     let mut executors: Vec<&str> = run_times.iter().map(|row| row.executor.as_str()).collect();
     executors.dedup();
     executors.into_iter().flat_map(|executor| of_executor(run_times, executor)).collect()
 }
 
-fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<AimRow> {
+fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<TargetRow> {
     let rows = || run_times.iter().filter(|row| row.executor == executor && row.packs == 1);
     let largest = rows().map(|row| row.basis_count).max().unwrap_or(0);
     let rows = || rows().filter(|row| row.basis_count == largest);
-    let aim = |aim: String, wanted: f64, measured: f64, is_met: bool| AimRow {
-        aim,
+    let target = |target: String, wanted: f64, measured: f64, is_met: bool| TargetRow {
+        target,
         executor: executor.to_owned(),
         wanted,
         measured,
         is_met,
     };
-    let mut aims = Vec::new();
-    let most_cells =
+    let mut targets = Vec::new();
+    let max_cells =
         rows().filter(|row| row.scene == "cells" && row.skipping).max_by_key(|row| row.lit_sources);
-    if let Some(row) = most_cells {
+    if let Some(row) = max_cells {
         let at = format!("at {} lit cells, {largest} functions", row.lit_sources);
-        for (rival, wanted, measured) in [
+        for (baseline, wanted, measured) in [
             ("direct sum", TIMES_DIRECT_SUM, row.times_direct_sum),
             ("accumulation of images", TIMES_ACCUMULATION, row.times_accumulation),
             ("same with images ready for this observer", TIMES_ACCUMULATION, row.times_ready_accumulation),
         ] {
-            aims.push(aim(
-                format!("times faster than the {rival} {at}"),
+            targets.push(target(
+                format!("times faster than the {baseline} {at}"),
                 wanted,
                 measured,
                 measured >= wanted,
@@ -52,11 +52,11 @@ fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<AimRow> {
     if slowest > 0.0 {
         let flatness = slowest / fastest;
         let words = "slowest over fastest scene, nothing skipped".to_owned();
-        aims.push(aim(words, FLATNESS, flatness, flatness <= FLATNESS));
-        let of_passes = || rows().filter(|row| !row.skipping).map(without_near_lights_ms);
+        targets.push(target(words, FLATNESS, flatness, flatness <= FLATNESS));
+        let of_passes = || rows().filter(|row| !row.skipping).map(without_near_field_ms);
         let flatness = of_passes().fold(0.0, f64::max) / of_passes().fold(f64::INFINITY, f64::min);
-        let words = "the same without near lights".to_owned();
-        aims.push(aim(words, FLATNESS, flatness, flatness <= FLATNESS));
+        let words = "the same without the near-field correction".to_owned();
+        targets.push(target(words, FLATNESS, flatness, flatness <= FLATNESS));
     }
     let of_whole = |skipped: &&RunTimeRow| {
         let same = |row: &&RunTimeRow| {
@@ -67,13 +67,13 @@ fn of_executor(run_times: &[RunTimeRow], executor: &str) -> Vec<AimRow> {
     let worst = rows().filter(|row| row.skipping).filter_map(|row| of_whole(&row)).fold(0.0, f64::max);
     if worst > 0.0 {
         let words = "largest time with skipping over without, any scene".to_owned();
-        aims.push(aim(words, SKIPPED_OVER_WHOLE, worst, worst <= SKIPPED_OVER_WHOLE));
+        targets.push(target(words, SKIPPED_OVER_WHOLE, worst, worst <= SKIPPED_OVER_WHOLE));
     }
-    aims
+    targets
 }
 
-/// The median without what near lights take of it, which no grid of cells has.
-fn without_near_lights_ms(row: &RunTimeRow) -> f64 {
+/// The median without what the near-field correction takes of it, which no grid of cells needs.
+fn without_near_field_ms(row: &RunTimeRow) -> f64 {
     let near = row.passes.iter().filter(|pass| pass.pass == "near_lights");
     row.median_ms - near.map(|pass| pass.ms).sum::<f64>()
 }
@@ -105,14 +105,15 @@ mod tests {
         }
     }
 
+    /// Targets are met or missed as the rows say.
     #[test]
-    fn aims_are_met_or_missed_as_the_rows_say() {
+    fn targets_are_met_or_missed_as_the_rows_say() {
         let good = [row(1, true, 0.5), row(2_048, true, 1.0), row(1, false, 2.0), row(2_048, false, 2.1)];
-        let met = |rows: &[RunTimeRow]| of(rows).iter().map(|aim| aim.is_met).collect::<Vec<_>>();
+        let met = |rows: &[RunTimeRow]| of(rows).iter().map(|target| target.is_met).collect::<Vec<_>>();
         assert_eq!(met(&good), [true; 6]);
         let slow = [row(1, true, 0.5), row(2_048, true, 2.0), row(1, false, 1.0), row(2_048, false, 1.2)];
         assert_eq!(met(&slow), [false; 6]);
-        // What near lights take is no work of the passes, and told apart.
+        // The near-field correction is no work of the passes, and reported apart.
         let mut lit = good;
         lit[3].passes = vec![PassRow { pass: "near_lights".to_owned(), ms: 1.0 }];
         (lit[3].median_ms, lit[3].fastest_ms) = (3.1, 3.1);

@@ -1,4 +1,4 @@
-//! The floor under the run times: bytes that each pass must touch and operations that it must do.
+//! The roofline model (Williams, Waterman and Patterson 2009): the least time of each pass by its bytes and operations.
 //!
 //! Bytes are those of a pass's input and output, each counted once: what no cache can save. Operations are those of the
 //! formula with the functions in use, without the padding of any executor. At the measured rates of the device both become
@@ -21,9 +21,9 @@ const TRANSFORM: f64 = 2.5 * 256.0 * 8.0;
 /// Operations that an exponential or a logarithm counts as.
 const ELEMENTARY: f64 = 10.0;
 
-/// What a pass must do at least.
+/// The least work of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PassFloor {
+pub struct PassRoofline {
     /// The pass.
     pub pass: Pass,
     /// Bytes in and out.
@@ -32,7 +32,7 @@ pub struct PassFloor {
     pub operations: f64,
 }
 
-impl PassFloor {
+impl PassRoofline {
     /// The bytes at the bandwidth of the executor's device, milliseconds.
     pub fn bytes_ms(&self, executor: &ExecutorRecord) -> f64 {
         1e3 * self.bytes / (executor.bandwidth_gb_s * 1e9)
@@ -49,33 +49,33 @@ impl PassFloor {
     }
 }
 
-/// The floor of every pass of a request under an open sky, all its packs together, in the order of the passes.
-pub fn floors(request: &Prepared, set: &TableSet) -> Vec<PassFloor> {
+/// The roofline of every pass of a request under an open sky, all its packs together, in the order of the passes.
+pub fn of_request(request: &Prepared, set: &TableSet) -> Vec<PassRoofline> {
     let packs = request.turbidity_taps.indices();
-    let mut floors: Vec<PassFloor> =
-        Pass::ALL.into_iter().map(|pass| PassFloor { pass, bytes: 0.0, operations: 0.0 }).collect();
+    let mut passes: Vec<PassRoofline> =
+        Pass::ALL.into_iter().map(|pass| PassRoofline { pass, bytes: 0.0, operations: 0.0 }).collect();
     for &pack in packs {
         let functions = request.basis_count.min(set.tables()[pack].basis_count);
-        for (floor, (bytes, operations)) in floors.iter_mut().zip(of_pack(request, functions)) {
-            floor.bytes += bytes;
-            floor.operations += operations;
+        for (pass, (bytes, operations)) in passes.iter_mut().zip(of_pack(request, functions)) {
+            pass.bytes += bytes;
+            pass.operations += operations;
         }
     }
     if packs.len() > 1 {
         let samples = Panorama::LEN as f64;
-        if let Some(blend) = floors.last_mut() {
+        if let Some(blend) = passes.last_mut() {
             blend.bytes = F32 * samples * (packs.len() + 1) as f64;
             blend.operations = samples * ((ELEMENTARY + 4.0) * packs.len() as f64 + ELEMENTARY);
         }
     }
-    floors
+    passes
 }
 
 /// All passes together.
-pub fn whole(floors: &[PassFloor]) -> Option<PassFloor> {
-    floors.iter().copied().reduce(|sum, floor| PassFloor {
-        bytes: sum.bytes + floor.bytes,
-        operations: sum.operations + floor.operations,
+pub fn whole(passes: &[PassRoofline]) -> Option<PassRoofline> {
+    passes.iter().copied().reduce(|sum, pass| PassRoofline {
+        bytes: sum.bytes + pass.bytes,
+        operations: sum.operations + pass.operations,
         ..sum
     })
 }
@@ -120,17 +120,18 @@ mod tests {
     use super::*;
     use crate::{executors, options::Setting, scenes::LitScene};
 
-    fn floors_of(setting: &Setting, cells: usize, turbidity: f64, basis: usize) -> Vec<PassFloor> {
+    fn roofline_of(setting: &Setting, cells: usize, turbidity: f64, basis: usize) -> Vec<PassRoofline> {
         let scene = LitScene::of_cells(cells);
         let turbidity = skyglow_physics::Turbidity::new(turbidity).unwrap();
         let request = executors::request(setting, &scene.polar, scene.observer_altitude_m, turbidity, basis);
-        floors(&Prepared::new(&request, &setting.set).unwrap(), &setting.set)
+        of_request(&Prepared::new(&request, &setting.set).unwrap(), &setting.set)
     }
 
+    /// Passes over the sky do not grow with its lights and those over cells do.
     #[test]
-    fn passes_over_the_sky_do_not_grow_with_its_lights_and_those_over_cells_do() {
+    fn only_cell_passes_grow_with_the_lights() {
         let setting = crate::run::tests::setting(16);
-        let (few, many) = (floors_of(&setting, 10, 2.0, 16), floors_of(&setting, 1_000, 2.0, 16));
+        let (few, many) = (roofline_of(&setting, 10, 2.0, 16), roofline_of(&setting, 1_000, 2.0, 16));
         for (few, many) in few.iter().zip(&many) {
             let of_sky = matches!(few.pass, Pass::BasisSum | Pass::InverseFft | Pass::Blend);
             assert_eq!(few == many, of_sky, "{few:?} {many:?}");
@@ -138,14 +139,15 @@ mod tests {
         // 3 bands × 1 000 cells × 16 functions × 2 nodes, a multiply-add each.
         let coefficients = many[Pass::Coefficients.index()].operations;
         assert!((coefficients - 2.0 * 96_000.0).abs() < 1.0, "{coefficients}");
-        let half = floors_of(&setting, 1_000, 2.0, 8)[Pass::Coefficients.index()].operations;
+        let half = roofline_of(&setting, 1_000, 2.0, 8)[Pass::Coefficients.index()].operations;
         assert!((half / coefficients - 0.5).abs() < 1e-9);
     }
 
+    /// Between packs all of them are worked on and blended.
     #[test]
-    fn between_packs_all_of_them_are_worked_on_and_blended() {
+    fn between_packs_both_count_and_are_blended() {
         let setting = crate::run::tests::setting(16);
-        let (one, between) = (floors_of(&setting, 10, 2.0, 16), floors_of(&setting, 10, 2.5, 16));
+        let (one, between) = (roofline_of(&setting, 10, 2.0, 16), roofline_of(&setting, 10, 2.5, 16));
         assert_eq!(one[Pass::Blend.index()].bytes, 0.0);
         assert!(between[Pass::Blend.index()].bytes > 4.0 * Panorama::LEN as f64);
         assert_eq!(between[Pass::BasisSum.index()].bytes, 2.0 * one[Pass::BasisSum.index()].bytes);
@@ -158,8 +160,8 @@ mod tests {
             multiply_adds_g_s: 50.0,
             read_back_ms: None,
         };
-        let floor = PassFloor { pass: Pass::Blend, bytes: 1e7, operations: 1e9 };
-        assert_eq!((floor.bytes_ms(&executor), floor.operations_ms(&executor)), (1.0, 10.0));
-        assert_eq!(floor.ms(&executor), 10.0);
+        let pass = PassRoofline { pass: Pass::Blend, bytes: 1e7, operations: 1e9 };
+        assert_eq!((pass.bytes_ms(&executor), pass.operations_ms(&executor)), (1.0, 10.0));
+        assert_eq!(pass.ms(&executor), 10.0);
     }
 }

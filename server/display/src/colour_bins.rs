@@ -1,15 +1,15 @@
-//! Which colour of a table a luminance has.
+//! Colour-bin lookup: which colour of a table a luminance has, without a logarithm or a search.
 
 use crate::colormap::TABLE_LEN;
 
 /// Bits of a float's fraction that cells are counted by, at most; a scale that wants more is looked through.
-const MOST_FRACTION_BITS: u32 = 40;
+const MAX_FRACTION_BITS: u32 = 40;
 /// Bits of the fraction of an f64.
 const FRACTION_BITS: u32 = 52;
 
 /// Where the colours of a table start, even in the logarithm. No logarithm is taken to find one, and nothing is searched: the first
 /// bits of a float number cells so narrow that no more than one colour starts in each.
-pub(crate) struct Starts {
+pub(crate) struct ColourBins {
     /// Entry `i` holds luminances from `cd_m2[i]` to below `cd_m2[i + 1]`; all reach the first, none the last.
     cd_m2: [f64; TABLE_LEN + 1],
     /// The entry at the lower end of each cell.
@@ -19,7 +19,7 @@ pub(crate) struct Starts {
     first_cell: i64,
 }
 
-impl Starts {
+impl ColourBins {
     /// For colours from `dark` to `bright`, both positive.
     pub(crate) fn new((dark, bright): (f64, f64)) -> Self {
         let steps = (TABLE_LEN - 1) as f64;
@@ -32,18 +32,18 @@ impl Starts {
         // A cell is at most 2^-bits of its luminance wide.
         let narrowest = (1..TABLE_LEN - 1).map(|i| cd_m2[i + 1] / cd_m2[i] - 1.0).fold(1.0, f64::min);
         let bits = (-narrowest.log2()).ceil().max(1.0);
-        let mut starts = Self { cd_m2, cells: Vec::new(), shift: 0, first_cell: 0 };
-        if bits <= f64::from(MOST_FRACTION_BITS) {
-            starts.shift = FRACTION_BITS - bits as u32;
-            starts.first_cell = starts.cell_of(cd_m2[1]) - 1;
-            let last_cell = starts.cell_of(cd_m2[TABLE_LEN - 1]);
-            let lowest = |cell: i64| f64::from_bits((cell << starts.shift) as u64);
+        let mut bins = Self { cd_m2, cells: Vec::new(), shift: 0, first_cell: 0 };
+        if bits <= f64::from(MAX_FRACTION_BITS) {
+            bins.shift = FRACTION_BITS - bits as u32;
+            bins.first_cell = bins.cell_of(cd_m2[1]) - 1;
+            let last_cell = bins.cell_of(cd_m2[TABLE_LEN - 1]);
+            let lowest = |cell: i64| f64::from_bits((cell << bins.shift) as u64);
             // The first cell is that of everything darker.
-            starts.cells = std::iter::once(0)
-                .chain((starts.first_cell + 1..=last_cell).map(|cell| starts.searched(lowest(cell)) as u8))
+            bins.cells = std::iter::once(0)
+                .chain((bins.first_cell + 1..=last_cell).map(|cell| bins.searched(lowest(cell)) as u8))
                 .collect();
         }
-        starts
+        bins
     }
 
     fn cell_of(&self, luminance_cd_m2: f64) -> i64 {
@@ -71,20 +71,21 @@ impl Starts {
 mod tests {
     use super::*;
 
+    /// A colour is that of the last start at or below for any number.
     #[test]
-    fn a_colour_is_that_of_the_last_start_at_or_below_for_any_number() {
+    fn the_lookup_equals_a_binary_search() {
         for ends in
             [(1e-5, 0.1), (3e-9, 2e-3), (0.2, 0.3), (1e-30, 1e30), (1.0, 1.0 + 1e-6), (1.0, 1.0 + 1e-13)]
         {
-            let starts = Starts::new(ends);
-            let own = &starts.cd_m2[1..TABLE_LEN];
+            let bins = ColourBins::new(ends);
+            let own = &bins.cd_m2[1..TABLE_LEN];
             let known: Vec<f64> = own.iter().flat_map(|&s| [s.next_down(), s, s.next_up()]).collect();
             let spread = (0..4000).map(|i| ends.0 * 1e-3 * (i as f64 * 0.01).exp());
             for luminance in
                 known.into_iter().chain(spread).chain([0.0, -1e-9, 1e30, f64::MIN_POSITIVE, f64::INFINITY])
             {
                 let wanted = own.partition_point(|&start| start <= luminance);
-                assert_eq!(starts.entry(luminance), wanted, "{luminance:e}");
+                assert_eq!(bins.entry(luminance), wanted, "{luminance:e}");
             }
         }
     }
