@@ -178,7 +178,7 @@ fn influences_add_up_with_near_lights() {
             ..open_sky(id.clone(), place, Turbidity::new(turbidity).unwrap())
         };
         let rendered = observatory.sky_blocking(&sky).unwrap();
-        assert!(rendered.rendered.passes.iter().any(|pass| pass.name == "near_lights"));
+        assert!(rendered.passes.iter().any(|pass| pass.name == "near_lights"));
         let whole = [
             (Measure::Zenith, rendered.quantities.zenith_luminance_cd_m2),
             (Measure::Mean, rendered.quantities.mean_luminance_cd_m2),

@@ -160,8 +160,9 @@ fn preferred<F: Copy>(accept: &str, formats: &[F], media_type: impl Fn(F) -> &'s
 mod tests {
     use super::*;
 
+    /// The preferred format wins and nothing acceptable is none.
     #[test]
-    fn the_preferred_format_wins_and_nothing_acceptable_is_none() {
+    fn the_preferred_format_wins() {
         for (accept, format) in [
             ("", Some(Format::Png)),
             ("*/*", Some(Format::Png)),
@@ -179,8 +180,9 @@ mod tests {
         }
     }
 
+    /// Influences are json unless another is preferred.
     #[test]
-    fn influences_are_json_unless_another_is_preferred() {
+    fn influences_are_json_by_default() {
         for (accept, format) in [
             ("", Some(InfluenceFormat::Json)),
             ("*/*", Some(InfluenceFormat::Json)),

@@ -11,7 +11,7 @@ mod service;
 mod site;
 mod sky;
 
-pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, sky_warnings};
+pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer};
 pub use brightness::BrightnessAssumptions;
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
@@ -22,7 +22,7 @@ pub use plan::{
     plan_entry, plan_facts,
 };
 pub use scenario::{EditAnswer, ScenarioAnswer, ScenarioEntry};
-pub use scene::{GridAnswer, PlaceAnswer, SceneAnswer, SceneReference};
+pub use scene::{GridAnswer, SceneAnswer, SceneReference};
 pub use service::{AtmosphereAnswer, HealthAnswer, TileJson};
 pub use site::SiteAnswer;
-pub use sky::{QuantitiesAnswer, SkyAnswer};
+pub use sky::SkyAnswer;

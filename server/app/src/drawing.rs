@@ -4,12 +4,12 @@ use crate::{
     accept::Format,
     answers::{Assumptions, PanoramaAnswer},
     request::PictureRequest,
-    source::RenderedSky,
 };
 use skyglow_display::{
     DisplayError, Notes, PictureOptions, Sky, encode_exr, encode_png, encode_tiff, encode_webp, notes,
     picture, raster,
 };
+use skyglow_observatory::RenderedSky;
 use thiserror::Error;
 
 /// A defect of the program: what is asked was checked before.

@@ -35,7 +35,7 @@ pub enum AppError {
         /// The plan's id.
         id: String,
     },
-    /// What should be kept cannot be written.
+    /// What should be stored cannot be written.
     #[error("the server cannot keep this now; try again later")]
     Storage {
         /// What happened, for the log.

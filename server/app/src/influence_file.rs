@@ -33,17 +33,18 @@ pub enum InfluenceFileError {
 pub fn encode_influences(
     assumptions: Assumptions,
     map: &InfluenceMap,
-    ask: &InfluenceListRequest,
+    request: &InfluenceListRequest,
     format: InfluenceFormat,
 ) -> Result<Vec<u8>, InfluenceFileError> {
-    let measure = &ask.query.measure;
+    let measure = &request.request.measure;
     match format {
         InfluenceFormat::Json => {
-            let answer = InfluenceAnswer::new(assumptions, map, measure, ask.limit, ask.boundary.as_ref());
+            let answer =
+                InfluenceAnswer::new(assumptions, map, measure, request.limit, request.boundary.as_ref());
             Ok(serde_json::to_vec(&answer)?)
         }
-        InfluenceFormat::GeoJson => geojson(assumptions, map, ask),
-        InfluenceFormat::Csv => influence_table(map, measure, ask.limit),
+        InfluenceFormat::GeoJson => geojson(assumptions, map, request),
+        InfluenceFormat::Csv => influence_table(map, measure, request.limit),
         InfluenceFormat::Tiff => geotiff(&assumptions, map, measure),
     }
 }
@@ -52,13 +53,13 @@ pub fn encode_influences(
 fn geojson(
     assumptions: Assumptions,
     map: &InfluenceMap,
-    ask: &InfluenceListRequest,
+    request: &InfluenceListRequest,
 ) -> Result<Vec<u8>, InfluenceFileError> {
-    let measure = &ask.query.measure;
+    let measure = &request.request.measure;
     let total = map.total().influence;
     let place = |pixel: &InfluentialPixel| [pixel.longitude_deg, pixel.latitude_deg];
-    let mut collection = feature_collection(influential_pixels(map, total, ask.limit), place)?;
-    let boundary = ask.boundary.as_ref().map(|boundary| PartAnswer::new(map.within(boundary), total));
+    let mut collection = feature_collection(influential_pixels(map, total, request.limit), place)?;
+    let boundary = request.boundary.as_ref().map(|boundary| PartAnswer::new(map.within(boundary), total));
     let facts = json!({
         "measure": measure_name(measure),
         "unit": measure.unit(),

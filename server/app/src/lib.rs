@@ -6,19 +6,20 @@
 
 pub mod accept;
 pub mod answers;
+pub mod conversion;
 pub mod drawing;
 pub mod error;
+pub mod facts;
+pub mod fingerprint;
+pub mod format;
 pub mod influence_file;
-pub mod kind_facts;
 pub mod observatory;
 pub mod parameters;
 pub mod plan_file;
 pub mod planning;
-pub mod program;
 pub mod reader;
 pub mod request;
 pub mod source;
-pub mod stamp;
 pub mod stored;
 pub mod upload_reader;
 pub mod validation;

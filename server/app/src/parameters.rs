@@ -307,8 +307,9 @@ mod tests {
     use skyglow_scene::ChangeId;
     use skyglow_tables::Scattering;
 
+    /// The table names every colour map scattering and lamp that there is.
     #[test]
-    fn the_table_names_every_colour_map_scattering_and_lamp_that_there_is() {
+    fn the_table_names_every_choice_there_is() {
         let Kind::Choice(scatterings) = SCATTERING.kind else { panic!("not a choice") };
         assert_eq!(scatterings, Scattering::ALL.map(Scattering::name));
         let Kind::Choice(maps) = COLORMAP.kind else { panic!("not a choice") };
@@ -318,8 +319,9 @@ mod tests {
         }
     }
 
+    /// Forms of texts are regular expressions that allow what is allowed.
     #[test]
-    fn forms_of_texts_are_regular_expressions_that_allow_what_is_allowed() {
+    fn patterns_allow_what_is_allowed() {
         let mut runner = TestRunner::deterministic();
         let mut made_by = |parameter: Parameter| {
             let Kind::Text { pattern, .. } = parameter.kind else { panic!("{} is no text", parameter.name) };
@@ -334,8 +336,9 @@ mod tests {
         }
     }
 
+    /// Defaults of the document are those of the code.
     #[test]
-    fn defaults_of_the_document_are_those_of_the_code() {
+    fn documented_defaults_are_those_of_the_code() {
         let range = skyglow_display::ColourRange::default();
         assert!(MIN.description.contains("1e-5") && range.min == 1e-5);
         assert!(MAX.description.contains("0.1") && range.max == 0.1);

@@ -2,14 +2,17 @@
 
 use crate::{
     answers::plan_facts,
-    program::program,
+    conversion::check_altitude,
+    error::AppError,
+    fingerprint::{canonical_bytes, program},
     request::PlanStoreRequest,
-    source::{SkySource, SourceError},
+    source::SkySource,
 };
+use skyglow_observatory::{InfluenceRequest, SceneView};
 use skyglow_scene::{ChangeId, ChangeStore, Scene, StoredPlan};
 use std::sync::Arc;
 
-/// A plan that is kept or held.
+/// A plan that is stored or held.
 #[derive(Clone, Debug)]
 pub struct PlanRecord {
     /// Its id.
@@ -33,78 +36,90 @@ impl PlanRecord {
 }
 
 /// The id of a plan: the same request for the same scene with the same tables and the same build of the program has the same.
-///
-/// * `scene_version`: of the scene itself.
-pub fn plan_id(source: &dyn SkySource, ask: &PlanStoreRequest, scene_version: &str) -> ChangeId {
+fn plan_id(
+    source: &dyn SkySource,
+    request: &PlanStoreRequest,
+    scene_version: &str,
+) -> Result<ChangeId, AppError> {
     let facts = source.facts();
-    let decides = [
-        &format!("{:?} {:?}", ask.scenario, ask.request),
-        scene_version,
-        program(),
-        &facts.pack_checksums,
-        &facts.executor,
-        &facts.adapter,
-    ];
-    ChangeStore::plan_id(decides.join("\n").as_bytes())
+    let device = (program(), &facts.pack_checksums, &facts.executor, &facts.adapter);
+    let decides = canonical_bytes(&(&request.scenario, &request.request, scene_version, device))?;
+    Ok(ChangeStore::plan_id(&decides))
 }
 
-/// Makes a plan and keeps it, or holds it for some minutes, as asked, unless that is so already; answers its id and whether
-/// something new was kept. Takes seconds.
+/// The scene of a plan, all of whose sites are in it and below the tables' end.
+///
+/// # Errors
+/// As [`SkySource::view`] and [`SkySource::site`], and an altitude out of range.
+pub fn prepare_plan(source: &dyn SkySource, request: &PlanStoreRequest) -> Result<SceneView, AppError> {
+    let view = source.view(&request.scene, request.scenario.as_ref())?;
+    for InfluenceRequest { sky, .. } in request.request.sites() {
+        let site = source.site(&view, sky.place)?;
+        check_altitude(sky, site.ground, source.facts().altitude_range_m)?;
+    }
+    Ok(view)
+}
+
+/// Makes a plan and stores it, or holds it for some minutes, as asked, unless that is so already; whether something new was
+/// stored. Takes seconds.
+///
+/// * `view`: of the scene that is dimmed, changes of its scenario included.
 ///
 /// # Errors
 /// As [`SkySource::plan`] and [`SkySource::store_plan`].
-pub fn make_plan(source: &dyn SkySource, ask: &PlanStoreRequest) -> Result<(ChangeId, bool), SourceError> {
-    let scene_version = source.scene(&ask.scene)?.version;
-    if ask.keep
-        && let Some(base) = &ask.scenario
+pub fn make_plan(
+    source: &dyn SkySource,
+    request: &PlanStoreRequest,
+    view: &SceneView,
+) -> Result<(PlanRecord, bool), AppError> {
+    if request.store
+        && let Some(base) = &request.scenario
     {
         source.check_base(base)?;
     }
-    let id = plan_id(source, ask, &scene_version);
-    let plan = match source.plan_by_id(&id) {
-        Ok(_) if !ask.keep || source.is_stored(&id) => return Ok((id, false)),
-        Ok((held, _)) => held,
-        Err(_) => new_plan(source, ask, scene_version)?,
+    let id = plan_id(source, request, &view.base().metadata().version)?;
+    let is_new = match source.plan_by_id(&id) {
+        Ok(_) if !request.store || source.is_stored(&id) => false,
+        known => {
+            let plan = known.map_or_else(|_| new_plan(source, request, view), |(held, _)| Ok(held))?;
+            if request.store {
+                source.store_plan(&id, &plan)?;
+            } else {
+                source.hold_plan(&id, plan);
+            }
+            request.store
+        }
     };
-    if ask.keep {
-        source.store_plan(&id, &plan)?;
-    } else {
-        source.hold_plan(&id, plan);
-    }
-    Ok((id, ask.keep))
+    let (plan, created_unix_s) = source.plan_by_id(&id)?;
+    Ok((PlanRecord { id, plan, created_unix_s, scene: Arc::clone(view.scene()) }, is_new))
 }
 
 fn new_plan(
     source: &dyn SkySource,
-    ask: &PlanStoreRequest,
-    scene_version: String,
-) -> Result<StoredPlan, SourceError> {
-    let outcome = source.plan(&ask.request)?;
-    if source.scene(&ask.scene)?.version != scene_version {
-        // Ingested again meanwhile: its pixels may be others.
-        return Err(SourceError::Busy);
-    }
-    let facts = plan_facts(ask, &outcome, source.facts());
-    let answer = serde_json::to_value(facts).map_err(|error| SourceError::Broken(error.to_string()))?;
+    request: &PlanStoreRequest,
+    view: &SceneView,
+) -> Result<StoredPlan, AppError> {
+    let outcome = source.plan(&request.request, view)?;
+    let facts = plan_facts(&request.request, &outcome, source.facts());
     Ok(StoredPlan {
-        scene: ask.scene.clone(),
-        scene_version,
-        base: ask.scenario.clone(),
-        answer,
+        scene: request.scene.clone(),
+        scene_version: view.base().metadata().version.clone(),
+        base: request.scenario.clone(),
+        answer: serde_json::to_value(facts).map_err(AppError::internal)?,
         factors: outcome.factors(),
         effects: outcome.pixels.iter().map(|pixel| pixel.effect as f32).collect(),
     })
 }
 
-/// A plan that is kept or held, with its scene.
+/// A plan that is stored or held, with its scene.
 ///
 /// # Errors
-/// [`SourceError::UnknownScenario`], [`SourceError::StalePlan`], and whatever is wrong with the scene.
-pub fn find_plan(source: &dyn SkySource, id: &ChangeId) -> Result<PlanRecord, SourceError> {
+/// [`AppError::UnknownScenario`], [`AppError::StalePlan`], and whatever is wrong with the scene.
+pub fn find_plan(source: &dyn SkySource, id: &ChangeId) -> Result<PlanRecord, AppError> {
     let (plan, created_unix_s) = source.plan_by_id(id)?;
-    if source.scene(&plan.scene)?.version != plan.scene_version {
-        return Err(SourceError::StalePlan(id.to_string()));
+    let view = source.view(&plan.scene, plan.base.as_ref())?;
+    if view.base().metadata().version != plan.scene_version {
+        return Err(AppError::StalePlan { id: id.to_string() });
     }
-    let scene = source.open_scene(&plan.scene, plan.base.as_ref())?;
-    Ok(PlanRecord { id: id.clone(), plan, created_unix_s, scene })
+    Ok(PlanRecord { id: id.clone(), plan, created_unix_s, scene: Arc::clone(view.scene()) })
 }

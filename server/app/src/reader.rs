@@ -57,7 +57,7 @@ impl Reader {
         code: ValidationCode,
         message: Option<String>,
     ) {
-        let message = message.unwrap_or_else(|| code.words().to_owned());
+        let message = message.unwrap_or_else(|| code.description().to_owned());
         self.fail_field(FieldError { parameter: parameter.to_owned(), value, allowed, message, code });
     }
 

@@ -4,6 +4,7 @@ mod brightness;
 pub mod geojson;
 mod influence;
 mod plan;
+mod plan_body;
 mod points;
 mod scenario;
 mod sky;
@@ -13,7 +14,8 @@ mod view;
 
 pub use brightness::brightness;
 pub use influence::{InfluenceBody, InfluenceListRequest, influence};
-pub use plan::{PlanBody, PlanStoreRequest, SiteBody, plan, plan_limit};
+pub use plan::{PlanStoreRequest, plan, plan_limit};
+pub use plan_body::{PlanBody, SiteBody};
 pub use scenario::{AreaBody, BrushBody, EditBody, FixtureBody, LampBody, ScenarioBody, scenario};
 pub use view::PictureRequest;
 
@@ -24,12 +26,13 @@ use self::{
 use crate::{
     accept::Format,
     error::AppError,
+    facts::SourceFacts,
     parameters::{self as p, ParameterSet},
     reader::Reader,
-    source::{SkyQuery, SourceFacts},
     validation::ValidationCode,
 };
 use skyglow_display::Sky;
+use skyglow_observatory::SkyRequest;
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{ChangeId, SceneId};
 
@@ -84,7 +87,7 @@ pub fn change_id(text: &str) -> Result<ChangeId, AppError> {
 ///
 /// # Errors
 /// [`AppError::Parameters`] with every mistake.
-pub fn sky(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<(SkyQuery, Sky), AppError> {
+pub fn sky(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<(SkyRequest, Sky), AppError> {
     let mut reader = Reader::new(query, p::SkyParameters::ALL);
     let sky = read_sky(&mut reader, scene, facts);
     let light = read_light(&mut reader);
@@ -103,7 +106,7 @@ pub fn panorama(
     scene: SceneId,
     facts: &SourceFacts,
     format: Format,
-) -> Result<(SkyQuery, PictureRequest), AppError> {
+) -> Result<(SkyRequest, PictureRequest), AppError> {
     let mut reader = Reader::new(query, p::PanoramaParameters::ALL);
     only_what_means_something(&mut reader, format);
     let sky = read_sky(&mut reader, scene, facts);
@@ -115,8 +118,8 @@ pub fn panorama(
 }
 
 /// The light that there is of the light asked for: nothing natural comes through clouds.
-fn light_under(query: &SkyQuery, light: Sky) -> Sky {
-    if query.cloud_base_m.is_some() { Sky::Artificial } else { light }
+fn light_under(request: &SkyRequest, light: Sky) -> Sky {
+    if request.cloud_base_m.is_some() { Sky::Artificial } else { light }
 }
 
 fn only_what_means_something(reader: &mut Reader, format: Format) {

@@ -1,4 +1,4 @@
-//! Lists of the scenarios and plans that are kept of a scene.
+//! Lists of the scenarios and plans that are stored of a scene.
 
 use crate::answers::{PlanEntry, ScenarioEntry, plan_entry};
 use skyglow_scene::{ChangeId, ChangeKind, ChangeStore, ChangeStoreError, SceneId};

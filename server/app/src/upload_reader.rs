@@ -1,7 +1,7 @@
 //! Uploads are read by a process of their own: rasters go through libraries of other people's, and one that breaks off over a file
 //! takes no server along.
 
-use crate::source::SourceError;
+use crate::error::AppError;
 use serde::{Deserialize, Serialize};
 use skyglow_scene::{IngestOptions, SceneError, SceneMetadata, SceneStore, ingest};
 use std::{
@@ -33,7 +33,7 @@ pub enum UploadOutcome {
     },
     /// It cannot be meant: why, in one sentence.
     Refused(String),
-    /// Nothing can be kept: why, in one sentence.
+    /// Nothing can be stored: why, in one sentence.
     Storage(String),
 }
 
@@ -51,12 +51,11 @@ impl UploadTask {
     /// Reads it by a program that runs [`read_upload`].
     ///
     /// # Errors
-    /// [`SourceError::BadUpload`] where the program breaks off, [`SourceError::Storage`] where it cannot be started or is ended.
-    pub fn run_by(&self, reader: &UploadReader) -> Result<UploadOutcome, SourceError> {
-        let no_reader = |error: std::io::Error| {
-            SourceError::Storage(format!("no process can be started that reads uploads: {error}"))
-        };
-        let task = serde_json::to_vec(self).map_err(|error| SourceError::Broken(error.to_string()))?;
+    /// [`AppError::BadUpload`] where the program breaks off, [`AppError::Storage`] where it cannot be started or is ended.
+    pub fn run_by(&self, reader: &UploadReader) -> Result<UploadOutcome, AppError> {
+        let no_reader =
+            |error: std::io::Error| storage(format!("no process can be started that reads uploads: {error}"));
+        let task = serde_json::to_vec(self).map_err(AppError::internal)?;
         let mut child = Command::new(&reader.program)
             .args(&reader.arguments)
             .stdin(Stdio::piped())
@@ -89,14 +88,16 @@ impl UploadTask {
         };
         tracing::warn!("the process that read an upload broke off: {end}");
         Err(match status.signal() {
-            Some(signal) if FAULTS.contains(&signal) => SourceError::BadUpload(format!(
-                "one of the files breaks the libraries that read rasters off ({end})"
-            )),
-            _ => {
-                SourceError::Storage(format!("the process that read the upload was ended ({end}); try again"))
-            }
+            Some(signal) if FAULTS.contains(&signal) => AppError::BadUpload {
+                reason: format!("one of the files breaks the libraries that read rasters off ({end})"),
+            },
+            _ => storage(format!("the process that read the upload was ended ({end}); try again")),
         })
     }
+}
+
+fn storage(reason: String) -> AppError {
+    AppError::Storage { reason }
 }
 
 /// Waits for the end of a process, and ends it where that takes too long.
@@ -216,13 +217,14 @@ mod tests {
         UploadReader { program: "/bin/sh".into(), arguments, longest: Duration::from_millis(500) }
     }
 
+    /// A reader that breaks off is a refusal and one that is ended is not.
     #[test]
-    fn a_reader_that_breaks_off_is_a_refusal_and_one_that_is_ended_is_not() {
+    fn only_a_reader_that_breaks_off_is_a_refusal() {
         let folder = tempfile::tempdir().unwrap();
         let task = task(folder.path());
         for signal in ["SEGV", "ABRT"] {
             let refused = task.run_by(&shell(&format!("kill -{signal} $$"))).unwrap_err();
-            let SourceError::BadUpload(reason) = refused else { panic!("{refused:?}") };
+            let AppError::BadUpload { reason } = refused else { panic!("{refused:?}") };
             assert!(reason.contains("signal"), "{reason}");
         }
         // Ended by somebody, with nothing to say, or by the clock.
@@ -233,11 +235,11 @@ mod tests {
             ("exec sleep 60", "signal 9"),
         ] {
             let ended = task.run_by(&shell(script)).unwrap_err();
-            let SourceError::Storage(reason) = ended else { panic!("{script}: {ended:?}") };
+            let AppError::Storage { reason } = ended else { panic!("{script}: {ended:?}") };
             assert!(reason.contains(said), "{script}: {reason}");
         }
         let none = UploadReader { program: folder.path().join("none"), ..shell("") };
-        assert!(matches!(task.run_by(&none), Err(SourceError::Storage(_))));
+        assert!(matches!(task.run_by(&none), Err(AppError::Storage { .. })));
     }
 
     #[test]
@@ -251,8 +253,9 @@ mod tests {
         assert!(reason.starts_with("radiance cannot be read as a raster"), "{reason}");
     }
 
+    /// A refused upload speaks of fields and of no folder.
     #[test]
-    fn a_refused_upload_speaks_of_fields_and_of_no_folder() {
+    fn a_refused_upload_names_fields_and_no_folder() {
         let options = IngestOptions::new("/srv/data/incoming/7/radiance");
         let reason =
             "/srv/data/incoming/radiance has 8-bit numbers; give their --scale, or choose with --band: a, b";

@@ -22,6 +22,7 @@ pub struct FieldError {
 /// Kinds of mistakes in parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = Mistake)]
 pub enum ValidationCode {
     /// No such parameter here.
     UnknownParameter,
@@ -43,7 +44,7 @@ pub enum ValidationCode {
 
 impl ValidationCode {
     /// The mistake in words.
-    pub const fn words(self) -> &'static str {
+    pub const fn description(self) -> &'static str {
         match self {
             ValidationCode::UnknownParameter => "there is no such parameter here",
             ValidationCode::Missing => "is required",

@@ -1,8 +1,8 @@
 //! Flags that several commands share.
 
-use crate::{failure::Failure, folders, program, query, settings::Device};
+use crate::{device::Device, failure::Failure, folders, program, query};
 use clap::{Args, builder::BoolishValueParser};
-use skyglow_app::{SkySource, source::SourceFacts};
+use skyglow_app::{SkySource, facts::SourceFacts};
 use skyglow_observatory::MAX_PLACES;
 use skyglow_scene::ChangeLimits;
 use std::{path::PathBuf, sync::Arc};

@@ -51,8 +51,9 @@ fn packs_folder(beside: Option<&Path>, source: &Path, is_folder: impl Fn(&Path) 
 mod tests {
     use super::*;
 
+    /// Data lies where xdg says else in the home folder.
     #[test]
-    fn data_lies_where_xdg_says_else_in_the_home_folder() {
+    fn data_lies_where_xdg_says_else_at_home() {
         let path = |text: &str| Some(PathBuf::from(text));
         assert_eq!(data_folder(path("/x"), path("/home/a")), PathBuf::from("/x/skyglow"));
         assert_eq!(data_folder(path("x"), path("/home/a")), PathBuf::from("/home/a/.local/share/skyglow"));
@@ -60,8 +61,9 @@ mod tests {
         assert_eq!(data_folder(None, None), PathBuf::from("skyglow"));
     }
 
+    /// Packs beside the executable win over shared ones and over the source tree.
     #[test]
-    fn packs_beside_the_executable_win_over_shared_ones_and_over_the_source_tree() {
+    fn packs_beside_the_executable_win() {
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
         let find = |there: &[&str]| {
             let there: Vec<PathBuf> = there.iter().map(PathBuf::from).collect();

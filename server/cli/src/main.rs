@@ -4,16 +4,21 @@
 //! (one line says why), 2 wrong usage.
 
 mod commands;
+mod device;
 mod failure;
 mod flags;
 mod folders;
 mod logging;
+mod partial_settings;
+mod print;
 mod program;
 mod progress;
 mod query;
+mod render;
 mod report;
 mod settings;
 mod table;
+mod values;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -1,9 +1,9 @@
 //! Scenes, packs and engine put together.
 
 use crate::{
+    device::Device,
     failure::Failure,
     progress::{self, Stages},
-    settings::Device,
 };
 use skyglow_app::{SkySource, UploadReader};
 use skyglow_observatory::{OPEN_SCENE_COUNT, Observatory};

@@ -4,9 +4,8 @@ use crate::failure::Failure;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use skyglow_app::{
     error::AppError,
-    kind_facts::KindFacts,
+    facts::{KindFacts, SourceFacts},
     parameters::{MAX_BASIS_FUNCTIONS, Parameter, ParameterSet},
-    source::SourceFacts,
 };
 use skyglow_physics::{CloudBase, Turbidity};
 use skyglow_tables::{Clouds, Manifest, Scattering, packs_in};
@@ -55,30 +54,22 @@ impl<Set: ParameterSet> Args for QueryFlags<Set> {
 
 impl<Set: ParameterSet> FromArgMatches for QueryFlags<Set> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut pairs = Vec::new();
+        let mut query = form_urlencoded::Serializer::new(String::new());
         for parameter in Set::ALL {
             let value = matches
                 .try_get_one::<String>(parameter.name)
                 .map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
-            pairs.extend(value.map(|value| format!("{}={}", parameter.name, percent_encoded(value))));
+            if let Some(value) = value {
+                query.append_pair(parameter.name, value);
+            }
         }
-        Ok(Self { query: pairs.join("&"), set: PhantomData })
+        Ok(Self { query: query.finish(), set: PhantomData })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
     }
-}
-
-/// Everything but letters and digits as `%XX`.
-fn percent_encoded(text: &str) -> String {
-    text.bytes()
-        .map(|byte| match byte {
-            b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' => char::from(byte).to_string(),
-            other => format!("%{other:02X}"),
-        })
-        .collect()
 }
 
 /// What is allowed at all, whatever packs are resident: to find slips before anything is loaded.
@@ -195,7 +186,7 @@ mod tests {
     fn flags_become_the_query_that_the_api_would_get() {
         assert_eq!(
             query(&["--lat", "-1.3", "--lon=36.8", "--height-px", "64", "--lamp", "1,2,3"]),
-            "lat=%2D1%2E3&lon=36%2E8&lamp=1%2C2%2C3&height_px=64"
+            "lat=-1.3&lon=36.8&lamp=1%2C2%2C3&height_px=64"
         );
     }
 
@@ -210,8 +201,9 @@ mod tests {
         assert_eq!(view.options.sky, skyglow_display::Sky::Total);
     }
 
+    /// Manifests tell what the packs of each scattering serve.
     #[test]
-    fn manifests_tell_what_the_packs_of_each_scattering_serve() {
+    fn manifests_tell_what_packs_serve() {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(facts_of_packs(folder.path()), widest_facts());
         let (single, multiple) = (Scattering::Single, Scattering::Multiple);

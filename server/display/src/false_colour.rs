@@ -40,7 +40,7 @@ impl Scale {
 }
 
 /// The luminances that the two ends of a colour map stand for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ColourRange {
     /// Unit of both ends.
     pub scale: Scale,

@@ -23,7 +23,7 @@ pub const DEFAULT_FOV_DEG: f64 = 90.0;
 pub const DEFAULT_ELEVATION_DEG: f64 = 20.0;
 
 /// How directions become pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub enum Projection {
     /// Azimuth along the width, column `c` of `w` at `c·360/w` degrees (column 0 north); elevation along the
     /// height, zenith at the top, pixel centres at `90 − (y + ½)·90/h` degrees. 256 × 64 is the raw grid.
@@ -108,7 +108,7 @@ impl Sky {
 }
 
 /// How radiance becomes colour.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Style {
     /// Luminance through a colour map.
     FalseColour {
@@ -131,7 +131,7 @@ impl Default for Style {
 }
 
 /// Everything that decides a picture's pixels, given the panorama.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PictureOptions {
     /// How directions become pixels.
     pub projection: Projection,

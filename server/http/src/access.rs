@@ -223,8 +223,9 @@ mod tests {
         HeaderMap::from_iter([(name.parse().unwrap(), HeaderValue::from_str(value).unwrap())])
     }
 
+    /// The operator and known clients are told from anyone and wrong secrets refused.
     #[test]
-    fn the_operator_and_known_clients_are_told_from_anyone_and_wrong_secrets_refused() {
+    fn clients_are_told_apart_by_their_secrets() {
         let token = TOKEN;
         let access = Access::new(Some(token), vec![key("city", "k1"), key("park", "k2")]).unwrap();
         assert_eq!(access.client(&HeaderMap::new()), Ok(Client::Anyone));
@@ -244,8 +245,9 @@ mod tests {
         );
     }
 
+    /// Keys have a rate and a quota of a day that a clock set back does not renew.
     #[test]
-    fn keys_have_a_rate_and_a_quota_of_a_day_that_a_clock_set_back_does_not_renew() {
+    fn keys_have_a_rate_and_a_daily_quota() {
         let access = Access::new(None, vec![key("city", "k1"), key("park", "k2")]).unwrap();
         let (start, noon_s) = (Instant::now(), 20_000 * 86_400 + 43_200);
         for _ in 0..3 {
@@ -265,8 +267,9 @@ mod tests {
         assert_eq!(access.count_at("city", later, noon_s + 86_400), Ok(()));
     }
 
+    /// Keys and tokens that cannot be meant are refused by name.
     #[test]
-    fn keys_and_tokens_that_cannot_be_meant_are_refused_by_name() {
+    fn wrong_keys_and_tokens_are_refused_by_name() {
         let refused =
             |key: ApiKey| Access::new(None, vec![self::key("city", "k1"), key]).unwrap_err().to_string();
         assert!(refused(ApiKey { blake3: "12".into(), ..key("park", "k2") }).contains("park"));

@@ -8,7 +8,7 @@ use crate::{
         ConcurrencyLimit, RateLimiter, StorageQuota, catch_panic, limit_concurrency, limit_rate,
         limit_storage, observe, problems_only, read_body, tag_encodings,
     },
-    problem::PROBLEM_JSON,
+    refusals::refusal,
     routes::{
         atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
         sky, tilejson, tiles, uploads, viewer,
@@ -36,10 +36,7 @@ use tower_http::{
 };
 use utoipa::{
     OpenApi,
-    openapi::{
-        ContentBuilder, Ref, ResponseBuilder,
-        security::{ApiKey as SecurityApiKey, ApiKeyValue, HttpAuthScheme, HttpBuilder, SecurityScheme},
-    },
+    openapi::security::{ApiKey as SecurityApiKey, ApiKeyValue, HttpAuthScheme, HttpBuilder, SecurityScheme},
 };
 use utoipa_axum::{router::OpenApiRouter, routes};
 
@@ -130,17 +127,13 @@ fn add_common_refusals(document: &mut utoipa::openapi::OpenApi) {
     let of_every_path = [
         ("401", "A token or key that nobody has"),
         ("429", "Too many requests; Retry-After says when to try again"),
-    ]
-    .map(|(status, description)| {
-        let problem = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem"))).build();
-        (status, ResponseBuilder::new().description(description).content(PROBLEM_JSON, problem).build())
-    });
+    ];
     for (_, item) in document.paths.paths.iter_mut().filter(|(path, _)| path.starts_with("/api/")) {
         let methods = [&mut item.get, &mut item.post, &mut item.put, &mut item.delete];
         for operation in methods.into_iter().flatten() {
-            for (status, refusal) in &of_every_path {
+            for (status, description) in of_every_path {
                 let responses = &mut operation.responses.responses;
-                responses.entry((*status).to_owned()).or_insert_with(|| refusal.clone().into());
+                responses.entry(status.to_owned()).or_insert_with(|| refusal(description));
             }
         }
     }

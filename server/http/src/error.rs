@@ -6,9 +6,8 @@ use axum::{
     http::{HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
-use skyglow_app::error::AppError;
 use skyglow_app::{
-    source::SourceError,
+    error::AppError,
     validation::{FieldError, Refusal, ValidationCode},
 };
 use thiserror::Error;
@@ -83,12 +82,6 @@ pub enum ApiError {
         /// The limit, seconds.
         limit_s: f64,
     },
-}
-
-impl From<SourceError> for ApiError {
-    fn from(error: SourceError) -> Self {
-        Self::App(error.into())
-    }
 }
 
 /// Why HTTP itself refuses a request.
@@ -285,13 +278,14 @@ mod tests {
             parameter: "p".into(),
             value: Some("v".into()),
             allowed: "a".into(),
-            message: code.words().into(),
+            message: code.description().into(),
             code,
         }
     }
 
+    /// The worst mistake decides the kind of the problem.
     #[test]
-    fn the_worst_mistake_decides_the_kind_of_the_problem() {
+    fn the_worst_mistake_decides_the_problem() {
         let kind = |codes: &[ValidationCode]| {
             ApiError::App(AppError::Parameters(codes.iter().copied().map(mistake).collect())).problem().kind
         };

@@ -13,6 +13,7 @@ pub mod listener;
 pub mod metrics;
 pub mod middleware;
 pub mod problem;
+mod refusals;
 pub mod respond;
 pub mod routes;
 pub mod serve;

@@ -197,8 +197,9 @@ mod tests {
         }
     }
 
+    /// A refusal arrives whole through a narrow pipe and the rest as it is.
     #[tokio::test]
-    async fn a_refusal_arrives_whole_through_a_narrow_pipe_and_the_rest_as_it_is() {
+    async fn a_refusal_arrives_whole_in_a_narrow_pipe() {
         use tokio::io::{AsyncReadExt, AsyncWriteExt};
         let (near, mut far) = tokio::io::duplex(7);
         let sending = tokio::spawn(async move {
@@ -217,8 +218,9 @@ mod tests {
         assert!(got.ends_with('}'), "{got}");
     }
 
+    /// A client that takes nothing loses the connection and a slow one does not.
     #[tokio::test(start_paused = true)]
-    async fn a_client_that_takes_nothing_loses_the_connection_and_a_slow_one_does_not() {
+    async fn only_a_stalled_client_loses_its_connection() {
         use tokio::io::{AsyncReadExt, AsyncWriteExt};
         let (near, mut far) = tokio::io::duplex(7);
         let mut connection = Connection::new(near, Duration::from_secs(10));

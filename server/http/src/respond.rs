@@ -7,7 +7,7 @@ use axum::{
 };
 use serde::Serialize;
 
-/// How long an answer may be kept.
+/// How long caches may store an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CachePolicy {
     /// JsonRequest about each time; the ETag makes that cheap.

@@ -3,10 +3,12 @@
 use crate::{access::Access, config::HttpConfig, error::ApiError, etag::ETag, metrics::Metrics};
 use axum::body::Bytes;
 use moka::{future::Cache, policy::EvictionPolicy};
-use skyglow_app::error::AppError;
-use skyglow_app::source::{InfluenceQuery, RenderedSky, SkyQuery, SkySource, SourceError};
-use skyglow_observatory::{BrightnessMap, BrightnessRequest, InfluenceMap};
+use skyglow_app::{error::AppError, source::SkySource};
+use skyglow_observatory::{
+    BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, RenderedSky, SceneView, SkyRequest,
+};
 use skyglow_physics::Panorama;
+use skyglow_scene::{ChangeId, SceneId};
 use std::{
     future::Future,
     sync::{Arc, OnceLock},
@@ -22,8 +24,8 @@ pub struct AppState {
     pub source: Arc<dyn SkySource>,
     /// Who may do more than read.
     pub access: Arc<Access>,
-    /// Places for uploads, each of which takes disk, memory and a core for a while.
-    pub uploads: Arc<Semaphore>,
+    /// Permits for uploads, each of which takes disk, memory and a core for a while.
+    pub upload_permits: Arc<Semaphore>,
     /// What the interface was told.
     pub config: Arc<HttpConfig>,
     /// Counters.
@@ -36,14 +38,14 @@ pub struct AppState {
     influences: Cache<String, Arc<InfluenceMap>>,
     /// Maps of the zenith's brightness found lately, by what decides them.
     brightnesses: Cache<String, Arc<BrightnessMap>>,
-    /// The place for finding one, which takes all cores for seconds.
-    mapping: Arc<Semaphore>,
-    /// Places for that and before it: more is not begun.
-    mapping_line: Arc<Semaphore>,
-    /// Places for finding influences, which takes all cores, and memory with the scene's lights.
-    finding: Arc<Semaphore>,
-    /// Places for heavy work.
-    cores: Arc<Semaphore>,
+    /// The permit for finding one, which takes all cores for seconds.
+    brightness_permits: Arc<Semaphore>,
+    /// Permits for that and the queue before it: more is not begun.
+    brightness_queue_permits: Arc<Semaphore>,
+    /// Permits for finding influences, which takes all cores, and memory with the scene's lights.
+    influence_permits: Arc<Semaphore>,
+    /// Permits for heavy work.
+    core_permits: Arc<Semaphore>,
     /// The OpenAPI document, set once when the routes are known.
     pub openapi: Arc<OnceLock<String>>,
 }
@@ -68,16 +70,16 @@ impl From<Vec<u8>> for EncodedAnswer {
 /// Bytes that an answer takes in the cache beside its body, about.
 const ANSWER_BYTES: usize = 512;
 
-/// How long a map of influences is kept that nobody asks for.
-const INFLUENCES_KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
+/// How long a map of influences is stored that nobody asks for.
+const INFLUENCE_TIME_TO_IDLE: Duration = Duration::from_secs(600);
 /// Maps of the zenith's brightness that are found or wait for it: nobody can have more begun, whether they wait for them or not.
-const MAPS_IN_LINE: usize = 4;
-/// How long a map of the zenith's brightness is kept that nobody asks for: it holds its scene, which may be gone from disk.
-const BRIGHTNESS_KEPT_WHILE_IDLE: Duration = Duration::from_secs(3600);
-/// How long an answer is kept at most: a scene that is replaced while it is made may leave it under the tag of the one before.
-const ANSWERS_KEPT: Duration = Duration::from_secs(600);
+const MAX_QUEUED_BRIGHTNESS_MAPS: usize = 4;
+/// How long a map of the zenith's brightness is stored that nobody asks for: it holds its scene, which may be gone from disk.
+const BRIGHTNESS_TIME_TO_IDLE: Duration = Duration::from_secs(3600);
+/// How long an answer is stored at most.
+const ANSWER_TIME_TO_LIVE: Duration = Duration::from_secs(600);
 /// Maps of influences that are found at a time; the others wait.
-const MAPS_AT_ONCE: usize = 2;
+const MAX_INFLUENCE_MAPS_AT_ONCE: usize = 2;
 /// Bytes that a cached sky takes, about.
 const SKY_BYTES: u64 = 4 * Panorama::LEN as u64 + 2048;
 
@@ -91,7 +93,7 @@ impl AppState {
         let answers = Cache::builder()
             .max_capacity(config.answer_cache_bytes)
             .weigher(weigh)
-            .time_to_live(ANSWERS_KEPT)
+            .time_to_live(ANSWER_TIME_TO_LIVE)
             .build();
         let weigh = |_: &String, map: &Arc<InfluenceMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
         let influences = Cache::builder()
@@ -99,7 +101,7 @@ impl AppState {
             .weigher(weigh)
             .eviction_policy(EvictionPolicy::lru())
             // A map holds its scene, which may be gone from disk.
-            .time_to_idle(INFLUENCES_KEPT_WHILE_IDLE)
+            .time_to_idle(INFLUENCE_TIME_TO_IDLE)
             .build();
         let weigh =
             |_: &String, map: &Arc<BrightnessMap>| u32::try_from(map.byte_count()).unwrap_or(u32::MAX);
@@ -107,24 +109,24 @@ impl AppState {
             .max_capacity(config.brightness_cache_bytes)
             .weigher(weigh)
             .eviction_policy(EvictionPolicy::lru())
-            .time_to_idle(BRIGHTNESS_KEPT_WHILE_IDLE)
+            .time_to_idle(BRIGHTNESS_TIME_TO_IDLE)
             .build();
         let metrics = Arc::new(Metrics::new(source.clone()));
         let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
         Self {
             source,
             access: Arc::new(access),
-            uploads: Arc::new(Semaphore::new(1)),
+            upload_permits: Arc::new(Semaphore::new(1)),
             config: Arc::new(config),
             metrics,
             skies,
             answers,
             influences,
             brightnesses,
-            mapping: Arc::new(Semaphore::new(1)),
-            mapping_line: Arc::new(Semaphore::new(MAPS_IN_LINE)),
-            finding: Arc::new(Semaphore::new(MAPS_AT_ONCE)),
-            cores: Arc::new(Semaphore::new(2 * cores)),
+            brightness_permits: Arc::new(Semaphore::new(1)),
+            brightness_queue_permits: Arc::new(Semaphore::new(MAX_QUEUED_BRIGHTNESS_MAPS)),
+            influence_permits: Arc::new(Semaphore::new(MAX_INFLUENCE_MAPS_AT_ONCE)),
+            core_permits: Arc::new(Semaphore::new(2 * cores)),
             openapi: Arc::default(),
         }
     }
@@ -154,38 +156,45 @@ impl AppState {
         &self,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<T, ApiError> {
-        let waiting = self.cores.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
-        let place = waiting.await.map_err(ApiError::internal)?;
+        let waiting =
+            self.core_permits.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
+        let permit = waiting.await.map_err(ApiError::internal)?;
         self.blocking(move |source| {
             let result = work(source);
-            drop(place);
+            drop(permit);
             result
         })
         .await
     }
 
-    /// What decides a sky: the request, the scene's version, the packs, the executor and what it runs on.
-    pub fn sky_key(&self, query: &SkyQuery, scene_version: &str) -> String {
-        let facts = self.source.facts();
-        let request = format!("{query:?}");
-        ETag::of(&[&request, scene_version, &facts.pack_checksums, &facts.executor, &facts.adapter]).header()
-    }
-
-    /// The sky of a query, rendered once for all who ask at the same time, kept for a while.
+    /// A scene as it is now, with the changes of a scenario or plan.
     ///
     /// # Errors
-    /// [`SourceError`].
-    pub async fn sky(&self, key: &str, query: Arc<SkyQuery>) -> Result<Arc<RenderedSky>, SourceError> {
-        let source = self.source.clone();
-        let entry = self.skies.entry_by_ref(key);
-        let render =
-            async move { source.sky(query).await.map(Arc::new) }.instrument(tracing::info_span!("sky"));
-        let found = entry.or_try_insert_with(render).await;
-        self.metrics.count_cache("sky", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
-        found.map(moka::Entry::into_value).map_err(|error| SourceError::clone(&error))
+    /// As [`SkySource::view`].
+    pub async fn view(&self, id: &SceneId, scenario: Option<&ChangeId>) -> Result<SceneView, ApiError> {
+        let (id, scenario) = (id.clone(), scenario.cloned());
+        self.blocking(move |source| Ok(source.view(&id, scenario.as_ref())?)).await
     }
 
-    /// The answer of a tag, made once for all who ask at the same time, kept for a while.
+    /// The sky of a request, rendered once for all who ask at the same time, stored for a while.
+    ///
+    /// # Errors
+    /// As [`SkySource::sky`].
+    pub async fn sky(
+        &self,
+        key: &str,
+        request: Arc<SkyRequest>,
+        view: SceneView,
+    ) -> Result<Arc<RenderedSky>, AppError> {
+        let source = self.source.clone();
+        let entry = self.skies.entry_by_ref(key);
+        let render = async move { source.sky(request, view).await.map(Arc::new) };
+        let found = entry.or_try_insert_with(render.instrument(tracing::info_span!("sky"))).await;
+        self.metrics.count_cache("sky", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
+        found.map(moka::Entry::into_value).map_err(|error| AppError::clone(&error))
+    }
+
+    /// The answer of a tag, made once for all who ask at the same time, stored for a while.
     ///
     /// # Errors
     /// Those of `make`.
@@ -200,23 +209,18 @@ impl AppState {
         found.map(moka::Entry::into_value).map_err(|error| ApiError::clone(&error))
     }
 
-    /// Forgets influences that were found in another version of a scene than the one they were asked of.
-    pub async fn forget_influence(&self, key: &str) {
-        self.influences.invalidate(key).await;
-    }
-
     /// Runs something that finds influences: few at a time, the others wait.
     ///
     /// # Errors
     /// As [`Self::blocking`].
-    pub async fn find<T: Send + 'static>(
+    pub async fn with_influence_permit<T: Send + 'static>(
         &self,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<T, ApiError> {
-        let place = self.finding.clone().acquire_owned().await.map_err(ApiError::internal)?;
+        let permit = self.influence_permits.clone().acquire_owned().await.map_err(ApiError::internal)?;
         self.blocking(move |source| {
             let found = work(source);
-            drop(place);
+            drop(permit);
             found
         })
         .await
@@ -227,12 +231,7 @@ impl AppState {
         self.brightnesses.contains_key(key)
     }
 
-    /// Forgets a map of the zenith's brightness of another version of a scene than the one it was asked of.
-    pub async fn forget_brightness(&self, key: &str) {
-        self.brightnesses.invalidate(key).await;
-    }
-
-    /// The zenith's brightness at every place, found once for all who ask at the same time, one map at a time, kept for a while.
+    /// The zenith's brightness at every place, found once for all who ask at the same time, one map at a time, stored for a while.
     /// Who asked may have gone before it is found: the next finds it.
     ///
     /// # Errors
@@ -240,7 +239,8 @@ impl AppState {
     pub async fn brightness(
         &self,
         key: &str,
-        query: Arc<BrightnessRequest>,
+        request: Arc<BrightnessRequest>,
+        view: SceneView,
     ) -> Result<Arc<BrightnessMap>, ApiError> {
         if let Some(map) = self.brightnesses.get(key).await {
             self.metrics.count_cache("brightness", true);
@@ -251,20 +251,20 @@ impl AppState {
         let find = async move {
             let inner = state.clone();
             let find = async move {
-                let Ok(_in_line) = inner.mapping_line.clone().try_acquire_owned() else {
+                let Ok(_in_queue) = inner.brightness_queue_permits.clone().try_acquire_owned() else {
                     inner.metrics.count_refused("busy");
                     return Err(ApiError::App(AppError::Busy { retry_after_s: 20 }));
                 };
-                let waiting = inner.mapping.clone().acquire_owned();
+                let waiting = inner.brightness_permits.clone().acquire_owned();
                 let waiting = waiting.instrument(tracing::info_span!("wait for another map"));
-                let place = waiting.await.map_err(ApiError::internal)?;
+                let permit = waiting.await.map_err(ApiError::internal)?;
                 let metrics = inner.metrics.clone();
                 let map = inner.blocking(move |source| {
                     metrics.count_brightness_map();
-                    Ok(Arc::new(source.brightness(&query, &|_: f64| true)?))
+                    Ok(Arc::new(source.brightness(&request, &view, &|_: f64| true)?))
                 });
                 let map = map.await;
-                drop(place);
+                drop(permit);
                 map
             };
             state.brightnesses.try_get_with(key, find).await
@@ -275,20 +275,21 @@ impl AppState {
         }
     }
 
-    /// The influences of a query, found once for all who ask at the same time, kept for a while.
+    /// The influences of a request, found once for all who ask at the same time, stored for a while.
     ///
     /// # Errors
     /// As [`SkySource::influence`].
     pub async fn influence(
         &self,
         key: &str,
-        query: Arc<InfluenceQuery>,
+        request: Arc<InfluenceRequest>,
+        view: SceneView,
     ) -> Result<Arc<InfluenceMap>, ApiError> {
         let find = async move {
             let metrics = self.metrics.clone();
-            self.find(move |source| {
+            self.with_influence_permit(move |source| {
                 metrics.count_influences();
-                source.influence(&query).map(Arc::new).map_err(|error| error.of_sky(&query.sky).into())
+                Ok(Arc::new(source.influence(&request, &view)?))
             })
             .await
         };

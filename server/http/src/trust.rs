@@ -34,8 +34,9 @@ mod tests {
     use super::*;
     use std::net::SocketAddr;
 
+    /// A header is believed from trusted proxies alone and as far as they go.
     #[test]
-    fn a_header_is_believed_from_trusted_proxies_alone_and_as_far_as_they_go() {
+    fn only_trusted_proxies_are_believed() {
         let proxies: Vec<IpNet> = vec!["10.0.0.0/8".parse().unwrap(), "fd00::/8".parse().unwrap()];
         let client = |connection: &str, forwarded: &[&str]| {
             let client: SocketAddr = connection.parse().unwrap();

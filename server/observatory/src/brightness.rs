@@ -1,10 +1,12 @@
 //! How bright the zenith is at every place of a scene: the layer that the public knows from the World Atlas.
 
-use crate::observatory::Observatory;
 use crate::{
     error::ObservatoryError,
     influence::{KernelRange, zenith_kernel},
+    observatory::Observatory,
+    scene_view::SceneView,
 };
+use serde::Serialize;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Turbidity};
 use skyglow_render::RenderError;
 use skyglow_render::{packs::PackKind, prepare::Prepared, request::RenderRequest};
@@ -22,9 +24,8 @@ pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
 pub const MAX_PLACES: usize = 1_200_000;
 
-/// One map of the zenith's brightness asked for: under a clear sky, two metres above the ground. Its `Debug` form is its identity in
-/// ETags and the cache.
-#[derive(Clone, Debug, PartialEq)]
+/// A request for one map of the zenith's brightness: under a clear sky, two metres above the ground.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BrightnessRequest {
     /// The scene.
     pub scene: SceneId,
@@ -83,15 +84,27 @@ impl BrightnessMap {
         Ok(self.scene.places_tile(&self.places, z, x, y, size_px)?)
     }
 
-    /// Bytes that a cache keeps with it, those of a changed scene's own lights among them; the scene itself is kept elsewhere.
+    /// Bytes that a cache stores with it, those of a changed scene's own lights among them; the scene itself is stored elsewhere.
     pub fn byte_count(&self) -> usize {
         self.places.byte_count() + self.scene.unshared_bytes()
     }
 }
 
 impl Observatory {
+    /// [`Self::brightness_in`] of the scene as it is now.
+    ///
+    /// # Errors
+    /// As [`Self::view`] and [`Self::brightness_in`].
+    pub fn brightness(
+        &self,
+        request: &BrightnessRequest,
+        store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, ObservatoryError> {
+        self.brightness_in(&self.view(&request.scene, request.scenario.as_ref())?, request, store)
+    }
+
     /// How bright the zenith is at every place of a scene: the sum over its lights of what the packs say each does to it, found
-    /// on the processor. Seconds to a minute of all cores; reads files. Not for asynchronous threads.
+    /// on the processor. Seconds to a minute of all cores. Not for asynchronous threads.
     ///
     /// Of the places' panoramas it differs by what far light taken together and tables between altitudes make of it: 0.1 % in the
     /// median. Between the packs' turbidities the logarithms of the sums are blended.
@@ -99,22 +112,24 @@ impl Observatory {
     /// * `store`: as in [`Scene::sum_at_places`]; the patches of a pack after the first have numbers of their own.
     ///
     /// # Errors
-    /// As [`Self::sky`]; [`ObservatoryError::Stopped`] where the store cancelled it.
-    pub fn brightness(
+    /// As [`Self::sky`]; [`RenderError::Stopped`] where the store cancelled it.
+    pub fn brightness_in(
         &self,
+        view: &SceneView,
         request: &BrightnessRequest,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, ObservatoryError> {
         // Threads of its own: in those that skies are rendered by, skies would wait until the map is found.
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
-            Ok(threads) => threads.install(|| self.find_brightness(request, store)),
-            Err(_) => self.find_brightness(request, store),
+            Ok(threads) => threads.install(|| self.find_brightness(view, request, store)),
+            Err(_) => self.find_brightness(view, request, store),
         }
     }
 
     fn find_brightness(
         &self,
+        view: &SceneView,
         request: &BrightnessRequest,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, ObservatoryError> {
@@ -124,7 +139,7 @@ impl Observatory {
             steps.push((name, clock.elapsed()));
             clock = Instant::now();
         };
-        let scene = self.shelf.changed_scene(&request.scene, request.scenario.as_ref())?;
+        let scene = Arc::clone(view.scene());
         let solver = self.influences.solver(&self.engine);
         let to_render = |turbidity: Turbidity| RenderRequest {
             polar: Arc::new(dark()),

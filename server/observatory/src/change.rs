@@ -1,4 +1,4 @@
-//! Scenarios and plans: kept, listed, and looked at.
+//! Scenarios and plans: stored and looked at.
 
 use crate::observatory::Observatory;
 use crate::{error::ObservatoryError, scene_cache::SceneCache};
@@ -8,7 +8,20 @@ use skyglow_scene::{
 };
 use std::{path::Path, sync::Arc};
 
-/// Keeps a scenario in a data folder if it can be painted over its scene, and says what it does; needs no engine. Takes up to
+/// A scenario that is stored.
+#[derive(Clone, Debug)]
+pub struct ScenarioRecord {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// What it does to its scene.
+    pub summary: Arc<ChangeSummary>,
+    /// The scene without its changes.
+    pub scene: SceneMetadata,
+    /// When it was stored, seconds since 1970.
+    pub created_unix_s: u64,
+}
+
+/// Stores a scenario in a data folder if it can be painted over its scene, and says what it does; needs no engine. Takes up to
 /// seconds.
 ///
 /// # Errors
@@ -18,16 +31,16 @@ pub fn store_scenario(
     scenario: &Scenario,
 ) -> Result<(ChangeId, Arc<ChangeSummary>, SceneMetadata), ObservatoryError> {
     let changes = ChangeStore::new(data_dir, ChangeLimits::none());
-    let shelf = SceneCache::new(SceneStore::new(data_dir), changes, 1);
-    let (id, summary) = keep_on(&shelf, scenario)?;
-    Ok((id, summary, shelf.scene(&scenario.scene)?.metadata().clone()))
+    let scenes = SceneCache::new(SceneStore::new(data_dir), changes, 1);
+    let (id, summary) = store_in(&scenes, scenario)?;
+    Ok((id, summary, scenes.scene(&scenario.scene)?.metadata().clone()))
 }
 
-fn keep_on(
-    shelf: &SceneCache,
+fn store_in(
+    scenes: &SceneCache,
     scenario: &Scenario,
 ) -> Result<(ChangeId, Arc<ChangeSummary>), ObservatoryError> {
-    let (scene, changes) = (shelf.scene(&scenario.scene)?, shelf.changes());
+    let (scene, changes) = (scenes.scene(&scenario.scene)?, scenes.changes());
     changes.check_base(scenario.base.as_ref())?;
     let mut steps = match &scenario.base {
         Some(base) => changes.steps(base, &scenario.scene, &scene.metadata().version)?,
@@ -39,18 +52,18 @@ fn keep_on(
     {
         return Err(ChangeStoreError::TooDeep { id: base.clone() }.into());
     }
-    // Painted before it is kept, and there for the first query.
-    let (_, summary) = shelf.made(&scene, &changes.scenario_id(scenario)?, &steps)?;
+    // Painted before it is stored, and there for the first query.
+    let (_, summary) = scenes.apply(&scene, &changes.scenario_id(scenario)?, &steps)?;
     Ok((changes.store_scenario(scenario)?, summary))
 }
 
 impl Observatory {
     /// Where scenarios and plans are stored.
     pub fn changes(&self) -> &ChangeStore {
-        self.shelf.changes()
+        self.scenes.changes()
     }
 
-    /// Keeps a scenario if it can be painted, and says what it does. Reads and writes files; takes up to seconds.
+    /// Stores a scenario if it can be painted, and says what it does. Reads and writes files; takes up to seconds.
     ///
     /// # Errors
     /// [`ObservatoryError::Scene`], [`ObservatoryError::ChangeStore`], [`ObservatoryError::Change`].
@@ -58,16 +71,17 @@ impl Observatory {
         &self,
         scenario: &Scenario,
     ) -> Result<(ChangeId, Arc<ChangeSummary>), ObservatoryError> {
-        keep_on(&self.shelf, scenario)
+        store_in(&self.scenes, scenario)
     }
 
-    /// A scenario that is kept, what it does to its scene, and when it was kept, seconds since 1970.
+    /// A scenario that is stored, with what it does to its scene.
     ///
     /// # Errors
     /// As [`Self::store_scenario`].
-    pub fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), ObservatoryError> {
+    pub fn scenario(&self, id: &ChangeId) -> Result<ScenarioRecord, ObservatoryError> {
         let (scenario, created_unix_s) = self.changes().scenario(id)?;
-        let (_, summary) = self.shelf.changed(&self.shelf.scene(&scenario.scene)?, id)?;
-        Ok((scenario, summary, created_unix_s))
+        let scene = self.scenes.scene(&scenario.scene)?;
+        let (_, summary) = self.scenes.changed(&scene, id)?;
+        Ok(ScenarioRecord { scenario, summary, scene: scene.metadata().clone(), created_unix_s })
     }
 }

@@ -3,33 +3,24 @@
 use crate::{
     error::ObservatoryError,
     influence::{InfluenceSolver, MeasureOfCells, influence_of_pixels},
-    influence_summary::Part,
+    influence_cache::{LightAround, MIN_ENTRY_BYTES},
+    influence_part::Part,
     observatory::Observatory,
-    scene_view::{View, scene_around},
-    sky::{Observer, ObserverHeight, SkyRequest},
+    scene_view::SceneView,
+    sky::{RenderContext, SkyRequest},
 };
-use moka::sync::Cache;
 use rayon::prelude::*;
-use skyglow_physics::{
-    Atmosphere, BAND_COUNT, Horizon, LampPreset, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M,
-};
-use skyglow_render::{engine::Engine, request::RenderRequest};
+use serde::Serialize;
+use skyglow_physics::{Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M};
+use skyglow_render::request::RenderRequest;
 use skyglow_scene::{LightShares, LitPixel, NearLight, PixelValues, RasterTile, Scene, SceneMetadata};
 use std::{
     sync::{Arc, OnceLock},
     time::{Duration, Instant},
 };
 
-/// Bytes of light by cells and pixels that are kept for the next map from the same place.
-const KEPT_LIGHT_BYTES: u64 = 256 << 20;
-
-/// How long light around an eye is kept that nobody asks for.
-const KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
-/// Bytes that what is kept takes where there is no light: nothing weighs nothing.
-const BYTES_AT_LEAST: usize = 8 << 10;
-
 /// A measure of the sky that every light has a part in (`docs/model.md#influence`).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Measure {
     /// ‖luminance image of the light alone‖ over the open upper hemisphere, cd m⁻² sr^½. Parts do not add up to that of the sky.
     Norm,
@@ -65,8 +56,8 @@ impl Measure {
     }
 }
 
-/// One map of influences asked for.
-#[derive(Clone, Debug, PartialEq)]
+/// A request for one map of influences.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InfluenceRequest {
     /// The sky that lights are to have their part in.
     pub sky: SkyRequest,
@@ -85,20 +76,8 @@ pub struct InfluenceMap {
     /// What all of them do, and the influence shown brightest: both are asked for again and again.
     pub(crate) total: Part,
     pub(crate) brightest: OnceLock<f64>,
-    /// Where.
-    pub observer: Observer,
-    /// Covered share of the 300 km disc, 0..=1.
-    pub coverage: f64,
-    /// Upward flux within 300 km, DNB watts, calibration included.
-    pub flux_dnb_w: f64,
-    /// Vertical optical depth above the observer in R, G, B.
-    pub local_optical_depth: [f64; BAND_COUNT],
-    /// Basis functions used.
-    pub basis_count: usize,
-    /// Where a tolerance was given, the bound of the difference to the sky of all functions.
-    pub basis_error_bound: Option<f64>,
-    /// Lamps that changes replace around here where there are none of them by then.
-    pub lamps_not_met: Vec<LampPreset>,
+    /// What its numbers depend on beside the request.
+    pub context: RenderContext,
     /// Solid angle of the grid's directions that a region holds, visible ones, sr; None for other measures.
     pub region_sr: Option<f64>,
     /// What influences were multiplied by to add up to the sky's own value: 1 but for what far light taken by blocks and cells
@@ -117,10 +96,6 @@ impl InfluenceMap {
     /// The scene, open.
     pub fn open_scene(&self) -> &Scene {
         &self.scene
-    }
-
-    pub(crate) fn shared_scene(&self) -> Arc<Scene> {
-        Arc::clone(&self.scene)
     }
 
     /// The lit pixels within 300 km, ascending by their number. In a changed scene a pixel is there once for every kind of
@@ -144,85 +119,32 @@ impl InfluenceMap {
         Ok(self.scene.pixels_tile(sums, z, x, y, size_px)?)
     }
 
-    /// Bytes that a cache keeps with it; the scene is kept elsewhere.
+    /// Bytes that a cache stores with it; the scene is stored elsewhere.
     pub fn byte_count(&self) -> usize {
         let of_sums = PixelValues::BYTES_PER_PIXEL * self.pixels.len();
-        BYTES_AT_LEAST + size_of_val(&*self.pixels) + size_of_val(self.influence.as_slice()) + of_sums
-    }
-}
-
-/// What decides the light around an eye: scene and version, place, eye, and what hides it.
-type SeenKey = (String, [u64; 3], [bool; 3]);
-
-/// The light around an eye, the same for every measure, lamp and air.
-#[derive(Clone)]
-struct Seen {
-    view: View,
-    /// Beside the view's lights, each with every pixel by itself.
-    shares: Arc<[LightShares]>,
-}
-
-/// What finding influences needs beside the engine.
-pub(crate) struct InfluenceCache {
-    solver: OnceLock<InfluenceSolver>,
-    seen: Cache<SeenKey, Seen>,
-}
-
-impl std::fmt::Debug for InfluenceCache {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("InfluenceCache").field("seen", &self.seen.entry_count()).finish_non_exhaustive()
-    }
-}
-
-impl InfluenceCache {
-    pub(crate) fn new() -> Self {
-        let weigh = |_: &SeenKey, seen: &Seen| {
-            let of_grids = seen.view.lights.iter().map(|(_, polar)| polar.byte_count());
-            let of_shares = seen.shares.iter().map(LightShares::byte_count);
-            let bytes = BYTES_AT_LEAST + of_grids.chain(of_shares).sum::<usize>();
-            u32::try_from(bytes).unwrap_or(u32::MAX)
-        };
-        Self {
-            solver: OnceLock::new(),
-            seen: Cache::builder()
-                .max_capacity(KEPT_LIGHT_BYTES)
-                .weigher(weigh)
-                .time_to_idle(KEPT_WHILE_IDLE)
-                .build(),
-        }
-    }
-
-    /// Made when it is first asked for.
-    pub(crate) fn solver(&self, engine: &Engine) -> &InfluenceSolver {
-        self.solver.get_or_init(|| InfluenceSolver::new(engine.table_set()))
-    }
-
-    fn seen(&self, scene: &Arc<Scene>, request: &SkyRequest, hides_lights: bool) -> Seen {
-        let place = request.place;
-        let (is_above_sea, eye_m) = match request.observer_height {
-            ObserverHeight::AboveGround(height_m) => (false, height_m),
-            ObserverHeight::AboveSea(altitude_m) => (true, altitude_m),
-        };
-        let key = (
-            scene.metadata().version.clone(),
-            [place.latitude_rad().to_bits(), place.longitude_rad().to_bits(), eye_m.to_bits()],
-            [is_above_sea, request.terrain_hides, hides_lights],
-        );
-        self.seen.get_with(key, || {
-            let view = View::in_scene(Arc::clone(scene), request, hides_lights);
-            let shares = scene.light_shares(place, request.terrain_hides && hides_lights);
-            Seen { view, shares: shares.into_iter().map(|(_, shares)| shares).collect() }
-        })
+        MIN_ENTRY_BYTES + size_of_val(&*self.pixels) + size_of_val(self.influence.as_slice()) + of_sums
     }
 }
 
 impl Observatory {
+    /// [`Self::influence_in`] of the scene as it is now.
+    ///
+    /// # Errors
+    /// As [`Self::view`] and [`Self::influence_in`].
+    pub fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceMap, ObservatoryError> {
+        self.influence_in(&self.view(&request.sky.scene, request.sky.scenario.as_ref())?, request)
+    }
+
     /// What every lit pixel does to a measure of a sky: found on the processor, without the engine's queue. Takes
-    /// milliseconds to a second; reads files. Not for asynchronous threads.
+    /// milliseconds to a second. Not for asynchronous threads.
     ///
     /// # Errors
     /// As [`Self::sky`], and [`ObservatoryError::EmptyRegion`].
-    pub fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceMap, ObservatoryError> {
+    pub fn influence_in(
+        &self,
+        view: &SceneView,
+        request: &InfluenceRequest,
+    ) -> Result<InfluenceMap, ObservatoryError> {
         let sky = &request.sky;
         let mut steps = Vec::new();
         let mut clock = Instant::now();
@@ -230,12 +152,13 @@ impl Observatory {
             steps.push((name, clock.elapsed()));
             clock = Instant::now();
         };
-        let scene = scene_around(&self.shelf, &sky.scene, sky.scenario.as_ref(), sky.place)?;
-        let Seen { view, shares } = self.influences.seen(&scene, sky, self.hides_lights(sky.kind()));
+        let LightAround { surroundings, shares } =
+            self.influences.light_around(view, sky, self.hides_lights(sky.kind()))?;
         step("light");
-        let (of_sky, basis_error_bound) = view.render_requests(sky, &self.engine.basis_chooser())?;
+        let (of_sky, basis_error_bound) = surroundings.render_requests(sky, &self.engine.basis_chooser())?;
         let open = Horizon::default();
-        let weights = request.measure.weights(view.horizon.as_ref().map_or(&open, |(horizon, _)| horizon));
+        let weights =
+            request.measure.weights(surroundings.horizon.as_ref().map_or(&open, |(horizon, _)| horizon));
         let is_region = matches!(request.measure, Measure::Region(_));
         if is_region && weights.as_ref().is_some_and(LinearMeasure::is_empty) {
             return Err(ObservatoryError::EmptyRegion);
@@ -271,16 +194,9 @@ impl Observatory {
         let total = Part::of_all(&pixels, &influence);
         step("total");
         Ok(InfluenceMap {
-            observer: view.observer,
-            coverage: view.coverage(),
-            flux_dnb_w: view.flux_dnb_w(),
-            local_optical_depth: Atmosphere::new(sky.turbidity)
-                .vertical_optical_depth(view.observer.altitude_m),
-            basis_count,
-            basis_error_bound,
-            lamps_not_met: view.lamps_not_met(&sky.lamp),
+            context: surroundings.context(sky, basis_count, basis_error_bound),
             region_sr: weights.filter(|_| is_region).map(|weights| weights.solid_angle_sr()),
-            scene: Arc::clone(&view.scene),
+            scene: Arc::clone(view.scene()),
             total,
             brightest: OnceLock::new(),
             pixels,

@@ -1,9 +1,9 @@
 //! Influences added up: by distance, by azimuth, inside a boundary, and the most of them.
 
-use super::influence_map::InfluenceMap;
+use crate::{influence_map::InfluenceMap, influence_part::Part};
 use rayon::prelude::*;
 use skyglow_physics::GeoPoint;
-use skyglow_scene::{Boundary, LitPixel};
+use skyglow_scene::Boundary;
 use std::f64::consts::TAU;
 
 /// Edges of the rings of distance, metres.
@@ -14,46 +14,8 @@ pub const RING_EDGES_M: [f64; 11] = [
 /// Sectors of azimuth; the first is centred on north.
 pub const SECTOR_COUNT: usize = 8;
 
-/// Pixels that a task adds up.
-const PIXELS_PER_TASK: usize = 16_384;
 /// Pixels that all have the brightest colour of a map.
 const OUTSHINING_COUNT: usize = 32;
-
-/// What some of the lights do together.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Part {
-    /// Sum of their influences, in the measure's unit.
-    pub influence: f64,
-    /// Their upward flux, DNB watts.
-    pub flux_dnb_w: f64,
-    /// Number of pixels.
-    pub pixels: u64,
-}
-
-impl Part {
-    fn add(&mut self, pixel: &LitPixel, influence: f32) {
-        self.influence += f64::from(influence);
-        self.flux_dnb_w += f64::from(pixel.flux_dnb_w);
-        self.pixels += 1;
-    }
-
-    /// Added up in order, piece by piece: the same map is to give the same bits.
-    pub(crate) fn of_all(pixels: &[LitPixel], influence: &[f32]) -> Self {
-        let pieces = pixels.par_chunks(PIXELS_PER_TASK).zip(influence.par_chunks(PIXELS_PER_TASK));
-        let parts: Vec<Self> = pieces
-            .map(|(pixels, influence)| {
-                let mut part = Self::default();
-                pixels.iter().zip(influence).for_each(|(pixel, influence)| part.add(pixel, *influence));
-                part
-            })
-            .collect();
-        parts.into_iter().fold(Self::default(), |all, part| Self {
-            influence: all.influence + part.influence,
-            flux_dnb_w: all.flux_dnb_w + part.flux_dnb_w,
-            pixels: all.pixels + part.pixels,
-        })
-    }
-}
 
 impl InfluenceMap {
     /// All lights within 300 km. For a linear measure their influence is the sky's own value of it.

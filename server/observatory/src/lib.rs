@@ -4,24 +4,31 @@ pub mod brightness;
 mod change;
 pub mod error;
 pub mod influence;
+mod influence_cache;
 mod influence_map;
+mod influence_part;
 mod influence_summary;
 mod observatory;
+mod plan_request;
+mod plan_target;
 pub mod reduction;
 mod reduction_plan;
 mod scene_cache;
 mod scene_view;
 mod sky;
+mod surroundings;
 
 pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
-pub use change::store_scenario;
+pub use change::{ScenarioRecord, store_scenario};
 pub use error::ObservatoryError;
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
 pub use influence_map::{InfluenceMap, InfluenceRequest, Measure};
-pub use influence_summary::{Part, RING_EDGES_M, SECTOR_COUNT};
+pub use influence_part::Part;
+pub use influence_summary::{RING_EDGES_M, SECTOR_COUNT};
 pub use observatory::{OPEN_SCENE_COUNT, Observatory};
-pub use reduction_plan::{
+pub use plan_request::{
     DimmedPixel, Level, Limit, PlanMethod, PlanOutcome, PlanRequest, SiteOutcome, SitePlan, SkyState,
     TargetSite,
 };
-pub use sky::{Observer, ObserverHeight, SiteAnswer, SkyAnswer, SkyRequest};
+pub use scene_view::{SceneView, Site};
+pub use sky::{ObserverHeight, RenderContext, RenderedSky, SkyRequest};

@@ -1,18 +1,15 @@
-//! An engine before the scenes of a data folder: skies, sites and map tiles of them.
+//! An engine before the scenes of a data folder: views of scenes, and skies in them.
 
 use crate::{
     error::ObservatoryError,
-    influence_map::InfluenceCache,
+    influence_cache::InfluenceCache,
     scene_cache::SceneCache,
-    scene_view::{View, scene_around},
-    sky::{SiteAnswer, SkyAnswer, SkyRequest},
+    scene_view::SceneView,
+    sky::{RenderedSky, SkyRequest},
+    surroundings::Surroundings,
 };
-use skyglow_physics::GeoPoint;
-use skyglow_render::RenderError;
-use skyglow_render::{engine::Engine, packs::PackKind};
-use skyglow_scene::{
-    ChangeId, ChangeLimits, ChangeStore, RasterTile, Scene, SceneId, SceneMetadata, SceneStore, TileLayer,
-};
+use skyglow_render::{RenderError, engine::Engine, packs::PackKind};
+use skyglow_scene::{ChangeId, ChangeLimits, ChangeStore, SceneId, SceneMetadata, SceneStore};
 use skyglow_tables::Manifest;
 use std::{path::Path, sync::Arc};
 
@@ -23,7 +20,7 @@ pub const OPEN_SCENE_COUNT: usize = 8;
 #[derive(Debug)]
 pub struct Observatory {
     pub(crate) engine: Engine,
-    pub(crate) shelf: Arc<SceneCache>,
+    pub(crate) scenes: SceneCache,
     pub(crate) manifests: Vec<Manifest>,
     pub(crate) influences: InfluenceCache,
 }
@@ -34,7 +31,7 @@ impl Observatory {
         Self::with_limits(engine, manifests, data_dir, open_scene_count, ChangeLimits::default())
     }
 
-    /// The same with other limits for the scenarios and plans that are kept.
+    /// The same with other limits for the scenarios and plans that are stored.
     pub fn with_limits(
         engine: Engine,
         manifests: Vec<Manifest>,
@@ -43,8 +40,8 @@ impl Observatory {
         limits: ChangeLimits,
     ) -> Self {
         let (scenes, changes) = (SceneStore::new(data_dir), ChangeStore::new(data_dir, limits));
-        let shelf = Arc::new(SceneCache::new(scenes, changes, open_scene_count));
-        Self { engine, shelf, manifests, influences: InfluenceCache::new() }
+        let scenes = SceneCache::new(scenes, changes, open_scene_count);
+        Self { engine, scenes, manifests, influences: InfluenceCache::new() }
     }
 
     /// The engine: readiness, counters, what it runs on.
@@ -59,12 +56,12 @@ impl Observatory {
 
     /// Where the scenes are stored.
     pub fn store(&self) -> &SceneStore {
-        self.shelf.store()
+        self.scenes.store()
     }
 
     /// Number of scenes open.
     pub fn open_scene_count(&self) -> usize {
-        self.shelf.len()
+        self.scenes.len()
     }
 
     /// All scenes that can be read, by id; what is wrong with others is logged. Reads files.
@@ -72,103 +69,62 @@ impl Observatory {
     /// # Errors
     /// [`ObservatoryError::Scene`].
     pub fn scenes(&self) -> Result<Vec<SceneMetadata>, ObservatoryError> {
-        let list = self.shelf.store().list()?;
+        let list = self.scenes.store().list()?;
         for error in &list.damaged {
             tracing::error!(%error, "a scene is left out of the list");
         }
         Ok(list.scenes)
     }
 
-    /// A scene, open and as it is on disk now. May read files.
-    ///
-    /// # Errors
-    /// [`ObservatoryError::Scene`].
-    pub fn scene(&self, id: &SceneId) -> Result<Arc<Scene>, ObservatoryError> {
-        self.shelf.scene(id)
-    }
-
-    /// The same with the changes of a scenario or plan.
+    /// A scene as it is on disk now, with the changes of a scenario or plan. May read files.
     ///
     /// # Errors
     /// [`ObservatoryError::Scene`], [`ObservatoryError::ChangeStore`], [`ObservatoryError::Change`].
-    pub fn changed_scene(
-        &self,
-        id: &SceneId,
-        scenario: Option<&ChangeId>,
-    ) -> Result<Arc<Scene>, ObservatoryError> {
-        self.shelf.changed_scene(id, scenario)
+    pub fn view(&self, id: &SceneId, scenario: Option<&ChangeId>) -> Result<SceneView, ObservatoryError> {
+        self.scenes.view(id, scenario)
     }
 
-    /// What is at a place. May read files.
+    /// Renders a sky; gathering of light happens on tokio's blocking threads.
     ///
     /// # Errors
-    /// As [`Self::changed_scene`], and [`ObservatoryError::OutsideScene`].
-    pub fn site(
+    /// Whatever is wrong with place, altitude, turbidity or basis; a full queue; a device that fails.
+    pub async fn sky(
         &self,
-        id: &SceneId,
-        scenario: Option<&ChangeId>,
-        place: GeoPoint,
-    ) -> Result<SiteAnswer, ObservatoryError> {
-        let scene = scene_around(&self.shelf, id, scenario, place)?;
-        Ok(SiteAnswer {
-            scene: scene.metadata().clone(),
-            ground: scene.ground(place),
-            radiance_nw_cm2_sr: scene.radiance_nw_cm2_sr(place),
-        })
-    }
-
-    /// Numbers of a map tile. May read files.
-    ///
-    /// # Errors
-    /// As [`Self::changed_scene`].
-    pub fn tile(
-        &self,
-        id: &SceneId,
-        scenario: Option<&ChangeId>,
-        layer: TileLayer,
-        (z, x, y): (u8, u32, u32),
-        size_px: u32,
-    ) -> Result<RasterTile, ObservatoryError> {
-        Ok(self.shelf.changed_scene(id, scenario)?.tile(layer, z, x, y, size_px)?)
-    }
-
-    /// Renders a sky; file reading and gathering of light happen on tokio's blocking threads.
-    ///
-    /// # Errors
-    /// Whatever is wrong with scene, place, altitude, turbidity or basis; a full queue; a device that fails.
-    pub async fn sky(&self, request: SkyRequest) -> Result<SkyAnswer, ObservatoryError> {
-        let (shelf, wanted) = (Arc::clone(&self.shelf), request.clone());
+        view: SceneView,
+        request: Arc<SkyRequest>,
+    ) -> Result<RenderedSky, ObservatoryError> {
         let hides_lights = self.hides_lights(request.kind());
         let basis = self.engine.basis_chooser();
+        let wanted = Arc::clone(&request);
         let prepare = move || {
-            let view = View::of(&shelf, &wanted, hides_lights)?;
-            let to_render = view.render_requests(&wanted, &basis)?;
-            Ok::<_, ObservatoryError>((view, to_render))
+            let surroundings = Surroundings::of(&view, &wanted, hides_lights)?;
+            let to_render = surroundings.render_requests(&wanted, &basis)?;
+            Ok::<_, ObservatoryError>((surroundings, to_render))
         };
-        let (view, (to_render, bound)) =
+        let (surroundings, (to_render, bound)) =
             tokio::task::spawn_blocking(prepare).await.map_err(|_| RenderError::Stopped)??;
         let rendered = self.engine.render_together(&to_render).await?;
-        Ok(view.answer(&request, rendered, bound))
+        Ok(surroundings.finish(&request, rendered, bound))
     }
 
-    /// [`Self::sky`] for threads outside an asynchronous runtime. Panics inside one.
+    /// A sky of the scene as it is now, for threads outside an asynchronous runtime. Panics inside one.
     ///
     /// # Errors
-    /// As [`Self::sky`].
-    pub fn sky_blocking(&self, request: &SkyRequest) -> Result<SkyAnswer, ObservatoryError> {
-        let view = View::of(&self.shelf, request, self.hides_lights(request.kind()))?;
-        self.render_view(view, request)
+    /// As [`Self::view`] and [`Self::sky`].
+    pub fn sky_blocking(&self, request: &SkyRequest) -> Result<RenderedSky, ObservatoryError> {
+        let view = self.view(&request.scene, request.scenario.as_ref())?;
+        self.render(Surroundings::of(&view, request, self.hides_lights(request.kind()))?, request)
     }
 
-    /// The sky of a view.
-    pub(crate) fn render_view(
+    /// The sky of surroundings.
+    pub(crate) fn render(
         &self,
-        view: View,
+        surroundings: Surroundings,
         request: &SkyRequest,
-    ) -> Result<SkyAnswer, ObservatoryError> {
-        let (to_render, bound) = view.render_requests(request, &self.engine.basis_chooser())?;
+    ) -> Result<RenderedSky, ObservatoryError> {
+        let (to_render, bound) = surroundings.render_requests(request, &self.engine.basis_chooser())?;
         let rendered = self.engine.render_together_blocking(&to_render)?;
-        Ok(view.answer(request, rendered, bound))
+        Ok(surroundings.finish(request, rendered, bound))
     }
 
     /// Whether the packs of a kind know sources behind skylines.

@@ -1,16 +1,14 @@
-//! Scenes kept open.
+//! Open scenes, with and without changes, least recently used out first.
 
-use crate::error::ObservatoryError;
-use moka::sync::Cache;
+use crate::{error::ObservatoryError, scene_view::SceneView};
+use moka::{policy::EvictionPolicy, sync::Cache};
 use skyglow_scene::{
     ChangeError, ChangeId, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH, Scene,
     SceneError, SceneId, SceneMetadata, SceneStore,
 };
 use std::{
-    collections::VecDeque,
-    hash::{DefaultHasher, Hash, Hasher},
     sync::{
-        Arc, Mutex, PoisonError,
+        Arc,
         atomic::{AtomicUsize, Ordering},
     },
     time::{Duration, SystemTime},
@@ -19,13 +17,10 @@ use std::{
 /// Tells one state of a scene's folder from the next without reading it.
 type Stamp = (SystemTime, u64);
 
-/// Bytes of changed scenes that are kept, beside what they share with the scene itself.
-const CHANGED_BYTES: u64 = 512 << 20;
-/// How long a changed scene is kept that nobody asks for: it holds the scene, which may be gone from disk.
-const KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
-
-/// Scenes that can be read from disk at a time, at most.
-const GATES: usize = 16;
+/// Bytes of changed scenes that are stored, beside what they share with the scene itself.
+const MAX_CHANGED_BYTES: u64 = 512 << 20;
+/// How long a changed scene is stored that nobody asks for: it holds the scene, which may be gone from disk.
+const TIME_TO_IDLE: Duration = Duration::from_secs(600);
 
 /// A scene with changes, and what they did.
 pub(crate) type Changed = (Arc<Scene>, Arc<ChangeSummary>);
@@ -35,32 +30,32 @@ pub(crate) type Changed = (Arc<Scene>, Arc<ChangeSummary>);
 pub(crate) struct SceneCache {
     store: SceneStore,
     changes: ChangeStore,
-    capacity: usize,
     /// Scenes with changes, by id and the version of the scene that was changed; each is made once for all who ask.
     changed: Cache<(ChangeId, String), Changed>,
-    /// The one used last is at the front.
-    open: Mutex<VecDeque<(SceneId, Stamp, Arc<Scene>)>>,
-    /// Who opens a scene holds one of these, found by its id.
-    gates: [Mutex<()>; GATES],
+    /// Scenes as they are, by id and the state of their folder; each is opened once for all who ask.
+    open: Cache<(SceneId, Stamp), Arc<Scene>>,
     /// How often a scene was read from disk.
     opened: AtomicUsize,
 }
 
 impl SceneCache {
-    /// A shelf for at most `capacity` scenes, at least one.
+    /// A cache of at most `capacity` scenes, at least one.
     pub(crate) fn new(store: SceneStore, changes: ChangeStore, capacity: usize) -> Self {
         let weigh = |_: &(ChangeId, String), changed: &Changed| {
             u32::try_from(4096 + changed.0.unshared_bytes()).unwrap_or(u32::MAX)
         };
-        let changed =
-            Cache::builder().max_capacity(CHANGED_BYTES).weigher(weigh).time_to_idle(KEPT_WHILE_IDLE).build();
         Self {
             store,
             changes,
-            capacity: capacity.max(1),
-            open: Mutex::default(),
-            changed,
-            gates: Default::default(),
+            changed: Cache::builder()
+                .max_capacity(MAX_CHANGED_BYTES)
+                .weigher(weigh)
+                .time_to_idle(TIME_TO_IDLE)
+                .build(),
+            open: Cache::builder()
+                .max_capacity(capacity.max(1) as u64)
+                .eviction_policy(EvictionPolicy::lru())
+                .build(),
             opened: AtomicUsize::new(0),
         }
     }
@@ -74,16 +69,17 @@ impl SceneCache {
     ///
     /// # Errors
     /// As [`Self::scene`], [`ObservatoryError::ChangeStore`], [`ObservatoryError::Change`].
-    pub(crate) fn changed_scene(
+    pub(crate) fn view(
         &self,
         id: &SceneId,
         scenario: Option<&ChangeId>,
-    ) -> Result<Arc<Scene>, ObservatoryError> {
-        let scene = self.scene(id)?;
-        match scenario {
-            None => Ok(scene),
-            Some(scenario) => Ok(self.changed(&scene, scenario)?.0),
-        }
+    ) -> Result<SceneView, ObservatoryError> {
+        let base = self.scene(id)?;
+        let scene = match scenario {
+            None => Arc::clone(&base),
+            Some(scenario) => self.changed(&base, scenario)?.0,
+        };
+        Ok(SceneView::new(base, scene))
     }
 
     /// A scene with the changes of a scenario or plan, and what those did.
@@ -100,14 +96,14 @@ impl SceneCache {
             return Ok(changed);
         }
         let steps = self.changes.steps(id, scene_id, version)?;
-        self.made(scene, id, &steps)
+        self.apply(scene, id, &steps)
     }
 
-    /// The same of steps that are known, and not kept yet maybe.
+    /// The same of steps that are known, and not stored yet maybe.
     ///
     /// # Errors
     /// [`ObservatoryError::Change`].
-    pub(crate) fn made(
+    pub(crate) fn apply(
         &self,
         scene: &Arc<Scene>,
         id: &ChangeId,
@@ -124,18 +120,20 @@ impl SceneCache {
 
     /// A scene with the changes of a scenario or plan, and one more step.
     ///
+    /// * `base`: without the changes.
+    ///
     /// # Errors
-    /// As [`Self::changed_scene`].
+    /// [`ObservatoryError::ChangeStore`], [`ObservatoryError::Change`].
     pub(crate) fn with_step(
         &self,
-        id: &SceneId,
+        base: &Scene,
         scenario: Option<&ChangeId>,
         step: ChangeStep,
         mark: &str,
-    ) -> Result<Arc<Scene>, ObservatoryError> {
-        let scene = self.scene(id)?;
+    ) -> Result<Scene, ObservatoryError> {
+        let SceneMetadata { id, version, .. } = base.metadata();
         let mut steps = match scenario {
-            Some(scenario) => self.changes.steps(scenario, id, &scene.metadata().version)?,
+            Some(scenario) => self.changes.steps(scenario, id, version)?,
             None => Vec::new(),
         };
         steps.push(step);
@@ -144,7 +142,7 @@ impl SceneCache {
         {
             return Err(ChangeStoreError::TooDeep { id: scenario.clone() }.into());
         }
-        Ok(Arc::new(scene.changed(&steps, mark)?.0))
+        Ok(base.changed(&steps, mark)?.0)
     }
 
     /// Where the scenes are stored.
@@ -154,58 +152,40 @@ impl SceneCache {
 
     /// Number of scenes open.
     pub(crate) fn len(&self) -> usize {
-        self.open.lock().unwrap_or_else(PoisonError::into_inner).len()
+        self.open.run_pending_tasks();
+        self.open.entry_count() as usize
     }
 
-    /// A scene, from the shelf if it is unchanged on disk.
+    /// A scene, from the cache if it is unchanged on disk. Were it replaced while it is read, it is read again for the next.
     ///
     /// # Errors
     /// As [`SceneStore::open`].
     pub(crate) fn scene(&self, id: &SceneId) -> Result<Arc<Scene>, ObservatoryError> {
-        let stamp = match self.stamp(id) {
-            Ok(stamp) => stamp,
-            Err(error) => {
-                self.forget(id);
-                return Err(error.into());
-            }
+        let stamp = self.stamp(id).inspect_err(|_| self.forget_all_but(id, None))?;
+        let open = || {
+            self.opened.fetch_add(1, Ordering::Relaxed);
+            self.store.open(id).map(Arc::new)
         };
-        if let Some(scene) = self.fetch(id, stamp) {
-            return Ok(scene);
+        match self.open.entry((id.clone(), stamp)).or_try_insert_with(open) {
+            Ok(entry) => {
+                if entry.is_fresh() {
+                    self.forget_all_but(id, Some(stamp));
+                }
+                Ok(entry.into_value())
+            }
+            // All who asked share the error, which has one owner: each sees for itself.
+            Err(_) => Ok(Arc::new(self.store.open(id)?)),
         }
-        // Opened without the lock on the shelf: the callers of open scenes go on meanwhile, and those of this one wait for the one
-        // that opens it.
-        let _opening = self.gate(id).lock().unwrap_or_else(PoisonError::into_inner);
-        // It may have been replaced while this waited. Were it so while it is read, it is read again for the next.
-        let stamp = self.stamp(id)?;
-        if let Some(scene) = self.fetch(id, stamp) {
-            return Ok(scene);
+    }
+
+    /// Forgets a scene as it was in other states of its folder.
+    fn forget_all_but(&self, id: &SceneId, stamp: Option<Stamp>) {
+        for (key, _) in &self.open {
+            if key.0 == *id && Some(key.1) != stamp {
+                self.open.invalidate(&*key);
+            }
         }
-        self.opened.fetch_add(1, Ordering::Relaxed);
-        let scene = Arc::new(self.store.open(id)?);
-        self.forget(id);
-        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        open.push_front((id.clone(), stamp, Arc::clone(&scene)));
-        open.truncate(self.capacity);
-        Ok(scene)
-    }
-
-    fn gate(&self, id: &SceneId) -> &Mutex<()> {
-        let mut hasher = DefaultHasher::new();
-        id.as_str().hash(&mut hasher);
-        &self.gates[hasher.finish() as usize % GATES]
-    }
-
-    fn fetch(&self, id: &SceneId, stamp: Stamp) -> Option<Arc<Scene>> {
-        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        let position = open.iter().position(|(known, then, _)| known == id && *then == stamp)?;
-        let entry = open.remove(position)?;
-        let scene = Arc::clone(&entry.2);
-        open.push_front(entry);
-        Some(scene)
-    }
-
-    fn forget(&self, id: &SceneId) {
-        self.open.lock().unwrap_or_else(PoisonError::into_inner).retain(|(known, _, _)| known != id);
+        self.open.run_pending_tasks();
     }
 
     fn stamp(&self, id: &SceneId) -> Result<Stamp, SceneError> {
@@ -235,27 +215,27 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_many_ask_for_at_once_is_opened_once() {
+    fn a_scene_asked_for_at_once_is_opened_once() {
         let data = tempfile::tempdir().unwrap();
         let (store, id) = store_lights(data.path());
-        let shelf = SceneCache::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+        let cache = SceneCache::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
         let start = std::sync::Barrier::new(8);
         let scenes: Vec<Arc<Scene>> = std::thread::scope(|scope| {
             let ask = || {
                 start.wait();
-                shelf.scene(&id).unwrap()
+                cache.scene(&id).unwrap()
             };
             let asking: Vec<_> = (0..8).map(|_| scope.spawn(ask)).collect();
             asking.into_iter().map(|thread| thread.join().unwrap()).collect()
         });
-        assert_eq!(shelf.opened.load(Ordering::Relaxed), 1);
+        assert_eq!(cache.opened.load(Ordering::Relaxed), 1);
         assert!(scenes.iter().all(|scene| Arc::ptr_eq(scene, &scenes[0])));
         // What changed on disk is opened again, once.
-        let metadata = shelf.store().scenes_dir().join(id.as_str()).join("metadata.json");
+        let metadata = cache.store().scenes_dir().join(id.as_str()).join("metadata.json");
         let later = std::fs::metadata(&metadata).unwrap().modified().unwrap() + Duration::from_secs(5);
         std::fs::File::options().write(true).open(&metadata).unwrap().set_modified(later).unwrap();
-        assert!(!Arc::ptr_eq(&shelf.scene(&id).unwrap(), &scenes[0]));
-        assert!(shelf.scene(&id).is_ok());
-        assert_eq!(shelf.opened.load(Ordering::Relaxed), 2);
+        assert!(!Arc::ptr_eq(&cache.scene(&id).unwrap(), &scenes[0]));
+        assert!(cache.scene(&id).is_ok());
+        assert_eq!(cache.opened.load(Ordering::Relaxed), 2);
     }
 }

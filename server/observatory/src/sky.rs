@@ -1,15 +1,15 @@
-//! What is asked about a sky, and what is answered.
+//! A sky request, and the rendered sky that answers it.
 
+use serde::Serialize;
 use skyglow_physics::{
-    BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, LampPreset, SkyQuantities, Turbidity,
+    BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, LampPreset, Panorama, SkyQuantities, Turbidity,
 };
-use skyglow_render::{packs::PackKind, request::Rendered};
-use skyglow_scene::{ChangeId, Ground, SceneId, SceneMetadata};
+use skyglow_render::{PassTime, packs::PackKind};
+use skyglow_scene::{ChangeId, Ground, SceneId};
 use skyglow_tables::Scattering;
-use std::time::Duration;
 
 /// Where the observer's eye is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum ObserverHeight {
     /// Metres above the ground, as [`Ground`] has it: above sea level where there is no terrain within 5 km.
     AboveGround(f64),
@@ -17,8 +17,18 @@ pub enum ObserverHeight {
     AboveSea(f64),
 }
 
-/// One sky asked for.
-#[derive(Clone, Debug, PartialEq)]
+impl ObserverHeight {
+    /// Metres above sea level over a ground.
+    pub fn altitude_m(self, ground: Ground) -> f64 {
+        match self {
+            ObserverHeight::AboveGround(height_m) => ground.altitude_m() + height_m,
+            ObserverHeight::AboveSea(altitude_m) => altitude_m,
+        }
+    }
+}
+
+/// A request for one sky.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SkyRequest {
     /// The scene.
     pub scene: SceneId,
@@ -53,50 +63,13 @@ impl SkyRequest {
     }
 }
 
-/// Where an answer was observed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observer {
-    /// Degrees north.
-    pub latitude_deg: f64,
-    /// Degrees east.
-    pub longitude_deg: f64,
-    /// Altitude used, metres above sea level, at least 0.
+/// What the numbers of a sky or of a map of influences depend on beside the request.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderContext {
+    /// Observer's altitude used, metres above sea level, at least 0.
     pub altitude_m: f64,
     /// The ground there.
     pub ground: Ground,
-}
-
-/// What is at a place.
-#[derive(Clone, Debug)]
-pub struct SiteAnswer {
-    /// The scene.
-    pub scene: SceneMetadata,
-    /// The ground there.
-    pub ground: Ground,
-    /// Radiance of the pixel there, nW cm⁻² sr⁻¹, without the calibration; None without data.
-    pub radiance_nw_cm2_sr: Option<f64>,
-}
-
-/// A sky with everything that its numbers depend on.
-#[derive(Clone, Debug)]
-pub struct SkyAnswer {
-    /// The scene as it was.
-    pub scene: SceneMetadata,
-    /// Where.
-    pub observer: Observer,
-    /// The panorama, dark below the horizon, and how it was made.
-    pub rendered: Rendered,
-    /// The observer's horizon; flat where terrain does not hide or the scene has none.
-    pub horizon: Horizon,
-    /// How long the horizon took; None where none was computed.
-    pub horizon_time: Option<Duration>,
-    /// Where a tolerance was given, the bound of the difference to the sky of all functions
-    /// ([`BasisWithin::error_bound`](skyglow_render::BasisWithin::error_bound)).
-    pub basis_error_bound: Option<f64>,
-    /// Lamps that changes replace around here where there are none of them by then.
-    pub lamps_not_met: Vec<LampPreset>,
-    /// The reported quantities, of the sky above the horizon.
-    pub quantities: SkyQuantities,
     /// Covered share of the 300 km disc, 0..=1.
     pub coverage: f64,
     /// The scene's calibration factor.
@@ -105,12 +78,26 @@ pub struct SkyAnswer {
     pub local_optical_depth: [f64; BAND_COUNT],
     /// Upward flux within 300 km, DNB watts, calibration included.
     pub flux_dnb_w: f64,
-    /// Turbidity used.
-    pub turbidity: Turbidity,
-    /// Orders of scattering used.
-    pub scattering: Scattering,
-    /// Lamp used.
-    pub lamp: Lamp,
-    /// Emission used.
-    pub emission: EmissionMix,
+    /// Basis functions used.
+    pub basis_count: usize,
+    /// Where a tolerance was given, the bound of the difference to the sky of all functions
+    /// ([`BasisWithin::error_bound`](skyglow_render::BasisWithin::error_bound)).
+    pub basis_error_bound: Option<f64>,
+    /// Lamps that changes replace around here where there are none of them by then.
+    pub lamps_not_met: Vec<LampPreset>,
+}
+
+/// A rendered sky.
+#[derive(Clone, Debug)]
+pub struct RenderedSky {
+    /// Radiance of artificial light, 0 below the horizon.
+    pub panorama: Panorama,
+    /// Below it terrain hides the sky; flat where nothing does.
+    pub horizon: Horizon,
+    /// The reported quantities, of the sky above the horizon.
+    pub quantities: SkyQuantities,
+    /// What its numbers depend on beside the request.
+    pub context: RenderContext,
+    /// Time of each pass, for the batch it was in; before them `horizon`, where one was computed.
+    pub passes: Vec<PassTime>,
 }

@@ -98,11 +98,11 @@ fn influences_add_up_to_the_panoramas_own_value_and_so_do_their_parts() {
             (Measure::Zenith, answer.quantities.zenith_luminance_cd_m2),
             (Measure::Mean, answer.quantities.mean_luminance_cd_m2),
             (Measure::Horizontal, answer.quantities.horizontal_illuminance_lx),
-            (Measure::Region(region.clone()), of_region.of(&answer.rendered.panorama)),
+            (Measure::Region(region.clone()), of_region.of(&answer.panorama)),
         ] {
             let map = observatory.influence(&InfluenceRequest { sky: sky.clone(), measure }).unwrap();
-            assert_eq!((map.coverage, map.basis_count), (answer.coverage, 24));
-            assert!((map.flux_dnb_w / answer.flux_dnb_w - 1.0).abs() < 1e-12);
+            assert_eq!((map.context.coverage, map.context.basis_count), (answer.context.coverage, 24));
+            assert!((map.context.flux_dnb_w / answer.context.flux_dnb_w - 1.0).abs() < 1e-12);
             assert!(map.influence().iter().all(|value| value.is_finite()));
             // What makes them add up is small.
             assert!(map.scale != 1.0 && (map.scale - 1.0).abs() < 3e-3, "{}", map.scale);
@@ -115,7 +115,7 @@ fn influences_add_up_to_the_panoramas_own_value_and_so_do_their_parts() {
             assert!((sum(&map.rings()) / wanted - 1.0).abs() < 1e-4);
             assert!((sum(&map.sectors()) / wanted - 1.0).abs() < 1e-4);
             assert_eq!(total.pixels, map.pixels().len() as u64);
-            assert!((total.flux_dnb_w / answer.flux_dnb_w - 1.0).abs() < 1e-5);
+            assert!((total.flux_dnb_w / answer.context.flux_dnb_w - 1.0).abs() < 1e-5);
         }
     }
 }
@@ -172,7 +172,7 @@ fn a_region_without_a_visible_direction_is_refused_and_a_norm_is_that_of_the_lig
         let polar = PolarGrid::from_sources(ask.sky.place, sources.into_iter().map(|source| (source, 0.0)));
         let alone = RenderRequest {
             polar: Arc::new(polar),
-            observer_altitude_m: map.observer.altitude_m,
+            observer_altitude_m: map.context.altitude_m,
             flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
             emission: EmissionMix::garstang(),
             ..request(synthetic::dark_grid(), 2.5)

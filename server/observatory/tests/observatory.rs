@@ -4,12 +4,11 @@
 mod common;
 
 use common::{engine, sky, store_town_on, town};
-use skyglow_observatory::ObservatoryError;
-use skyglow_observatory::{Observatory, ObserverHeight, SkyRequest};
+use skyglow_observatory::{Observatory, ObservatoryError, ObserverHeight, RenderedSky, SkyRequest};
 use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, GeoPoint, Horizon, Panorama};
 use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, synthetic};
 use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 /// Stores a scene of 40 × 40 pixels about 36.4–36.8° E, 1.6–1.2° S: one town of 9 pixels, and ground at 1000 m.
 fn store_town(data_dir: &Path, calibration: f64) {
@@ -24,6 +23,10 @@ fn observatory(data_dir: &Path) -> Observatory {
     Observatory::new(engine(DeviceChoice::Cpu, &[2.0, 3.0], 8), Vec::new(), data_dir, 2)
 }
 
+fn has_timed_horizon(sky: &RenderedSky) -> bool {
+    sky.passes.iter().any(|pass| pass.name == "horizon")
+}
+
 #[test]
 fn a_place_gets_its_sky_with_everything_it_depends_on() {
     let data = tempfile::tempdir().unwrap();
@@ -31,16 +34,24 @@ fn a_place_gets_its_sky_with_everything_it_depends_on() {
     let observatory = observatory(data.path());
     let request = request(-1.35, 36.5, ObserverHeight::AboveGround(2.0));
     let answer = observatory.sky_blocking(&request).unwrap();
-    assert!((answer.observer.altitude_m - 1002.25).abs() < 0.01, "{:?}", answer.observer);
-    assert!((answer.observer.ground.known_altitude_m().unwrap() - 1000.25).abs() < 0.01);
-    assert!(answer.flux_dnb_w > 0.0 && answer.coverage > 0.0 && answer.coverage < 0.1);
+    assert!((answer.context.altitude_m - 1002.25).abs() < 0.01, "{:?}", answer.context);
+    assert!((answer.context.ground.known_altitude_m().unwrap() - 1000.25).abs() < 0.01);
+    assert!(
+        answer.context.flux_dnb_w > 0.0 && answer.context.coverage > 0.0 && answer.context.coverage < 0.1
+    );
     let atmosphere = Atmosphere::new(request.turbidity);
-    assert_eq!(answer.local_optical_depth, atmosphere.vertical_optical_depth(answer.observer.altitude_m));
+    assert_eq!(
+        answer.context.local_optical_depth,
+        atmosphere.vertical_optical_depth(answer.context.altitude_m)
+    );
     // The town lies to the south-east: (0.105° east, 0.055° south).
     assert!((answer.quantities.brightest_azimuth_deg - 118.0).abs() < 4.0);
     let runtime = tokio::runtime::Runtime::new().unwrap();
-    let again = runtime.block_on(observatory.sky(request)).unwrap();
-    assert_eq!(again.rendered.panorama, answer.rendered.panorama);
+    let again = {
+        let view = observatory.view(&request.scene, None).unwrap();
+        runtime.block_on(observatory.sky(view, Arc::new(request))).unwrap()
+    };
+    assert_eq!(again.panorama, answer.panorama);
     assert_eq!(observatory.open_scene_count(), 1);
 }
 
@@ -49,7 +60,8 @@ fn a_site_says_what_is_there() {
     let data = tempfile::tempdir().unwrap();
     store_town(data.path(), 1.0);
     let site = |latitude_deg, longitude_deg| {
-        observatory(data.path()).site(&town(), None, GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
+        let view = observatory(data.path()).view(&town(), None).unwrap();
+        view.site(GeoPoint::from_deg(latitude_deg, longitude_deg).unwrap())
     };
     assert_eq!(site(-1.405, 36.605).unwrap().radiance_nw_cm2_sr, Some(25.5));
     assert_eq!(site(-1.3, 36.5).unwrap().radiance_nw_cm2_sr, Some(0.0));
@@ -72,7 +84,7 @@ fn an_observer_over_a_gap_in_the_terrain_stands_on_the_nearest_within_5_km() {
     let observatory = observatory(data.path());
     let observer = |longitude_deg| {
         let request = request(-1.35, longitude_deg, ObserverHeight::AboveGround(2.0));
-        observatory.sky_blocking(&request).unwrap().observer
+        observatory.sky_blocking(&request).unwrap().context
     };
     assert!(matches!(observer(36.5).ground, Ground::Here { .. }));
     let beside = observer(36.622);
@@ -94,7 +106,7 @@ fn altitudes_too_high_and_unknown_scenes_are_named() {
     let error = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(f64::NAN)));
     assert!(matches!(error, Err(ObservatoryError::Render(RenderError::AltitudeOutOfRange { .. }))));
     let below = observatory.sky_blocking(&request(-1.3, 36.5, ObserverHeight::AboveSea(-50.0))).unwrap();
-    assert_eq!(below.observer.altitude_m, 0.0);
+    assert_eq!(below.context.altitude_m, 0.0);
     let mut elsewhere = request(-1.3, 36.5, ObserverHeight::AboveSea(0.0));
     elsewhere.scene = SceneId::parse("nowhere").unwrap();
     let error = observatory.sky_blocking(&elsewhere).unwrap_err();
@@ -108,12 +120,17 @@ fn a_scene_that_changes_on_disk_is_opened_again() {
     let observatory = observatory(data.path());
     let request = request(-1.3, 36.5, ObserverHeight::AboveSea(1500.0));
     let before = observatory.sky_blocking(&request).unwrap();
-    assert_eq!(observatory.scene(&town()).unwrap().metadata().version, before.scene.version);
+    let view = observatory.view(&town(), None).unwrap();
+    assert_eq!(observatory.view(&town(), None).unwrap().version(), view.version());
     store_town(data.path(), 2.0);
     let after = observatory.sky_blocking(&request).unwrap();
-    assert_ne!(after.scene.version, before.scene.version);
-    assert!((after.flux_dnb_w / before.flux_dnb_w - 2.0).abs() < 1e-6);
+    assert_ne!(observatory.view(&town(), None).unwrap().version(), view.version());
+    assert!((after.context.flux_dnb_w / before.context.flux_dnb_w - 2.0).abs() < 1e-6);
     assert_eq!(observatory.open_scene_count(), 1);
+    // What was prepared before it was replaced is answered as it was then.
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    let then = runtime.block_on(observatory.sky(view, Arc::new(request.clone()))).unwrap();
+    assert_eq!(then.quantities, before.quantities);
     std::fs::remove_dir_all(data.path().join("scenes/town")).unwrap();
     assert!(observatory.sky_blocking(&request).is_err());
     assert_eq!(observatory.open_scene_count(), 0);
@@ -136,8 +153,7 @@ fn terrain_makes_the_sky_below_its_horizon_dark_and_leaves_the_rest_bit_for_bit(
         for row in 0..64 {
             for column in 0..AZIMUTH_COUNT {
                 let at = Panorama::index(band, row, column);
-                let (masked, open) =
-                    (on.rendered.panorama.samples()[at], off.rendered.panorama.samples()[at]);
+                let (masked, open) = (on.panorama.samples()[at], off.panorama.samples()[at]);
                 let is_hidden = on.horizon.hides_sample(row, column);
                 assert_eq!(masked, if is_hidden { 0.0 } else { open }, "{band} {row} {column}");
                 hidden += usize::from(is_hidden);
@@ -147,7 +163,7 @@ fn terrain_makes_the_sky_below_its_horizon_dark_and_leaves_the_rest_bit_for_bit(
     assert!(hidden > 1000, "{hidden}");
     assert!(on.quantities.horizontal_illuminance_lx < off.quantities.horizontal_illuminance_lx);
     assert_eq!(on.quantities.zenith_luminance_cd_m2, off.quantities.zenith_luminance_cd_m2);
-    assert!(on.horizon_time.is_some() && off.horizon_time.is_none());
+    assert!(has_timed_horizon(&on) && !has_timed_horizon(&off));
 }
 
 #[test]
@@ -159,16 +175,16 @@ fn over_flat_ground_terrain_changes_no_bit_and_without_it_there_is_no_work_for_i
     let off = SkyRequest { terrain_hides: false, ..on.clone() };
     let (on, off) = (with_terrain.sky_blocking(&on).unwrap(), with_terrain.sky_blocking(&off).unwrap());
     assert_eq!(on.horizon, Horizon::flat());
-    assert_eq!(on.rendered.panorama, off.rendered.panorama);
+    assert_eq!(on.panorama, off.panorama);
     assert_eq!(on.quantities, off.quantities);
-    assert!(on.horizon_time.is_some() && off.horizon_time.is_none());
+    assert!(has_timed_horizon(&on) && !has_timed_horizon(&off));
 
     let bare = tempfile::tempdir().unwrap();
     let options = IngestOptions { id: Some(town()), ..IngestOptions::new(data.path().join("lights.tif")) };
     ingest(&SceneStore::new(bare.path()), &options, &mut |_| {}).unwrap();
     let request = request(-1.35, 36.5, ObserverHeight::AboveSea(1002.25));
     let answer = observatory(bare.path()).sky_blocking(&request).unwrap();
-    assert!(answer.horizon_time.is_none() && answer.horizon.is_flat());
+    assert!(!has_timed_horizon(&answer) && answer.horizon.is_flat());
 }
 
 #[test]
@@ -187,7 +203,7 @@ fn an_overcast_sky_has_no_stars_and_none_is_seen_from_above_the_clouds() {
     let clear = observatory.sky_blocking(&asked(2.0, None)).unwrap();
     let overcast = observatory.sky_blocking(&asked(2.0, Some(2_000))).unwrap();
     // The made-up packs are the same under both skies: what differs is what clouds are said to do.
-    assert_eq!(overcast.rendered.panorama, clear.rendered.panorama);
+    assert_eq!(overcast.panorama, clear.panorama);
     assert!(clear.quantities.bortle_class.is_some() && overcast.quantities.bortle_class.is_none());
     assert_eq!(overcast.quantities.zenith_total_luminance_cd_m2, overcast.quantities.zenith_luminance_cd_m2);
     assert!(observatory.sky_blocking(&asked(950.0, None)).is_ok());

@@ -48,7 +48,7 @@ fn in_scenario(request: &SkyRequest, scenario: &ChangeId) -> SkyRequest {
 }
 
 fn panorama(observatory: &Observatory, request: &SkyRequest) -> Panorama {
-    observatory.sky_blocking(request).unwrap().rendered.panorama
+    observatory.sky_blocking(request).unwrap().panorama
 }
 
 /// Largest difference of samples, relative to the largest sample of the band.
@@ -92,7 +92,7 @@ fn lights_with_other_lamps_and_shades_shine_as_if_the_sky_were_asked_with_those(
     // A tolerance holds for the sum.
     let coarse = SkyRequest { tolerance: Some(0.3), ..in_scenario(&request, &fitted) };
     let coarse = observatory.sky_blocking(&coarse).unwrap();
-    assert!(coarse.basis_error_bound.unwrap() <= 0.3 && coarse.rendered.basis_count <= 24);
+    assert!(coarse.context.basis_error_bound.unwrap() <= 0.3 && coarse.context.basis_count <= 24);
     // Nothing is left of the scene's own sky where the id is of no scenario, or one of another scene.
     let unknown = in_scenario(&request, &ChangeStore::plan_id(b"none"));
     assert!(matches!(observatory.sky_blocking(&unknown), Err(ObservatoryError::ChangeStore(_))));
@@ -150,7 +150,7 @@ fn plan(
 fn kept(observatory: &Observatory, outcome: &PlanOutcome, base: Option<ChangeId>) -> ChangeId {
     let plan = StoredPlan {
         scene: town(),
-        scene_version: observatory.scene(&town()).unwrap().metadata().version.clone(),
+        scene_version: observatory.view(&town(), None).unwrap().version().to_owned(),
         base,
         answer: serde_json::Value::Null,
         factors: outcome.factors(),

@@ -6,6 +6,7 @@ use crate::{
     cloud::CloudBase,
     error::{PhysicsError, check_range},
 };
+use serde::Serialize;
 
 /// Scale height of the molecules, metres.
 pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_000.0;
@@ -18,7 +19,7 @@ pub const AEROSOL_ALBEDO: f64 = 0.9;
 
 /// Turbidity at sea level (Preetham et al. 1999): vertical optical thickness of air plus haze over that of
 /// air alone, at 550 nm. 1 is clean air.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 pub struct Turbidity(f64);
 
 impl Turbidity {

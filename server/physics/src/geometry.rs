@@ -5,12 +5,13 @@
 
 use crate::error::{PhysicsError, check_range};
 use glam::DVec3;
+use serde::Serialize;
 
 /// Radius of the spherical Earth, metres.
 pub const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
 /// A place on the sphere (WGS84 latitude and longitude taken as spherical).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GeoPoint {
     latitude_rad: f64,
     longitude_rad: f64,

@@ -16,6 +16,7 @@ use crate::{
 };
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::{Serialize, Serializer};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Most corners of a curve.
@@ -29,6 +30,13 @@ const SAME_CORNER_RAD: f64 = 1e-9;
 pub struct SkyCurve {
     corners: Vec<DVec3>,
     lowest_rad: f64,
+}
+
+impl Serialize for SkyCurve {
+    /// Its corners as directions in space.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.corners.iter().map(|corner| corner.to_array()))
+    }
 }
 
 impl SkyCurve {

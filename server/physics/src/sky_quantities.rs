@@ -19,47 +19,44 @@ pub const ZENITH_CAP_RAD: f64 = 5.0 * PI / 180.0;
 /// Full width at half maximum of a Sky Quality Meter's response, radians (20°).
 pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
 
-/// What is reported of a sky. Luminances are artificial light alone unless the name says `total`; `total`
-/// is artificial plus a uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are None for a sky without light.
-///
-/// Under clouds nothing natural comes through: totals are artificial light alone, and quantities of stars are None.
-///
-/// Where terrain hides part of the sky, all of them are of the visible part: means are over visible directions,
-/// illuminances are what the visible sky gives, and the brightest direction is one of them. A mean over no visible
-/// direction at all is 0.
+/// The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a
+/// uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
+/// the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light
+/// alone, and what speaks of stars is null.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = QuantitiesAnswer))]
 pub struct SkyQuantities {
-    /// Mean over grid directions within 5° of the zenith, weighted by solid angle, cd m⁻².
+    /// Mean within 5° of the zenith, cd m⁻².
     pub zenith_luminance_cd_m2: f64,
-    /// The same as surface brightness, mag arcsec⁻².
+    /// The same, mag arcsec⁻².
     pub zenith_brightness_mag_arcsec2: Option<f64>,
-    /// Zenith luminance with the natural sky, cd m⁻².
+    /// With the natural sky, cd m⁻².
     pub zenith_total_luminance_cd_m2: f64,
-    /// Zenith surface brightness with the natural sky, mag arcsec⁻².
+    /// With the natural sky, mag arcsec⁻².
     pub zenith_total_brightness_mag_arcsec2: Option<f64>,
     /// Artificial luminance at the zenith over the natural one of a clear sky.
     pub ratio_to_natural: f64,
     /// As a Sky Quality Meter at the zenith sees it (Gaussian, FWHM 20°), cd m⁻².
     pub sqm_luminance_cd_m2: f64,
-    /// What such a meter would read with the natural sky, mag arcsec⁻².
+    /// What such a meter reads with the natural sky, mag arcsec⁻².
     pub sqm_total_brightness_mag_arcsec2: Option<f64>,
-    /// Mean over the visible sky (the upper hemisphere less what terrain hides), cd m⁻².
+    /// Mean over the visible sky, cd m⁻².
     pub mean_luminance_cd_m2: f64,
-    /// E = ∫ L sin φ dΩ over the visible sky, lux.
+    /// Horizontal illuminance by the visible sky, lx.
     pub horizontal_illuminance_lx: f64,
-    /// The same with the natural sky (π times its luminance, less what terrain hides of it), lux.
+    /// With the natural sky, lx.
     pub horizontal_total_illuminance_lx: f64,
-    /// Largest visible luminance on the grid, cd m⁻².
+    /// Largest visible luminance, cd m⁻².
     pub brightest_luminance_cd_m2: f64,
-    /// Azimuth of that direction, degrees clockwise from north.
+    /// Its azimuth, degrees clockwise from north.
     pub brightest_azimuth_deg: f64,
-    /// Elevation of that direction, degrees.
+    /// Its elevation, degrees.
     pub brightest_elevation_deg: f64,
-    /// Bortle class of the total brightness at the zenith, 1..=9; None under clouds.
+    /// Bortle class of the total at the zenith, 1..=9; null under clouds.
     pub bortle_class: Option<u8>,
-    /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2); None under clouds.
+    /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2); null under clouds.
     pub naked_eye_limit_mag: Option<f64>,
-    /// Radiance at the zenith (same mean), W m⁻² sr⁻¹ in R, G, B.
+    /// Radiance at the zenith in R, G, B, W m⁻² sr⁻¹.
     pub zenith_radiance_w_m2_sr: [f64; 3],
 }
 

@@ -2,6 +2,7 @@
 //! even–odd rule over sides sorted into bands of latitude.
 
 use glam::DVec3;
+use serde::Serialize;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -65,7 +66,7 @@ pub enum BoundaryError {
 ///
 /// Sides are straight in longitude and latitude. Holes are outside; where rings of one polygon overlap, an even number of rings
 /// around a place leaves it outside.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Boundary {
     west_deg: f64,
     east_deg: f64,

@@ -8,10 +8,11 @@ use crate::mask::ValidMask;
 use crate::morton;
 use crate::terrain::Terrain;
 use rayon::prelude::*;
+use serde::Serialize;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
 /// What a map tile shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum TileLayer {
     /// The raster's radiance, nW cm⁻² sr⁻¹; the mean over the valid pixels under a tile's pixel.
     Radiance,

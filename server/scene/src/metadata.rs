@@ -224,8 +224,9 @@ pub struct TerrainReport {
     pub maximum_m: f64,
 }
 
-/// A named place, for labels and search.
+/// A named place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = PlaceAnswer))]
 pub struct NamedPlace {
     /// Its name.
     pub name: String,
@@ -233,6 +234,6 @@ pub struct NamedPlace {
     pub latitude_deg: f64,
     /// Degrees east, −180..180.
     pub longitude_deg: f64,
-    /// Inhabitants, where given.
+    /// Inhabitants, where known.
     pub population: Option<u64>,
 }

@@ -2,11 +2,11 @@
 
 use skyglow_app::{
     accept::{Format, InfluenceFormat},
-    kind_facts::KindFacts,
+    facts::{KindFacts, SourceFacts},
     request::{self, geojson},
-    source::{SkyQuery, SourceFacts},
 };
 use skyglow_http::error::ApiError;
+use skyglow_observatory::SkyRequest;
 use skyglow_physics::GeoPoint;
 use skyglow_scene::SceneId;
 use skyglow_tables::Scattering;
@@ -49,13 +49,19 @@ fn check_place(place: GeoPoint) {
     assert!(place.latitude_deg().abs() <= 90.0 && place.longitude_deg().abs() <= 180.0, "{place:?}");
 }
 
-fn check_sky(query: &SkyQuery) {
-    check_place(query.place);
-    assert!((1.5..=6.0).contains(&query.turbidity.value()), "{query:?}");
-    assert!(query.basis.is_none_or(|count| (1..=64).contains(&count)), "{query:?}");
-    assert!(query.tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()), "{query:?}");
-    assert!(query.eye_height.altitude_m(skyglow_scene::Ground::Unknown).is_finite(), "{query:?}");
-    assert!(query.lamp.flux_per_dnb_flux.iter().all(|flux| flux.is_finite() && *flux >= 0.0), "{query:?}");
+fn check_sky(request: &SkyRequest) {
+    check_place(request.place);
+    assert!((1.5..=6.0).contains(&request.turbidity.value()), "{request:?}");
+    assert!(request.basis.is_none_or(|count| (1..=64).contains(&count)), "{request:?}");
+    assert!(
+        request.tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()),
+        "{request:?}"
+    );
+    assert!(request.observer_height.altitude_m(skyglow_scene::Ground::Unknown).is_finite(), "{request:?}");
+    assert!(
+        request.lamp.flux_per_dnb_flux.iter().all(|flux| flux.is_finite() && *flux >= 0.0),
+        "{request:?}"
+    );
 }
 
 /// Query strings: the first byte says of which request.
@@ -64,19 +70,19 @@ pub fn parameters(bytes: &[u8]) {
     let text = String::from_utf8_lossy(text);
     let (query, facts) = (Some(&*text), facts());
     let checked = match which % 8 {
-        0 => request::sky(query, scene(), &facts).map(|(query, _)| check_sky(&query)),
-        1 => request::panorama(query, scene(), &facts, Format::Png).map(|(query, view)| {
-            check_sky(&query);
-            let options = view.options;
+        0 => request::sky(query, scene(), &facts).map(|(request, _)| check_sky(&request)),
+        1 => request::panorama(query, scene(), &facts, Format::Png).map(|(request, picture)| {
+            check_sky(&request);
+            let options = picture.options;
             assert!(options.width_px.max(options.height_px) <= 4096, "{options:?}");
         }),
-        2 => request::panorama(query, scene(), &facts, Format::Json).map(|(query, _)| check_sky(&query)),
+        2 => request::panorama(query, scene(), &facts, Format::Json).map(|(request, _)| check_sky(&request)),
         3 => request::influence(query, None, scene(), &facts, InfluenceFormat::Json)
-            .map(|ask| check_sky(&ask.query.sky)),
+            .map(|asked| check_sky(&asked.request.sky)),
         4 => request::influence(query, None, scene(), &facts, InfluenceFormat::Tiff)
-            .map(|ask| check_sky(&ask.query.sky)),
-        5 => request::brightness(query, scene(), &facts).map(|ask| {
-            assert!((1.5..=6.0).contains(&ask.turbidity.value()), "{ask:?}");
+            .map(|asked| check_sky(&asked.request.sky)),
+        5 => request::brightness(query, scene(), &facts).map(|request| {
+            assert!((1.5..=6.0).contains(&request.turbidity.value()), "{request:?}");
         }),
         6 => request::place(query).map(|(place, _)| check_place(place)),
         _ => request::scene_id(&text).map(|id| {
@@ -101,12 +107,13 @@ pub fn body(bytes: &[u8]) {
             let again = serde_json::from_slice::<skyglow_scene::Scenario>(&text);
             assert!(again.is_ok_and(|again| again == scenario), "{scenario:?}");
         }),
-        1 => request::plan(None, body, scene(), &facts).map(|ask| {
-            assert!(!ask.skies.is_empty() && ask.skies.len() <= 64);
-            ask.skies.iter().for_each(check_sky);
+        1 => request::plan(None, body, scene(), &facts).map(|asked| {
+            let sites = asked.request.sites();
+            assert!(!sites.is_empty() && sites.len() <= 64);
+            sites.iter().for_each(|site| check_sky(&site.sky));
         }),
         _ => request::influence(place, Some(body), scene(), &facts, InfluenceFormat::Json)
-            .map(|ask| check_sky(&ask.query.sky)),
+            .map(|asked| check_sky(&asked.request.sky)),
     };
     if let Err(error) = checked {
         check_refusal(&ApiError::from(error.clone()));

@@ -1,10 +1,14 @@
 //! What every number of a sky depends on.
 
 use super::{SceneReference, site::ground_warning};
-use crate::kind_facts::KindFacts;
-use crate::source::{EyeHeight, InfluenceQuery, RenderContext, SkyQuery, SourceFacts, rounded};
+use crate::{
+    facts::{KindFacts, SourceFacts},
+    format::rounded,
+};
 use serde::Serialize;
-use skyglow_observatory::{InfluenceMap, Measure};
+use skyglow_observatory::{
+    InfluenceMap, InfluenceRequest, Measure, ObserverHeight, RenderContext, SkyRequest,
+};
 use skyglow_physics::{EmissionMix, Lamp, LampPreset, Lobe};
 use skyglow_scene::{ChangeId, Ground, SceneMetadata};
 use utoipa::ToSchema;
@@ -119,11 +123,10 @@ pub struct Assumptions {
 
 impl Assumptions {
     /// Those of a map of influences, which is always found on the processor.
-    pub fn of_influences(query: &InfluenceQuery, map: &InfluenceMap, facts: &SourceFacts) -> Self {
-        let context = RenderContext::of_influences(map);
-        let mut assumptions = Self::new(&query.sky, map.scene(), &context, facts);
+    pub fn of_influences(request: &InfluenceRequest, map: &InfluenceMap, facts: &SourceFacts) -> Self {
+        let mut assumptions = Self::new(&request.sky, map.scene(), &map.context, facts);
         assumptions.executor = "cpu".to_owned();
-        if query.measure == Measure::Norm && assumptions.terrain_occlusion {
+        if request.measure == Measure::Norm && assumptions.terrain_occlusion {
             let what = "norms are over the open sky: of what terrain hides they leave out lights and no sky";
             assumptions.warnings.push(what.to_owned());
         }
@@ -131,52 +134,57 @@ impl Assumptions {
     }
 
     /// Those of a sky.
-    pub fn new(query: &SkyQuery, scene: &SceneMetadata, sky: &RenderContext, facts: &SourceFacts) -> Self {
-        let kind = facts.kind(query);
+    pub fn new(
+        request: &SkyRequest,
+        scene: &SceneMetadata,
+        context: &RenderContext,
+        facts: &SourceFacts,
+    ) -> Self {
+        let kind = facts.kind(request);
         Self {
             scene: scene.into(),
-            scenario: query.scenario.as_ref().map(ChangeId::to_string),
+            scenario: request.scenario.as_ref().map(ChangeId::to_string),
             observer: ObserverAnswer {
-                latitude_deg: rounded(query.place.latitude_deg()),
-                longitude_deg: rounded(query.place.longitude_deg()),
-                altitude_m: sky.altitude_m,
-                terrain_altitude_m: sky.ground.known_altitude_m(),
+                latitude_deg: rounded(request.place.latitude_deg()),
+                longitude_deg: rounded(request.place.longitude_deg()),
+                altitude_m: context.altitude_m,
+                terrain_altitude_m: context.ground.known_altitude_m(),
             },
-            coverage: sky.coverage,
-            calibration: sky.calibration,
-            turbidity: query.turbidity.value(),
-            local_optical_depth: sky.local_optical_depth,
-            scattering: query.scattering.name().to_owned(),
+            coverage: context.coverage,
+            calibration: context.calibration,
+            turbidity: request.turbidity.value(),
+            local_optical_depth: context.local_optical_depth,
+            scattering: request.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
-            lamp: query.lamp.into(),
-            emission: query.emission.into(),
-            clouds: query.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
-            cloud_albedo: facts.cloud_albedo(query),
-            terrain_occlusion: query.terrain_hides && scene.terrain,
-            hidden_lights: hides_lights(query.terrain_hides, scene, kind),
-            flux_within_300_km_dnb_w: sky.flux_dnb_w,
-            basis_count: sky.basis_count,
-            basis_error_bound: sky.basis_error_bound,
+            lamp: request.lamp.into(),
+            emission: request.emission.into(),
+            clouds: request.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
+            cloud_albedo: facts.cloud_albedo(request),
+            terrain_occlusion: request.terrain_hides && scene.terrain,
+            hidden_lights: hides_lights(request.terrain_hides, scene, kind),
+            flux_within_300_km_dnb_w: context.flux_dnb_w,
+            basis_count: context.basis_count,
+            basis_error_bound: context.basis_error_bound,
             executor: facts.executor.clone(),
-            warnings: sky_warnings(query, scene, sky, facts),
+            warnings: sky_warnings(request, scene, context, facts),
         }
     }
 }
 
 /// What a sky had to do without, one sentence each. An eye above sea level does not ask for the ground, but may be in it.
-pub fn sky_warnings(
-    query: &SkyQuery,
+fn sky_warnings(
+    request: &SkyRequest,
     scene: &SceneMetadata,
-    sky: &RenderContext,
+    context: &RenderContext,
     facts: &SourceFacts,
 ) -> Vec<String> {
-    let ground = match query.eye_height {
-        EyeHeight::AboveGround(_) => ground_warning(scene, sky.ground),
-        EyeHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, sky.ground),
+    let ground = match request.observer_height {
+        ObserverHeight::AboveGround(_) => ground_warning(scene, context.ground),
+        ObserverHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, context.ground),
     };
-    let skyline = open_lights_warning(query.terrain_hides, scene, facts.kind(query));
-    let lamps = sky.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, query.lamp));
-    let words = [coverage_warning(sky.coverage), ground, skyline, cloud_warning(query)];
+    let skyline = open_lights_warning(request.terrain_hides, scene, facts.kind(request));
+    let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, request.lamp));
+    let words = [coverage_warning(context.coverage), ground, skyline, cloud_warning(request)];
     words.into_iter().flatten().chain(lamps).collect()
 }
 
@@ -212,8 +220,8 @@ fn below_ground_warning(altitude_m: f64, ground: Ground) -> Option<String> {
 }
 
 /// What is said under clouds, where some numbers are not what their names lead one to think.
-fn cloud_warning(query: &SkyQuery) -> Option<String> {
-    query.cloud_base_m.map(|_| {
+fn cloud_warning(request: &SkyRequest) -> Option<String> {
+    request.cloud_base_m.map(|_| {
         "no natural light comes through the clouds: totals are artificial light alone, and there is neither Bortle \
          class nor limiting magnitude"
             .to_owned()

@@ -4,7 +4,7 @@ use super::{
     EmissionAnswer, LampAnswer, SceneReference,
     assumptions::{hides_lights, open_lights_warning},
 };
-use crate::source::SourceFacts;
+use crate::facts::SourceFacts;
 use serde::Serialize;
 use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M};
 use skyglow_scene::ChangeId;
@@ -40,24 +40,24 @@ pub struct BrightnessAssumptions {
 
 impl BrightnessAssumptions {
     /// Those of a map.
-    pub fn new(query: &BrightnessRequest, map: &BrightnessMap, facts: &SourceFacts) -> Self {
+    pub fn new(request: &BrightnessRequest, map: &BrightnessMap, facts: &SourceFacts) -> Self {
         let scene = map.scene();
-        let kind = facts.kinds_under(None).find(|kind| kind.scattering == query.scattering);
+        let kind = facts.kinds_under(None).find(|kind| kind.scattering == request.scattering);
         let edge =
             "light outside the raster is unknown, not absent: near its edges the sky is brighter than this"
                 .to_owned();
-        let open = open_lights_warning(query.terrain_hides, scene, kind);
+        let open = open_lights_warning(request.terrain_hides, scene, kind);
         Self {
             scene: scene.into(),
-            scenario: query.scenario.as_ref().map(ChangeId::to_string),
+            scenario: request.scenario.as_ref().map(ChangeId::to_string),
             height_m: EYE_HEIGHT_M,
             calibration: scene.calibration,
-            turbidity: query.turbidity.value(),
-            scattering: query.scattering.name().to_owned(),
+            turbidity: request.turbidity.value(),
+            scattering: request.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
-            lamp: query.lamp.into(),
-            emission: query.emission.into(),
-            hidden_lights: hides_lights(query.terrain_hides, scene, kind),
+            lamp: request.lamp.into(),
+            emission: request.emission.into(),
+            hidden_lights: hides_lights(request.terrain_hides, scene, kind),
             step_pixels: map.places().lattice().step,
             warnings: std::iter::once(edge).chain(open).collect(),
         }

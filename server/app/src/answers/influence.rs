@@ -1,7 +1,7 @@
 //! Which lights cause a sky.
 
 use super::Assumptions;
-use crate::source::rounded;
+use crate::format::rounded;
 use serde::Serialize;
 use skyglow_observatory::{InfluenceMap, Measure, Part, RING_EDGES_M, SECTOR_COUNT};
 use skyglow_scene::Boundary;

@@ -1,10 +1,10 @@
 //! A panorama's raw grid.
 
-use super::{Assumptions, QuantitiesAnswer};
-use crate::source::RenderedSky;
+use super::Assumptions;
 use serde::Serialize;
 use skyglow_display::Sky;
-use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Panorama};
+use skyglow_observatory::RenderedSky;
+use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Panorama, SkyQuantities};
 use utoipa::ToSchema;
 
 /// The grid of a panorama.
@@ -44,7 +44,7 @@ pub struct PanoramaAnswer {
     /// `terrain_occlusion` is false.
     pub horizon_deg: Vec<f64>,
     /// The numbers.
-    pub sky: QuantitiesAnswer,
+    pub sky: SkyQuantities,
 }
 
 /// Which light.
@@ -98,7 +98,7 @@ impl PanoramaAnswer {
                 .iter()
                 .map(|elevation| elevation.to_degrees())
                 .collect(),
-            sky: (&sky.quantities).into(),
+            sky: sky.quantities.clone(),
         }
     }
 }

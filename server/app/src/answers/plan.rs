@@ -1,14 +1,14 @@
 //! Reduction plans.
 
-use super::{Assumptions, QuantitiesAnswer, measure_name};
+use super::{Assumptions, measure_name};
 use crate::{
-    request::PlanStoreRequest,
-    source::{RenderContext, SourceFacts, rounded},
-    stamp::rfc3339,
+    facts::SourceFacts,
+    format::{rfc3339, rounded},
 };
 use serde::Serialize;
-use skyglow_observatory::{Level, PlanMethod, PlanOutcome, SiteOutcome, SkyAnswer};
-use skyglow_scene::{ChangeId, Scene, StoredPlan};
+use skyglow_observatory::{Level, PlanMethod, PlanOutcome, PlanRequest, SiteOutcome};
+use skyglow_physics::SkyQuantities;
+use skyglow_scene::{ChangeId, Scene, SceneMetadata, StoredPlan};
 use utoipa::ToSchema;
 
 /// What a plan says of a site.
@@ -30,9 +30,9 @@ pub struct PlannedSite {
     /// Of a target plan; null for a threshold.
     pub target: Option<TargetAnswer>,
     /// The sky today.
-    pub sky_before: QuantitiesAnswer,
+    pub sky_before: SkyQuantities,
     /// The sky with the plan.
-    pub sky_after: QuantitiesAnswer,
+    pub sky_after: SkyQuantities,
 }
 
 /// What a site wanted of a target plan, and whether it has it.
@@ -161,20 +161,6 @@ fn part(of: f64, whole: f64) -> f64 {
     if whole > 0.0 { of / whole } else { 0.0 }
 }
 
-fn context(sky: &SkyAnswer) -> RenderContext {
-    RenderContext {
-        altitude_m: sky.observer.altitude_m,
-        ground: sky.observer.ground,
-        coverage: sky.coverage,
-        calibration: sky.calibration,
-        local_optical_depth: sky.local_optical_depth,
-        flux_dnb_w: sky.flux_dnb_w,
-        basis_count: sky.rendered.basis_count,
-        basis_error_bound: sky.basis_error_bound,
-        lamps_not_met: sky.lamps_not_met.clone(),
-    }
-}
-
 /// Why a site does not have what it wants.
 fn why_not(wanted: f64, least: f64, of_protected: f64, of_uncut: f64, unit: &str) -> String {
     if least <= wanted {
@@ -196,17 +182,11 @@ fn why_not(wanted: f64, least: f64, of_protected: f64, of_uncut: f64, unit: &str
     )
 }
 
-fn planned_site(
-    site: &SiteOutcome,
-    ask: &PlanStoreRequest,
-    number: usize,
-    facts: &SourceFacts,
-) -> PlannedSite {
+fn planned_site(site: &SiteOutcome, scene: &SceneMetadata, facts: &SourceFacts) -> PlannedSite {
     let unit = site.influence.measure.unit();
     let (before, after) = (site.before.value, site.after.value);
-    let sky = &site.before.sky;
     PlannedSite {
-        assumptions: Assumptions::new(&ask.skies[number], &sky.scene, &context(sky), facts),
+        assumptions: Assumptions::new(&site.influence.sky, scene, &site.before.sky.context, facts),
         measure: measure_name(&site.influence.measure).to_owned(),
         unit: unit.to_owned(),
         before,
@@ -221,28 +201,28 @@ fn planned_site(
             why_not: (!target.is_met)
                 .then(|| why_not(target.wanted, target.least, target.of_protected, target.of_uncut, unit)),
         }),
-        sky_before: (&site.before.sky.quantities).into(),
-        sky_after: (&site.after.sky.quantities).into(),
+        sky_before: site.before.sky.quantities.clone(),
+        sky_after: site.after.sky.quantities.clone(),
     }
 }
 
 /// What is said of a plan.
-pub fn plan_facts(ask: &PlanStoreRequest, outcome: &PlanOutcome, facts: &SourceFacts) -> PlanFacts {
+pub fn plan_facts(request: &PlanRequest, outcome: &PlanOutcome, facts: &SourceFacts) -> PlanFacts {
     let level = |level: &Level| match level {
         Level::Value(value) => format!("{value:e}"),
         Level::Percentile(percent) => format!("p{percent}"),
     };
-    let (method, threshold_levels, gamma, max_cut) = match &ask.request.method {
+    let (method, threshold_levels, gamma, max_cut) = match &request.method {
         PlanMethod::Threshold { from, to, gamma, .. } => {
             ("threshold", Some([from, to].map(level)), Some(*gamma), None)
         }
         PlanMethod::Target { max_cut, .. } => ("target", None, None, Some(*max_cut)),
     };
-    let sites = outcome.sites.iter().enumerate();
+    let site = |site| planned_site(site, outcome.scene.metadata(), facts);
     let flux_removed_dnb_w = outcome.flux_removed_dnb_w();
     PlanFacts {
         method: method.to_owned(),
-        sites: sites.map(|(number, site)| planned_site(site, ask, number, facts)).collect(),
+        sites: outcome.sites.iter().map(site).collect(),
         thresholds: outcome.thresholds,
         threshold_levels,
         gamma,

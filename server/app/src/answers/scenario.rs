@@ -1,10 +1,11 @@
 //! Painted scenarios.
 
 use super::SceneReference;
-use crate::stamp::rfc3339;
+use crate::format::rfc3339;
 use serde::Serialize;
+use skyglow_observatory::ScenarioRecord;
 use skyglow_physics::Lamp;
-use skyglow_scene::{Area, Change, ChangeId, ChangeSummary, Edit, Scenario, SceneMetadata};
+use skyglow_scene::{Area, Change, ChangeId, Edit, Scenario};
 use utoipa::ToSchema;
 
 /// A scenario in a list.
@@ -126,16 +127,11 @@ pub struct ScenarioAnswer {
 
 impl ScenarioAnswer {
     /// The answer of a scenario.
-    pub fn new(
-        id: &ChangeId,
-        scenario: &Scenario,
-        summary: &ChangeSummary,
-        scene: &SceneMetadata,
-        created_unix_s: u64,
-    ) -> Self {
+    pub fn new(id: &ChangeId, record: &ScenarioRecord) -> Self {
+        let ScenarioRecord { scenario, summary, scene, created_unix_s } = record;
         let edits = scenario.edits.iter().zip(&summary.lit_pixels_in_edit);
         Self {
-            entry: ScenarioEntry::new(id, scenario, created_unix_s),
+            entry: ScenarioEntry::new(id, scenario, *created_unix_s),
             scene: scene.into(),
             edits: edits.map(|(edit, lit_pixels)| EditAnswer::new(edit, *lit_pixels)).collect(),
             changed_pixels: summary.changed_pixels,

@@ -1,7 +1,7 @@
 //! Scenes and their places.
 
 use serde::Serialize;
-use skyglow_scene::{NamedPlace, SceneMetadata};
+use skyglow_scene::SceneMetadata;
 use utoipa::ToSchema;
 
 /// A scene.
@@ -77,30 +77,6 @@ impl From<SceneMetadata> for SceneAnswer {
             terrain: scene.terrain,
             places_count: scene.places_count,
             version: scene.version,
-        }
-    }
-}
-
-/// A named place.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct PlaceAnswer {
-    /// Its name.
-    pub name: String,
-    /// Degrees north.
-    pub latitude_deg: f64,
-    /// Degrees east, −180..180.
-    pub longitude_deg: f64,
-    /// Inhabitants, where known.
-    pub population: Option<u64>,
-}
-
-impl From<NamedPlace> for PlaceAnswer {
-    fn from(place: NamedPlace) -> Self {
-        Self {
-            name: place.name,
-            latitude_deg: place.latitude_deg,
-            longitude_deg: place.longitude_deg,
-            population: place.population,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! What is at a place, and how its ground is known.
 
 use super::SceneReference;
-use crate::source::{SiteFacts, rounded};
+use crate::format::rounded;
 use serde::Serialize;
+use skyglow_observatory::Site;
 use skyglow_physics::GeoPoint;
 use skyglow_scene::{Ground, SceneMetadata};
 use utoipa::ToSchema;
@@ -46,16 +47,16 @@ pub struct SiteAnswer {
 
 impl SiteAnswer {
     /// The answer for a place.
-    pub fn new(place: GeoPoint, site: &SiteFacts) -> Self {
+    pub fn new(place: GeoPoint, scene: &SceneMetadata, site: Site) -> Self {
         Self {
-            scene: (&site.scene).into(),
+            scene: scene.into(),
             latitude_deg: rounded(place.latitude_deg()),
             longitude_deg: rounded(place.longitude_deg()),
             terrain_altitude_m: site.ground.known_altitude_m(),
             radiance_nw_cm2_sr: site.radiance_nw_cm2_sr,
-            calibration: site.scene.calibration,
-            bounds: site.scene.bounds,
-            warnings: ground_warning(&site.scene, site.ground).into_iter().collect(),
+            calibration: scene.calibration,
+            bounds: scene.bounds,
+            warnings: ground_warning(scene, site.ground).into_iter().collect(),
         }
     }
 }

@@ -3,9 +3,9 @@
 use super::sky::read_conditions;
 use crate::{
     error::AppError,
+    facts::SourceFacts,
     parameters::{BrightnessParameters, ParameterSet},
     reader::Reader,
-    source::SourceFacts,
 };
 use skyglow_observatory::BrightnessRequest;
 use skyglow_scene::SceneId;

@@ -4,14 +4,14 @@ use super::{points::curve_schema, sky::read_sky};
 use crate::{
     accept::InfluenceFormat,
     error::AppError,
+    facts::SourceFacts,
     parameters::{self as p, ParameterSet},
     reader::Reader,
     request::geojson::{BoundaryBody, boundary},
-    source::{InfluenceQuery, SourceFacts},
     validation::{FieldError, ValidationCode, message_with_echo},
 };
 use serde::{Deserialize, de::DeserializeOwned};
-use skyglow_observatory::Measure;
+use skyglow_observatory::{InfluenceRequest, Measure};
 use skyglow_physics::{Direction, PhysicsError, SkyCurve};
 use skyglow_scene::{Boundary, SceneId};
 use std::fmt::Display;
@@ -37,7 +37,7 @@ pub struct InfluenceBody {
 #[derive(Clone, Debug)]
 pub struct InfluenceListRequest {
     /// Of which sky, and of what in it.
-    pub query: InfluenceQuery,
+    pub request: InfluenceRequest,
     /// Pixels listed.
     pub limit: usize,
     /// Whose share is asked for.
@@ -85,7 +85,7 @@ pub fn influence(
     reader.finish()?;
     let read = sky.zip(measure).ok_or_else(|| AppError::internal("influences were neither read nor refused"));
     let (sky, measure) = read?;
-    Ok(InfluenceListRequest { query: InfluenceQuery { sky, measure }, limit, boundary })
+    Ok(InfluenceListRequest { request: InfluenceRequest { sky, measure }, limit, boundary })
 }
 
 /// A body from JSON; empty where it is refused.
@@ -205,19 +205,21 @@ mod tests {
         }
     }
 
+    /// The measure is the zenith and with a region the region.
     #[test]
-    fn the_measure_is_the_zenith_and_with_a_region_the_region() {
-        assert_eq!(ask("", None).unwrap().query.measure, Measure::Zenith);
-        assert_eq!(ask("measure=norm", None).unwrap().query.measure, Measure::Norm);
-        let by_query = ask("region=10,20;50,20;30,60", None).unwrap().query;
-        let by_body = ask("", Some(r#"{"region": [[10, 20], [50, 20], [30, 60]]}"#)).unwrap().query;
+    fn the_default_measure_is_zenith_or_region() {
+        assert_eq!(ask("", None).unwrap().request.measure, Measure::Zenith);
+        assert_eq!(ask("measure=norm", None).unwrap().request.measure, Measure::Norm);
+        let by_query = ask("region=10,20;50,20;30,60", None).unwrap().request;
+        let by_body = ask("", Some(r#"{"region": [[10, 20], [50, 20], [30, 60]]}"#)).unwrap().request;
         assert_eq!(by_query, by_body);
         assert!(matches!(by_query.measure, Measure::Region(_)));
         assert_eq!(ask("limit=7", None).unwrap().limit, 7);
     }
 
+    /// Bodies that cannot be meant are refused by the name of their part.
     #[test]
-    fn bodies_that_cannot_be_meant_are_refused_by_the_name_of_their_part() {
+    fn a_wrong_body_is_refused_by_its_part() {
         for (query, body, name, code) in [
             ("", Some("{"), "body", ValidationCode::Malformed),
             ("", Some("[]"), "body", ValidationCode::Malformed),

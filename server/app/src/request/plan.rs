@@ -1,115 +1,36 @@
-//! Bodies of reduction plans.
+//! Requests for reduction plans.
 
 mod sites;
 
 use super::{
-    geojson::BoundaryBody,
     influence::{DEFAULT_LIMIT, body_of},
-    points::curve_schema,
+    plan_body::PlanBody,
     sky::read_conditions,
 };
 use crate::{
     error::AppError,
+    facts::SourceFacts,
     parameters::{self as p, ParameterSet},
     reader::Reader,
-    source::{SkyQuery, SourceFacts},
     validation::ValidationCode,
 };
-use serde::Deserialize;
 use sites::Sites;
 use skyglow_observatory::PlanRequest;
 use skyglow_scene::{ChangeId, SceneId};
-use utoipa::ToSchema;
 
-/// What is to be dimmed for whose sake.
-#[derive(Clone, Debug, Default, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PlanBody {
-    /// `threshold` or `target`.
-    #[schema(pattern = "^(threshold|target)$")]
-    pub method: String,
-    /// Of `threshold`: the site.
-    pub site: Option<SiteBody>,
-    /// Of `threshold`: `norm`, `zenith`, `mean`, `horizontal` or `region`; the default is `region` where one is given, else
-    /// `zenith`.
-    #[schema(pattern = "^(norm|zenith|mean|horizontal|region)$")]
-    pub measure: Option<String>,
-    /// Of `threshold`: a closed curve on the sky, as for influences.
-    #[schema(schema_with = curve_schema)]
-    pub region: Option<Vec<[f64; 2]>>,
-    /// Of `threshold`: pixels of less influence than this are left alone. In the measure's unit, or a percentile over the lit
-    /// pixels within reach, such as `"p90"`.
-    pub q_a: Option<LevelBody>,
-    /// Of `threshold`: pixels of more influence than this are cut by `gamma`, those between by less; the default is `q_a`.
-    pub q_b: Option<LevelBody>,
-    /// Of `threshold`: the part of the most influential lights that goes, 0 to 1; the default is 1.
-    #[schema(minimum = 0, maximum = 1)]
-    pub gamma: Option<f64>,
-    /// Of `target`: 1 to 16 sites with what each wants.
-    #[schema(min_items = 1, max_items = 16)]
-    pub sites: Option<Vec<SiteBody>>,
-    /// Of `target`: the largest part of a light that may go, 0 to 1; the default is 1.
-    #[schema(minimum = 0, maximum = 1)]
-    pub max_cut: Option<f64>,
-    /// Of `target`: lights in these polygons are left alone.
-    #[schema(value_type = Option<Object>)]
-    pub protect: Option<BoundaryBody>,
-}
-
-/// A site.
-#[derive(Clone, Debug, Default, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SiteBody {
-    /// Degrees north.
-    #[schema(minimum = -90, maximum = 90)]
-    pub lat: f64,
-    /// Degrees east.
-    #[schema(minimum = -180, maximum = 360)]
-    pub lon: f64,
-    /// Metres above the ground; the default is 2.
-    #[schema(minimum = 0)]
-    pub height: Option<f64>,
-    /// Metres above sea level, instead.
-    pub altitude: Option<f64>,
-    /// Of `target`: `zenith` (the default), `mean`, `horizontal` or `region`.
-    #[schema(pattern = "^(zenith|mean|horizontal|region)$")]
-    pub measure: Option<String>,
-    /// Of `target`: a closed curve on the sky.
-    #[schema(schema_with = curve_schema)]
-    pub region: Option<Vec<[f64; 2]>>,
-    /// Of `target`: the measure is to be this at most, in its unit, artificial light alone.
-    #[schema(minimum = 0)]
-    pub at_most: Option<f64>,
-    /// Of `target`: the measure is to be less by this part of what it is, 0 to 1.
-    #[schema(minimum = 0, maximum = 1)]
-    pub reduce_by: Option<f64>,
-}
-
-/// A value of an influence.
-#[derive(Clone, Debug, Deserialize, ToSchema)]
-#[serde(untagged)]
-pub enum LevelBody {
-    /// In the measure's unit.
-    Value(f64),
-    /// `p0` to `p100`.
-    Percentile(String),
-}
-
-/// A plan asked for.
+/// A plan that is to be made.
 #[derive(Clone, Debug)]
 pub struct PlanStoreRequest {
     /// What the engine is asked.
     pub request: PlanRequest,
-    /// The skies of its sites.
-    pub skies: Vec<SkyQuery>,
     /// The scene.
     pub scene: SceneId,
     /// The scenario or plan that is dimmed.
     pub scenario: Option<ChangeId>,
     /// Pixels listed.
     pub limit: usize,
-    /// Whether it is kept, or held for some minutes.
-    pub keep: bool,
+    /// Whether it is stored, or held for some minutes.
+    pub store: bool,
 }
 
 /// Reads the parameters and the body of a plan.
@@ -125,7 +46,7 @@ pub fn plan(
     let mut reader = Reader::new(query, p::PlanPostParameters::ALL);
     let conditions = read_conditions(&mut reader, facts);
     let limit = read_limit(&mut reader);
-    let keep = reader.choice(&p::KEEP) != Some("off");
+    let store = reader.choice(&p::KEEP) != Some("off");
     let allowed = "a JSON object with `method`, and `site` or `sites`";
     let body: PlanBody = body_of(body, &mut reader, allowed);
     let Some(conditions) = conditions.filter(|_| reader.is_fine()) else {
@@ -142,9 +63,9 @@ pub fn plan(
         }
     };
     reader.finish()?;
-    let (method, skies) = read.ok_or_else(|| AppError::internal("a plan was neither read nor refused"))?;
+    let method = read.ok_or_else(|| AppError::internal("a plan was neither read nor refused"))?;
     let scenario = conditions.scenario().cloned();
-    Ok(PlanStoreRequest { request: PlanRequest { method }, skies, scene, scenario, limit, keep })
+    Ok(PlanStoreRequest { request: PlanRequest { method }, scene, scenario, limit, store })
 }
 
 /// Reads how much of a plan is listed.
@@ -165,8 +86,8 @@ fn read_limit(reader: &mut Reader) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{request::tests::facts, source::EyeHeight};
-    use skyglow_observatory::{Level, Limit, Measure, PlanMethod};
+    use crate::request::tests::facts;
+    use skyglow_observatory::{Level, Limit, Measure, ObserverHeight, PlanMethod};
 
     fn read(body: &str) -> Result<PlanStoreRequest, AppError> {
         plan(Some("turbidity=3&limit=5"), body.as_bytes(), SceneId::parse("demo").unwrap(), &facts())
@@ -199,13 +120,14 @@ mod tests {
         let PlanMethod::Target { sites, max_cut, protect } = asked.request.method else {
             panic!("no target")
         };
-        assert_eq!((sites.len(), asked.skies.len(), max_cut, protect.is_some()), (2, 2, 0.8, true));
+        assert_eq!((sites.len(), max_cut, protect.is_some()), (2, 0.8, true));
         assert_eq!((sites[0].limit, sites[1].limit), (Limit::AtMost(1e-4), Limit::ReduceBy(0.3)));
-        assert_eq!(asked.skies[1].eye_height, EyeHeight::AboveSea(2000.0));
+        assert_eq!(sites[1].influence.sky.observer_height, ObserverHeight::AboveSea(2000.0));
     }
 
+    /// What cannot be meant is refused by the name of its part.
     #[test]
-    fn what_cannot_be_meant_is_refused_by_the_name_of_its_part() {
+    fn a_wrong_part_is_refused_by_its_name() {
         let threshold =
             |rest: &str| format!(r#"{{"method": "threshold", "site": {{"lat": 1, "lon": 36}}{rest}}}"#);
         let target =

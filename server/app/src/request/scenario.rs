@@ -358,8 +358,9 @@ mod tests {
         assert!(matches!(scenario.edits[5].area, Area::Polygons(_)));
     }
 
+    /// What cannot be meant is refused by the name of its part.
     #[test]
-    fn what_cannot_be_meant_is_refused_by_the_name_of_its_part() {
+    fn a_wrong_part_is_refused_by_its_name() {
         for (edit, part) in [
             (format!("{{{BRUSH}}}"), "edits[0].factor"),
             (r#"{"factor": 0.5}"#.to_owned(), "edits[0].polygon"),

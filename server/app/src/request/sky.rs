@@ -1,14 +1,13 @@
 //! The parameters of a sky: where, in what air, under which lamps.
 
 use crate::{
-    kind_facts::KindFacts,
+    facts::{KindFacts, SourceFacts},
     parameters as p,
     reader::Reader,
-    source::{EyeHeight, SkyQuery, SourceFacts},
     validation::ValidationCode,
 };
 use skyglow_display::Sky;
-use skyglow_observatory::BrightnessRequest;
+use skyglow_observatory::{BrightnessRequest, ObserverHeight, SkyRequest};
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
@@ -41,15 +40,20 @@ pub(super) struct Conditions {
 
 impl Conditions {
     /// The sky over a place.
-    pub(super) fn over(&self, scene: SceneId, place: GeoPoint, eye_height: EyeHeight) -> SkyQuery {
+    pub(super) fn over(
+        &self,
+        scene: SceneId,
+        place: GeoPoint,
+        observer_height: ObserverHeight,
+    ) -> SkyRequest {
         let Self {
             turbidity, scattering, cloud_base_m, lamp, emission, basis, tolerance, terrain_hides, ..
         } = *self;
-        SkyQuery {
+        SkyRequest {
             scene,
             scenario: self.scenario.clone(),
             place,
-            eye_height,
+            observer_height,
             turbidity,
             scattering,
             cloud_base_m,
@@ -107,11 +111,11 @@ pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Optio
     })
 }
 
-pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyQuery> {
+pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyRequest> {
     let place = read_place(reader);
-    let eye_height = read_eye_height(reader, facts);
+    let observer_height = read_eye_height(reader, facts);
     let conditions = read_conditions(reader, facts)?;
-    Some(conditions.over(scene, place?, eye_height))
+    Some(conditions.over(scene, place?, observer_height))
 }
 
 /// The id of a scenario or plan; None where none is given, or it is refused.
@@ -123,7 +127,7 @@ pub(super) fn read_scenario(reader: &mut Reader) -> Option<ChangeId> {
     id
 }
 
-fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
+fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> ObserverHeight {
     let height_m = reader.number_of_any_size(&p::HEIGHT);
     let altitude_m = reader.number_of_any_size(&p::ALTITUDE);
     if reader.text(&p::HEIGHT).is_some() && reader.text(&p::ALTITUDE).is_some() {
@@ -136,7 +140,7 @@ fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
             let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
             reader.fail(&p::ALTITUDE, ValidationCode::OutOfRange, None, Some(allowed));
         }
-        return EyeHeight::AboveSea(altitude_m.max(0.0));
+        return ObserverHeight::AboveSea(altitude_m.max(0.0));
     }
     if let Some(height_m) = height_m {
         let allowed = || Some(format!("0 to {maximum_m} m, less the altitude of the ground"));
@@ -147,7 +151,7 @@ fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> EyeHeight {
             reader.fail(&p::HEIGHT, ValidationCode::OutOfRange, None, allowed());
         }
     }
-    EyeHeight::AboveGround(height_m.unwrap_or(2.0))
+    ObserverHeight::AboveGround(height_m.unwrap_or(2.0))
 }
 
 /// The packs that the scattering asks for; None where it is refused, and what depends on it cannot be checked.

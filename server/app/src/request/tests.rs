@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::{
-    kind_facts::KindFacts,
-    source::EyeHeight,
+    facts::KindFacts,
     validation::{Refusal, ValidationCode},
 };
 use skyglow_display::{PictureOptions, Projection};
+use skyglow_observatory::ObserverHeight;
 use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
 use skyglow_tables::{Clouds, Scattering};
 
@@ -26,11 +26,11 @@ fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize)
     KindFacts { clouds: None, scattering, turbidity_range, basis_count, ground_albedo: None, why_open: None }
 }
 
-fn read(query: &str) -> Result<(SkyQuery, PictureRequest), AppError> {
+fn read(query: &str) -> Result<(SkyRequest, PictureRequest), AppError> {
     read_as(query, Format::Png)
 }
 
-fn read_as(query: &str, format: Format) -> Result<(SkyQuery, PictureRequest), AppError> {
+fn read_as(query: &str, format: Format) -> Result<(SkyRequest, PictureRequest), AppError> {
     panorama(Some(query), SceneId::parse("demo").unwrap(), &facts(), format)
 }
 
@@ -43,7 +43,7 @@ fn refused(query: &str) -> (Refusal, Vec<(String, ValidationCode)>) {
 #[test]
 fn the_defaults_are_those_of_the_interface() {
     let (sky, view) = read("lat=-1&lon=36").unwrap();
-    assert_eq!(sky.eye_height, EyeHeight::AboveGround(2.0));
+    assert_eq!(sky.observer_height, ObserverHeight::AboveGround(2.0));
     assert_eq!(sky.turbidity, Turbidity::default());
     assert_eq!(sky.lamp, LampPreset::Mixed.lamp());
     assert_eq!(sky.emission, EmissionMix::garstang());
@@ -53,8 +53,9 @@ fn the_defaults_are_those_of_the_interface() {
     assert_eq!(view.raster_size_px, (256, 64));
 }
 
+/// Turbidity 0 and 100 and altitude 9000 are out of range with the range.
 #[test]
-fn turbidity_0_and_100_and_altitude_9000_are_out_of_range_with_the_range() {
+fn out_of_range_is_refused_with_the_range() {
     for query in ["turbidity=0", "turbidity=100", "altitude=9000"] {
         let error = read(&format!("lat=-1&lon=36&{query}")).unwrap_err();
         let errors = error.field_errors();
@@ -64,8 +65,9 @@ fn turbidity_0_and_100_and_altitude_9000_are_out_of_range_with_the_range() {
     }
 }
 
+/// A height is refused by its own name below the ground and above the tables.
 #[test]
-fn a_height_is_refused_by_its_own_name_below_the_ground_and_above_the_tables() {
+fn a_height_is_refused_by_its_own_name() {
     for (query, refusal, code) in [
         ("height=-1", Refusal::BadParameters, ValidationCode::NotAllowed),
         ("height=200000", Refusal::OutOfRange, ValidationCode::OutOfRange),
@@ -82,7 +84,7 @@ fn a_height_is_refused_by_its_own_name_below_the_ground_and_above_the_tables() {
 #[test]
 fn altitudes_below_the_sea_count_as_0() {
     let (sky, _) = read("lat=-1&lon=36&altitude=-430").unwrap();
-    assert_eq!(sky.eye_height, EyeHeight::AboveSea(0.0));
+    assert_eq!(sky.observer_height, ObserverHeight::AboveSea(0.0));
 }
 
 #[test]
@@ -99,8 +101,9 @@ fn what_is_not_resident_is_said_to_be_so() {
     }
 }
 
+/// Clouds are those that tables are resident for and let nothing natural through.
 #[test]
-fn clouds_are_those_that_tables_are_resident_for_and_let_nothing_natural_through() {
+fn clouds_are_those_that_are_resident() {
     let errors = read("lat=-1&lon=36&clouds=1500").unwrap_err().field_errors().to_vec();
     assert_eq!((errors[0].parameter.as_str(), errors[0].code), ("clouds", ValidationCode::NotResident));
     assert!(errors[0].allowed.contains("precompute --cloud-base"), "{errors:?}");
@@ -133,8 +136,9 @@ fn clouds_are_those_that_tables_are_resident_for_and_let_nothing_natural_through
     }
 }
 
+/// The default scattering is the best resident and sets the ranges.
 #[test]
-fn the_default_scattering_is_the_best_resident_and_sets_the_ranges() {
+fn the_default_scattering_is_the_best_resident() {
     let mut facts = facts();
     facts.kinds.push(kind(Scattering::Multiple, (2.0, 5.0), 32));
     let read = |query: &str| {
@@ -152,8 +156,9 @@ fn the_default_scattering_is_the_best_resident_and_sets_the_ranges() {
     }
 }
 
+/// Scattering that is refused does not refuse what depends on it.
 #[test]
-fn scattering_that_is_refused_does_not_refuse_what_depends_on_it() {
+fn refused_scattering_is_the_only_mistake() {
     for (scattering, code, allowed) in [
         ("multiple", ValidationCode::NotResident, "single"),
         ("double", ValidationCode::NotAllowed, "single, multiple"),
@@ -165,8 +170,9 @@ fn scattering_that_is_refused_does_not_refuse_what_depends_on_it() {
     }
 }
 
+/// A basis of any wrong size is refused with what is resident.
 #[test]
-fn a_basis_of_any_wrong_size_is_refused_with_what_is_resident() {
+fn a_wrong_basis_is_refused_with_the_range() {
     for (basis, code) in [
         ("0", ValidationCode::NotAllowed),
         ("-3", ValidationCode::NotAllowed),
@@ -180,8 +186,9 @@ fn a_basis_of_any_wrong_size_is_refused_with_what_is_resident() {
     assert_eq!(refused("lat=-1&lon=36&basis=6.5").1, [("basis".to_owned(), ValidationCode::Malformed)]);
 }
 
+/// A tolerance out of range or beside a basis is refused by name.
 #[test]
-fn a_tolerance_out_of_range_or_beside_a_basis_is_refused_by_name() {
+fn a_wrong_tolerance_is_refused_by_name() {
     let (sky, _) = read("lat=-1&lon=36&tolerance=0.05").unwrap();
     assert_eq!((sky.tolerance, sky.basis), (Some(0.05), None));
     assert_eq!(read("lat=-1&lon=36").unwrap().0.tolerance, None);
@@ -197,8 +204,9 @@ fn a_tolerance_out_of_range_or_beside_a_basis_is_refused_by_name() {
     }
 }
 
+/// What means nothing for a format is refused there by name.
 #[test]
-fn what_means_nothing_for_a_format_is_refused_there_by_name() {
+fn what_a_format_does_not_use_is_refused() {
     let colours = [
         "style=realistic",
         "colormap=grey",
@@ -230,8 +238,9 @@ fn what_means_nothing_for_a_format_is_refused_there_by_name() {
     assert!(read_as("lat=-1&lon=36&sky=total&basis=8", Format::Json).is_ok());
 }
 
+/// All mistakes of sky and picture come in one answer.
 #[test]
-fn all_mistakes_of_sky_and_picture_come_in_one_answer() {
+fn all_mistakes_come_in_one_answer() {
     let (kind, errors) = refused("lon=400&turbidity=x&lamp=candle&style=pretty&fov=3&min=5&max=1&nonsense=1");
     assert_eq!(kind, Refusal::BadParameters);
     let names: Vec<&str> = errors.iter().map(|(name, _)| name.as_str()).collect();

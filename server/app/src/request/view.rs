@@ -2,11 +2,12 @@
 
 use super::sky::read_light;
 use crate::{parameters as p, reader::Reader, validation::ValidationCode};
+use serde::Serialize;
 use skyglow_display::options::LARGEST_PICTURE_PX;
 use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Style};
 
 /// How a panorama is to be shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PictureRequest {
     /// Picture options; width and height are those given or the projection's own.
     pub options: PictureOptions,

@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     flags::{DataFlags, PacksFlags},
+    print,
     table::aligned,
 };
 use clap::{Args, builder::BoolishValueParser};
@@ -59,7 +60,7 @@ impl Bench {
             data: self.data.folder(),
         })
         .map_err(Failure::work)?;
-        super::print_line(text(&report).trim_end())?;
+        print::print_line(text(&report).trim_end())?;
         self.out.as_deref().map_or(Ok(()), |folder| report.write(folder).map_err(Failure::work))
     }
 }

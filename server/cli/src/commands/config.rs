@@ -1,6 +1,6 @@
 //! `skyglow config`: the configuration file.
 
-use crate::{failure::Failure, flags::JsonFlags, settings::PartialSettings};
+use crate::{failure::Failure, flags::JsonFlags, partial_settings::PartialSettings, print};
 use clap::{Args, Subcommand};
 use skyglow_http::{Access, ApiKey, access::hash_of};
 use std::{
@@ -56,14 +56,14 @@ impl Config {
             Action::Check { config } => {
                 // The files of secrets that it names are looked at too.
                 PartialSettings::default().over_file(Some(&config))?.access()?;
-                super::print_line(&format!("{} is correct", config.display()))
+                print::print_line(&format!("{} is correct", config.display()))
             }
             Action::Print { flags, config, json } => {
                 let settings = flags.over_file(config.as_deref())?;
                 if json.json {
-                    super::print_json(&settings)
+                    print::print_json(&settings)
                 } else {
-                    super::print_line(toml::to_string(&settings).map_err(Failure::work)?.trim_end())
+                    print::print_line(toml::to_string(&settings).map_err(Failure::work)?.trim_end())
                 }
             }
             Action::Key { name } => {
@@ -78,12 +78,12 @@ impl Config {
                 };
                 Access::new(None, vec![entry.clone()]).map_err(|error| Failure::Usage(error.to_string()))?;
                 let entry = toml::to_string(&entry).map_err(Failure::work)?;
-                super::print_line(&format!(
+                print::print_line(&format!(
                     "# For the client, and nowhere else: {key}\n[[key]]\n{}",
                     entry.trim_end()
                 ))
             }
-            Action::Schema => super::print_json(&schemars::schema_for!(PartialSettings)),
+            Action::Schema => print::print_json(&schemars::schema_for!(PartialSettings)),
         }
     }
 }

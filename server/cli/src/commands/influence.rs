@@ -10,10 +10,10 @@ use serde_json::json;
 use skyglow_app::{
     accept::InfluenceFormat,
     answers::Assumptions,
+    facts::SourceFacts,
     influence_file::encode_influences,
     parameters::InfluenceParameters,
     request::{self, InfluenceListRequest},
-    source::SourceFacts,
 };
 use skyglow_scene::SceneId;
 use std::path::PathBuf;
@@ -63,22 +63,24 @@ impl Influence {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let body = self.body()?;
-        self.ask(body.as_deref(), &self.program.facts())?;
+        self.request(body.as_deref(), &self.program.facts())?;
         let source = self.program.source()?;
-        let ask = self.ask(body.as_deref(), source.facts())?;
-        let sky = &ask.query.sky;
-        let map = source.influence(&ask.query).map_err(|error| query::failure(&error.of_sky(sky)))?;
-        let assumptions = Assumptions::of_influences(&ask.query, &map, source.facts());
+        let request = self.request(body.as_deref(), source.facts())?;
+        let (of_sky, failure) = (&request.request.sky, |error| query::failure(&error));
+        let view = source.view(&of_sky.scene, of_sky.scenario.as_ref()).map_err(failure)?;
+        let map = source.influence(&request.request, &view).map_err(failure)?;
+        let assumptions = Assumptions::of_influences(&request.request, &map, source.facts());
         // A raster or a table is not read for them.
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");
         }
-        let bytes = encode_influences(assumptions, &map, &ask, self.output.format).map_err(Failure::work)?;
+        let bytes =
+            encode_influences(assumptions, &map, &request, self.output.format).map_err(Failure::work)?;
         let path = &self.output.path;
         std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))
     }
 
-    fn ask(&self, body: Option<&[u8]>, facts: &SourceFacts) -> Result<InfluenceListRequest, Failure> {
+    fn request(&self, body: Option<&[u8]>, facts: &SourceFacts) -> Result<InfluenceListRequest, Failure> {
         let (query, scene) = (Some(self.query.query()), self.scene.clone());
         request::influence(query, body, scene, facts, self.output.format).map_err(|e| query::failure(&e))
     }

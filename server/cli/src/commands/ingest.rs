@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     flags::{DataFlags, JsonFlags},
+    print,
     progress::{self, Stages},
     report,
     table::aligned,
@@ -150,10 +151,10 @@ impl Ingest {
             error => Failure::work(error),
         })?;
         if self.json.json {
-            super::print_json(&scene)
+            print::print_json(&scene)
         } else {
-            super::print_line(&format!("scene {} ({})", scene.id, scene.title))?;
-            super::print_line(aligned(&report::rows(&scene)).trim_end())
+            print::print_line(&format!("scene {} ({})", scene.id, scene.title))?;
+            print::print_line(aligned(&report::rows(&scene)).trim_end())
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     flags::{DataFlags, JsonFlags},
+    print,
     table::aligned,
 };
 use clap::Args;
@@ -45,7 +46,7 @@ impl Kept {
         let scenarios = stored_scenarios(&changes, &self.scene).map_err(Failure::work)?;
         let plans = stored_plans(&changes, &self.scene).map_err(Failure::work)?;
         if self.json.json {
-            return super::print_json(&Lists { scenarios, plans });
+            return print::print_json(&Lists { scenarios, plans });
         }
         let painted = scenarios.iter().map(|entry| {
             let title = entry.title.as_deref().unwrap_or("no title");
@@ -63,9 +64,9 @@ impl Kept {
         });
         let rows: Vec<Vec<String>> = painted.chain(planned).collect();
         if rows.is_empty() {
-            return super::print_line(&format!("nothing is kept of {}", self.scene));
+            return print::print_line(&format!("nothing is kept of {}", self.scene));
         }
-        super::print_line(aligned(&rows).trim_end())
+        print::print_line(aligned(&rows).trim_end())
     }
 }
 

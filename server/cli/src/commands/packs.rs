@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     flags::{JsonFlags, PacksFlags},
+    print,
     table::aligned,
 };
 use clap::{Args, Subcommand};
@@ -55,11 +56,11 @@ impl Packs {
         };
         let entries: Vec<Entry> = packs_in(&folder).map_err(Failure::work)?.into_iter().map(entry).collect();
         if json {
-            super::print_json(&entries)?;
+            print::print_json(&entries)?;
         } else if entries.is_empty() {
-            super::print_line(&format!("no packs in {}", folder.display()))?;
+            print::print_line(&format!("no packs in {}", folder.display()))?;
         } else {
-            super::print_line(aligned(&rows(&entries)).trim_end())?;
+            print::print_line(aligned(&rows(&entries)).trim_end())?;
         }
         let refused: Vec<&str> = entries.iter().filter_map(|entry| entry.refused.as_deref()).collect();
         if refused.is_empty() { Ok(()) } else { Err(Failure::Work(refused.join("; "))) }

@@ -4,6 +4,7 @@ use crate::{
     failure::Failure,
     flags::ProgramFlags,
     query::{self, QueryFlags},
+    render,
 };
 use clap::Args;
 use skyglow_app::{accept::Format, drawing::draw, parameters::PanoramaParameters, request};
@@ -56,13 +57,13 @@ impl Panorama {
         };
         read(&self.program.facts())?;
         let source = self.program.source()?;
-        let (query, view) = read(source.facts())?;
-        let (assumptions, sky) = super::rendered(source.as_ref(), query)?;
+        let (request, picture) = read(source.facts())?;
+        let (assumptions, sky) = render::rendered(source.as_ref(), request)?;
         // A picture cannot say it.
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");
         }
-        let bytes = draw(assumptions, &sky, &view, self.output.format).map_err(Failure::work)?;
+        let bytes = draw(assumptions, &sky, &picture, self.output.format).map_err(Failure::work)?;
         let path = &self.output.path;
         std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))
     }

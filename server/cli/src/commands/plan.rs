@@ -4,16 +4,17 @@ use super::influence::{Output, output};
 use crate::{
     failure::Failure,
     flags::ProgramFlags,
+    print,
     query::{self, QueryFlags},
 };
 use clap::Args;
 use skyglow_app::{
     SkySource,
+    facts::SourceFacts,
     parameters::PlanParameters,
     plan_file::encode_plan,
-    planning::{find_plan, make_plan},
+    planning::{make_plan, prepare_plan},
     request::{self, PlanStoreRequest},
-    source::SourceFacts,
 };
 use skyglow_scene::SceneId;
 use std::path::PathBuf;
@@ -46,27 +47,20 @@ impl Plan {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let body = std::fs::read(&self.request).map_err(|error| Failure::file(&self.request, error))?;
-        self.ask(&body, &self.program.facts())?;
+        self.request(&body, &self.program.facts())?;
         let source = self.program.source()?;
         let source: &dyn SkySource = source.as_ref();
-        let ask = self.ask(&body, source.facts())?;
-        for sky in &ask.skies {
-            let site = source.site(&sky.scene, sky.scenario.as_ref(), sky.place);
-            site.map_err(|error| query::failure(&error.at(sky.place)))?;
-        }
-        let failure = |error: skyglow_app::source::SourceError| match ask.skies.as_slice() {
-            [sky] => query::failure(&error.of_sky(sky)),
-            _ => query::failure(&error.into()),
-        };
-        let (id, _) = make_plan(source, &ask).map_err(failure)?;
-        let kept = find_plan(source, &id).map_err(failure)?;
-        let bytes = encode_plan(&kept, ask.limit, self.output.format).map_err(Failure::work)?;
+        let request = self.request(&body, source.facts())?;
+        let failure = |error| query::failure(&error);
+        let view = prepare_plan(source, &request).map_err(failure)?;
+        let (plan, _) = make_plan(source, &request, &view).map_err(failure)?;
+        let bytes = encode_plan(&plan, request.limit, self.output.format).map_err(Failure::work)?;
         let path = &self.output.path;
         std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))?;
-        super::print_line(id.as_str())
+        print::print_line(plan.id.as_str())
     }
 
-    fn ask(&self, body: &[u8], facts: &SourceFacts) -> Result<PlanStoreRequest, Failure> {
+    fn request(&self, body: &[u8], facts: &SourceFacts) -> Result<PlanStoreRequest, Failure> {
         request::plan(Some(self.query.query()), body, self.scene.clone(), facts)
             .map_err(|error| query::failure(&error))
     }

@@ -1,6 +1,6 @@
 //! `skyglow precompute`: the table pack of one turbidity, or of several at once.
 
-use crate::{failure::Failure, folders, progress::Stages};
+use crate::{failure::Failure, folders, print, progress::Stages, values};
 use clap::Args;
 use skyglow_app::parameters::MAX_BASIS_FUNCTIONS;
 use skyglow_physics::{CloudBase, Turbidity};
@@ -18,7 +18,7 @@ pub(crate) struct Precompute {
         long,
         env = "SKYGLOW_TURBIDITY",
         value_name = "T",
-        value_parser = super::turbidity,
+        value_parser = values::turbidity,
         value_delimiter = ',',
         required = true
     )]
@@ -27,13 +27,13 @@ pub(crate) struct Precompute {
     #[arg(long, env = "SKYGLOW_SCATTERING", value_enum, default_value = "multiple")]
     scattering: Orders,
     /// Albedo of the ground, 0 to 1, which sends light back up; with multiple scattering alone [default: 0.15]
-    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
+    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = values::albedo, allow_negative_numbers = true)]
     ground_albedo: Option<f64>,
     /// Base of a closed layer of cloud, whole metres above sea level [default: none, a clear sky]
     #[arg(long, env = "SKYGLOW_CLOUD_BASE", value_name = "M", value_parser = cloud_base_m)]
     cloud_base: Option<u32>,
     /// Albedo of that base from below, 0 to 1 [default: 0.5]
-    #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true, requires = "cloud_base")]
+    #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = values::albedo, allow_negative_numbers = true, requires = "cloud_base")]
     cloud_albedo: Option<f64>,
     /// Folder of the pack and its manifest [default: where `serve` looks for packs]
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
@@ -81,7 +81,7 @@ impl Precompute {
         let paths =
             precompute_together(&self.turbidity, &options, &out, &Stages::new()).map_err(Failure::work)?;
         for path in paths {
-            super::print_line(&path.display().to_string())?;
+            print::print_line(&path.display().to_string())?;
         }
         Ok(())
     }
@@ -126,8 +126,9 @@ mod tests {
         line.map_err(Failure::work)?.precompute.options()
     }
 
+    /// All orders over the usual ground are what is made when nobody says.
     #[test]
-    fn all_orders_over_the_usual_ground_are_what_is_made_when_nobody_says() {
+    fn the_default_is_all_orders_over_usual_ground() {
         let default = options(&[]).unwrap();
         let full = PrecomputeOptions::full(Turbidity::new(3.0).unwrap());
         let wanted = PrecomputeOptions { scattering: Scattering::Multiple, ..full };
@@ -139,8 +140,9 @@ mod tests {
         assert_eq!(options(&["--ground-albedo", "0.8"]).unwrap().multiple.ground_albedo, 0.8);
     }
 
+    /// An albedo is a share and belongs to multiple scattering.
     #[test]
-    fn an_albedo_is_a_share_and_belongs_to_multiple_scattering() {
+    fn an_albedo_belongs_to_multiple_scattering() {
         for wrong in ["1.01", "-0.1", "NaN", "white"] {
             let refused = options(&["--ground-albedo", wrong]).unwrap_err().to_string();
             assert!(refused.contains("ground-albedo"), "{refused}");
@@ -150,8 +152,9 @@ mod tests {
         assert!(options(&["--scattering", "double"]).is_err());
     }
 
+    /// Clouds have a base in range and an albedo that is nothing without them.
     #[test]
-    fn clouds_have_a_base_in_range_and_an_albedo_that_is_nothing_without_them() {
+    fn clouds_have_a_base_in_range_and_an_albedo() {
         let clouds = |arguments: &[&str]| options(arguments).unwrap().clouds;
         assert_eq!(clouds(&[]), None);
         assert_eq!(clouds(&["--cloud-base", "1500"]), Clouds::new(1_500, 0.5).ok());

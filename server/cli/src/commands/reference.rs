@@ -3,17 +3,20 @@
 use crate::{
     failure::Failure,
     flags::DataFlags,
+    print,
     progress::Stages,
     query::{self, QueryFlags},
+    values,
 };
 use clap::Args;
 use serde::Serialize;
 use skyglow_app::{
     answers::{Assumptions, PanoramaAnswer},
+    conversion::above_clouds,
     parameters::ReferenceParameters,
     request,
-    source::{RenderContext, RenderedSky, SkyQuery, SourceError},
 };
+use skyglow_observatory::{RenderContext, RenderedSky, SkyRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Fixture, Horizon, Lamp,
     SkyCover, SkyQuantities, SourcePixel,
@@ -46,10 +49,10 @@ pub(crate) struct Reference {
     #[arg(long, env = "SKYGLOW_DIRECTIONS", value_name = "N|all", default_value = "500", value_parser = samples)]
     directions: Samples,
     /// Lambertian albedo of the ground, 0 to 1, for multiple scattering [default: 0.15]
-    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
+    #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = values::albedo, allow_negative_numbers = true)]
     ground_albedo: Option<f64>,
     /// Lambertian albedo of the base of --clouds from below, 0 to 1 [default: 0.5]
-    #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = super::albedo, allow_negative_numbers = true)]
+    #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = values::albedo, allow_negative_numbers = true)]
     cloud_albedo: Option<f64>,
     #[command(flatten)]
     query: QueryFlags<ReferenceParameters>,
@@ -88,50 +91,50 @@ impl Reference {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let cloud_albedo = self.cloud_albedo.unwrap_or(CloudBase::DEFAULT_ALBEDO);
         let facts = query::reference_facts(self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO), cloud_albedo);
-        let (query, light) = request::sky(Some(self.query.query()), self.scene.clone(), &facts)
+        let (request, light) = request::sky(Some(self.query.query()), self.scene.clone(), &facts)
             .map_err(|error| query::failure(&error))?;
-        if query.scattering == Scattering::Single && self.ground_albedo.is_some() {
+        if request.scattering == Scattering::Single && self.ground_albedo.is_some() {
             return Err(Failure::Usage(
                 "--ground-albedo means nothing with --scattering single: light of the first order never comes from \
                  the ground"
                     .to_owned(),
             ));
         }
-        if query.cloud_base_m.is_none() && self.cloud_albedo.is_some() {
+        if request.cloud_base_m.is_none() && self.cloud_albedo.is_some() {
             return Err(Failure::Usage("--cloud-albedo means nothing without --clouds".to_owned()));
         }
-        let clouds = query.cloud_base_m.map(|base_m| Clouds::new(base_m, cloud_albedo)).transpose();
+        let clouds = request.cloud_base_m.map(|base_m| Clouds::new(base_m, cloud_albedo)).transpose();
         let clouds = clouds.map_err(|error| Failure::Usage(error.to_string()))?;
-        let atmosphere = Atmosphere::new(query.turbidity).under(clouds.map(Clouds::base));
-        let scene = self.scene(&query)?;
-        if !scene.contains(query.place) {
+        let atmosphere = Atmosphere::new(request.turbidity).under(clouds.map(Clouds::base));
+        let scene = self.scene(&request)?;
+        if !scene.contains(request.place) {
             let [west, south, east, north] = scene.metadata().bounds;
             return Err(Failure::Work(format!(
                 "the place lies outside the scene, which reaches from west {west} south {south} to east {east} \
                  north {north}"
             )));
         }
-        let ground = scene.ground(query.place);
-        let altitude_m = query.eye_height.altitude_m(ground);
+        let ground = scene.ground(request.place);
+        let altitude_m = request.observer_height.altitude_m(ground);
         if let Some(clouds) = clouds.filter(|clouds| altitude_m > clouds.ceiling_m()) {
             let (base_m, maximum_m) = (clouds.base_m(), clouds.ceiling_m());
-            return Err(query::failure(&SourceError::AboveClouds { altitude_m, base_m, maximum_m }.into()));
+            return Err(query::failure(&above_clouds(altitude_m, base_m, maximum_m)));
         }
-        let kinds = lights(&scene, &query);
+        let kinds = lights(&scene, &request);
         let horizon =
-            if query.terrain_hides { scene.horizon(query.place, altitude_m) } else { Horizon::flat() };
+            if request.terrain_hides { scene.horizon(request.place, altitude_m) } else { Horizon::flat() };
         // Ground needs no sum, and what lies between directions of the sky is not to take from its darkness.
         let is_sky = |&(row, column): &GridSample| !horizon.hides_sample(row, column);
         let visible: Vec<GridSample> = self.directions.0.iter().copied().filter(is_sky).collect();
         let mut radiance = vec![[0.0; BAND_COUNT]; visible.len()];
         for (fixture, sources) in &kinds {
-            let light = SkyQuery {
-                emission: fixture.emission(query.emission),
-                lamp: Lamp { flux_per_dnb_flux: fixture.flux_per_dnb_flux(&query.lamp), ..query.lamp },
-                ..query.clone()
+            let light = SkyRequest {
+                emission: fixture.emission(request.emission),
+                lamp: Lamp { flux_per_dnb_flux: fixture.flux_per_dnb_flux(&request.lamp), ..request.lamp },
+                ..request.clone()
             };
             add(&mut radiance, sum(atmosphere, &light, altitude_m, sources, &visible));
-            if query.scattering == Scattering::Multiple {
+            if request.scattering == Scattering::Multiple {
                 add(&mut radiance, self.later_orders(atmosphere, &light, altitude_m, sources, &visible)?);
             }
         }
@@ -144,7 +147,7 @@ impl Reference {
             context: RenderContext {
                 altitude_m,
                 ground,
-                coverage: scene.coverage(query.place),
+                coverage: scene.coverage(request.place),
                 calibration: scene.metadata().calibration,
                 local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
                 flux_dnb_w: kinds
@@ -160,7 +163,7 @@ impl Reference {
         };
         // Skylines come from the terrain itself, also where the scene was stored without them.
         let metadata = SceneMetadata { light_skylines: scene.metadata().terrain, ..scene.metadata().clone() };
-        let mut assumptions = Assumptions::new(&query, &metadata, &sky.context, &facts);
+        let mut assumptions = Assumptions::new(&request, &metadata, &sky.context, &facts);
         let is_sample = self.directions.0.len() < ALL;
         if is_sample {
             assumptions.warnings.push(format!(
@@ -190,16 +193,16 @@ impl Reference {
             directions.sort_by_key(|direction| (direction.row, direction.column));
             fields.insert("directions".to_owned(), serde_json::to_value(directions).map_err(Failure::work)?);
         }
-        super::print_json(&answer)
+        print::print_json(&answer)
     }
 }
 
 impl Reference {
     /// The scene, with the changes of a scenario or plan.
-    fn scene(&self, query: &SkyQuery) -> Result<Scene, Failure> {
+    fn scene(&self, request: &SkyRequest) -> Result<Scene, Failure> {
         let folder = self.data.folder();
         let scene = SceneStore::new(&folder).open(&self.scene).map_err(Failure::work)?;
-        let Some(scenario) = &query.scenario else { return Ok(scene) };
+        let Some(scenario) = &request.scenario else { return Ok(scene) };
         let steps = ChangeStore::new(&folder, ChangeLimits::none())
             .steps(scenario, &self.scene, &scene.metadata().version)
             .map_err(Failure::work)?;
@@ -210,7 +213,7 @@ impl Reference {
     fn later_orders(
         &self,
         atmosphere: Atmosphere,
-        query: &SkyQuery,
+        request: &SkyRequest,
         altitude_m: f64,
         sources: &[BlockedSource],
         samples: &[GridSample],
@@ -219,7 +222,7 @@ impl Reference {
             atmosphere,
             ground_albedo: self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO),
             observer_altitude_m: altitude_m,
-            emission: query.emission,
+            emission: request.emission,
             resolution: Resolution::table(),
             density: SumDensity::default(),
         };
@@ -227,7 +230,7 @@ impl Reference {
         let stages = Stages::new();
         let fields = sum.field_count(sources);
         stages.begin(&format!("later orders: {fields} fields"), fields as u64);
-        sum.cut_radiance(sources, query.lamp.flux_per_dnb_flux, &directions, &|| stages.advance(1))
+        sum.cut_radiance(sources, request.lamp.flux_per_dnb_flux, &directions, &|| stages.advance(1))
             .map_err(|error| Failure::Usage(error.to_string()))
     }
 }
@@ -239,24 +242,24 @@ fn add(radiance: &mut [[f64; BAND_COUNT]], more: Vec<[f64; BAND_COUNT]>) {
 }
 
 /// Every light around the observer by kinds of fixtures, behind its skyline where terrain is to hide.
-fn lights(scene: &Scene, query: &SkyQuery) -> Vec<(Fixture, Vec<BlockedSource>)> {
-    if query.terrain_hides && scene.metadata().terrain {
+fn lights(scene: &Scene, request: &SkyRequest) -> Vec<(Fixture, Vec<BlockedSource>)> {
+    if request.terrain_hides && scene.metadata().terrain {
         let stages = Stages::new();
         stages.begin("skylines of lights", 1);
-        let sources = scene.blocked_sources_by_fixture(query.place);
+        let sources = scene.blocked_sources_by_fixture(request.place);
         stages.advance(1);
         return sources;
     }
     let open = |pixels: Vec<SourcePixel>| {
-        point_sources(query.place, &pixels).into_iter().map(BlockedSource::open).collect()
+        point_sources(request.place, &pixels).into_iter().map(BlockedSource::open).collect()
     };
-    let pixels = scene.source_pixels_by_fixture(query.place, FARTHEST_SOURCE_M);
+    let pixels = scene.source_pixels_by_fixture(request.place, FARTHEST_SOURCE_M);
     pixels.into_iter().map(|(fixture, pixels)| (fixture, open(pixels))).collect()
 }
 
 fn sum(
     atmosphere: Atmosphere,
-    query: &SkyQuery,
+    request: &SkyRequest,
     altitude_m: f64,
     sources: &[BlockedSource],
     samples: &[GridSample],
@@ -268,8 +271,8 @@ fn sum(
         &[atmosphere],
         sources,
         altitude_m,
-        query.emission,
-        query.lamp.flux_per_dnb_flux,
+        request.emission,
+        request.lamp.flux_per_dnb_flux,
         &directions,
         &|| stages.advance(1),
     )

@@ -1,9 +1,9 @@
 //! `skyglow scenario`: paints over a scene.
 
-use crate::{failure::Failure, flags::DataFlags, query};
+use crate::{failure::Failure, flags::DataFlags, print, query};
 use clap::Args;
-use skyglow_app::{answers::ScenarioAnswer, request, source::SourceError};
-use skyglow_observatory::store_scenario;
+use skyglow_app::{answers::ScenarioAnswer, request};
+use skyglow_observatory::{ScenarioRecord, store_scenario};
 use skyglow_scene::SceneId;
 use std::{
     path::PathBuf,
@@ -35,9 +35,10 @@ impl Scenario {
         let body = std::fs::read(&self.changes).map_err(|error| Failure::file(&self.changes, error))?;
         let scenario =
             request::scenario(None, &body, self.scene.clone()).map_err(|error| query::failure(&error))?;
-        let (id, summary, scene) = store_scenario(&self.data.folder(), &scenario)
-            .map_err(|error| query::failure(&SourceError::from(error).into()))?;
+        let (id, summary, scene) =
+            store_scenario(&self.data.folder(), &scenario).map_err(|error| query::failure(&error.into()))?;
         let now_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-        super::print_json(&ScenarioAnswer::new(&id, &scenario, &summary, &scene, now_s))
+        let record = ScenarioRecord { scenario, summary, scene, created_unix_s: now_s };
+        print::print_json(&ScenarioAnswer::new(&id, &record))
     }
 }

@@ -3,7 +3,7 @@
 use crate::{
     failure::Failure,
     flags::{DataFlags, JsonFlags},
-    report,
+    print, report,
     table::aligned,
 };
 use clap::Args;
@@ -26,15 +26,15 @@ impl Scenes {
         let SceneList { scenes, mut damaged } = store.list().map_err(Failure::work)?;
         let outcome = if damaged.is_empty() { Ok(()) } else { Err(Failure::work(damaged.swap_remove(0))) };
         if self.json.json {
-            super::print_json(&scenes)?;
+            print::print_json(&scenes)?;
             return outcome;
         }
         if scenes.is_empty() && outcome.is_ok() {
-            return super::print_line(&format!("no scenes in {}", store.scenes_dir().display()));
+            return print::print_line(&format!("no scenes in {}", store.scenes_dir().display()));
         }
         for scene in &scenes {
-            super::print_line(&format!("{} ({})", scene.id, scene.title))?;
-            super::print_line(aligned(&report::rows(scene)).trim_end())?;
+            print::print_line(&format!("{} ({})", scene.id, scene.title))?;
+            print::print_line(aligned(&report::rows(scene)).trim_end())?;
         }
         outcome
     }

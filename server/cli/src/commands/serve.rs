@@ -1,10 +1,6 @@
 //! `skyglow serve`: the server.
 
-use crate::{
-    failure::Failure,
-    logging, program,
-    settings::{PartialSettings, Settings},
-};
+use crate::{failure::Failure, logging, partial_settings::PartialSettings, program, settings::Settings};
 use clap::Args;
 use skyglow_app::SkySource;
 use skyglow_http::{router_with_access, serve};

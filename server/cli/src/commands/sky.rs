@@ -3,7 +3,9 @@
 use crate::{
     failure::Failure,
     flags::{JsonFlags, ProgramFlags},
+    print,
     query::{self, QueryFlags},
+    render,
     table::aligned,
 };
 use clap::Args;
@@ -38,12 +40,12 @@ impl Sky {
         };
         read(&self.program.facts())?;
         let source = self.program.source()?;
-        let (query, _) = read(source.facts())?;
-        let (assumptions, sky) = super::rendered(source.as_ref(), query)?;
+        let (request, _) = read(source.facts())?;
+        let (assumptions, sky) = render::rendered(source.as_ref(), request)?;
         if self.json.json {
-            return super::print_json(&SkyAnswer { assumptions, sky: (&sky.quantities).into() });
+            return print::print_json(&SkyAnswer { assumptions, sky: sky.quantities });
         }
-        super::print_line(aligned(&rows(&assumptions, &sky.quantities)).trim_end())
+        print::print_line(aligned(&rows(&assumptions, &sky.quantities)).trim_end())
     }
 }
 

@@ -1,4 +1,4 @@
-//! ConcurrencyLimit for so many requests at a time, and a limit on how long each takes.
+//! A limit on the requests that are worked on at a time and on how long each takes.
 
 use crate::{error::ApiError, state::AppState};
 use axum::{
@@ -10,7 +10,7 @@ use skyglow_app::error::AppError;
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 
-/// The state with its limit for requests.
+/// The permits for requests, with the state.
 #[derive(Clone)]
 pub struct ConcurrencyLimit {
     state: AppState,
@@ -18,14 +18,14 @@ pub struct ConcurrencyLimit {
 }
 
 impl ConcurrencyLimit {
-    /// ConcurrencyLimit as configured.
+    /// The limit as configured.
     pub fn new(state: AppState) -> Self {
         let permits = state.config.concurrent_requests.clamp(1, Semaphore::MAX_PERMITS);
         Self { state, permits: Arc::new(Semaphore::new(permits)) }
     }
 }
 
-/// Answers 503 at once when there is no limit, and after the longest time allowed.
+/// Answers 503 at once when no permit is free, and after the longest time allowed.
 pub async fn limit_concurrency(
     State(limit): State<ConcurrencyLimit>,
     request: Request,

@@ -13,7 +13,7 @@ use std::{
     time::Instant,
 };
 
-/// Buckets that are kept before full ones are thrown away.
+/// Buckets that are stored before full ones are thrown away.
 const MAX_BUCKETS: usize = 10_000;
 
 #[derive(Clone, Copy, Debug)]
@@ -150,8 +150,9 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
+    /// A burst is free then the rate holds for each client alone.
     #[test]
-    fn a_burst_is_free_then_the_rate_holds_for_each_client_alone() {
+    fn the_rate_holds_after_a_burst_by_client() {
         let limiter = RateLimiter::new(2.0, 3);
         let start = Instant::now();
         let (a, b): (IpAddr, IpAddr) = ("10.0.0.1".parse().unwrap(), "10.0.0.2".parse().unwrap());
@@ -165,8 +166,9 @@ mod tests {
         assert!(limiter.take(a, start + Duration::from_millis(700)).is_err());
     }
 
+    /// A rate of 0 is no limit and addresses of one network are one client.
     #[test]
-    fn a_rate_of_0_is_no_limit_and_addresses_of_one_network_are_one_client() {
+    fn rate_0_is_no_limit_and_a_network_one_client() {
         let none = RateLimiter::new(0.0, 1);
         let client: IpAddr = "2001:db8::1".parse().unwrap();
         assert!((0..100).all(|_| none.take(client, Instant::now()).is_ok()));

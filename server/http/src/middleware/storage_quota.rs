@@ -1,4 +1,4 @@
-//! A share of what is kept for each client address: what one client keeps pushes out what others kept.
+//! A storage quota for each client address: what one client stores pushes out what others stored.
 
 use super::{body::BodyLength, rate_limit::RateLimiter};
 use crate::{
@@ -21,13 +21,13 @@ use std::{
 
 /// Bytes that count as one scenario.
 const SCENARIO_BYTES: f64 = 16_384.0;
-/// What a plan is charged before it is known: who goes away before the answer has had it kept all the same.
+/// What a plan is charged before it is known: who goes away before the answer has had it stored all the same.
 const PLAN_DEPOSIT: f64 = 8.0;
 const DAY: Duration = Duration::from_secs(86_400);
 /// Scenarios and plans of a day that are remembered as counted.
 const MAX_COUNTED: u64 = 100_000;
 
-/// What an answer says of the bytes that it had kept, where these are not those of the request's body; 0 where nothing new was.
+/// What an answer says of the bytes that it had stored, where these are not those of the request's body; 0 where nothing new was.
 #[derive(Clone, Copy, Debug)]
 pub struct StoredLength(pub usize);
 
@@ -66,8 +66,8 @@ impl StorageQuota {
     }
 }
 
-/// Answers 429 to an address that had more scenarios and plans kept than its share of a day: what is kept is not without end. What is
-/// refused, or was kept before, does not count. Known clients have their quotas. Pages of other sites keep nothing: a visitor's share
+/// Answers 429 to an address that had more scenarios and plans stored than its share of a day: storage is not without end. What is
+/// refused, or was stored before, does not count. Known clients have their quotas. Pages of other sites store nothing: a visitor's share
 /// is not theirs to spend.
 pub async fn limit_storage(
     State((state, quota)): State<(AppState, Arc<StorageQuota>)>,
@@ -142,14 +142,14 @@ mod tests {
     fn what_is_kept_counts_once_and_by_its_length() {
         let quota = StorageQuota::new(100);
         assert_eq!(quota.count(&created("/a", None), 3.0, 3.0), 3.0);
-        assert_eq!(quota.count(&created("/a", None), 3.0, 3.0), 0.0, "kept before");
+        assert_eq!(quota.count(&created("/a", None), 3.0, 3.0), 0.0, "stored before");
         assert_eq!(quota.count(&created("/b", Some(1)), 1.0, 8.0), 1.0);
         assert_eq!(quota.count(&created("/c", Some(40_000)), 1.0, 8.0), 3.0);
-        assert_eq!(quota.count(&created("/d", Some(0)), 1.0, 8.0), 0.0, "nothing new was kept");
-        assert_eq!(quota.count(&Response::new(Body::empty()), 1.0, 8.0), 0.0, "nothing was kept");
+        assert_eq!(quota.count(&created("/d", Some(0)), 1.0, 8.0), 0.0, "nothing new was stored");
+        assert_eq!(quota.count(&Response::new(Body::empty()), 1.0, 8.0), 0.0, "nothing was stored");
         let mut late = Response::new(Body::empty());
         late.extensions_mut().insert(TookTooLong);
-        assert_eq!(quota.count(&late, 1.0, 8.0), 8.0, "it may be kept yet");
+        assert_eq!(quota.count(&late, 1.0, 8.0), 8.0, "it may be stored yet");
     }
 
     #[test]

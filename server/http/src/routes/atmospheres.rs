@@ -1,7 +1,7 @@
 //! The resident table packs.
 
 use super::frame::{Answer, JsonRequest};
-use crate::{problem::Problem, respond::CachePolicy};
+use crate::{refusals::BadParameters, respond::CachePolicy};
 use skyglow_app::answers::AtmosphereAnswer;
 
 /// Lists the resident table packs: those of first-order scattering, then those of all orders, each ascending in
@@ -13,10 +13,10 @@ use skyglow_app::answers::AtmosphereAnswer;
     responses(
         (status = 200, description = "The packs", body = Vec<AtmosphereAnswer>),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
     )
 )]
-pub async fn list_atmospheres(asked: JsonRequest) -> Answer {
-    asked.without_parameters()?;
-    asked.answer(CachePolicy::Revalidate, |source| Ok(source.atmospheres())).await
+pub async fn list_atmospheres(request: JsonRequest) -> Answer {
+    request.without_parameters()?;
+    request.answer(CachePolicy::Revalidate, |source| Ok(source.atmospheres())).await
 }

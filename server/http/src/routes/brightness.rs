@@ -1,38 +1,39 @@
 //! How bright the zenith is at every place of a scene.
 
-use super::tiles::metadata;
-use crate::{error::ApiError, etag::ETag, state::AppState};
-use skyglow_app::error::AppError;
-use skyglow_observatory::{BrightnessMap, BrightnessRequest};
-use skyglow_scene::SceneMetadata;
+use crate::{error::ApiError, state::AppState};
+use skyglow_app::fingerprint::brightness_key;
+use skyglow_observatory::{BrightnessMap, BrightnessRequest, SceneView};
 use std::sync::Arc;
 use tracing::Instrument;
 
-/// A map that may be found: the scene's version is known.
+/// A map that may be found: its scene is resolved.
 #[derive(Clone, Debug)]
 pub(super) struct PreparedBrightness {
-    query: Arc<BrightnessRequest>,
-    /// The scene, with its changes.
-    pub(super) scene: SceneMetadata,
-    /// What decides the map, as text for ETags. It is found on the processor, whatever renders skies.
+    request: Arc<BrightnessRequest>,
+    view: SceneView,
+    /// What decides the map, as text for ETags.
     pub(super) key: String,
 }
 
 impl PreparedBrightness {
-    /// Looks up the scene; finds nothing yet.
+    /// Resolves the scene; finds nothing yet.
     ///
     /// # Errors
     /// No such scene or scenario.
-    pub(super) async fn prepare(state: &AppState, query: BrightnessRequest) -> Result<Self, ApiError> {
-        let scene = metadata(state, &query.scene, query.scenario.as_ref()).await?;
-        let checksums = &state.source.facts().pack_checksums;
-        let key = ETag::of(&["brightness", &format!("{query:?}"), &scene.version, checksums]).header();
-        Ok(Self { query: Arc::new(query), scene, key })
+    pub(super) async fn prepare(state: &AppState, request: BrightnessRequest) -> Result<Self, ApiError> {
+        let view = state.view(&request.scene, request.scenario.as_ref()).await?;
+        let key = brightness_key(&request, view.version(), state.source.facts())?;
+        Ok(Self { request: Arc::new(request), view, key })
     }
 
     /// What it is asked with.
-    pub(super) fn query(&self) -> &BrightnessRequest {
-        &self.query
+    pub(super) fn request(&self) -> &BrightnessRequest {
+        &self.request
+    }
+
+    /// The scene, with its changes.
+    pub(super) fn view(&self) -> &SceneView {
+        &self.view
     }
 
     /// Whether the map is found; if not, it is begun, and nobody waits for it here.
@@ -49,14 +50,8 @@ impl PreparedBrightness {
     /// Finds the map, or takes the one found before.
     ///
     /// # Errors
-    /// As [`AppState::brightness`], and [`AppError::Busy`] where the scene was ingested again meanwhile.
+    /// As [`AppState::brightness`].
     pub(super) async fn find(&self, state: &AppState) -> Result<Arc<BrightnessMap>, ApiError> {
-        let map = state.brightness(&self.key, Arc::clone(&self.query)).await?;
-        if map.scene().version != self.scene.version {
-            // The key is that of the scene before.
-            state.forget_brightness(&self.key).await;
-            return Err(ApiError::App(AppError::Busy { retry_after_s: 1 }));
-        }
-        Ok(map)
+        state.brightness(&self.key, Arc::clone(&self.request), self.view.clone()).await
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     error::ApiError,
-    problem::Problem,
+    refusals::BadParameters,
     respond::{CachePolicy, bytes_by_content},
     state::AppState,
 };
@@ -52,7 +52,7 @@ fn page(
     tag = "operation",
     responses(
         (status = 200, description = "The page", body = String, content_type = "text/html"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
     )
 )]
 pub async fn get_docs(RawQuery(query): RawQuery, headers: HeaderMap) -> Result<Response<Body>, ApiError> {

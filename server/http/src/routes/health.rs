@@ -1,6 +1,8 @@
 //! Whether the server lives and is ready, and its counters.
 
-use crate::{error::ApiError, problem::Problem, respond::json_bytes, state::AppState};
+use crate::{
+    error::ApiError, problem::Problem, refusals::BadParameters, respond::json_bytes, state::AppState,
+};
 use axum::{
     body::Body,
     extract::{RawQuery, State},
@@ -24,7 +26,7 @@ fn fresh(media_type: &'static str, body: Vec<u8>) -> Response<Body> {
     tag = "operation",
     responses(
         (status = 200, description = "The server lives", body = HealthAnswer),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
     )
 )]
 pub async fn get_health(RawQuery(query): RawQuery) -> Result<Response<Body>, ApiError> {
@@ -40,7 +42,7 @@ pub async fn get_health(RawQuery(query): RawQuery) -> Result<Response<Body>, Api
     tag = "operation",
     responses(
         (status = 200, description = "The server is ready", body = HealthAnswer),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
         (status = 503, description = "Tables or device are not ready", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -63,7 +65,7 @@ pub async fn get_readiness(
     tag = "operation",
     responses(
         (status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
     )
 )]
 pub async fn get_metrics(

@@ -5,6 +5,7 @@ use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
+    refusals::{BodyTooLong, NotAcceptable, OfSky},
     respond::{CachePolicy, Caching},
     state::AppState,
 };
@@ -13,51 +14,49 @@ use axum::{
     extract::{Path, RawQuery, State},
     http::{HeaderMap, HeaderValue, Response, header},
 };
-use skyglow_app::error::AppError;
 use skyglow_app::{
     accept::{INFLUENCES_OFFERED, InfluenceFormat, negotiate_influence},
     answers::{Assumptions, InfluenceAnswer},
+    fingerprint::fingerprint,
     influence_file::encode_influences,
     parameters::{InfluenceParameters, InfluenceRasterParameters},
     request::{InfluenceBody, InfluenceListRequest, influence, scene_id},
-    source::{InfluenceQuery, SkySource},
+    source::SkySource,
 };
-use skyglow_observatory::InfluenceMap;
+use skyglow_observatory::{InfluenceMap, InfluenceRequest, SceneView};
 use std::sync::Arc;
 
-/// Influences that may be found: the place is in the scene, the scene's version is known.
+/// Influences that may be found: the place is in the scene, which is resolved.
 #[derive(Clone, Debug)]
 pub struct PreparedInfluence {
-    query: Arc<InfluenceQuery>,
-    sky: PreparedSky,
+    request: Arc<InfluenceRequest>,
+    view: SceneView,
     /// What decides the map, as text for ETags.
     pub key: String,
 }
 
 impl PreparedInfluence {
-    /// Looks up the scene and checks the place; finds nothing yet.
+    /// Resolves the scene and checks the place; finds nothing yet.
     ///
     /// # Errors
     /// As [`PreparedSky::prepare`].
-    pub async fn prepare(state: &AppState, query: InfluenceQuery) -> Result<Self, ApiError> {
-        let sky = PreparedSky::prepare(state, query.sky.clone()).await?;
-        let key = ETag::of(&["influence", &sky.key, &format!("{:?}", query.measure)]).header();
-        Ok(Self { query: Arc::new(query), sky, key })
+    pub async fn prepare(state: &AppState, request: InfluenceRequest) -> Result<Self, ApiError> {
+        let PreparedSky { view, key, .. } = PreparedSky::prepare(state, request.sky.clone()).await?;
+        let key = fingerprint(&("influence", key, &request.measure))?;
+        Ok(Self { request: Arc::new(request), view, key })
+    }
+
+    /// The scene.
+    pub(super) fn view(&self) -> &SceneView {
+        &self.view
     }
 
     /// Finds the influences, or takes those found before.
     ///
     /// # Errors
-    /// As [`PreparedSky::render`], a region without a visible direction, and [`AppError::Busy`] where the scene was ingested again
-    /// meanwhile.
+    /// As [`PreparedSky::render`], and a region without a visible direction.
     pub async fn find(&self, state: &AppState) -> Result<Arc<InfluenceMap>, ApiError> {
-        let map = state.influence(&self.key, self.query.clone()).await?;
-        if map.scene().version != self.sky.scene.version {
-            // The key is that of the scene before.
-            state.forget_influence(&self.key).await;
-            return Err(ApiError::App(AppError::Busy { retry_after_s: 1 }));
-        }
-        Ok(map)
+        state.influence(&self.key, Arc::clone(&self.request), self.view.clone()).await
     }
 }
 
@@ -75,12 +74,8 @@ macro_rules! formats {
                     ("server-timing" = String, description = "Milliseconds that each step of finding the map took, when it was found"),
                 )),
                 (status = 304, description = "The client has this answer already; nothing was computed"),
-                (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-                (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-                (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+                OfSky,
                 $($refusal)*
-                (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
-                (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
             )
         )]
         pub async fn $get(
@@ -104,13 +99,10 @@ macro_rules! formats {
                     ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
                     ("server-timing" = String, description = "Milliseconds that each step of finding the map took, when it was found"),
                 )),
+                OfSky,
+                BodyTooLong,
                 (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
-                (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-                (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
                 $($refusal)*
-                (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
-                (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
-                (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
             )
         )]
         pub async fn $post(
@@ -133,7 +125,7 @@ formats! {
             (Object = "application/geo+json"),
             (String = "text/csv"),
         )},
-        {(status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),},
+        {NotAcceptable,},
         "Which lights cause the sky of a place, in the format that the Accept header prefers: JSON, GeoTIFF, GeoJSON or CSV.";
     get_influence_json, post_influence_json, ".json", Some(InfluenceFormat::Json), InfluenceParameters,
         {body = InfluenceAnswer, content_type = "application/json"}, {},
@@ -177,19 +169,19 @@ async fn answer(
     let read = move |source: &dyn SkySource| {
         Ok(influence(text.as_deref(), body.as_deref(), id, source.facts(), format)?)
     };
-    let ask = if is_get { read(state.source.as_ref())? } else { state.blocking(read).await? };
-    let asked = PreparedInfluence::prepare(&state, ask.query.clone()).await?;
-    let listed = format.is_list().then_some(ask.limit);
-    let etag = ETag::of(&[&asked.key, format.extension(), &format!("{listed:?} {body_tag:?}")]);
+    let request = if is_get { read(state.source.as_ref())? } else { state.blocking(read).await? };
+    let prepared = PreparedInfluence::prepare(&state, request.request.clone()).await?;
+    let listed = format.is_list().then_some(request.limit);
+    let etag = ETag::of(&(&prepared.key, format.extension(), listed, body_tag))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary };
     if is_get && let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
-    let map = asked.find(&state).await?;
-    let assumptions = Assumptions::of_influences(&ask.query, &map, state.source.facts());
+    let map = prepared.find(&state).await?;
+    let assumptions = Assumptions::of_influences(&request.request, &map, state.source.facts());
     let warnings = assumptions.warnings.clone();
     let times = server_timing(&map);
-    let bytes = encoded(&state, assumptions, map, ask, format).await?;
+    let bytes = encoded(&state, assumptions, map, request, format).await?;
     let mut response = caching.ok(format.media_type(), bytes);
     put_warnings(&mut response, &warnings);
     if let Ok(times) = HeaderValue::from_str(&times) {
@@ -202,10 +194,11 @@ async fn encoded(
     state: &AppState,
     assumptions: Assumptions,
     map: Arc<InfluenceMap>,
-    ask: InfluenceListRequest,
+    request: InfluenceListRequest,
     format: InfluenceFormat,
 ) -> Result<Vec<u8>, ApiError> {
-    let encode = move |_: &_| encode_influences(assumptions, &map, &ask, format).map_err(ApiError::internal);
+    let encode =
+        move |_: &_| encode_influences(assumptions, &map, &request, format).map_err(ApiError::internal);
     state.heavy(encode).await
 }
 

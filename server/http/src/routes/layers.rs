@@ -1,14 +1,11 @@
 //! Map layers as rasters.
 
-use super::{
-    brightness::PreparedBrightness,
-    sky::put_warnings,
-    tiles::{metadata, scenario_of},
-};
+use super::{brightness::PreparedBrightness, sky::put_warnings, tiles::scenario_of};
 use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
+    refusals::BadParameters,
     respond::{CachePolicy, Caching},
     state::{AppState, EncodedAnswer},
 };
@@ -40,7 +37,7 @@ macro_rules! layers {
             responses(
                 (status = 200, description = "The raster", body = Vec<u8>, content_type = "image/tiff"),
                 (status = 304, description = "The client has this answer already; nothing was computed"),
-                (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+                BadParameters,
                 (status = 404, description = "No such scene or scenario", body = Problem, content_type = "application/problem+json"),
                 (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
                 (status = 422, description = "Turbidity out of range", body = Problem, content_type = "application/problem+json"),
@@ -79,14 +76,14 @@ async fn scene_layer(
 ) -> Result<Response<Body>, ApiError> {
     let id = scene_id(scene)?;
     let scenario = scenario_of(query, layer)?;
-    let scene = metadata(state, &id, scenario.as_ref()).await?;
-    let etag = ETag::of(&["layer", &scene.version, &format!("{layer:?}")]);
+    let view = state.view(&id, scenario.as_ref()).await?;
+    let etag = ETag::of(&("layer", view.version(), layer))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
-    let make = state.find(move |source| {
-        let scene = source.open_scene(&id, scenario.as_ref())?;
+    let make = state.with_influence_permit(move |_| {
+        let scene = view.scene();
         let places = scene.layer_at_places(layer, scene.place_lattice(MAX_PIXELS));
         let places = places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
         let unit = match layer {
@@ -115,16 +112,16 @@ async fn brightness_layer(
     headers: &HeaderMap,
     (): (),
 ) -> Result<Response<Body>, ApiError> {
-    let ask = brightness(query, scene_id(scene)?, state.source.facts())?;
-    let asked = PreparedBrightness::prepare(state, ask).await?;
+    let request = brightness(query, scene_id(scene)?, state.source.facts())?;
+    let prepared = PreparedBrightness::prepare(state, request).await?;
     let caching =
-        Caching { etag: ETag::of(&["layer", &asked.key]), policy: CachePolicy::Minutes, vary: None };
+        Caching { etag: ETag::of(&("layer", &prepared.key))?, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
     let make = async {
-        let map = asked.find(state).await?;
-        let assumptions = BrightnessAssumptions::new(asked.query(), &map, state.source.facts());
+        let map = prepared.find(state).await?;
+        let assumptions = BrightnessAssumptions::new(prepared.request(), &map, state.source.facts());
         let warnings = assumptions.warnings.clone();
         let write = move |_: &dyn SkySource| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
@@ -134,7 +131,7 @@ async fn brightness_layer(
             let words = RasterMetadata { description: &description, unit: "cd m-2", notes: &notes };
             map.open_scene().places_geotiff(map.places(), &words).map_err(ApiError::internal)
         };
-        let bytes = state.find(write).await?;
+        let bytes = state.with_influence_permit(write).await?;
         Ok(EncodedAnswer { bytes: bytes.into(), warnings, ..EncodedAnswer::default() })
     };
     let made = state.answer(&caching.etag, make).await?;

@@ -4,7 +4,7 @@ use super::sky::{PreparedSky, put_times, put_warnings, times_of};
 use crate::{
     error::ApiError,
     etag::ETag,
-    problem::Problem,
+    refusals::{NotAcceptable, OfSky},
     respond::{CachePolicy, Caching},
     state::{AppState, EncodedAnswer},
 };
@@ -15,10 +15,11 @@ use axum::{
 };
 use skyglow_app::{
     accept::{Format, OFFERED, negotiate},
-    answers::{PanoramaAnswer, sky_warnings},
+    answers::PanoramaAnswer,
     drawing::draw,
     parameters::{GridParameters, PanoramaParameters, RasterParameters},
     request::{panorama, scene_id},
+    source::SkySource,
 };
 
 /// The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for
@@ -40,12 +41,8 @@ use skyglow_app::{
             ("server-timing" = String, description = "Milliseconds of each pass of the rendering"),
         )),
         (status = 304, description = "The client has this answer already; nothing was rendered"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+        OfSky,
+        NotAcceptable,
     )
 )]
 pub async fn get_panorama(
@@ -74,11 +71,7 @@ macro_rules! formats {
                     ("server-timing" = String, description = "Milliseconds of each pass of the rendering"),
                 )),
                 (status = 304, description = "The client has this answer already; nothing was rendered"),
-                (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-                (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-                (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
-                (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
-                (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+                OfSky,
             )
         )]
         pub async fn $name(
@@ -113,25 +106,22 @@ async fn answer(
     format: Format,
     vary: Option<&'static str>,
 ) -> Result<Response<Body>, ApiError> {
-    let (query, view) = panorama(query, scene_id(scene)?, state.source.facts(), format)?;
-    let asked = PreparedSky::prepare(&state, query).await?;
-    let etag = ETag::of(&["panorama", &asked.key, format.extension(), &format!("{view:?}")]);
+    let (request, picture) = panorama(query, scene_id(scene)?, state.source.facts(), format)?;
+    let prepared = PreparedSky::prepare(&state, request).await?;
+    let etag = ETag::of(&("panorama", &prepared.key, format.extension(), picture))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary };
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
     let make = async {
-        let rendered = asked.render(&state).await?;
-        let warnings = sky_warnings(&asked.query, &asked.scene, &rendered.context, state.source.facts());
+        let rendered = prepared.render(&state).await?;
+        let assumptions = prepared.assumptions(&state, &rendered);
+        let warnings = assumptions.warnings.clone();
         let times = times_of(&rendered);
-        let worker = (state.clone(), asked);
-        let bytes = state
-            .heavy(move |_| {
-                let (state, asked) = worker;
-                let assumptions = asked.assumptions(&state, &rendered);
-                draw(assumptions, &rendered, &view, format).map_err(ApiError::internal)
-            })
-            .await?;
+        let draw = move |_: &dyn SkySource| {
+            draw(assumptions, &rendered, &picture, format).map_err(ApiError::internal)
+        };
+        let bytes = state.heavy(draw).await?;
         Ok(EncodedAnswer { bytes: bytes.into(), warnings, times })
     };
     let made = state.answer(&caching.etag, make).await?;

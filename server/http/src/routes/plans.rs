@@ -3,13 +3,13 @@
 use super::{
     frame::{Answer, JsonRequest},
     influence::preferred_format,
-    sky::PreparedSky,
 };
 use crate::{
     error::ApiError,
     etag::ETag,
     middleware::StoredLength,
     problem::Problem,
+    refusals::{BadParameters, BodyTooLong, Busy, NotAcceptable, OfScene, StorageRefused},
     respond::{CachePolicy, Caching, created},
     state::AppState,
 };
@@ -24,7 +24,7 @@ use skyglow_app::{
     answers::{PlanAnswer, PlanEntry},
     parameters::{PlanListParameters, PlanPostParameters},
     plan_file::{encode_plan, plan_answer},
-    planning::{find_plan, make_plan},
+    planning::{find_plan, make_plan, prepare_plan},
     request::{PlanBody, change_id, no_parameters, plan, plan_limit, scene_id},
     source::SkySource,
 };
@@ -41,13 +41,12 @@ use skyglow_app::{
     request_body = PlanBody,
     responses(
         (status = 201, description = "The plan; Location is its address", body = PlanAnswer),
+        StorageRefused,
+        BodyTooLong,
         (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene or scenario, or a site lies outside: then with the scene's bounds", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "The scenario is a plan for an earlier state of the scene, or, with `keep=on`, one that is not kept", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
-        (status = 429, description = "More than one client may have kept in a day, or too many requests; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy, or nothing can be kept; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn post_plan(
@@ -57,24 +56,21 @@ pub async fn post_plan(
     body: Bytes,
 ) -> Result<Response<Body>, ApiError> {
     let scene = scene_id(&scene)?;
-    let read = move |source: &dyn SkySource| Ok(plan(query.as_deref(), &body, scene, source.facts())?);
-    let ask = state.blocking(read).await?;
-    // Places and altitudes are refused as those of any sky.
-    for sky in &ask.skies {
-        PreparedSky::prepare(&state, sky.clone()).await?;
-    }
-    let make = move |source: &dyn SkySource| {
-        let (id, is_new) = make_plan(source, &ask).map_err(|error| match ask.skies.as_slice() {
-            [sky] => error.of_sky(sky),
-            _ => error.into(),
-        })?;
-        let plan = find_plan(source, &id)?;
-        let kept_bytes = if is_new { plan.stored_bytes() } else { 0 };
-        Ok((plan_answer(&plan, ask.limit), kept_bytes))
+    let read = move |source: &dyn SkySource| {
+        let request = plan(query.as_deref(), &body, scene, source.facts())?;
+        // Places and altitudes are refused as those of any sky.
+        let view = prepare_plan(source, &request)?;
+        Ok((request, view))
     };
-    let (answer, kept_bytes) = state.find(make).await?;
+    let (request, view) = state.blocking(read).await?;
+    let make = move |source: &dyn SkySource| {
+        let (plan, is_new) = make_plan(source, &request, &view)?;
+        let stored_bytes = if is_new { plan.stored_bytes() } else { 0 };
+        Ok((plan_answer(&plan, request.limit), stored_bytes))
+    };
+    let (answer, stored_bytes) = state.with_influence_permit(make).await?;
     let mut response = created(&format!("/api/v1/plans/{}", answer.id), &answer)?;
-    response.extensions_mut().insert(StoredLength(kept_bytes));
+    response.extensions_mut().insert(StoredLength(stored_bytes));
     Ok(response)
 }
 
@@ -87,15 +83,14 @@ pub async fn post_plan(
     responses(
         (status = 200, description = "The plans", body = Vec<PlanEntry>),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+        OfScene,
+        Busy,
     )
 )]
-pub async fn list_plans(asked: JsonRequest) -> Answer {
-    let scene = asked.scene()?;
-    no_parameters(asked.query.as_deref())?;
-    asked.heavy(CachePolicy::Revalidate, move |source| Ok(source.list_plans(&scene)?)).await
+pub async fn list_plans(request: JsonRequest) -> Answer {
+    let scene = request.scene()?;
+    no_parameters(request.query.as_deref())?;
+    request.heavy(CachePolicy::Revalidate, move |source| Ok(source.list_plans(&scene)?)).await
 }
 
 /// A plan, in the format that the Accept header prefers, or that its address ends in: `.json` what is said of it and the pixels
@@ -117,11 +112,11 @@ pub async fn list_plans(asked: JsonRequest) -> Answer {
             (String = "text/csv"),
         )),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
+        NotAcceptable,
+        Busy,
         (status = 404, description = "No such plan", body = Problem, content_type = "application/problem+json"),
-        (status = 406, description = "None of the accepted formats is there", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "The plan is for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_plan(
@@ -146,14 +141,13 @@ pub async fn get_plan(
     let limit = plan_limit(query.as_deref())?;
     let vary = format.is_none().then_some("accept");
     let format = format.map_or_else(|| preferred_format(&headers), Ok)?;
-    let kept = state.blocking(move |source| Ok(find_plan(source, &id)?)).await?;
-    let (tag, created) = (kept.id.to_string(), kept.created_unix_s.to_string());
-    let etag = ETag::of(&["plan", &tag, &created, format.extension(), &limit.to_string()]);
+    let record = state.blocking(move |source| Ok(find_plan(source, &id)?)).await?;
+    let etag = ETag::of(&("plan", &record.id, record.created_unix_s, format.extension(), limit))?;
     let caching = Caching { etag, policy: CachePolicy::Revalidate, vary };
     if let Some(response) = caching.not_modified(&headers) {
         return Ok(response);
     }
-    let encode = move |_: &dyn SkySource| encode_plan(&kept, limit, format).map_err(ApiError::internal);
+    let encode = move |_: &dyn SkySource| encode_plan(&record, limit, format).map_err(ApiError::internal);
     let bytes = state.heavy(encode).await?;
     Ok(caching.ok(format.media_type(), bytes))
 }

@@ -78,8 +78,9 @@ mod tests {
     use skyglow_app::error::AppError;
     use skyglow_app::validation::{FieldError, ValidationCode};
 
+    /// Every kind that the table of status codes has is explained.
     #[test]
-    fn every_kind_that_the_table_of_status_codes_has_is_explained() {
+    fn every_kind_of_problem_is_explained() {
         let wrong = |code: ValidationCode| {
             ApiError::App(AppError::Parameters(vec![FieldError {
                 parameter: String::new(),

@@ -1,9 +1,10 @@
-//! Painted scenarios: kept, listed, looked at.
+//! Painted scenarios: stored, listed, looked at.
 
 use super::frame::{Answer, JsonRequest};
 use crate::{
     error::ApiError,
     problem::Problem,
+    refusals::{BadParameters, BodyTooLong, Busy, OfScene, StorageRefused},
     respond::{CachePolicy, created, json_by_content},
     state::AppState,
 };
@@ -17,15 +18,8 @@ use skyglow_app::{
     answers::{ScenarioAnswer, ScenarioEntry},
     parameters::NoParameters,
     request::{ScenarioBody, change_id, no_parameters, scenario, scene_id},
-    source::{SkySource, SourceError},
+    source::SkySource,
 };
-use skyglow_scene::ChangeId;
-
-fn read_answer(source: &dyn SkySource, id: &ChangeId) -> Result<ScenarioAnswer, SourceError> {
-    let (scenario, summary, created_unix_s) = source.scenario(id)?;
-    let scene = source.scene(&scenario.scene)?;
-    Ok(ScenarioAnswer::new(id, &scenario, &summary, &scene, created_unix_s))
-}
 
 /// Paints over a scene: dims, brightens or adds lights, replaces lamps, changes where they shine. The id that is answered is
 /// taken by every query as `scenario`; the same body answers the same id.
@@ -37,12 +31,11 @@ fn read_answer(source: &dyn SkySource, id: &ChangeId) -> Result<ScenarioAnswer, 
     request_body = ScenarioBody,
     responses(
         (status = 201, description = "The scenario; Location is its address", body = ScenarioAnswer),
+        StorageRefused,
+        BodyTooLong,
         (status = 400, description = "A body that cannot be meant, or an area outside the scene", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene, or no such scenario or plan to go on from", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "It goes on from a plan for an earlier state of the scene, or one that is not kept", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
-        (status = 429, description = "More than one client may have kept in a day, or too many requests; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy, or nothing can be kept; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn post_scenario(
@@ -54,8 +47,8 @@ pub async fn post_scenario(
     let scene = scene_id(&scene)?;
     let store = move |source: &dyn SkySource| {
         let scenario = scenario(query.as_deref(), &body, scene)?;
-        let id = source.store_scenario(&scenario).map_err(SourceError::of_painting)?;
-        Ok(read_answer(source, &id)?)
+        let id = source.store_scenario(&scenario)?;
+        Ok(ScenarioAnswer::new(&id, &source.scenario(&id)?))
     };
     let answer = state.heavy(store).await?;
     created(&format!("/api/v1/scenarios/{}", answer.entry.id), &answer)
@@ -70,10 +63,10 @@ pub async fn post_scenario(
     responses(
         (status = 200, description = "The scenario", body = ScenarioAnswer),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
+        Busy,
         (status = 404, description = "No such scenario", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "It goes on from a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_scenario(
@@ -87,7 +80,7 @@ pub async fn get_scenario(
     if id.is_plan() {
         return Err(ApiError::App(AppError::UnknownScenario { id: id.to_string() }));
     }
-    let answer = state.heavy(move |source| Ok(read_answer(source, &id)?)).await?;
+    let answer = state.heavy(move |source| Ok(ScenarioAnswer::new(&id, &source.scenario(&id)?))).await?;
     json_by_content(&headers, CachePolicy::Revalidate, &answer)
 }
 
@@ -100,13 +93,12 @@ pub async fn get_scenario(
     responses(
         (status = 200, description = "The scenarios", body = Vec<ScenarioEntry>),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+        OfScene,
+        Busy,
     )
 )]
-pub async fn list_scenarios(asked: JsonRequest) -> Answer {
-    let scene = asked.scene()?;
-    asked.without_parameters()?;
-    asked.heavy(CachePolicy::Revalidate, move |source| Ok(source.list_scenarios(&scene)?)).await
+pub async fn list_scenarios(request: JsonRequest) -> Answer {
+    let scene = request.scene()?;
+    request.without_parameters()?;
+    request.heavy(CachePolicy::Revalidate, move |source| Ok(source.list_scenarios(&scene)?)).await
 }

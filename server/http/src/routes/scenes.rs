@@ -3,13 +3,11 @@
 use super::frame::{Answer, JsonRequest};
 use crate::{
     etag::ETag,
-    problem::Problem,
+    refusals::{BadParameters, OfScene},
     respond::{CachePolicy, Caching},
 };
-use skyglow_app::{
-    answers::{PlaceAnswer, SceneAnswer},
-    source::SkySource,
-};
+use skyglow_app::{answers::SceneAnswer, source::SkySource};
+use skyglow_scene::NamedPlace;
 
 /// Lists the scenes.
 #[utoipa::path(
@@ -19,14 +17,14 @@ use skyglow_app::{
     responses(
         (status = 200, description = "All scenes, by id", body = Vec<SceneAnswer>),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        BadParameters,
     )
 )]
-pub async fn list_scenes(asked: JsonRequest) -> Answer {
-    asked.without_parameters()?;
+pub async fn list_scenes(request: JsonRequest) -> Answer {
+    request.without_parameters()?;
     let read =
         |source: &dyn SkySource| Ok(source.scenes()?.into_iter().map(SceneAnswer::from).collect::<Vec<_>>());
-    asked.answer(CachePolicy::Revalidate, read).await
+    request.answer(CachePolicy::Revalidate, read).await
 }
 
 /// Describes a scene.
@@ -38,14 +36,17 @@ pub async fn list_scenes(asked: JsonRequest) -> Answer {
     responses(
         (status = 200, description = "The scene", body = SceneAnswer),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
+        OfScene,
     )
 )]
-pub async fn get_scene(asked: JsonRequest) -> Answer {
-    let id = asked.scene()?;
-    asked.without_parameters()?;
-    asked.answer(CachePolicy::Revalidate, move |source| Ok(SceneAnswer::from(source.scene(&id)?))).await
+pub async fn get_scene(request: JsonRequest) -> Answer {
+    let id = request.scene()?;
+    request.without_parameters()?;
+    request
+        .answer(CachePolicy::Revalidate, move |source| {
+            Ok(SceneAnswer::from(source.view(&id, None)?.metadata().clone()))
+        })
+        .await
 }
 
 /// Lists the named places of a scene, the most populous first.
@@ -55,23 +56,19 @@ pub async fn get_scene(asked: JsonRequest) -> Answer {
     tag = "scenes",
     params(("scene" = String, Path, description = "The scene's id")),
     responses(
-        (status = 200, description = "The places", body = Vec<PlaceAnswer>),
+        (status = 200, description = "The places", body = Vec<NamedPlace>),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
+        OfScene,
     )
 )]
-pub async fn list_places(asked: JsonRequest) -> Answer {
-    let id = asked.scene()?;
-    asked.without_parameters()?;
-    let wanted = id.clone();
-    let scene = asked.state.blocking(move |source| Ok(source.scene(&wanted)?)).await?;
-    let etag = ETag::of(&["places", &scene.version]);
+pub async fn list_places(request: JsonRequest) -> Answer {
+    let id = request.scene()?;
+    request.without_parameters()?;
+    let view = request.state.view(&id, None).await?;
+    let etag = ETag::of(&("places", view.version()))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
-    if let Some(response) = caching.not_modified(&asked.headers) {
+    if let Some(response) = caching.not_modified(&request.headers) {
         return Ok(response);
     }
-    let places = asked.state.blocking(move |source| Ok(source.places(&id)?)).await?;
-    let answer: Vec<PlaceAnswer> = places.into_iter().map(PlaceAnswer::from).collect();
-    caching.json(&answer)
+    caching.json(&request.state.source.places(&view))
 }

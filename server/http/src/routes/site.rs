@@ -1,7 +1,7 @@
 //! What is at a place: the cheap call that a click makes first.
 
 use super::frame::{Answer, JsonRequest};
-use crate::{problem::Problem, respond::CachePolicy};
+use crate::{refusals::OfPlace, respond::CachePolicy};
 use skyglow_app::{answers::SiteAnswer, parameters::PlaceParameters, request::place, source::SkySource};
 
 /// Says what is at a place.
@@ -13,17 +13,15 @@ use skyglow_app::{answers::SiteAnswer, parameters::PlaceParameters, request::pla
     responses(
         (status = 200, description = "Terrain and radiance there", body = SiteAnswer),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "No such scene or scenario, or the place lies outside it: then with its bounds", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
+        OfPlace,
     )
 )]
-pub async fn get_site(asked: JsonRequest) -> Answer {
-    let id = asked.scene()?;
-    let (place, scenario) = place(asked.query.as_deref())?;
+pub async fn get_site(request: JsonRequest) -> Answer {
+    let id = request.scene()?;
+    let (place, scenario) = place(request.query.as_deref())?;
     let read = move |source: &dyn SkySource| {
-        let site = source.site(&id, scenario.as_ref(), place).map_err(|error| error.at(place))?;
-        Ok(SiteAnswer::new(place, &site))
+        let view = source.view(&id, scenario.as_ref())?;
+        Ok(SiteAnswer::new(place, view.metadata(), source.site(&view, place)?))
     };
-    asked.answer(CachePolicy::Minutes, read).await
+    request.answer(CachePolicy::Minutes, read).await
 }

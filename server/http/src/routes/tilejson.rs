@@ -3,11 +3,11 @@
 use super::{
     brightness::PreparedBrightness,
     influence::PreparedInfluence,
-    tiles::{
-        MapLayer, brightness_description, description, influence_description, layer, metadata, scenario_of,
-    },
+    tiles::{MapLayer, brightness_description, description, influence_description, layer, scenario_of},
 };
-use crate::{error::ApiError, listener::Ends, problem::Problem, respond::CachePolicy, state::AppState};
+use crate::{
+    error::ApiError, listener::Ends, problem::Problem, refusals::OfSky, respond::CachePolicy, state::AppState,
+};
 use axum::{
     Extension,
     body::Body,
@@ -39,11 +39,8 @@ use std::net::{Ipv6Addr, SocketAddr};
     responses(
         (status = 200, description = "The description", body = TileJson),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        OfSky,
         (status = 404, description = "No such scene or layer or scenario, or the place lies outside the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_tilejson(
@@ -54,31 +51,33 @@ pub async fn get_tilejson(
     headers: HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
     let id = scene_id(&scene)?;
-    let shown = match layer(&layer_name)? {
+    let facts = state.source.facts();
+    let (shown, view) = match layer(&layer_name)? {
         MapLayer::Scene(layer) => {
             let scenario = scenario_of(query.as_deref(), layer)?;
-            // A layer of a scenario that is not there is said here, not by every tile.
-            metadata(&state, &id, scenario.as_ref()).await?;
-            Shown::Scene { layer, query: query.filter(|_| scenario.is_some()) }
+            // A layer of a scenario that is not there is refused here, not by every tile.
+            let view = state.view(&id, scenario.as_ref()).await?;
+            (Shown::Scene { layer, query: query.filter(|_| scenario.is_some()) }, view)
         }
         MapLayer::Brightness => {
-            let ask = brightness(query.as_deref(), id.clone(), state.source.facts())?;
-            let is_ready = PreparedBrightness::prepare(&state, ask).await?.begin(&state);
-            Shown::Brightness { query, is_ready }
+            let request = brightness(query.as_deref(), id, facts)?;
+            let prepared = PreparedBrightness::prepare(&state, request).await?;
+            let view = prepared.view().clone();
+            (Shown::Brightness { query, is_ready: prepared.begin(&state) }, view)
         }
         MapLayer::Influence => {
-            let facts = state.source.facts();
-            let ask = influence(query.as_deref(), None, id.clone(), facts, InfluenceFormat::Tiff)?;
-            let measure = ask.query.measure.clone();
-            // What is wrong is said here and not by every tile, and the tiles have their map.
-            let map = PreparedInfluence::prepare(&state, ask.query).await?.find(&state).await?;
-            Shown::Influence { measure, query: query.unwrap_or_default(), most: map.brightest_colour() }
+            let request = influence(query.as_deref(), None, id, facts, InfluenceFormat::Tiff)?.request;
+            let measure = request.measure.clone();
+            let prepared = PreparedInfluence::prepare(&state, request).await?;
+            // What is wrong is refused here and not by every tile, and the tiles have their map.
+            let most = prepared.find(&state).await?.brightest_colour();
+            let query = query.unwrap_or_default();
+            (Shown::Influence { measure, query, most }, prepared.view().clone())
         }
     };
-    let scene = state.blocking(move |source| Ok(source.scene(&id)?)).await?;
     let reached = connection.and_then(|Extension(ConnectInfo(ends))| ends.server);
     let base = base_url(state.config.public_url.as_deref(), &headers, reached);
-    let document = tilejson(&scene, &shown, &layer_name, &base);
+    let document = tilejson(view.metadata(), &shown, &layer_name, &base);
     crate::respond::json_by_content(&headers, CachePolicy::Revalidate, &document)
 }
 

@@ -5,6 +5,7 @@ use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
+    refusals::OfSky,
     respond::{CachePolicy, Caching},
     state::{AppState, EncodedAnswer},
 };
@@ -13,13 +14,14 @@ use axum::{
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
 };
-use skyglow_app::error::AppError;
+use serde::Serialize;
 use skyglow_app::{
     accept::InfluenceFormat,
     answers::measure_name,
+    error::AppError,
     parameters::OptionalInfluenceParameters,
     request::{brightness, influence, no_parameters, scenario_alone, scene_id},
-    source::{SkySource, SourceError},
+    source::SkySource,
     validation::echo,
 };
 use skyglow_display::{
@@ -30,7 +32,7 @@ use skyglow_display::{
     },
 };
 use skyglow_observatory::Measure;
-use skyglow_scene::{ChangeId, SceneId, SceneMetadata, TileLayer, tile_pixel_m};
+use skyglow_scene::{ChangeId, SceneId, TileLayer, tile_pixel_m};
 use std::future::Future;
 use utoipa::OpenApi;
 
@@ -66,7 +68,7 @@ pub(super) fn layer(name: &str) -> Result<MapLayer, ApiError> {
 }
 
 /// Zoom level, column and row, and pixels a side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 struct Address {
     place: (u8, u32, u32),
     size_px: u32,
@@ -92,11 +94,8 @@ struct Address {
     responses(
         (status = 200, description = "The tile", body = Vec<u8>, content_type = "image/png"),
         (status = 304, description = "The client has this answer already"),
-        (status = 400, description = "Bad parameters", body = Problem, content_type = "application/problem+json"),
+        OfSky,
         (status = 404, description = "No such scene, layer or tile or scenario, or the place lies outside the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Busy; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_tile(
@@ -130,16 +129,16 @@ async fn scene_tile(
     address: Address,
     headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
-    let scene = metadata(state, &id, scenario.as_ref()).await?;
-    let etag = ETag::of(&["tile", &scene.version, layer_name, &format!("{address:?}")]);
+    let view = state.view(&id, scenario.as_ref()).await?;
+    let etag = ETag::of(&("tile", view.version(), layer_name, address))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
     }
-    let notes = Notes::new(&description(layer, scene.illustrative), "");
+    let notes = Notes::new(&description(layer, view.metadata().illustrative), "");
     let draw = state.heavy(move |source| {
         let Address { place, size_px } = address;
-        let tile = source.tile(&id, scenario.as_ref(), layer, place, size_px)?;
+        let tile = source.tile(&view, layer, place, size_px)?;
         match layer {
             TileLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, size_px, &notes),
             TileLayer::Elevation => {
@@ -150,11 +149,11 @@ async fn scene_tile(
         }
         .map_err(ApiError::internal)
     });
-    kept(state, &caching, draw).await
+    drawn_once(state, &caching, draw).await
 }
 
-/// A tile, drawn once for all who ask at the same time and kept for a while.
-async fn kept(
+/// A tile, drawn once for all who ask at the same time and stored for a while.
+async fn drawn_once(
     state: &AppState,
     caching: &Caching,
     draw: impl Future<Output = Result<Vec<u8>, ApiError>>,
@@ -174,20 +173,6 @@ pub(super) fn scenario_of(query: Option<&str>, layer: TileLayer) -> Result<Optio
     }
 }
 
-/// What is said of a scene, with the version that its changes make.
-pub(super) async fn metadata(
-    state: &AppState,
-    id: &SceneId,
-    scenario: Option<&ChangeId>,
-) -> Result<SceneMetadata, ApiError> {
-    let (id, scenario) = (id.clone(), scenario.cloned());
-    let read = move |source: &dyn SkySource| match scenario {
-        Some(scenario) => Ok(source.open_scene(&id, Some(&scenario))?.metadata().clone()),
-        None => Ok(source.scene(&id)?),
-    };
-    state.blocking(read).await
-}
-
 /// All tiles of one map are cut from one computation.
 async fn influence_tile(
     state: &AppState,
@@ -196,26 +181,26 @@ async fn influence_tile(
     address: Address,
     headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
-    let ask = influence(query, None, id, state.source.facts(), InfluenceFormat::Tiff)?;
-    let measure = ask.query.measure.clone();
-    let asked = PreparedInfluence::prepare(state, ask.query).await?;
-    let etag = ETag::of(&["tile", &asked.key, &format!("{address:?}")]);
+    let request = influence(query, None, id, state.source.facts(), InfluenceFormat::Tiff)?;
+    let measure = request.request.measure.clone();
+    let prepared = PreparedInfluence::prepare(state, request.request).await?;
+    let etag = ETag::of(&("tile", &prepared.key, address))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
     }
     let draw = async {
-        let map = asked.find(state).await?;
+        let map = prepared.find(state).await?;
         let notes = Notes::new(&influence_description(&measure, map.scene().illustrative), "");
         let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
-            let tile = map.tile(place, size_px).map_err(|error| ApiError::from(SourceError::from(error)))?;
+            let tile = map.tile(place, size_px).map_err(AppError::from)?;
             influence_tile_png(&tile.values, &tile.has_data, size_px, map.brightest_colour(), &notes)
                 .map_err(ApiError::internal)
         };
         state.heavy(draw).await
     };
-    kept(state, &caching, draw).await
+    drawn_once(state, &caching, draw).await
 }
 
 /// All tiles of one map are cut from one computation.
@@ -226,8 +211,8 @@ async fn brightness_tile(
     address: Address,
     headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
-    let asked = PreparedBrightness::prepare(state, brightness(query, id, state.source.facts())?).await?;
-    let etag = ETag::of(&["tile", &asked.key, &format!("{address:?}")]);
+    let prepared = PreparedBrightness::prepare(state, brightness(query, id, state.source.facts())?).await?;
+    let etag = ETag::of(&("tile", &prepared.key, address))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
         return Ok(response);
@@ -237,16 +222,16 @@ async fn brightness_tile(
         return Err(ApiError::App(AppError::UnknownTile { reason: "there is no such tile".to_owned() }));
     }
     let draw = async {
-        let map = asked.find(state).await?;
+        let map = prepared.find(state).await?;
         let notes = Notes::new(&brightness_description(map.scene().illustrative), "");
         let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
-            let tile = map.tile(place, size_px).map_err(|error| ApiError::from(SourceError::from(error)))?;
+            let tile = map.tile(place, size_px).map_err(AppError::from)?;
             brightness_tile_png(&tile.values, &tile.has_data, size_px, &notes).map_err(ApiError::internal)
         };
         state.heavy(draw).await
     };
-    kept(state, &caching, draw).await
+    drawn_once(state, &caching, draw).await
 }
 
 /// An address that does not exist has no tag to match.

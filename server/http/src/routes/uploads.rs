@@ -5,6 +5,7 @@ use crate::{
     access::Client,
     error::ApiError,
     problem::Problem,
+    refusals::{BodyTooLong, NotOperator},
     respond::{CachePolicy, Caching},
     state::AppState,
 };
@@ -92,11 +93,10 @@ pub struct SceneUpload {
     responses(
         (status = 200, description = "The scene, which takes the place of the one before", body = SceneAnswer),
         (status = 201, description = "The scene, which is new", body = SceneAnswer),
+        NotOperator,
+        BodyTooLong,
         (status = 400, description = "A body that is no form of such fields", body = Problem, content_type = "application/problem+json"),
-        (status = 401, description = "No token, or a wrong one", body = Problem, content_type = "application/problem+json"),
-        (status = 403, description = "Not the operator, or the server takes no uploads", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No scene can have this id", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "The body is too long", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Rasters that cannot be meant; what was there before stays", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "Another upload is under way, no room on disk, or too slow; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
     )
@@ -110,12 +110,12 @@ pub async fn put_scene(
     only_operator(&state, request.headers())?;
     let id = scene_id(&scene)?;
     no_parameters(query.as_deref())?;
-    let Ok(place) = state.uploads.clone().try_acquire_owned() else {
+    let Ok(permit) = state.upload_permits.clone().try_acquire_owned() else {
         state.metrics.count_refused("busy");
         return Err(ApiError::App(AppError::Busy { retry_after_s: 30 }));
     };
     let limit = state.config.upload_timeout();
-    match tokio::time::timeout(limit, upload(&state, id, request, place)).await {
+    match tokio::time::timeout(limit, upload(&state, id, request, permit)).await {
         Ok(answer) => answer,
         Err(_) => {
             state.metrics.count_refused("timeout");
@@ -133,8 +133,7 @@ pub async fn put_scene(
     params(("scene" = String, Path, description = "The scene's id")),
     responses(
         (status = 204, description = "It is gone"),
-        (status = 401, description = "No token, or a wrong one", body = Problem, content_type = "application/problem+json"),
-        (status = 403, description = "Not the operator, or the server takes no uploads", body = Problem, content_type = "application/problem+json"),
+        NotOperator,
         (status = 404, description = "No such scene", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "The disk does not let it go", body = Problem, content_type = "application/problem+json"),
     )
@@ -165,12 +164,12 @@ fn only_operator(state: &AppState, headers: &HeaderMap) -> Result<(), ApiError> 
     }
 }
 
-/// * `place`: held until the files are gone, whether somebody still waits or not.
+/// * `permit`: held until the files are gone, whether somebody still waits or not.
 async fn upload(
     state: &AppState,
     id: SceneId,
     request: Request,
-    place: OwnedSemaphorePermit,
+    permit: OwnedSemaphorePermit,
 ) -> Result<Response<Body>, ApiError> {
     let mut form = Multipart::from_request(request, &()).await.map_err(|error| {
         field_error("body", None, error.body_text(), "a form (multipart/form-data) with the file `radiance`")
@@ -185,17 +184,22 @@ async fn upload(
         take(state, folder.path(), field, &mut options).await?;
     }
     if options.radiance.is_empty() {
-        return Err(field_error("radiance", None, ValidationCode::Missing.words().to_owned(), "a raster"));
+        return Err(field_error(
+            "radiance",
+            None,
+            ValidationCode::Missing.description().to_owned(),
+            "a raster",
+        ));
     }
     let (scene, was_there) = state
         .blocking(move |source| {
             let made = source.ingest(&options)?;
-            drop((folder, place));
+            drop((folder, permit));
             Ok(made)
         })
         .await?;
     tracing::info!(scene = %id, version = scene.version, replaced = was_there, "a scene was uploaded by the operator");
-    let etag = ETag::of(&["uploaded", &scene.version]);
+    let etag = ETag::of(&("uploaded", &scene.version))?;
     let caching = Caching { etag, policy: CachePolicy::Revalidate, vary: None };
     let mut response = caching.json(&SceneAnswer::from(scene))?;
     if !was_there {
@@ -225,7 +229,7 @@ async fn take(
         return Err(field_error(
             &name,
             None,
-            ValidationCode::Repeated.words().to_owned(),
+            ValidationCode::Repeated.description().to_owned(),
             "one, or 256 files of radiance and of terrain",
         ));
     }
@@ -248,7 +252,7 @@ async fn take(
         }
         _ => {
             let allowed = format!("radiance, terrain, places, {}", TEXT_FIELDS.join(", "));
-            let message = ValidationCode::UnknownParameter.words().to_owned();
+            let message = ValidationCode::UnknownParameter.description().to_owned();
             return Err(field_error(&echo(&name), None, message, &allowed));
         }
     }
@@ -276,8 +280,9 @@ const TEXT_FIELDS: [&str; 15] = [
 
 /// Takes a field that is no file into the options.
 fn take_text(name: &str, text: String, options: &mut IngestOptions) -> Result<(), ApiError> {
-    let malformed =
-        |allowed: &str| field_error(name, Some(&text), ValidationCode::Malformed.words().to_owned(), allowed);
+    let malformed = |allowed: &str| {
+        field_error(name, Some(&text), ValidationCode::Malformed.description().to_owned(), allowed)
+    };
     let number = |allowed: &str| {
         text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| malformed(allowed))
     };
@@ -369,8 +374,9 @@ async fn text_of(state: &AppState, name: &str, mut field: Field<'_>) -> Result<S
             return Err(field_error(name, None, "is too long".to_owned(), "4096 bytes at most"));
         }
     }
-    String::from_utf8(bytes)
-        .map_err(|_| field_error(name, None, ValidationCode::Malformed.words().to_owned(), "text in UTF-8"))
+    String::from_utf8(bytes).map_err(|_| {
+        field_error(name, None, ValidationCode::Malformed.description().to_owned(), "text in UTF-8")
+    })
 }
 
 fn field_error(name: &str, value: Option<&str>, message: String, allowed: &str) -> ApiError {

@@ -88,17 +88,17 @@ fn takes_brotli(headers: &HeaderMap) -> bool {
 pub async fn get_viewer(uri: Uri, headers: HeaderMap) -> Result<Response<Body>, ApiError> {
     let path = uri.path().trim_start_matches('/');
     if path.is_empty() || path == INDEX {
-        return Ok(index(&headers));
+        return index(&headers);
     }
     let file = Viewer::get(path).ok_or(ApiError::NotFound)?;
     // Vite puts what carries a hash in its name below assets/.
     let policy = if path.starts_with("assets/") { CachePolicy::Forever } else { CachePolicy::Revalidate };
-    Ok(answer(&headers, policy, path, &file))
+    answer(&headers, policy, path, &file)
 }
 
-fn index(headers: &HeaderMap) -> Response<Body> {
+fn index(headers: &HeaderMap) -> Result<Response<Body>, ApiError> {
     let mut response = match Viewer::get(INDEX) {
-        Some(file) => answer(headers, CachePolicy::Revalidate, INDEX, &file),
+        Some(file) => answer(headers, CachePolicy::Revalidate, INDEX, &file)?,
         None => {
             let caching = Caching {
                 etag: ETag::of_bytes(NO_VIEWER.as_bytes()),
@@ -112,21 +112,26 @@ fn index(headers: &HeaderMap) -> Response<Body> {
     };
     let policy = HeaderValue::from_static(VIEWER_POLICY);
     response.headers_mut().insert(header::CONTENT_SECURITY_POLICY, policy);
-    response
+    Ok(response)
 }
 
-fn answer(headers: &HeaderMap, policy: CachePolicy, path: &str, file: &EmbeddedFile) -> Response<Body> {
+fn answer(
+    headers: &HeaderMap,
+    policy: CachePolicy,
+    path: &str,
+    file: &EmbeddedFile,
+) -> Result<Response<Body>, ApiError> {
     let hash: String = file.metadata.sha256_hash().iter().map(|byte| format!("{byte:02x}")).collect();
-    let caching = Caching { etag: ETag::of(&["viewer", &hash]), policy, vary: None };
+    let caching = Caching { etag: ETag::of(&("viewer", &hash))?, policy, vary: None };
     if let Some(response) = caching.not_modified(headers) {
-        return response;
+        return Ok(response);
     }
     let Some(short) = takes_brotli(headers).then(|| compressed(path, &file.data)).flatten() else {
-        return caching.ok(media_type(path), file.data.to_vec());
+        return Ok(caching.ok(media_type(path), file.data.to_vec()));
     };
     let mut response = caching.ok(media_type(path), short);
     response.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("br"));
-    response
+    Ok(response)
 }
 
 fn media_type(path: &str) -> &'static str {
@@ -161,8 +166,9 @@ mod tests {
         assert!(!takes_brotli(&HeaderMap::new()));
     }
 
+    /// Files are compressed where that is shorter and come out again.
     #[test]
-    fn files_are_compressed_where_that_is_shorter_and_come_out_again() {
+    fn files_are_compressed_where_that_is_shorter() {
         let text = "light ".repeat(1000);
         let made = brotli_of(text.as_bytes()).unwrap();
         assert!(made.len() < 200);

@@ -1,26 +1,29 @@
 //! A program behind the interface that does as it is told.
 
 use skyglow_app::{
-    SkySource,
+    AppError, SkySource,
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
-    kind_facts::KindFacts,
-    source::{
-        BoxFuture, InfluenceQuery, RenderContext, RenderedSky, SiteFacts, SkyQuery, SourceError, SourceFacts,
-    },
+    conversion::check_altitude,
+    facts::{KindFacts, SourceFacts},
+    format::rounded,
+    source::BoxFuture,
 };
-use skyglow_observatory::{BrightnessMap, BrightnessRequest, InfluenceMap, PlanOutcome, PlanRequest};
+use skyglow_observatory::{
+    BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, PlanOutcome, PlanRequest,
+    RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest,
+};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
 };
-use skyglow_render::EngineStats;
+use skyglow_render::{EngineStats, PassTime};
 use skyglow_scene::{
-    ChangeId, ChangeSummary, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, PatchStore,
-    RasterTile, Scenario, Scene, SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder,
+    ChangeId, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, PatchStore, RasterTile,
+    Scenario, Scene, SceneId, SceneMetadata, SceneStore, StoredPlan, TileLayer, UploadFolder, ingest,
 };
 use skyglow_tables::{Clouds, Scattering};
 use std::{
     sync::{
-        Arc, Mutex,
+        Arc, LazyLock, Mutex,
         atomic::{AtomicBool, AtomicUsize, Ordering},
     },
     time::Duration,
@@ -35,7 +38,7 @@ pub(crate) enum Mood {
     /// Render after a while.
     Slow(Duration),
     /// Fail.
-    Fails(SourceError),
+    Fails(AppError),
     /// Panic.
     Panics,
 }
@@ -86,6 +89,16 @@ impl Default for Fake {
         }
     }
 }
+
+/// A scene of two lights under another description: what the made-up program renders does not depend on it.
+static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| {
+    let data = tempfile::tempdir().unwrap();
+    let raster = data.path().join("light.tif");
+    std::fs::write(&raster, include_bytes!("../../../../tests/fuzz/seeds/raster/smallest")).unwrap();
+    let store = SceneStore::new(data.path());
+    let id = ingest(&store, &IngestOptions::new(raster), &mut |_| {}).unwrap().id;
+    Arc::new(store.open(&id).unwrap())
+});
 
 /// Bounds of the made-up scene.
 pub(crate) const BOUNDS: [f64; 4] = [36.0, -2.0, 38.0, 1.0];
@@ -157,26 +170,24 @@ impl Fake {
         }
     }
 
-    fn known(&self, id: &SceneId) -> Result<SceneMetadata, SourceError> {
+    fn known(&self, id: &SceneId) -> Result<SceneMetadata, AppError> {
         if id.as_str() == "demo" {
             Ok(self.metadata())
         } else {
-            Err(SourceError::UnknownScene(id.to_string()))
+            Err(AppError::UnknownScene { id: id.to_string() })
         }
     }
 
-    fn render(&self, query: &SkyQuery) -> Result<RenderedSky, SourceError> {
-        let altitude_m = query.eye_height.altitude_m(self.ground());
-        if altitude_m > 6000.0 {
-            return Err(SourceError::AltitudeOutOfRange { altitude_m, minimum_m: 0.0, maximum_m: 6000.0 });
-        }
+    fn render(&self, request: &SkyRequest) -> Result<RenderedSky, AppError> {
+        check_altitude(request, self.ground(), (0.0, 6000.0))?;
+        let altitude_m = request.observer_height.altitude_m(self.ground());
         self.rendered.fetch_add(1, Ordering::SeqCst);
-        let mut panorama = sky_of(query.turbidity.value());
-        if query.scattering == Scattering::Multiple {
+        let mut panorama = sky_of(request.turbidity.value());
+        if request.scattering == Scattering::Multiple {
             panorama.samples_mut().iter_mut().for_each(|sample| *sample *= 2.0);
         }
         let horizon =
-            if query.terrain_hides { self.horizon.lock().unwrap().clone() } else { Horizon::flat() };
+            if request.terrain_hides { self.horizon.lock().unwrap().clone() } else { Horizon::flat() };
         horizon.darken(&mut panorama);
         Ok(RenderedSky {
             quantities: SkyQuantities::of_visible(&panorama, &horizon),
@@ -187,13 +198,16 @@ impl Fake {
                 ground: self.ground(),
                 coverage: *self.coverage.lock().unwrap(),
                 calibration: 1.0,
-                local_optical_depth: Atmosphere::new(query.turbidity).vertical_optical_depth(altitude_m),
+                local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(altitude_m),
                 flux_dnb_w: 1e6,
-                basis_count: query.basis.unwrap_or(if query.tolerance.is_some() { 16 } else { 64 }),
-                basis_error_bound: query.tolerance.map(|tolerance| 0.5 * tolerance),
+                basis_count: request.basis.unwrap_or(if request.tolerance.is_some() { 16 } else { 64 }),
+                basis_error_bound: request.tolerance.map(|tolerance| 0.5 * tolerance),
                 lamps_not_met: Vec::new(),
             },
-            passes: vec![("coefficients", 900.0), ("basis sum", 80.0)],
+            passes: vec![
+                PassTime { name: "coefficients", microseconds: 900.0 },
+                PassTime { name: "basis sum", microseconds: 80.0 },
+            ],
         })
     }
 }
@@ -221,7 +235,7 @@ impl SkySource for Fake {
             mixed_nodes: 0,
             lit_cells: 0,
             lit_columns: 0,
-            passes: vec![skyglow_render::PassTime { name: "coefficients", microseconds: 1500.0 }],
+            passes: vec![PassTime { name: "coefficients", microseconds: 1500.0 }],
         }
     }
 
@@ -247,70 +261,58 @@ impl SkySource for Fake {
         self.facts.kinds.iter().map(pack).collect()
     }
 
-    fn scenes(&self) -> Result<Vec<SceneMetadata>, SourceError> {
+    fn scenes(&self) -> Result<Vec<SceneMetadata>, AppError> {
         Ok(vec![self.metadata()])
     }
 
-    fn upload_folder(&self) -> Result<UploadFolder, SourceError> {
-        Err(SourceError::Storage("a made-up program has no disk".into()))
+    fn upload_folder(&self) -> Result<UploadFolder, AppError> {
+        Err(AppError::Storage { reason: "a made-up program has no disk".into() })
     }
 
-    fn ingest(&self, _: &IngestOptions) -> Result<(SceneMetadata, bool), SourceError> {
-        Err(SourceError::Storage("a made-up program has no disk".into()))
+    fn ingest(&self, _: &IngestOptions) -> Result<(SceneMetadata, bool), AppError> {
+        Err(AppError::Storage { reason: "a made-up program has no disk".into() })
     }
 
-    fn remove_scene(&self, id: &SceneId) -> Result<(), SourceError> {
+    fn remove_scene(&self, id: &SceneId) -> Result<(), AppError> {
         self.known(id).map(drop)
     }
 
-    fn scene(&self, id: &SceneId) -> Result<SceneMetadata, SourceError> {
-        self.known(id)
+    fn view(&self, id: &SceneId, scenario: Option<&ChangeId>) -> Result<SceneView, AppError> {
+        let metadata = self.known(id)?;
+        if let Some(scenario) = scenario {
+            return Err(AppError::UnknownScenario { id: scenario.to_string() });
+        }
+        Ok(SceneView::new(Arc::clone(&SCENE), Arc::clone(&SCENE)).with_metadata(metadata))
     }
 
-    fn places(&self, id: &SceneId) -> Result<Vec<NamedPlace>, SourceError> {
-        self.known(id)?;
-        Ok(vec![NamedPlace {
+    fn places(&self, _: &SceneView) -> Vec<NamedPlace> {
+        vec![NamedPlace {
             name: "Nairobi".into(),
             latitude_deg: -1.2864,
             longitude_deg: 36.8172,
             population: Some(4_397_073),
-        }])
+        }]
     }
 
-    fn open_scene(&self, id: &SceneId, _: Option<&ChangeId>) -> Result<Arc<Scene>, SourceError> {
-        self.known(id)?;
-        Err(SourceError::Down("a made-up program has no scene to open".into()))
-    }
-
-    fn site(
-        &self,
-        id: &SceneId,
-        scenario: Option<&ChangeId>,
-        place: GeoPoint,
-    ) -> Result<SiteFacts, SourceError> {
-        let scene = self.known(id)?;
-        if let Some(scenario) = scenario {
-            return Err(SourceError::UnknownScenario(scenario.to_string()));
-        }
+    fn site(&self, _: &SceneView, place: GeoPoint) -> Result<Site, AppError> {
         let [west, south, east, north] = BOUNDS;
-        let (lat, lon) = (place.latitude_deg(), place.longitude_deg());
-        if lat < south || lat > north || lon < west || lon > east {
-            return Err(SourceError::OutsideScene { bounds: BOUNDS });
+        let (latitude_deg, longitude_deg) = (place.latitude_deg(), place.longitude_deg());
+        if latitude_deg < south || latitude_deg > north || longitude_deg < west || longitude_deg > east {
+            let [latitude_deg, longitude_deg] = [latitude_deg, longitude_deg].map(rounded);
+            return Err(AppError::OutsideScene { latitude_deg, longitude_deg, bounds: BOUNDS });
         }
-        Ok(SiteFacts { scene, ground: self.ground(), radiance_nw_cm2_sr: Some(12.5) })
+        Ok(Site { ground: self.ground(), radiance_nw_cm2_sr: Some(12.5) })
     }
 
     fn tile(
         &self,
-        id: &SceneId,
-        _: Option<&ChangeId>,
+        _: &SceneView,
         _: TileLayer,
         (z, x, y): (u8, u32, u32),
         size_px: u32,
-    ) -> Result<RasterTile, SourceError> {
-        self.known(id)?;
+    ) -> Result<RasterTile, AppError> {
         if z > 24 || x >> z != 0 || y >> z != 0 {
-            return Err(SourceError::UnknownTile("off the world".into()));
+            return Err(AppError::UnknownTile { reason: "off the world".into() });
         }
         let count = (size_px * size_px) as usize;
         Ok(RasterTile {
@@ -321,26 +323,25 @@ impl SkySource for Fake {
     }
 
     /// Influences need the light of a real scene: `whole.rs` asks for them.
-    fn influence(&self, query: &InfluenceQuery) -> Result<InfluenceMap, SourceError> {
-        self.known(&query.sky.scene)?;
-        Err(SourceError::Down("a made-up program knows no influences".into()))
+    fn influence(&self, _: &InfluenceRequest, _: &SceneView) -> Result<InfluenceMap, AppError> {
+        Err(AppError::EngineDown)
     }
 
     fn brightness(
         &self,
-        query: &BrightnessRequest,
+        _: &BrightnessRequest,
+        _: &SceneView,
         _: &dyn PatchStore,
-    ) -> Result<BrightnessMap, SourceError> {
-        self.known(&query.scene)?;
-        Err(SourceError::Down("a made-up program knows no brightness".into()))
+    ) -> Result<BrightnessMap, AppError> {
+        Err(AppError::EngineDown)
     }
 
     /// Neither are scenarios and plans.
-    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, SourceError> {
+    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, AppError> {
         self.known(&scenario.scene)?;
         let mut kept = self.kept.lock().unwrap();
         let Some(kept) = kept.as_mut() else {
-            return Err(SourceError::Storage("a made-up program keeps nothing".into()));
+            return Err(AppError::Storage { reason: "a made-up program keeps nothing".into() });
         };
         let number = kept.iter().position(|known| known == scenario).unwrap_or_else(|| {
             kept.push(scenario.clone());
@@ -349,27 +350,30 @@ impl SkySource for Fake {
         Ok(ChangeId::parse(&format!("s-{:020x}", number + 1)).unwrap())
     }
 
-    fn scenario(&self, id: &ChangeId) -> Result<(Scenario, Arc<ChangeSummary>, u64), SourceError> {
-        let unknown = || SourceError::UnknownScenario(id.to_string());
+    fn scenario(&self, id: &ChangeId) -> Result<ScenarioRecord, AppError> {
+        let unknown = || AppError::UnknownScenario { id: id.to_string() };
         let number = usize::from_str_radix(&id.as_str()[2..], 16).map_err(|_| unknown())?;
         let kept = self.kept.lock().unwrap();
         let scenario = kept.as_ref().and_then(|kept| kept.get(number.checked_sub(1)?)).ok_or_else(unknown)?;
-        Ok((scenario.clone(), Arc::default(), 0))
+        Ok(ScenarioRecord {
+            scenario: scenario.clone(),
+            summary: Arc::default(),
+            scene: self.metadata(),
+            created_unix_s: 0,
+        })
     }
 
-    fn plan(&self, request: &PlanRequest) -> Result<PlanOutcome, SourceError> {
-        let scenes = request.sites().into_iter().map(|site| self.known(&site.sky.scene));
-        scenes.collect::<Result<Vec<_>, _>>()?;
-        Err(SourceError::Down("a made-up program plans nothing".into()))
+    fn plan(&self, _: &PlanRequest, _: &SceneView) -> Result<PlanOutcome, AppError> {
+        Err(AppError::EngineDown)
     }
 
-    fn store_plan(&self, _: &ChangeId, _: &StoredPlan) -> Result<(), SourceError> {
-        Err(SourceError::Storage("a made-up program keeps nothing".into()))
+    fn store_plan(&self, _: &ChangeId, _: &StoredPlan) -> Result<(), AppError> {
+        Err(AppError::Storage { reason: "a made-up program keeps nothing".into() })
     }
 
     fn hold_plan(&self, _: &ChangeId, _: StoredPlan) {}
 
-    fn check_base(&self, _: &ChangeId) -> Result<(), SourceError> {
+    fn check_base(&self, _: &ChangeId) -> Result<(), AppError> {
         Ok(())
     }
 
@@ -377,21 +381,21 @@ impl SkySource for Fake {
         false
     }
 
-    fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), SourceError> {
-        Err(SourceError::UnknownScenario(id.to_string()))
+    fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), AppError> {
+        Err(AppError::UnknownScenario { id: id.to_string() })
     }
 
-    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, SourceError> {
+    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, AppError> {
         self.known(scene)?;
         Ok(Vec::new())
     }
 
-    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, SourceError> {
+    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, AppError> {
         self.known(scene)?;
         Ok(Vec::new())
     }
 
-    fn sky(&self, query: Arc<SkyQuery>) -> BoxFuture<'_, Result<RenderedSky, SourceError>> {
+    fn sky(&self, request: Arc<SkyRequest>, _: SceneView) -> BoxFuture<'_, Result<RenderedSky, AppError>> {
         Box::pin(async move {
             let mood = self.mood.lock().unwrap().clone();
             match mood {
@@ -400,7 +404,7 @@ impl SkySource for Fake {
                 Mood::Fails(error) => return Err(error),
                 Mood::Panics => panic!("the secret of /etc/passwd"),
             }
-            self.render(&query)
+            self.render(&request)
         })
     }
 }

@@ -2,7 +2,7 @@ use crate::{
     fake::{BOUNDS, Mood},
     server::{PLACE, SKY, Server, header},
 };
-use skyglow_app::source::SourceError;
+use skyglow_app::AppError;
 
 /// Status and kind of a problem, checked to be a problem document.
 async fn problem(server: &Server, path: &str) -> (u16, String, serde_json::Value) {
@@ -186,8 +186,8 @@ async fn tiles_that_do_not_exist_are_404() {
 async fn a_full_queue_is_503_with_retry_after() {
     let server = Server::start().await;
     for (error, kind) in [
-        (SourceError::Busy, "/problems/busy"),
-        (SourceError::Down("the device was lost".into()), "/problems/engine-down"),
+        (AppError::Busy { retry_after_s: 1 }, "/problems/busy"),
+        (AppError::EngineDown, "/problems/engine-down"),
     ] {
         *server.fake.mood.lock().unwrap() = Mood::Fails(error);
         let answer = server.answer(SKY).await;
@@ -205,7 +205,7 @@ async fn a_full_queue_is_503_with_retry_after() {
 #[tokio::test]
 async fn a_defect_is_500_without_internals() {
     let server = Server::start().await;
-    for mood in [Mood::Panics, Mood::Fails(SourceError::Broken("the secret of /etc/passwd".into()))] {
+    for mood in [Mood::Panics, Mood::Fails(AppError::internal("the secret of /etc/passwd"))] {
         *server.fake.mood.lock().unwrap() = mood;
         let answer = server.answer(SKY).await;
         assert_eq!(answer.status(), 500);

@@ -1,6 +1,6 @@
 //! One site: the lights that do most for their flux go first.
 
-use super::target::Reduction;
+use super::problem::Reduction;
 
 /// The exact least cut for one site, and the price of its measure: flux that a unit more would cost.
 pub(super) fn fill(problem: &Reduction, gain: &[f64], need: f64) -> (Vec<f64>, f64) {

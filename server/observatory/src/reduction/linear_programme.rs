@@ -5,7 +5,7 @@
 //! contradicts the prices, and the cut is that of the whole programme. Where time runs out before, cuts are filled up greedily: they
 //! meet the needs, and the bound says how far from the least they may be.
 
-use super::target::Reduction;
+use super::problem::Reduction;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use std::time::{Duration, Instant};

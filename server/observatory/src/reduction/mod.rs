@@ -5,10 +5,12 @@
 
 mod greedy;
 mod linear_programme;
+mod problem;
 mod target;
 mod threshold;
 
-pub use target::{LeastCut, Reduction, least_cut};
+pub use problem::{LeastCut, Reduction};
+pub use target::least_cut;
 pub use threshold::{percentile, threshold_cuts};
 
 #[cfg(test)]

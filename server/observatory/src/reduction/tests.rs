@@ -162,8 +162,9 @@ fn large(lights: usize, sites: usize) -> Reduction {
     problem
 }
 
+/// A plan of many lights is proved to be the least.
 #[test]
-fn a_plan_of_many_lights_is_proved_to_be_the_least() {
+fn a_plan_of_many_lights_is_the_least() {
     let problem = large(60_000, 4);
     let found = least_cut(&problem);
     for site in 0..4 {
@@ -192,8 +193,9 @@ fn out_of_time_every_need_is_met_all_the_same() {
     assert!((least..2.0 * least).contains(&flux), "{flux} {least}");
 }
 
+/// Sites that want nothing cost nothing and what is out of reach takes all.
 #[test]
-fn sites_that_want_nothing_cost_nothing_and_what_is_out_of_reach_takes_all() {
+fn extreme_needs_take_nothing_or_all() {
     let problem = Reduction {
         flux: vec![1.0, 2.0, 3.0],
         most_cut: vec![1.0, 0.5, 0.0],

@@ -1,15 +1,20 @@
 //! Sites of plans, with what each wants.
 
-use super::{LevelBody, PlanBody, SiteBody};
 use crate::{
-    observatory::sky_request,
+    facts::SourceFacts,
     parameters as p,
     reader::Reader,
-    request::{geojson::boundary, influence::curve, sky::Conditions},
-    source::{EyeHeight, SkyQuery, SourceFacts},
+    request::{
+        geojson::boundary,
+        influence::curve,
+        plan_body::{LevelBody, PlanBody, SiteBody},
+        sky::Conditions,
+    },
     validation::ValidationCode,
 };
-use skyglow_observatory::{InfluenceRequest, Level, Limit, Measure, PlanMethod, TargetSite};
+use skyglow_observatory::{
+    InfluenceRequest, Level, Limit, Measure, ObserverHeight, PlanMethod, SkyRequest, TargetSite,
+};
 use skyglow_physics::GeoPoint;
 use skyglow_scene::SceneId;
 
@@ -31,7 +36,7 @@ impl Sites<'_> {
         self.reader.fail_part(name, message, allowed, code);
     }
 
-    pub(super) fn threshold(&mut self, body: &PlanBody) -> Option<(PlanMethod, Vec<SkyQuery>)> {
+    pub(super) fn threshold(&mut self, body: &PlanBody) -> Option<PlanMethod> {
         for (name, is_given) in [
             ("sites", body.sites.is_some()),
             ("max_cut", body.max_cut.is_some()),
@@ -89,11 +94,11 @@ impl Sites<'_> {
             self.fail("q_b", "is below q_a", "q_a or more", ValidationCode::Conflict);
             return None;
         }
-        let site = InfluenceRequest { sky: sky_request(&sky), measure };
-        Some((PlanMethod::Threshold { site, from, to, gamma: gamma? }, vec![sky]))
+        let site = InfluenceRequest { sky, measure };
+        Some(PlanMethod::Threshold { site, from, to, gamma: gamma? })
     }
 
-    pub(super) fn target(&mut self, body: &PlanBody) -> Option<(PlanMethod, Vec<SkyQuery>)> {
+    pub(super) fn target(&mut self, body: &PlanBody) -> Option<PlanMethod> {
         for (name, is_given) in [
             ("site", body.site.is_some()),
             ("measure", body.measure.is_some()),
@@ -123,7 +128,7 @@ impl Sites<'_> {
                 None
             }
         });
-        let (mut skies, mut targets) = (Vec::new(), Vec::new());
+        let mut targets = Vec::new();
         for (number, site) in sites.iter().enumerate() {
             let name = format!("sites[{number}]");
             let sky = self.sky(&name, site);
@@ -131,15 +136,13 @@ impl Sites<'_> {
                 self.measure(&format!("{name}."), site.measure.as_deref(), site.region.as_ref(), false);
             let limit = self.limit(&name, site);
             if let (Some(sky), Some(measure), Some(limit)) = (sky, measure, limit) {
-                let influence = InfluenceRequest { sky: sky_request(&sky), measure };
-                targets.push(TargetSite { influence, limit });
-                skies.push(sky);
+                targets.push(TargetSite { influence: InfluenceRequest { sky, measure }, limit });
             }
         }
-        Some((PlanMethod::Target { sites: targets, max_cut: max_cut?, protect }, skies))
+        Some(PlanMethod::Target { sites: targets, max_cut: max_cut?, protect })
     }
 
-    fn sky(&mut self, name: &str, site: &SiteBody) -> Option<SkyQuery> {
+    fn sky(&mut self, name: &str, site: &SiteBody) -> Option<SkyRequest> {
         let maximum_m = self.facts.altitude_range_m.1;
         let place = match GeoPoint::from_deg(site.lat, site.lon) {
             Ok(place) => Some(place),
@@ -161,7 +164,7 @@ impl Sites<'_> {
                 None
             }
             (None, Some(altitude_m)) if altitude_m <= maximum_m => {
-                Some(EyeHeight::AboveSea(altitude_m.max(0.0)))
+                Some(ObserverHeight::AboveSea(altitude_m.max(0.0)))
             }
             (None, Some(_)) => {
                 let allowed = format!("0 to {maximum_m} m above sea level; below 0 counts as 0");
@@ -176,7 +179,7 @@ impl Sites<'_> {
             (height, None) => {
                 let height_m = height.unwrap_or(2.0);
                 if (0.0..=maximum_m).contains(&height_m) {
-                    Some(EyeHeight::AboveGround(height_m))
+                    Some(ObserverHeight::AboveGround(height_m))
                 } else {
                     let allowed = format!("0 to {maximum_m} m, less the altitude of the ground");
                     self.fail(

@@ -1,23 +1,26 @@
 //! `skyglow atlas`: a map layer of a whole scene, to a file.
 
+mod found;
 mod part_file;
 mod tiles;
 
-use self::part_file::PartFile;
+use self::{
+    found::{Found, MapLayer},
+    part_file::PartFile,
+};
 use crate::{
     failure::Failure,
     flags::ProgramFlags,
     progress::Stages,
     query::{self, QueryFlags},
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use skyglow_app::{
-    answers::BrightnessAssumptions, parameters::BrightnessParameters, request, source::SourceFacts,
+    answers::BrightnessAssumptions, facts::SourceFacts, fingerprint::brightness_key,
+    parameters::BrightnessParameters, request,
 };
-use skyglow_http::etag::ETag;
-use skyglow_observatory::BrightnessMap;
 use skyglow_observatory::BrightnessRequest;
-use skyglow_scene::{PatchStore, PlaceValues, RasterMetadata, Scene, SceneId, TileLayer};
+use skyglow_scene::{PatchStore, RasterMetadata, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -53,17 +56,6 @@ pub(crate) struct Atlas {
     program: ProgramFlags,
 }
 
-/// What a map shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MapLayer {
-    /// The artificial luminance at the zenith of every place.
-    Brightness,
-    /// The scene's lights.
-    Radiance,
-    /// The ground.
-    Elevation,
-}
-
 /// A file of a map.
 #[derive(Clone, Debug)]
 struct Output {
@@ -87,20 +79,10 @@ fn output(text: &str) -> Result<Output, String> {
     Ok(Output { path, format })
 }
 
-/// What is found, and what is said of it.
-struct Found {
-    scene: Arc<Scene>,
-    places: PlaceValues,
-    unit: &'static str,
-    description: &'static str,
-    /// JSON.
-    assumptions: String,
-}
-
 impl Atlas {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
-        self.ask(&self.program.facts())?;
+        self.request(&self.program.facts())?;
         self.check_parameters()?;
         if let Some(folder) = self.output.path.parent().filter(|folder| !folder.as_os_str().is_empty())
             && !folder.is_dir()
@@ -148,7 +130,7 @@ impl Atlas {
         }
     }
 
-    fn ask(&self, facts: &SourceFacts) -> Result<BrightnessRequest, Failure> {
+    fn request(&self, facts: &SourceFacts) -> Result<BrightnessRequest, Failure> {
         let query = request::brightness(Some(self.query.query()), self.scene.clone(), facts)
             .map_err(|error| query::failure(&error))?;
         Ok(BrightnessRequest { max_places: self.places as usize, ..query })
@@ -156,24 +138,22 @@ impl Atlas {
 
     fn brightness(&self, part: &Path, stages: &Stages) -> Result<Found, Failure> {
         let source = self.program.source()?;
-        let ask = self.ask(source.facts())?;
-        let scene = source
-            .open_scene(&ask.scene, ask.scenario.as_ref())
-            .map_err(|error| query::failure(&error.into()))?;
-        // A tag knows the program too: another one's numbers are not gone on with.
-        let checksums = &source.facts().pack_checksums;
-        let key = ETag::of(&["atlas", &format!("{ask:?}"), &scene.metadata().version, checksums]).header();
+        let request = self.request(source.facts())?;
+        let failure = |error| query::failure(&error);
+        let view = source.view(&request.scene, request.scenario.as_ref()).map_err(failure)?;
+        // A key knows the program too: another one's numbers are not gone on with.
+        let key = brightness_key(&request, view.version(), source.facts()).map_err(failure)?;
         let store = PartStore { file: PartFile::open(part, &key)?, stages };
         stages.begin("brightness of places", 1000);
-        let map: BrightnessMap = source
-            .brightness(&ask, &store)
-            .map_err(|error| store.failure(part).unwrap_or_else(|| query::failure(&error.into())))?;
-        let assumptions = BrightnessAssumptions::new(&ask, &map, source.facts());
+        let map = source
+            .brightness(&request, &view, &store)
+            .map_err(|error| store.failure(part).unwrap_or_else(|| query::failure(&error)))?;
+        let assumptions = BrightnessAssumptions::new(&request, &map, source.facts());
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");
         }
         Ok(Found {
-            scene,
+            scene: Arc::clone(view.scene()),
             places: map.places().clone(),
             unit: "cd m-2",
             description: "artificial luminance at the zenith",
@@ -183,9 +163,10 @@ impl Atlas {
 
     fn of_scene(&self, layer: TileLayer) -> Result<Found, Failure> {
         let source = self.program.source()?;
-        let ask = self.ask(source.facts())?;
-        let scenario = ask.scenario.as_ref().filter(|_| layer == TileLayer::Radiance);
-        let scene = source.open_scene(&ask.scene, scenario).map_err(|error| query::failure(&error.into()))?;
+        let request = self.request(source.facts())?;
+        let scenario = request.scenario.as_ref().filter(|_| layer == TileLayer::Radiance);
+        let view = source.view(&request.scene, scenario).map_err(|error| query::failure(&error))?;
+        let scene = Arc::clone(view.scene());
         let places = scene.layer_at_places(layer, scene.place_lattice(self.places as usize));
         let places =
             places.ok_or_else(|| Failure::Work("a layer of another size than its places".to_owned()))?;

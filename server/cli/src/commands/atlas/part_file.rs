@@ -127,8 +127,9 @@ fn part_at(bytes: &[u8], start: usize) -> Option<(u64, Vec<f32>, usize)> {
 mod tests {
     use super::*;
 
+    /// What was found is there again but for a cut part and another map begins anew.
     #[test]
-    fn what_was_found_is_there_again_but_for_a_cut_part_and_another_map_begins_anew() {
+    fn a_part_file_goes_on_where_it_was() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("map.tif.part");
         let file = PartFile::open(&path, "a").unwrap();

@@ -1,6 +1,6 @@
 //! Map tiles in a PMTiles archive.
 
-use super::{Found, MapLayer};
+use super::found::{Found, MapLayer};
 use crate::{failure::Failure, progress::Stages};
 use pmtiles::{PmTilesWriter, TileCoord, TileType};
 use skyglow_display::{

@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         terrain_hides: arguments.terrain == "on",
         max_places: arguments.max_places,
     };
-    observatory.scene(&id)?;
+    observatory.view(&id, None)?;
     let start = Instant::now();
     let map = observatory.brightness(&request, &|_: f64| true)?;
     let seconds = start.elapsed().as_secs_f64();

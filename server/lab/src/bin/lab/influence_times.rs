@@ -142,7 +142,8 @@ fn changes(observatory: &Observatory) -> Outcome {
     let request = PlanRequest { method };
     let (ms, told) = fastest(&|| Ok(format!("{} pixels", observatory.plan(&request)?.pixels.len())))?;
     println!("threshold plan: {ms:.0} ({told})");
-    let scene = observatory.scene(&square()?)?;
+    let view = observatory.view(&square()?, None)?;
+    let scene = view.scene();
     for radius_m in [1_000.0, 10_000.0, 40_000.0] {
         let area = Area::Brush { points: vec![[37.3, 0.3]], radius_m };
         let change = Change::Alter { factor: 0.5, lamp: None, emission: None };

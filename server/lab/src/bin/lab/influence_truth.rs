@@ -67,7 +67,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
     let directions: Vec<Direction> = (0..ELEVATION_COUNT * AZIMUTH_COUNT)
         .map(|at| grid_direction((at / AZIMUTH_COUNT, at % AZIMUTH_COUNT)))
         .collect();
-    let sum = later_orders(turbidity, zenith.observer.altitude_m);
+    let sum = later_orders(turbidity, zenith.context.altitude_m);
     let start = Instant::now();
     let later = sum.radiance_of_each(&sources, lamp.flux_per_dnb_flux, &directions)?;
     let mut luminance = Vec::new();

@@ -87,7 +87,7 @@ pub(crate) fn run(Arguments { place: asked, reduce_by }: &Arguments) -> Outcome 
     // The raster's own pixels, dimmed here and not by the program.
     let left: HashMap<u64, f64> = plan.pixels.iter().map(|pixel| (pixel.code, 1.0 - pixel.cut)).collect();
     let scene = asked.open()?;
-    let sum = later_orders(turbidity, site.before.sky.observer.altitude_m);
+    let sum = later_orders(turbidity, site.before.sky.context.altitude_m);
     let mut values = Vec::new();
     for is_dimmed in [false, true] {
         let start = Instant::now();
@@ -101,7 +101,7 @@ pub(crate) fn run(Arguments { place: asked, reduce_by }: &Arguments) -> Outcome 
         let flux_dnb_w: f64 = pixels.iter().map(|pixel| pixel.flux_dnb_w).sum();
         let value = truth(&sum, &lamp, &point_sources(place, &pixels))?;
         let state = if is_dimmed { &site.after } else { &site.before };
-        let found = zenith(&state.sky.rendered.panorama);
+        let found = zenith(&state.sky.panorama);
         println!(
             "{}: truth {value:.4e} cd/m2, the program's {found:.4e} ({:+.2} %), flux {flux_dnb_w:.4e} W; {:.0} s",
             if is_dimmed { "dimmed" } else { "as it is" },

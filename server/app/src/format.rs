@@ -1,4 +1,4 @@
-//! Times in answers.
+//! Times and degrees as answers write them.
 
 use time::{OffsetDateTime, format_description::well_known::Rfc3339};
 
@@ -7,6 +7,11 @@ pub fn rfc3339(unix_s: u64) -> String {
     let time =
         i64::try_from(unix_s).ok().and_then(|seconds| OffsetDateTime::from_unix_timestamp(seconds).ok());
     time.and_then(|time| time.format(&Rfc3339).ok()).unwrap_or_default()
+}
+
+/// Degrees without the last digits of the way through radians.
+pub fn rounded(degrees: f64) -> f64 {
+    (degrees * 1e9).round() / 1e9
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! What is resident, by the clouds and the orders of scattering that the packs hold.
+//! What is fixed after the start: the device, and what is resident by the clouds and the orders of scattering of the packs.
 
-use crate::source::{SkyQuery, SourceFacts};
+use skyglow_observatory::SkyRequest;
 use skyglow_tables::{Clouds, Scattering};
 
 /// The packs of one scattering under one sky, as far as a request must know them.
@@ -27,6 +27,25 @@ impl KindFacts {
     }
 }
 
+/// What is fixed after the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceFacts {
+    /// `gpu`, `lavapipe` or `cpu`.
+    pub executor: String,
+    /// Name of the device.
+    pub adapter: String,
+    /// Places of a map of the zenith's brightness at most.
+    pub max_places: usize,
+    /// The packs resident, those of a clear sky first, under each sky by scattering, the best last; one at least.
+    pub kinds: Vec<KindFacts>,
+    /// Albedo of the base of clouds at whatever altitude, where no packs are needed; None where packs decide.
+    pub any_cloud_albedo: Option<f64>,
+    /// Lowest and highest observer altitude resident, metres.
+    pub altitude_range_m: (f64, f64),
+    /// Checksums of all resident packs, one after another; part of every ETag.
+    pub pack_checksums: String,
+}
+
 impl SourceFacts {
     /// The packs under a sky, by scattering, the best last.
     pub fn kinds_under(&self, cloud_base_m: Option<u32>) -> impl DoubleEndedIterator<Item = &KindFacts> {
@@ -40,14 +59,14 @@ impl SourceFacts {
     }
 
     /// The packs that serve a request, where there are any.
-    pub fn kind(&self, query: &SkyQuery) -> Option<&KindFacts> {
-        self.kinds_under(query.cloud_base_m).find(|kind| kind.scattering == query.scattering)
+    pub fn kind(&self, request: &SkyRequest) -> Option<&KindFacts> {
+        self.kinds_under(request.cloud_base_m).find(|kind| kind.scattering == request.scattering)
     }
 
     /// Lambertian albedo of the base of a request's clouds; None under a clear sky.
-    pub fn cloud_albedo(&self, query: &SkyQuery) -> Option<f64> {
-        query.cloud_base_m?;
-        self.any_cloud_albedo.or_else(|| Some(self.kind(query)?.clouds?.albedo()))
+    pub fn cloud_albedo(&self, request: &SkyRequest) -> Option<f64> {
+        request.cloud_base_m?;
+        self.any_cloud_albedo.or_else(|| Some(self.kind(request)?.clouds?.albedo()))
     }
 
     /// What is allowed with some packs, named only where others would allow something else.

@@ -1,0 +1,26 @@
+//! What a map shows, and what was found of it.
+
+use clap::ValueEnum;
+use skyglow_scene::{PlaceValues, Scene};
+use std::sync::Arc;
+
+/// What a map shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum MapLayer {
+    /// The artificial luminance at the zenith of every place.
+    Brightness,
+    /// The scene's lights.
+    Radiance,
+    /// The ground.
+    Elevation,
+}
+
+/// What is found, and what is said of it.
+pub(super) struct Found {
+    pub(super) scene: Arc<Scene>,
+    pub(super) places: PlaceValues,
+    pub(super) unit: &'static str,
+    pub(super) description: &'static str,
+    /// JSON.
+    pub(super) assumptions: String,
+}

@@ -1,0 +1,145 @@
+//! What a scene says of a place: the light around it by kinds of fixtures, the ground, the horizon.
+
+use crate::{
+    error::ObservatoryError,
+    scene_view::SceneView,
+    sky::{RenderContext, RenderedSky, SkyRequest},
+};
+use skyglow_physics::{Atmosphere, Fixture, Horizon, Lamp, LampPreset, SkyCover, SkyQuantities};
+use skyglow_render::{
+    PassTime,
+    request::{RenderRequest, Rendered},
+    truncation::BasisChooser,
+};
+use skyglow_scene::{Ground, PolarGrid, Scene};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// The light around a place that has one kind of fixture.
+pub(crate) type FixtureLight = (Fixture, Arc<PolarGrid>);
+
+/// What a scene says of a place.
+#[derive(Clone)]
+pub(crate) struct Surroundings {
+    /// At least one, be there light or not: that of the scene's own fixtures.
+    pub(crate) lights: Vec<FixtureLight>,
+    pub(crate) ground: Ground,
+    /// Metres above sea level, at least 0.
+    pub(crate) altitude_m: f64,
+    calibration: f64,
+    /// None where nothing hides, and nothing is computed for it.
+    pub(crate) horizon: Option<(Horizon, Duration)>,
+}
+
+impl Surroundings {
+    /// * `hides_lights`: whether the packs know skylines; else no light is put behind one.
+    ///
+    /// # Errors
+    /// [`ObservatoryError::OutsideScene`].
+    pub(crate) fn of(
+        view: &SceneView,
+        request: &SkyRequest,
+        hides_lights: bool,
+    ) -> Result<Self, ObservatoryError> {
+        Ok(Self::on_ground(view.site(request.place)?.ground, view.scene(), request, hides_lights))
+    }
+
+    /// The same of a place whose ground is known.
+    pub(crate) fn on_ground(ground: Ground, scene: &Scene, request: &SkyRequest, hides_lights: bool) -> Self {
+        let place = request.place;
+        let altitude_m = request.observer_height.altitude_m(ground);
+        // Below sea level counts as sea level; what is no number stays so and is refused.
+        let altitude_m = if altitude_m < 0.0 { 0.0 } else { altitude_m };
+        let lights = scene.polar_grids(place, request.terrain_hides && hides_lights);
+        let lights = lights.into_iter().map(|(fixture, polar)| (fixture, Arc::new(polar))).collect();
+        let horizon = (request.terrain_hides && scene.metadata().terrain).then(|| {
+            let start = Instant::now();
+            (scene.horizon(place, altitude_m), start.elapsed())
+        });
+        Self { lights, ground, altitude_m, calibration: scene.metadata().calibration, horizon }
+    }
+
+    /// Lamps that changes replace around here where there are none of them by then, each once.
+    fn lamps_not_met(&self, asked: &Lamp) -> Vec<LampPreset> {
+        let not_met: Vec<LampPreset> =
+            self.lights.iter().flat_map(|(fixture, _)| fixture.lamps_not_met(asked)).collect();
+        LampPreset::ALL.into_iter().filter(|lamp| not_met.contains(lamp)).collect()
+    }
+
+    /// What the numbers of an answer depend on beside the request.
+    pub(crate) fn context(
+        &self,
+        request: &SkyRequest,
+        basis_count: usize,
+        basis_error_bound: Option<f64>,
+    ) -> RenderContext {
+        RenderContext {
+            altitude_m: self.altitude_m,
+            ground: self.ground,
+            coverage: self.lights[0].1.coverage,
+            calibration: self.calibration,
+            local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(self.altitude_m),
+            flux_dnb_w: self.lights.iter().map(|(_, polar)| polar.flux_dnb_w).sum(),
+            basis_count,
+            basis_error_bound,
+            lamps_not_met: self.lamps_not_met(&request.lamp),
+        }
+    }
+
+    /// What is to be rendered and added up; with a tolerance, the fewest functions that it allows, and the bound of what they
+    /// miss.
+    pub(crate) fn render_requests(
+        &self,
+        request: &SkyRequest,
+        basis: &BasisChooser,
+    ) -> Result<(Vec<RenderRequest>, Option<f64>), ObservatoryError> {
+        let part = |(fixture, polar): &FixtureLight| RenderRequest {
+            polar: Arc::clone(polar),
+            observer_altitude_m: self.altitude_m,
+            turbidity: request.turbidity,
+            scattering: request.scattering,
+            cloud_base_m: request.cloud_base_m,
+            emission: fixture.emission(request.emission),
+            flux_per_dnb_flux: fixture.flux_per_dnb_flux(&request.lamp),
+            basis: request.basis,
+        };
+        let mut parts: Vec<RenderRequest> = self.lights.iter().map(part).collect();
+        let (None, Some(tolerance)) = (request.basis, request.tolerance) else {
+            return Ok((parts, None));
+        };
+        // Skies are nowhere below 0, so norms of n of them sum to √n times that of their sum at most.
+        let together = (parts.len() as f64).sqrt();
+        let mut bound = 0f64;
+        for part in &mut parts {
+            let within = basis.basis_within(part, tolerance / together)?;
+            part.basis = Some(within.basis_count);
+            bound = bound.max(within.error_bound);
+        }
+        Ok((parts, Some(together * bound)))
+    }
+
+    /// The sky with what it depends on, dark below the horizon.
+    pub(crate) fn finish(
+        self,
+        request: &SkyRequest,
+        rendered: Rendered,
+        basis_error_bound: Option<f64>,
+    ) -> RenderedSky {
+        let context = self.context(request, rendered.basis_count, basis_error_bound);
+        let (horizon, time) = self.horizon.unzip();
+        let horizon = horizon.unwrap_or_default();
+        let time = time.map(|time| PassTime { name: "horizon", microseconds: 1e6 * time.as_secs_f64() });
+        let mut panorama = rendered.panorama;
+        horizon.darken(&mut panorama);
+        let cover = SkyCover::with_clouds(request.cloud_base_m.is_some());
+        RenderedSky {
+            quantities: SkyQuantities::under(cover, &panorama, &horizon),
+            panorama,
+            horizon,
+            context,
+            passes: time.into_iter().chain(rendered.passes).collect(),
+        }
+    }
+}
