@@ -30,7 +30,7 @@ async fn document_and_routes_are_the_same() {
             .as_array()
             .is_some_and(|list| list.iter().any(|p| p["name"] == "lat" && p["required"] == true));
         let query = if needs_a_place { "?lat=-1&lon=37" } else { "" };
-        // The made-up program knows no influences, no brightness and has no plans; `whole.rs` asks a real one.
+        // The made-up program knows no influences, no brightness and has no plans; `end_to_end` asks a real one.
         let status = match path {
             path if path.contains("/influence") || path.contains("/layers/brightness") => 503,
             path if path.contains("{plan}") || path.contains("{scenario}") => 404,

@@ -322,7 +322,7 @@ impl SkySource for Fake {
         })
     }
 
-    /// Influences need the light of a real scene: `whole.rs` asks for them.
+    /// Influences need the light of a real scene: `end_to_end` asks for them.
     fn influence(&self, _: &InfluenceRequest, _: &SceneView) -> Result<InfluenceMap, AppError> {
         Err(AppError::EngineDown)
     }

@@ -4,6 +4,7 @@
 
 mod caching;
 mod document;
+mod end_to_end;
 mod fake;
 mod formats;
 mod fuzz;
@@ -13,8 +14,3 @@ mod problems;
 mod resources;
 mod scattering;
 mod server;
-mod whole;
-mod whole_layers;
-mod whole_plans;
-mod whole_refusals;
-mod whole_uploads;

@@ -1,6 +1,6 @@
 //! What bodies get that cannot be meant: `docs/refused-bodies.md`, which is written by this test and held to it.
 
-use crate::whole::Whole;
+use super::EndToEnd;
 use serde_json::{Value, json};
 use std::{
     fmt::Write as _,
@@ -104,20 +104,20 @@ fn bad_bodies() -> Vec<Bad> {
 }
 
 /// The status and the problem of a body.
-async fn answer_of(whole: &Whole, bad: &Bad) -> (u16, Value) {
-    let url = format!("{}/api/v1/scenes/demo/{}", whole.base, bad.path);
+async fn answer_of(server: &EndToEnd, bad: &Bad) -> (u16, Value) {
+    let url = format!("{}/api/v1/scenes/demo/{}", server.base, bad.path);
     if bad.body.len() > 2 << 20 {
-        return answer_of_long(whole, bad);
+        return answer_of_long(server, bad);
     }
-    let request = whole.client.post(url).header("content-type", "application/json");
+    let request = server.client.post(url).header("content-type", "application/json");
     let answer = request.body(bad.body.clone()).send().await.unwrap();
     (answer.status().as_u16(), answer.json().await.unwrap())
 }
 
 /// The same for what is refused by its length: the server answers before it has read the body, and closes. A client that
 /// still sends then may lose the answer, so no more than the head is sent here.
-fn answer_of_long(whole: &Whole, bad: &Bad) -> (u16, Value) {
-    let host = whole.base.trim_start_matches("http://");
+fn answer_of_long(server: &EndToEnd, bad: &Bad) -> (u16, Value) {
+    let host = server.base.trim_start_matches("http://");
     let mut stream = TcpStream::connect(host).unwrap();
     let length = bad.body.len();
     write!(
@@ -146,7 +146,9 @@ fn shown(body: &str) -> String {
     }
 }
 
-pub(crate) async fn bad_bodies_get_what_the_table_says(whole: &Whole) {
+#[tokio::test]
+async fn bad_bodies_get_what_the_table_says() {
+    let server = EndToEnd::shared().await;
     let mut table = String::from(
         "# What bodies get that cannot be meant\n\n\
          Posted to `/api/v1/scenes/demo/…`, each with its answer: the status, the part of the body that is named, and what is said of\n\
@@ -157,7 +159,7 @@ pub(crate) async fn bad_bodies_get_what_the_table_says(whole: &Whole) {
          | to | what | body | status | named | said |\n|---|---|---|---|---|---|\n",
     );
     for bad in bad_bodies() {
-        let (status, problem) = answer_of(whole, &bad).await;
+        let (status, problem) = answer_of(&server, &bad).await;
         assert!((400..500).contains(&status), "{}: {status}, {problem}", bad.what);
         assert_eq!(problem["status"], json!(status), "{}: {problem}", bad.what);
         let error = &problem["errors"][0];
@@ -174,7 +176,7 @@ pub(crate) async fn bad_bodies_get_what_the_table_says(whole: &Whole) {
         )
         .unwrap();
     }
-    assert_eq!(whole.get("/healthz").await.status(), 200);
+    assert_eq!(server.get("/healthz").await.status(), 200);
     if std::env::var_os("UPDATE_REFUSED_BODIES").is_some() {
         std::fs::write(table_file(), &table).unwrap();
     }

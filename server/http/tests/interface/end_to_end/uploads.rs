@@ -1,11 +1,8 @@
 //! Scenes that the operator puts and deletes over HTTP.
 
-use crate::{server::header, whole::Whole};
+use super::{COUNTED_KEY, COUNTED_REQUESTS, EndToEnd, KEY, TOKEN, folder, zenith};
+use crate::server::header;
 use serde_json::{Value, json};
-
-/// The operator's token, and a known client's key, of the servers that `whole.rs` starts.
-pub(crate) const TOKEN: &str = "the-operators-token-of-a-test";
-pub(crate) const KEY: &str = "a-citys-key";
 
 /// A form of fields: name, file name, content.
 fn form(fields: &[(&str, Option<&str>, &[u8])]) -> Vec<u8> {
@@ -21,8 +18,8 @@ fn form(fields: &[(&str, Option<&str>, &[u8])]) -> Vec<u8> {
     body
 }
 
-async fn put(whole: &Whole, scene: &str, secret: Option<&str>, body: Vec<u8>) -> (u16, Value) {
-    let mut request = whole.client.put(format!("{}/api/v1/scenes/{scene}", whole.base)).body(body);
+async fn put(server: &EndToEnd, scene: &str, secret: Option<&str>, body: Vec<u8>) -> (u16, Value) {
+    let mut request = server.client.put(format!("{}/api/v1/scenes/{scene}", server.base)).body(body);
     request = request.header("content-type", "multipart/form-data; boundary=edge");
     if let Some(secret) = secret {
         request = request.header("authorization", format!("Bearer {secret}"));
@@ -31,18 +28,21 @@ async fn put(whole: &Whole, scene: &str, secret: Option<&str>, body: Vec<u8>) ->
     (answer.status().as_u16(), answer.json().await.unwrap())
 }
 
-async fn delete(whole: &Whole, scene: &str, secret: &str) -> reqwest::Response {
-    let request = whole.client.delete(format!("{}/api/v1/scenes/{scene}", whole.base));
+async fn delete(server: &EndToEnd, scene: &str, secret: &str) -> reqwest::Response {
+    let request = server.client.delete(format!("{}/api/v1/scenes/{scene}", server.base));
     request.header("authorization", format!("Bearer {secret}")).send().await.unwrap()
 }
 
-pub(crate) async fn scenes_are_put_and_deleted_by_the_operator(whole: &Whole, place: &str) {
+#[tokio::test]
+async fn the_operator_puts_and_deletes_scenes() {
+    let server = &EndToEnd::shared().await;
+    let place = server.town().await.query;
     let layer = async |name: &str| {
-        let raster = whole.get(&format!("/api/v1/scenes/demo/layers/{name}.tif")).await;
+        let raster = server.get(&format!("/api/v1/scenes/demo/layers/{name}.tif")).await;
         raster.bytes().await.unwrap().to_vec()
     };
     let (radiance, terrain) = (layer("radiance").await, layer("elevation").await);
-    let whole_form = form(&[
+    let complete_form = form(&[
         ("title", None, b"A copy"),
         ("calibration", None, b"2"),
         ("radiance", Some("light.tif"), &radiance),
@@ -54,21 +54,20 @@ pub(crate) async fn scenes_are_put_and_deleted_by_the_operator(whole: &Whole, pl
         (Some("the-operators-token-of-a-tesT"), 401, "unauthorized"),
         (Some(KEY), 403, "operator-only"),
     ] {
-        let (got, problem) = put(whole, "copy", secret, form(&[("title", None, b"small")])).await;
+        let (got, problem) = put(server, "copy", secret, form(&[("title", None, b"small")])).await;
         assert_eq!((got, &problem["type"]), (status, &json!(format!("/problems/{kind}"))));
     }
-    assert_eq!(whole.get("/api/v1/scenes/copy").await.status(), 404);
+    assert_eq!(server.get("/api/v1/scenes/copy").await.status(), 404);
 
-    let (status, scene) = put(whole, "copy", Some(TOKEN), whole_form.clone()).await;
+    let (status, scene) = put(server, "copy", Some(TOKEN), complete_form.clone()).await;
     assert_eq!((status, &scene["title"]), (201, &json!("A copy")), "{scene}");
-    let (_, demo) = whole.json("/api/v1/scenes/demo").await;
+    let (_, demo) = server.json("/api/v1/scenes/demo").await;
     assert_eq!((&scene["lit_pixels"], &scene["terrain"]), (&demo["lit_pixels"], &json!(true)));
-    let zenith = async |scene: &str| {
-        let (_, sky) = whole.json(&format!("/api/v1/scenes/{scene}/sky?{place}&terrain=off")).await;
-        sky["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap()
+    let zenith_in = async |scene: &str| {
+        zenith(&server.json(&format!("/api/v1/scenes/{scene}/sky?{place}&terrain=off")).await.1)
     };
     // Twice the light by its calibration; its terrain is coarser.
-    let ratio = zenith("copy").await / zenith("demo").await;
+    let ratio = zenith_in("copy").await / zenith_in("demo").await;
     assert!((ratio / 2.0 - 1.0).abs() < 0.05, "{ratio}");
 
     // What cannot be meant is refused, and the scene that is there stays.
@@ -86,46 +85,46 @@ pub(crate) async fn scenes_are_put_and_deleted_by_the_operator(whole: &Whole, pl
         (form(&[("title", None, &[b'a'; 5000])]), 400, "title"),
         (b"--edge\r\nnothing".to_vec(), 400, "body"),
     ] {
-        let (got, problem) = put(whole, "copy", Some(TOKEN), fields).await;
+        let (got, problem) = put(server, "copy", Some(TOKEN), fields).await;
         let detail = problem["detail"].as_str().unwrap();
         assert!(got == status && detail.contains(name), "{name}: {got} {detail}");
-        let folder = whole.folder.path().to_str().unwrap();
+        let folder = folder().to_str().unwrap();
         assert!(!detail.contains(folder), "folders are nobody's business: {detail}");
     }
-    let (_, same) = whole.json("/api/v1/scenes/copy").await;
+    let (_, same) = server.json("/api/v1/scenes/copy").await;
     assert_eq!(same["version"], scene["version"]);
-    let (status, _) = put(whole, "Bad_Id", Some(TOKEN), form(&[("title", None, b"small")])).await;
+    let (status, _) = put(server, "Bad_Id", Some(TOKEN), form(&[("title", None, b"small")])).await;
     assert_eq!(status, 404);
-    let (status, again) = put(whole, "copy", Some(TOKEN), form(&[("radiance", None, &radiance)])).await;
+    let (status, again) = put(server, "copy", Some(TOKEN), form(&[("radiance", None, &radiance)])).await;
     assert_eq!((status, &again["terrain"]), (200, &json!(false)));
     assert_ne!(again["version"], scene["version"]);
-    let left = std::fs::read_dir(whole.folder.path().join("scenes")).unwrap();
+    let left = std::fs::read_dir(folder().join("scenes")).unwrap();
     let left: Vec<String> = left.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     assert!(left.iter().all(|name| name == "demo" || name == "copy"), "{left:?}");
 
-    assert_eq!(delete(whole, "copy", KEY).await.status(), 403);
-    assert_eq!(delete(whole, "copy", TOKEN).await.status(), 204);
-    let gone = delete(whole, "copy", TOKEN).await;
+    assert_eq!(delete(server, "copy", KEY).await.status(), 403);
+    assert_eq!(delete(server, "copy", TOKEN).await.status(), 204);
+    let gone = delete(server, "copy", TOKEN).await;
     assert_eq!((gone.status().as_u16(), header(&gone, "content-type")), (404, "application/problem+json"));
-    assert_eq!(whole.get(&format!("/api/v1/scenes/copy/sky?{place}")).await.status(), 404);
+    assert_eq!(server.get(&format!("/api/v1/scenes/copy/sky?{place}")).await.status(), 404);
 }
 
 /// A known client has a rate and a quota of its own, and a key that nobody has is refused.
-pub(crate) async fn keys_are_counted(whole: &Whole) {
+#[tokio::test]
+async fn keys_are_counted() {
+    let server = EndToEnd::shared().await;
     let ask = async |name: &str, value: &str| {
-        let request = whole.client.get(format!("{}/api/v1/scenes", whole.base)).header(name, value);
+        let request = server.client.get(format!("{}/api/v1/scenes", server.base)).header(name, value);
         request.send().await.unwrap()
     };
     let unknown = ask("x-api-key", "nobodys").await;
     assert_eq!((unknown.status().as_u16(), header(&unknown, "www-authenticate")), (401, "Bearer"));
-    // One was used by each refused upload and deletion above; some are left of 10.
-    let mut statuses = Vec::new();
-    for _ in 0..10 {
-        statuses.push(ask("x-api-key", KEY).await.status().as_u16());
+    for _ in 0..COUNTED_REQUESTS {
+        assert_eq!(ask("x-api-key", COUNTED_KEY).await.status(), 200);
     }
-    assert!(statuses[0] == 200 && statuses.contains(&429), "{statuses:?}");
-    let used: Value = ask("x-api-key", KEY).await.json().await.unwrap();
-    assert_eq!(used["type"], "/problems/quota-used");
+    let used = ask("x-api-key", COUNTED_KEY).await;
+    assert_eq!(used.status(), 429);
+    assert_eq!(used.json::<Value>().await.unwrap()["type"], "/problems/quota-used");
     // Others are not touched by that.
-    assert_eq!(whole.get("/api/v1/scenes").await.status(), 200);
+    assert_eq!(server.get("/api/v1/scenes").await.status(), 200);
 }
