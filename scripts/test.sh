@@ -41,6 +41,7 @@ viewer_checks() {
 # One profile and all packages throughout, so that what is built once serves every part: cargo builds dependencies with the
 # features that the named packages want. Examples are held to the lints, which compile them; nothing here runs them.
 cargo_test() { cargo test --release --workspace "$@"; }
+# Unit tests that take seconds each are marked as ignored: `check` leaves them out.
 lints() { part "lints" cargo clippy --release --workspace --all-targets -- -D warnings; }
 
 # Rasters of real products are not in the repository. Without them nothing passes, unless their tests are to be left out.
@@ -72,7 +73,8 @@ all)
     part "build" cargo_test --lib --bins --tests --no-run
     lints
     part "packs that are missing" scripts/make_packs.sh missing
-    part "tests" cargo_test --lib --bins --tests
+    part "unit tests" cargo_test --lib --bins -- --include-ignored
+    part "tests of whole crates" cargo_test --test '*'
     if [ -n "${SKYGLOW_SKIP_REAL_RASTERS:-}" ]; then
         echo "== NOT RUN, as SKYGLOW_SKIP_REAL_RASTERS asks: tests of real rasters" >&2
     else

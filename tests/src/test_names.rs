@@ -1,4 +1,4 @@
-//! The length of tests' names: what a test says in full is its doc comment.
+//! Rules for tests: short names, as what a test says in full is its doc comment, and no test that no command runs.
 
 use crate::tree::SourceFile;
 
@@ -29,4 +29,26 @@ pub fn violations(files: &[SourceFile], except: &[&str]) -> Vec<String> {
         .filter(|(_, name)| name.len() > MAX_TEST_NAME)
         .map(|(path, name)| format!("{path}: {name}: {} characters", name.len()))
         .collect()
+}
+
+/// Reasons for which a test may be `#[ignore]`d, each with where: `make test` runs both kinds.
+const IGNORED: [(&str, fn(&str) -> bool); 2] = [
+    ("#[ignore = \"slow: `make check` leaves it to `make test`\"]", |path| path.contains("/src/")),
+    ("#[ignore = \"needs the folder of real rasters\"]", |path| path.ends_with("/tests/real_rasters.rs")),
+];
+
+/// Tests that are ignored for other reasons or elsewhere, as path and line.
+pub fn ignored_elsewhere(files: &[SourceFile]) -> Vec<String> {
+    let mut found = Vec::new();
+    for file in files {
+        for (index, line) in file.text.lines().map(str::trim).enumerate() {
+            let is_allowed = || IGNORED.iter().any(|(reason, here)| line == *reason && here(&file.path));
+            if (line.starts_with("#[ignore") || line.starts_with("#[cfg_attr(") && line.contains("ignore"))
+                && !is_allowed()
+            {
+                found.push(format!("{}:{}: {line}", file.path, index + 1));
+            }
+        }
+    }
+    found
 }

@@ -58,7 +58,7 @@ pub(crate) fn lost_digits(
 }
 
 /// A jump: the largest amount by which a step of `walked` exceeds the largest of the three steps of `own` around it,
-/// and where. Both are sampled at the same places of one walk; `own` changes as the truth does. A step is
+/// and where. Both are sampled at the same places of one walk; `own` changes as the reference does. A step is
 /// |a − b| / max(a, b, `floor`); one with a value that is no number is infinite.
 pub(crate) fn jump(walked: &[f64], own: &[f64], floor: f64) -> (f64, usize) {
     let step = |pair: &[f64]| {

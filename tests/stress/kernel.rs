@@ -45,8 +45,8 @@ impl Case {
 pub(crate) fn run(_: &Bench, report: &mut Report) -> Outcome {
     let atmospheres = atmospheres()?;
     let (ordinary, aimed) = (cases(&DISTANCES_M), aimed_cases());
-    whole(report, &atmospheres, "whole grid of places", &ordinary);
-    whole(report, &atmospheres, "aimed at the source", &aimed);
+    finite(report, &atmospheres, "whole grid of places", &ordinary);
+    finite(report, &atmospheres, "aimed at the source", &aimed);
     digits(report, &atmospheres, &ordinary);
     mirrored(report, &atmospheres, &ordinary);
     clean_air(report, &atmospheres, &ordinary);
@@ -100,7 +100,7 @@ fn aimed_cases() -> Vec<Case> {
     cases
 }
 
-fn whole(report: &mut Report, atmospheres: &[Atmosphere], name: &str, cases: &[Case]) {
+fn finite(report: &mut Report, atmospheres: &[Atmosphere], name: &str, cases: &[Case]) {
     let faults = cases.par_iter().map(|case| Faults::of(case.radiance(atmospheres, 1e-6))).reduce(
         Faults::default,
         |mut sum, faults| {
@@ -180,8 +180,8 @@ mod tests {
         let mut report = Report::new();
         report.run("kernel", |report| {
             let few = cases(&[0.0, 250.0, 300_000.0]);
-            whole(report, &atmospheres, "few places", &few);
-            whole(report, &atmospheres, "aimed at the source", &aimed_cases());
+            finite(report, &atmospheres, "few places", &few);
+            finite(report, &atmospheres, "aimed at the source", &aimed_cases());
             mirrored(report, &atmospheres, &few);
             Ok(())
         });

@@ -3,7 +3,7 @@
 use crate::{
     checks::{Check, Outcome, Report},
     rig::{Bench, Rig, row_maxima, widened},
-    walks::{LOOKS, STAND, Stand, request_at, truth_cd_m2},
+    walks::{LOOKS, STAND, Stand, reference_cd_m2, request_at},
 };
 use skyglow_physics::photometry::natural_sky_luminance_cd_m2;
 use skyglow_scene::{RING_COUNT, ring_distance_m};
@@ -26,7 +26,7 @@ struct Axis {
 
 pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {
     let rig = &bench.shipped;
-    let flux_dnb_w = natural_sky_luminance_cd_m2() / truth_cd_m2(rig, STAND)?[LOOKS.len() - 1];
+    let flux_dnb_w = natural_sky_luminance_cd_m2() / reference_cd_m2(rig, STAND)?[LOOKS.len() - 1];
     for axis in axes(rig) {
         let sides = Sides { rig, axis: &axis, flux_dnb_w };
         let (mut worst, mut where_worst) = (0.0, 0.0);

@@ -20,7 +20,7 @@ pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {
     antimeridian(report, rig)?;
     equator(report, rig)?;
     poles(report, rig)?;
-    whole(report, rig)
+    everywhere(report, rig)
 }
 
 fn sky(rig: &Rig, scene: &Scene, latitude_deg: f64, longitude_deg: f64) -> Result<Vec<f32>, Box<dyn Error>> {
@@ -146,7 +146,7 @@ fn poles(report: &mut Report, rig: &Rig) -> Outcome {
 }
 
 /// Everywhere: no fault, and the flux of the pixels within 300 km.
-fn whole(report: &mut Report, rig: &Rig) -> Outcome {
+fn everywhere(report: &mut Report, rig: &Rig) -> Outcome {
     let folder = Folder::new()?;
     let rasters = [
         about(0.0, 180.0),

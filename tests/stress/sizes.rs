@@ -18,8 +18,8 @@ use std::{error::Error, f64::consts::PI, time::Instant};
 /// VIIRS pixels, degrees.
 const STEP: f64 = 1.0 / 240.0;
 
-/// Pieces of the observer's own pixel lie on a square lattice (the truth's rule, `docs/model.md#sources`), so that the lowest row
-/// sees more of them along the diagonals; the truth itself by 30 %.
+/// Pieces of the observer's own pixel lie on a square lattice (the reference's rule, `docs/model.md#sources`), so that the lowest row
+/// sees more of them along the diagonals; the reference itself by 30 %.
 const UNEVEN: f64 = 0.15;
 
 pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {

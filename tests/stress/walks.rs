@@ -1,6 +1,6 @@
-//! Walks across every node: what the fast path does from one step to the next, and what the truth does.
+//! Walks across every node: what the fast path does from one step to the next, and what the reference solution does.
 //!
-//! The truth is the sum over the sources of the first order, the packs hold all orders: what is compared is how each
+//! The reference solution is the sum over the sources of the first order, the packs hold all orders: what is compared is how each
 //! changes. A lamp is made as bright as gives a natural sky at the zenith, so that floors mean the same all along.
 
 use crate::{
@@ -41,8 +41,8 @@ struct Group {
     limit: f64,
     /// Steps are shares of the sky, and of this where it is darker, cd m⁻².
     floor_cd_m2: f64,
-    /// All samples behind a lit stand where the truth stands still, times this, must exceed the limit: a fault in the dark, or
-    /// where the truth itself leaps, is none.
+    /// All samples behind a lit stand where the reference stands still, times this, must exceed the limit: a fault in the dark, or
+    /// where the reference itself leaps, is none.
     planted: f64,
 }
 
@@ -141,8 +141,8 @@ fn source_at(stand: Stand) -> PointSource {
     }
 }
 
-/// Luminance at each look of a lamp of 1 W by the truth of the first order, cd m⁻².
-pub(crate) fn truth_cd_m2(rig: &Rig, stand: Stand) -> Result<Vec<f64>, Box<dyn Error>> {
+/// Luminance at each look of a lamp of 1 W by the reference of the first order, cd m⁻².
+pub(crate) fn reference_cd_m2(rig: &Rig, stand: Stand) -> Result<Vec<f64>, Box<dyn Error>> {
     let request = request_at(rig, stand, 1.0)?;
     let directions = LOOKS.map(grid_direction);
     let bands: Vec<[f64; 3]> = direct_sum(
@@ -164,7 +164,7 @@ pub(crate) fn fast_cd_m2(rig: &Rig, stand: Stand, flux_dnb_w: f64) -> Result<Vec
     Ok(LOOKS.iter().map(|&(row, column)| sky.luminance_cd_m2(row, column)).collect())
 }
 
-/// The stand from which the truth changes least to the next, among those at least a hundredth as bright as the brightest.
+/// The stand from which the reference changes least to the next, among those at least a hundredth as bright as the brightest.
 fn stillest(own: &[f64], walked: &[f64]) -> usize {
     let brightest = walked.iter().copied().fold(0.0, f64::max);
     let step = |at: usize| (own[at] - own[at + 1]).abs() / own[at].max(own[at + 1]).max(f64::MIN_POSITIVE);
@@ -177,10 +177,10 @@ fn stillest(own: &[f64], walked: &[f64]) -> usize {
 fn walk_along(report: &mut Report, rig: &Rig, name: &str, walk: impl Iterator<Item = Stand>) -> Outcome {
     let (mut walked, mut own, mut stands) = (Vec::new(), Vec::new(), Vec::new());
     for stand in walk {
-        let truth = truth_cd_m2(rig, stand)?;
-        let flux_dnb_w = natural_sky_luminance_cd_m2() / truth[LOOKS.len() - 1];
+        let reference = reference_cd_m2(rig, stand)?;
+        let flux_dnb_w = natural_sky_luminance_cd_m2() / reference[LOOKS.len() - 1];
         walked.push(fast_cd_m2(rig, stand, flux_dnb_w)?);
-        own.push(truth.into_iter().map(|value| value * flux_dnb_w).collect::<Vec<_>>());
+        own.push(reference.into_iter().map(|value| value * flux_dnb_w).collect::<Vec<_>>());
         stands.push(stand);
     }
     for group in GROUPS {
@@ -199,10 +199,10 @@ fn walk_along(report: &mut Report, rig: &Rig, name: &str, walk: impl Iterator<It
         }
         let (excess, at, look) = worst;
         let stand = stands[at];
-        let check = Check::new(format!("{name}, {}", group.words), "step beyond the truth's own", cases);
+        let check = Check::new(format!("{name}, {}", group.words), "step beyond the reference's own", cases);
         report.add(check.found(excess, group.limit, planted).note(format!(
             "row {}, column {}: {:.0} m away, lamp at {:.0} m, eye at {:.0} m, turbidity {:.2}: {:.2e} to {:.2e} \
-             cd m-2, first order of the truth {:.2e} to {:.2e}",
+             cd m-2, first order of the reference {:.2e} to {:.2e}",
             LOOKS[look].0,
             LOOKS[look].1,
             stand.distance_m,

@@ -2,8 +2,10 @@
 //! scattering (`lab truth`, then `lab truth-multiple`).
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
-use skyglow_lab::setup::{engine_with, observatory, open_sky};
-use skyglow_observatory::{BrightnessRequest, SkyRequest};
+mod common;
+
+use skyglow_lab::setup::open_sky;
+use skyglow_observatory::{BrightnessRequest, Observatory, SkyRequest};
 use skyglow_physics::{
     ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
@@ -11,10 +13,15 @@ use skyglow_physics::{
     source_pixel::{FARTHEST_SOURCE_M, point_sources},
 };
 use skyglow_render::{Engine, RenderRequest};
-use skyglow_scene::{Scene, SceneId, SceneStore, create_demo};
+use skyglow_scene::{Scene, SceneId};
 use skyglow_tables::Scattering;
 use skyglow_tests::tree;
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::PathBuf,
+    sync::{Arc, LazyLock},
+};
+
+static OBSERVATORY: LazyLock<Observatory> = LazyLock::new(|| common::demo("accuracy"));
 
 /// Largest mean error allowed at any place and turbidity.
 const LARGEST_MEAN: f64 = 0.01;
@@ -100,11 +107,8 @@ fn compare(
 /// Skies of the demo are those of the stored reference solutions.
 #[test]
 fn demo_skies_match_the_stored_reference() {
-    let folder = tempfile::tempdir().unwrap();
-    let store = SceneStore::new(folder.path());
-    create_demo(&store, &mut |_| ()).unwrap();
-    let scene = store.open(&SceneId::parse("demo").unwrap()).unwrap();
-    let engine = engine_with(&tree::root().join("precomputed")).unwrap();
+    let scene = OBSERVATORY.scene(&SceneId::parse("demo").unwrap()).unwrap();
+    let engine = OBSERVATORY.engine();
     for path in truth_files() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let truth: StoredTruth = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
@@ -116,12 +120,12 @@ fn demo_skies_match_the_stored_reference() {
             "{name}: the demo has changed; make the truth anew (see `lab truth`)"
         );
         for (index, turbidity) in truth.turbidities.iter().enumerate() {
-            let (error, zenith) = compare(&engine, &scene, &truth, index, 0.0);
+            let (error, zenith) = compare(engine, &scene, &truth, index, 0.0);
             println!("{name} turbidity {turbidity}: {error:?}, zenith {zenith:.4}");
             assert!(error.mean < LARGEST_MEAN, "{name} turbidity {turbidity}: {error:?}");
             assert!(zenith < LARGEST_AT_ZENITH, "{name} turbidity {turbidity}: zenith {zenith}");
             // The check can fail: an observer 1 500 m higher has another sky.
-            let (wrong, _) = compare(&engine, &scene, &truth, index, 1_500.0);
+            let (wrong, _) = compare(engine, &scene, &truth, index, 1_500.0);
             assert!(wrong.mean > 2.0 * error.mean, "{name} turbidity {turbidity}: {wrong:?}");
         }
     }
@@ -131,9 +135,6 @@ fn demo_skies_match_the_stored_reference() {
 /// between altitudes cost.
 #[test]
 fn each_zenith_is_that_of_its_panorama() {
-    let folder = tempfile::tempdir().unwrap();
-    create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();
-    let observatory = observatory(folder.path(), &tree::root().join("precomputed")).unwrap();
     let id = SceneId::parse("demo").unwrap();
     // At a pack and between packs.
     for (turbidity, max_places) in [(2.5, 20_000), (3.0, 5_000)] {
@@ -148,7 +149,7 @@ fn each_zenith_is_that_of_its_panorama() {
             terrain_hides: true,
             max_places,
         };
-        let map = observatory.brightness(&request, &|_: f64| true).unwrap();
+        let map = OBSERVATORY.brightness(&request, &|_: f64| true).unwrap();
         let lattice = map.places().lattice();
         let mut errors: Vec<f64> = (0..lattice.len())
             .step_by(lattice.len() / 60)
@@ -156,7 +157,7 @@ fn each_zenith_is_that_of_its_panorama() {
                 let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
                 let place = map.open_scene().lattice_place(lattice, column, row);
                 let sky = SkyRequest { terrain_hides: true, ..open_sky(id.clone(), place, turbidity) };
-                let zenith = observatory.sky_blocking(&sky).unwrap().quantities.zenith_luminance_cd_m2;
+                let zenith = OBSERVATORY.sky_blocking(&sky).unwrap().quantities.zenith_luminance_cd_m2;
                 (f64::from(map.places().values()[at]) / zenith - 1.0).abs()
             })
             .collect();

@@ -5,7 +5,7 @@ use skyglow_tests::{
     absences::{self, ABSENCES},
     arrows::{self, Dependency},
     circles, test_names,
-    tree::{SourceFile, source_files},
+    tree::{SourceFile, source_files, text},
 };
 
 #[test]
@@ -167,5 +167,32 @@ fn a_long_name_of_a_test_is_seen() {
         assert_eq!(test_names::test_names(&text), ["short", &long], "{text}");
         let file = SourceFile { path: "a/b.rs".to_owned(), text };
         assert_eq!(test_names::violations(&[file], &["b/"]), [format!("a/b.rs: {long}: 46 characters")]);
+    }
+}
+
+/// A test that is ignored is one that `make test` runs in a part of its own.
+#[test]
+fn no_test_is_left_out_of_make_test() {
+    let mut files = source_files("server", &[".rs"]);
+    files.extend(source_files("tests", &[".rs"]));
+    assert_eq!(test_names::ignored_elsewhere(&files), Vec::<String>::new());
+    let script = text("scripts/test.sh");
+    assert!(script.contains("--lib --bins -- --include-ignored"));
+    assert!(script.contains("--test real_rasters -- --ignored"));
+}
+
+/// Without a reason, for another one, and elsewhere.
+#[test]
+fn a_test_left_out_of_make_test_is_seen() {
+    let slow = "#[ignore = \"slow: `make check` leaves it to `make test`\"]";
+    for (path, line, count) in [
+        ("a/src/b.rs", slow, 0),
+        ("a/tests/b.rs", slow, 1),
+        ("a/src/b.rs", "#[ignore]", 1),
+        ("a/src/b.rs", "#[ignore = \"flaky\"]", 1),
+        ("a/src/b.rs", "#[cfg_attr(windows, ignore)]", 1),
+    ] {
+        let file = SourceFile { path: path.to_owned(), text: format!("#[test]\n    {line}\nfn f() {{}}") };
+        assert_eq!(test_names::ignored_elsewhere(&[file]).len(), count, "{path} {line}");
     }
 }

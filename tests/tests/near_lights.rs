@@ -1,8 +1,10 @@
 //! Skies next to near lights, from the packs that come with the program.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
+mod common;
+
 use skyglow_bench::scenes::{LitPixel, grid_under_open_sky, sources_of_pixels};
-use skyglow_lab::setup::{engine_with, observatory, open_sky};
+use skyglow_lab::setup::open_sky;
 use skyglow_observatory::{InfluenceRequest, InfluenceSolver, Measure, Observatory, SkyRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Direction, EmissionMix, GeoPoint, Horizon, LampPreset,
@@ -10,15 +12,12 @@ use skyglow_physics::{
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, mixed_radiance_per_watt},
 };
-use skyglow_render::{Engine, RenderRequest, TableSet, resident_tables};
-use skyglow_scene::{PolarGrid, SceneId, SceneStore, create_demo};
-use skyglow_tables::{Scattering, packs_in};
-use skyglow_tests::tree;
-use std::sync::Arc;
+use skyglow_render::RenderRequest;
+use skyglow_scene::{PolarGrid, SceneId};
+use skyglow_tables::Scattering;
+use std::sync::{Arc, LazyLock};
 
-fn packs() -> std::path::PathBuf {
-    tree::root().join("precomputed")
-}
+static OBSERVATORY: LazyLock<Observatory> = LazyLock::new(|| common::demo("near-lights"));
 
 fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
     RenderRequest {
@@ -33,8 +32,8 @@ fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
     }
 }
 
-fn sky(engine: &Engine, polar: PolarGrid, turbidity: f64) -> Vec<f32> {
-    let rendered = engine.render_blocking(request(polar, turbidity)).unwrap();
+fn sky(polar: PolarGrid, turbidity: f64) -> Vec<f32> {
+    let rendered = OBSERVATORY.engine().render_blocking(request(polar, turbidity)).unwrap();
     rendered.panorama.samples().to_vec()
 }
 
@@ -46,7 +45,6 @@ fn one_light() -> Vec<PointSource> {
 /// The peak next to a near light is that of the first order of scattering.
 #[test]
 fn near_light_peaks_are_those_of_first_order() {
-    let engine = engine_with(&packs()).unwrap();
     let lights = one_light();
     let [light] = lights.as_slice() else { panic!("{} lights", lights.len()) };
     let air = Atmosphere::new(Turbidity::new(2.5).unwrap());
@@ -56,8 +54,8 @@ fn near_light_peaks_are_those_of_first_order() {
         observer_altitude_m: 300.0,
     };
     let flux = LampPreset::Mixed.lamp().flux_per_dnb_flux.map(|flux| flux * light.flux_dnb_w);
-    let with = sky(&engine, grid_under_open_sky(&lights), 2.5);
-    let without = sky(&engine, PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, 2.5);
+    let with = sky(grid_under_open_sky(&lights), 2.5);
+    let without = sky(PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, 2.5);
     let (mut right, mut wrong) = (0f64, 0f64);
     let column = (light.azimuth_rad / azimuth_rad(1)) as usize;
     // Its elevation is 3.2°, between rows 1 and 2: right above it.
@@ -85,11 +83,10 @@ fn near_light_peaks_are_those_of_first_order() {
 /// Far from near lights nothing changes, and nothing is negative.
 #[test]
 fn far_from_near_lights_nothing_changes() {
-    let engine = engine_with(&packs()).unwrap();
     let lights = one_light();
     for turbidity in [2.5, 3.0] {
-        let with = sky(&engine, grid_under_open_sky(&lights), turbidity);
-        let without = sky(&engine, PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, turbidity);
+        let with = sky(grid_under_open_sky(&lights), turbidity);
+        let without = sky(PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, turbidity);
         let own = (lights[0].azimuth_rad / azimuth_rad(1)) as usize;
         let mut changed = 0;
         for (at, (with, without)) in with.iter().zip(&without).enumerate() {
@@ -106,15 +103,14 @@ fn far_from_near_lights_nothing_changes() {
     let far =
         sources_of_pixels([LitPixel { east_m: 31_000.0, north_m: 0.0, altitude_m: 0.0, flux_dnb_w: 1e6 }]);
     let grid = PolarGrid { near: Vec::new(), ..grid_under_open_sky(&far) };
-    let rendered = engine.render_blocking(request(grid, 2.5)).unwrap();
+    let rendered = OBSERVATORY.engine().render_blocking(request(grid, 2.5)).unwrap();
     assert!(rendered.passes.iter().all(|pass| pass.name != "near_lights"));
 }
 
 /// Near lights are corrected only where a measure looks.
 #[test]
 fn near_lights_are_corrected_where_needed() {
-    let (tables, _) = resident_tables(&packs_in(&packs()).unwrap()).unwrap();
-    let solver = InfluenceSolver::new(Arc::new(TableSet::new(tables).unwrap()));
+    let solver = InfluenceSolver::new(OBSERVATORY.engine().table_set());
     // 3° high, in the north-east.
     let asked = request(grid_under_open_sky(&one_light()), 2.5);
     let of = |measure: &LinearMeasure| solver.near_lights(&asked, &asked, measure).unwrap();
@@ -142,7 +138,6 @@ fn near_lights_are_corrected_where_needed() {
 /// A near light too weak to show is left as the cells have it.
 #[test]
 fn weak_near_lights_are_left_to_the_cells() {
-    let engine = engine_with(&packs()).unwrap();
     // A town fills the sky; one more light beside it, faint and then bright.
     let town = (0..900).map(|pixel| LitPixel {
         east_m: 2_000.0 + 460.0 * f64::from(pixel % 30),
@@ -155,7 +150,7 @@ fn weak_near_lights_are_left_to_the_cells() {
         let grid = grid_under_open_sky(&sources_of_pixels(town.clone().chain([one])));
         let last = grid.near.len() - 1;
         let fewer = PolarGrid { near: grid.near[..last].to_vec(), ..grid.clone() };
-        (sky(&engine, grid, 2.5), sky(&engine, fewer, 2.5))
+        (sky(grid, 2.5), sky(fewer, 2.5))
     };
     let (with, without) = sky_with(1e3);
     assert_eq!(with, without);
@@ -166,9 +161,6 @@ fn weak_near_lights_are_left_to_the_cells() {
 /// Parts of the lights around add up to the sky with near lights in it.
 #[test]
 fn influences_add_up_with_near_lights() {
-    let folder = tempfile::tempdir().unwrap();
-    create_demo(&SceneStore::new(folder.path()), &mut |_| {}).unwrap();
-    let observatory: Observatory = observatory(folder.path(), &packs()).unwrap();
     let id = SceneId::parse("demo").unwrap();
     // In a town between mountains, at a pack's turbidity and between packs.
     let place = GeoPoint::from_deg(46.17, 8.79).unwrap();
@@ -177,7 +169,7 @@ fn influences_add_up_with_near_lights() {
             terrain_hides: true,
             ..open_sky(id.clone(), place, Turbidity::new(turbidity).unwrap())
         };
-        let rendered = observatory.sky_blocking(&sky).unwrap();
+        let rendered = OBSERVATORY.sky_blocking(&sky).unwrap();
         assert!(rendered.passes.iter().any(|pass| pass.name == "near_lights"));
         let whole = [
             (Measure::Zenith, rendered.quantities.zenith_luminance_cd_m2),
@@ -186,7 +178,7 @@ fn influences_add_up_with_near_lights() {
         ];
         for (measure, whole) in whole {
             let asked = InfluenceRequest { sky: sky.clone(), measure };
-            let map = observatory.influence(&asked).unwrap();
+            let map = OBSERVATORY.influence(&asked).unwrap();
             let sum: f64 = map.influence().iter().copied().map(f64::from).sum();
             assert!((sum / whole - 1.0).abs() < 1e-4, "{turbidity} {:?}: {sum} {whole}", asked.measure);
         }

@@ -27,7 +27,7 @@ fn quick_bench_prints_tables_and_writes_files() {
     for plot in ["time-against-lights.svg", "time-against-basis.svg"] {
         assert!(std::fs::read_to_string(out.join(plot)).unwrap().starts_with("<svg"), "{plot}");
     }
-    // No truth was computed, so there is no plot of errors.
+    // No reference solution was computed, so there is no plot of errors.
     assert!(!out.join("error-against-basis.svg").exists());
 }
 

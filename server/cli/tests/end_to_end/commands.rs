@@ -60,11 +60,11 @@ fn the_reference_needs_no_packs() {
     common::geotiff::write_radiance(&raster, common::geotiff::Crs::Geographic, &common::geotiff::town());
     let data = text(folder.path());
     skyglow(&["ingest", text(&raster), "--data", data]).expect_status(0);
-    let truth = |more: &[&str]| {
+    let reference = |more: &[&str]| {
         let all = ["reference", "--scene", "town", "--lat", "-1.28", "--lon", "36.83", "--data", data];
         skyglow(&[&all[..], more].concat()).expect_status(0).json()
     };
-    let few = truth(&["--directions", "16", "--scattering", "single"]);
+    let few = reference(&["--directions", "16", "--scattering", "single"]);
     let directions = few["directions"].as_array().unwrap();
     assert!(directions.len() >= 16);
     for direction in directions {
@@ -83,18 +83,18 @@ fn the_reference_needs_no_packs() {
         assert!(warning.contains(said), "{warnings:?}");
     }
     assert!((number(&few["observer"], "altitude_m") - 2.0).abs() < 1e-9);
-    assert_eq!(few, truth(&["--directions", "16", "--scattering", "single"]));
+    assert_eq!(few, reference(&["--directions", "16", "--scattering", "single"]));
     let highest =
         directions.iter().max_by(|a, b| number(a, "elevation_deg").total_cmp(&number(b, "elevation_deg")));
     let ratio = highest.unwrap()["radiance"][1].as_f64().unwrap()
         / few["sky"]["zenith_radiance_w_m2_sr"][1].as_f64().unwrap();
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
-    let blue = truth(&["--directions", "16", "--lamp", "0,0,1", "--scattering", "single"]);
+    let blue = reference(&["--directions", "16", "--lamp", "0,0,1", "--scattering", "single"]);
     let bands = blue["directions"][0]["radiance"].as_array().unwrap();
     assert!(bands[0] == 0.0 && bands[1] == 0.0 && bands[2].as_f64().unwrap() > 0.0, "{bands:?}");
     // All orders unless asked otherwise, over the ground that is asked for: each a little brighter everywhere.
-    let all_orders = truth(&["--directions", "16"]);
-    let over_snow = truth(&["--directions", "16", "--ground-albedo", "0.8"]);
+    let all_orders = reference(&["--directions", "16"]);
+    let over_snow = reference(&["--directions", "16", "--ground-albedo", "0.8"]);
     assert_eq!((&few["scattering"], &all_orders["scattering"]), (&"single".into(), &"multiple".into()));
     assert_eq!((&all_orders["ground_albedo"], &over_snow["ground_albedo"]), (&0.15.into(), &0.8.into()));
     let green = |answer: &serde_json::Value, index: usize| {
@@ -117,14 +117,14 @@ fn the_reference_hides_lights_behind_a_ridge() {
     skyglow(&["ingest", text(&raster), "--terrain", text(&terrain), "--data", data]).expect_status(0);
     // East of the town and the ridge.
     let common = ["--scene", "town", "--lat", "-1.2833", "--lon", "36.9104", "--data", data];
-    let truth = |more: &[&str]| {
+    let reference = |more: &[&str]| {
         let count = ["--directions", "16", "--turbidity", "2"];
         let finished = skyglow(&[&["reference"], &common[..], &count, more].concat()).expect_status(0);
         (finished.json(), finished.stderr)
     };
     for (scattering, fields, fields_open) in [("single", None, None), ("multiple", Some(5), Some(1))] {
-        let (hidden, said) = truth(&["--scattering", scattering]);
-        let (open, said_open) = truth(&["--scattering", scattering, "--terrain", "off"]);
+        let (hidden, said) = reference(&["--scattering", scattering]);
+        let (open, said_open) = reference(&["--scattering", scattering, "--terrain", "off"]);
         for (said, fields) in [(said, fields), (said_open, fields_open)] {
             let expected = fields.map(|count| format!("later orders: {count} fields"));
             assert!(said.contains("later orders") == expected.is_some(), "{said}");
