@@ -13,7 +13,8 @@ pub fn test_names(text: &str) -> Vec<&str> {
     for line in text.lines().map(str::trim_start) {
         is_test |= line.starts_with("#[test]") || line.starts_with("#[tokio::test");
         let Some((before, after)) = line.split_once("fn ").filter(|_| is_test) else { continue };
-        if before.is_empty() || before == "async " || before.ends_with("] ") {
+        let before = before.trim_end();
+        if before.is_empty() || before == "async" || before.ends_with(']') {
             names.push(after.split(['(', '<']).next().unwrap_or(after));
             is_test = false;
         }

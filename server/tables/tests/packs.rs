@@ -10,7 +10,7 @@ use skyglow_tables::{
 use std::{
     path::{Path, PathBuf},
     sync::{
-        OnceLock,
+        LazyLock,
         atomic::{AtomicU64, Ordering},
     },
 };
@@ -19,15 +19,43 @@ fn options() -> PrecomputeOptions {
     PrecomputeOptions::coarse(Turbidity::new(2.0).unwrap())
 }
 
-/// One pack made once for all tests.
-fn pack_bytes() -> &'static (Vec<u8>, Vec<u8>) {
-    static BYTES: OnceLock<(Vec<u8>, Vec<u8>)> = OnceLock::new();
-    BYTES.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
-        let path = precompute(&options(), folder.path(), &Silent).unwrap();
-        (std::fs::read(&path).unwrap(), std::fs::read(path.with_extension("json")).unwrap())
-    })
+fn all_orders() -> PrecomputeOptions {
+    let multiple = MultipleAxes::coarse(0.3);
+    PrecomputeOptions { scattering: Scattering::Multiple, multiple, ..options() }
 }
+
+fn without_skylines() -> PrecomputeOptions {
+    PrecomputeOptions { blocked: None, ..options() }
+}
+
+/// A pack made once for all tests, with its manifest.
+struct Made {
+    name: String,
+    pack: Vec<u8>,
+    manifest: Vec<u8>,
+}
+
+impl Made {
+    fn by(options: &PrecomputeOptions) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = precompute(options, folder.path(), &Silent).unwrap();
+        let manifest = std::fs::read(path.with_extension("json")).unwrap();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        Self { name, pack: std::fs::read(&path).unwrap(), manifest }
+    }
+
+    /// Both files in a folder; the pack's path.
+    fn place(&self, folder: &Path) -> PathBuf {
+        let path = folder.join(&self.name);
+        std::fs::write(&path, &self.pack).unwrap();
+        std::fs::write(path.with_extension("json"), &self.manifest).unwrap();
+        path
+    }
+}
+
+static FIRST_ORDER: LazyLock<Made> = LazyLock::new(|| Made::by(&options()));
+static ALL_ORDERS: LazyLock<Made> = LazyLock::new(|| Made::by(&all_orders()));
+static WITHOUT_SKYLINES: LazyLock<Made> = LazyLock::new(|| Made::by(&without_skylines()));
 
 fn place(folder: &Path, bytes: &[u8]) -> PathBuf {
     let path = folder.join("turbidity-2.00-single.skyglow");
@@ -38,9 +66,7 @@ fn place(folder: &Path, bytes: &[u8]) -> PathBuf {
 #[test]
 fn a_pack_reads_back_and_says_what_it_is() {
     let folder = tempfile::tempdir().unwrap();
-    let (pack, manifest) = pack_bytes();
-    let path = place(folder.path(), pack);
-    std::fs::write(path.with_extension("json"), manifest).unwrap();
+    let path = FIRST_ORDER.place(folder.path());
     assert_eq!(packs_in(folder.path()).unwrap(), vec![path.clone()]);
     let pack = Pack::open(&path).unwrap();
     assert_eq!(pack.manifest().turbidity, 2.0);
@@ -97,7 +123,7 @@ fn a_killed_run_resumes_with_the_same_bytes() {
     std::fs::write(&damaged, b"damaged").unwrap();
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let path = single.install(|| precompute(&options(), folder.path(), &Silent)).unwrap();
-    assert!(std::fs::read(&path).unwrap() == pack_bytes().0, "the packs differ");
+    assert!(std::fs::read(&path).unwrap() == FIRST_ORDER.pack, "the packs differ");
     assert!(!partial.exists());
 }
 
@@ -134,12 +160,7 @@ fn too_small_a_training_set_is_refused() {
 #[test]
 fn all_orders_are_brighter_than_the_first() {
     let folder = tempfile::tempdir().unwrap();
-    let options = PrecomputeOptions {
-        scattering: Scattering::Multiple,
-        multiple: MultipleAxes::coarse(0.3),
-        ..options()
-    };
-    let path = precompute(&options, folder.path(), &Silent).unwrap();
+    let path = ALL_ORDERS.place(folder.path());
     assert!(path.ends_with("turbidity-2.00-multiple.skyglow"));
     let pack = Pack::open(&path).unwrap();
     assert_eq!(pack.manifest().scattering, Scattering::Multiple);
@@ -147,7 +168,7 @@ fn all_orders_are_brighter_than_the_first() {
     assert!(pack.manifest().command.contains("--scattering multiple --ground-albedo 0.3"));
     // Interpolated light of later orders is in the f64 oracle that errors are measured against, too.
     assert!(pack.manifest().measured_error.lobes[0].median < 0.5);
-    let alone = Pack::open(&place(folder.path(), &pack_bytes().0)).unwrap();
+    let alone = Pack::open(&FIRST_ORDER.place(folder.path())).unwrap();
     assert_eq!(alone.manifest().ground_albedo, None);
     let rings = [1_000.0, 30_000.0, 200_000.0];
     let (all, first) = (pack.resident(&rings), alone.resident(&rings));
@@ -170,7 +191,7 @@ fn refusal(bytes: &[u8]) -> String {
 /// Truncated, altered and foreign packs are refused by name.
 #[test]
 fn damaged_and_foreign_packs_are_refused() {
-    let (pack, _) = pack_bytes();
+    let pack = &FIRST_ORDER.pack;
     for length in [0, 5, 40, pack.len() / 2, pack.len() - 1] {
         assert!(refusal(&pack[..length]).contains("turbidity-2.00-single.skyglow"));
     }
@@ -189,10 +210,10 @@ fn damaged_and_foreign_packs_are_refused() {
 #[test]
 fn a_manifest_of_another_pack_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let (pack, manifest) = pack_bytes();
-    let path = place(folder.path(), pack);
-    let other =
-        String::from_utf8(manifest.clone()).unwrap().replace("\"turbidity\": 2.0", "\"turbidity\": 3.0");
+    let path = FIRST_ORDER.place(folder.path());
+    let other = String::from_utf8(FIRST_ORDER.manifest.clone())
+        .unwrap()
+        .replace("\"turbidity\": 2.0", "\"turbidity\": 3.0");
     std::fs::write(path.with_extension("json"), other).unwrap();
     assert!(Pack::open(&path).unwrap_err().to_string().contains("another pack"));
 }
@@ -213,16 +234,15 @@ fn turbidities_of_three_decimals_are_refused() {
 #[test]
 fn skyline_tables_round_trip() {
     let folder = tempfile::tempdir().unwrap();
-    let open_alone = PrecomputeOptions { blocked: None, ..options() };
-    let path = precompute(&open_alone, folder.path(), &Silent).unwrap();
+    let path = WITHOUT_SKYLINES.place(folder.path());
     let text = std::fs::read_to_string(path.with_extension("json")).unwrap();
     assert!(text.contains("\"blocked\": null"));
     assert!(Pack::open(&path).unwrap().resident(&[1_000.0]).blocked.is_none());
     let other = tempfile::tempdir().unwrap();
-    let with = Pack::open(&place(other.path(), &pack_bytes().0)).unwrap();
+    let with = Pack::open(&FIRST_ORDER.place(other.path())).unwrap();
     assert_eq!(with.manifest().blocked.as_ref().unwrap().later, None);
     let again = with.write(other.path());
-    assert!(std::fs::read(again.unwrap()).unwrap() == pack_bytes().0);
+    assert!(std::fs::read(again.unwrap()).unwrap() == FIRST_ORDER.pack);
     let tables = with.resident(&[1_000.0, 40_000.0]);
     let blocked = tables.blocked.as_ref().unwrap();
     assert_eq!((blocked.offset_axis.len(), blocked.offset_axis[0].len()), (7, 2));
@@ -233,15 +253,9 @@ fn skyline_tables_round_trip() {
 #[test]
 fn a_killed_run_goes_on_among_the_skylines_too() {
     let folder = tempfile::tempdir().unwrap();
-    let all_orders = PrecomputeOptions {
-        scattering: Scattering::Multiple,
-        multiple: MultipleAxes::coarse(0.15),
-        ..options()
-    };
-    let whole = precompute(&all_orders, &folder.path().join("whole"), &Silent).unwrap();
     // 4 fields, 12 training images, 2 fit steps, 20 parts and 4 sources come first.
     let stopped = std::panic::catch_unwind(|| {
-        precompute(&all_orders, folder.path(), &StopAfter(AtomicU64::new(0), 4 + 12 + 2 + 20 + 4 + 5))
+        precompute(&all_orders(), folder.path(), &StopAfter(AtomicU64::new(0), 4 + 12 + 2 + 20 + 4 + 5))
     });
     assert!(stopped.is_err());
     let kept = |prefix: &str| {
@@ -256,8 +270,8 @@ fn a_killed_run_goes_on_among_the_skylines_too() {
             .count()
     };
     assert!(kept("later-") >= 4, "{} parts kept", kept("later-"));
-    let path = precompute(&all_orders, folder.path(), &Silent).unwrap();
-    assert!(std::fs::read(path).unwrap() == std::fs::read(whole).unwrap(), "the packs differ");
+    let path = precompute(&all_orders(), folder.path(), &Silent).unwrap();
+    assert!(std::fs::read(path).unwrap() == ALL_ORDERS.pack, "the packs differ");
 }
 
 /// A pack under clouds contains the light that they reflect and ends below them.
@@ -266,9 +280,8 @@ fn a_cloud_pack_ends_below_its_clouds() {
     let turbidity = Turbidity::new(2.0).unwrap();
     let clouds = Clouds::new(1_500, 0.6).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let options = PrecomputeOptions { blocked: None, ..options() };
-    let clear = Pack::open(&precompute(&options, folder.path(), &Silent).unwrap()).unwrap();
-    let overcast = options.under(clouds);
+    let clear = Pack::open(&WITHOUT_SKYLINES.place(folder.path())).unwrap();
+    let overcast = without_skylines().under(clouds);
     let path = precompute(&overcast, folder.path(), &Silent).unwrap();
     assert_eq!(path.file_name().unwrap(), "turbidity-2.00-single-clouds-1500.skyglow");
     let pack = Pack::open(&path).unwrap();
