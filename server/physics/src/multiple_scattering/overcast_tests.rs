@@ -45,6 +45,7 @@ fn energy_balances_below_a_cloud() {
 
 /// First-order light on the grid is that of `single_source` below a cloud.
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn first_order_agrees_below_a_cloud() {
     let resolution = Resolution::table();
     let rule = gathering::FirstOrderRule::new(
@@ -110,6 +111,7 @@ fn both_tracers_agree_below_a_cloud() {
 
 /// More albedo is brighter everywhere, and a black base is darker than the clear sky.
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn more_albedo_is_brighter_everywhere() {
     let solve = |atmosphere: Atmosphere| {
         let setting = SourceSetting::new(atmosphere, 0.0, 0.0, DEFAULT_GROUND_ALBEDO).unwrap();
@@ -153,6 +155,7 @@ fn nothing_is_seen_from_above_the_base() {
 }
 
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn a_sum_leaves_out_what_is_above_the_base() {
     let source =
         |altitude_m: f64| PointSource { azimuth_rad: 0.3, distance_m: 3e3, altitude_m, flux_dnb_w: 1e6 };

@@ -223,6 +223,7 @@ mod tests {
 
     /// In thick haze the zenith falls evenly with the distance.
     #[test]
+    #[ignore = "slow: `make check` leaves it to `make test`"]
     fn zenith_falls_evenly_in_thick_haze() {
         let atmosphere = Atmosphere::new(Turbidity::new(6.0).unwrap());
         let setting = SourceSetting::new(atmosphere, 0.0, 0.0, 0.15).unwrap();

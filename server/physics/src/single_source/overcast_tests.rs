@@ -222,7 +222,7 @@ fn different_clouds_together_panic() {
 proptest! {
     /// More albedo is brighter everywhere, and a black base is darker than the clear sky.
     #[test]
-    fn more_albedo_is_brighter_everywhere(
+        fn more_albedo_is_brighter_everywhere(
         log_distance in 0.0f64..1.0, azimuth in 0.0f64..3.1, elevation in 0.005f64..1.57,
         base_m in 250.0f64..6e3, albedo in 0.05f64..0.9, turbidity in 1.0f64..6.0,
     ) {

@@ -130,6 +130,7 @@ mod tests {
 
     /// Separate lobes are those of the sum, and fields below observers are solved once.
     #[test]
+    #[ignore = "slow: `make check` leaves it to `make test`"]
     fn separate_lobes_add_up_and_fields_are_reused() {
         let atmosphere = Atmosphere::new(Turbidity::new(2.0).unwrap());
         let (resolution, density) = (Resolution::coarse(), SumDensity::default());

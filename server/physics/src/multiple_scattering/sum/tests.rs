@@ -57,6 +57,7 @@ fn sources_add_up() {
 }
 
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn halving_its_steps_hardly_moves_the_sum() {
     let sources: Vec<PointSource> = (0..40)
         .map(|i| {
@@ -99,6 +100,7 @@ fn a_sky_without_sources_is_dark() {
 /// Sources behind skylines leave open ones unchanged bit for bit, and cost fields only at their own
 /// altitudes.
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn skylines_do_not_change_open_sources() {
     let open = [behind(0.0, 100.0, 9_000.0), behind(0.0, 400.0, 50_000.0)];
     let density = SumDensity::default();
@@ -129,6 +131,7 @@ fn skylines_do_not_change_open_sources() {
 
 /// A skyline between the angles leaves what a field solved behind it shows, and higher ones leave less.
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn interpolated_skylines_agree_with_fields() {
     let distance_m = [1_000.0, 6_000.0, 25_000.0, 90_000.0];
     // Degrees, and the largest mean error there: what coarse fields of neighbouring angles differ by on their own is a
@@ -177,6 +180,7 @@ fn interpolated_skylines_agree_with_fields() {
 
 /// At altitudes between those solved, a skyline leaves what a field of that altitude shows.
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn interpolated_altitudes_agree_with_fields() {
     let distance_m = [2_000.0, 8_000.0, 40_000.0];
     // From 700 m below the observer to 1500 m above.
