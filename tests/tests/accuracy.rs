@@ -107,7 +107,8 @@ fn compare(
 /// Skies of the demo are those of the stored reference solutions.
 #[test]
 fn demo_skies_match_the_stored_reference() {
-    let scene = OBSERVATORY.scene(&SceneId::parse("demo").unwrap()).unwrap();
+    let view = OBSERVATORY.view(&SceneId::parse("demo").unwrap(), None).unwrap();
+    let scene = view.scene();
     let engine = OBSERVATORY.engine();
     for path in truth_files() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
