@@ -32,17 +32,17 @@ struct Frame {
 
 // One request of a batch.
 struct Request {
-  tap_layer: vec4<u32>,
-  tap_weight: vec4<f32>,
+  altitude_index: vec4<u32>,
+  altitude_weight: vec4<f32>,
   blend_weight: vec4<f32>,
   // Of linear interpolation between the two packs around.
-  bracket_weight: vec4<f32>,
+  linear_weight: vec4<f32>,
   emission: vec3<f32>,
-  tap_count: u32,
+  altitude_count: u32,
   flux_per_dnb_flux: vec3<f32>,
-  blocked_tap_count: u32,
-  blocked_tap_layer: vec4<u32>,
-  blocked_tap_weight: vec4<f32>,
+  blocked_altitude_count: u32,
+  blocked_altitude_index: vec4<u32>,
+  blocked_altitude_weight: vec4<f32>,
 }
 
 // A (blocking angle, ring, offset) to mix for a request.

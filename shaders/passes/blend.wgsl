@@ -24,5 +24,5 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     radiance[first + min(2u, last) * per_pack],
     radiance[first + min(3u, last) * per_pack],
   );
-  blended[first] = blend_radiance(samples, requests[request].blend_weight, requests[request].bracket_weight);
+  blended[first] = blend_radiance(samples, requests[request].blend_weight, requests[request].linear_weight);
 }

@@ -41,22 +41,22 @@ fn blocked_lobe(first: u32) -> vec3<f32> {
 fn mixed_lobes(node: Node, band: u32, middle: u32) -> Lobes {
   var lobes = Lobes(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
   // One of the two loops does not run: that costs software less than a branch, both sides of which it takes.
-  let open_taps = select(0u, requests[node.request].tap_count, node.blocking == 0u);
+  let open_altitudes = select(0u, requests[node.request].altitude_count, node.blocking == 0u);
   let open_row = (band * frame.ring_count + node.ring) * frame.offset_count;
-  for (var tap = 0u; tap < open_taps; tap++) {
-    let layer = requests[node.request].tap_layer[tap] * LOBE_COUNT * BAND_COUNT;
+  for (var altitude = 0u; altitude < open_altitudes; altitude++) {
+    let layer = requests[node.request].altitude_index[altitude] * LOBE_COUNT * BAND_COUNT;
     let row = layer * frame.ring_count * frame.offset_count + open_row;
-    let weight = requests[node.request].tap_weight[tap];
+    let weight = requests[node.request].altitude_weight[altitude];
     lobes.below += weight * open_lobe(row + middle - 1u);
     lobes.at += weight * open_lobe(row + middle);
     lobes.above += weight * open_lobe(row + middle + 1u);
   }
-  let blocked_taps = select(requests[node.request].blocked_tap_count, 0u, node.blocking == 0u);
+  let blocked_altitudes = select(requests[node.request].blocked_altitude_count, 0u, node.blocking == 0u);
   let blocked_row = (band * frame.ring_count + node.ring) * frame.blocked_offset_count;
-  for (var tap = 0u; tap < blocked_taps; tap++) {
-    let layer = blocked_layer(requests[node.request].blocked_tap_layer[tap], node.blocking - 1u);
+  for (var altitude = 0u; altitude < blocked_altitudes; altitude++) {
+    let layer = blocked_layer(requests[node.request].blocked_altitude_index[altitude], node.blocking - 1u);
     let row = layer * LOBE_COUNT * BAND_COUNT * frame.ring_count * frame.blocked_offset_count + blocked_row;
-    let weight = requests[node.request].blocked_tap_weight[tap];
+    let weight = requests[node.request].blocked_altitude_weight[altitude];
     lobes.below += weight * blocked_lobe(row + middle - 1u);
     lobes.at += weight * blocked_lobe(row + middle);
     lobes.above += weight * blocked_lobe(row + middle + 1u);

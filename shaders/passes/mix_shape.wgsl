@@ -59,12 +59,12 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let node = nodes[node_index];
   let shares = textureLoad(scales, list_texel(listed));
   let is_open = node.blocking == 0u;
-  let tap_layer = requests[node.request].tap_layer;
-  let tap_weight = requests[node.request].tap_weight;
-  let tap_count = select(0u, requests[node.request].tap_count, is_open);
-  let blocked_tap_layer = requests[node.request].blocked_tap_layer;
-  let blocked_tap_weight = requests[node.request].blocked_tap_weight;
-  let blocked_tap_count = select(requests[node.request].blocked_tap_count, 0u, is_open);
+  let altitude_index = requests[node.request].altitude_index;
+  let altitude_weight = requests[node.request].altitude_weight;
+  let altitude_count = select(0u, requests[node.request].altitude_count, is_open);
+  let blocked_altitude_index = requests[node.request].blocked_altitude_index;
+  let blocked_altitude_weight = requests[node.request].blocked_altitude_weight;
+  let blocked_altitude_count = select(requests[node.request].blocked_altitude_count, 0u, is_open);
   let row = node.ring * frame.offset_count + node.offset;
   let hidden_row = node.ring * frame.blocked_offset_count + node.offset;
   var first = NO_FUNCTIONS;
@@ -74,18 +74,18 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   for (var lobe = 0u; lobe < LOBE_COUNT; lobe++) {
     // A loop that does not run costs software less than a branch, both sides of which it takes.
     let in_use = shares[lobe] > 0.0;
-    for (var tap = 0u; tap < select(0u, tap_count, in_use); tap++) {
-      let factor = shares[lobe] * tap_weight[tap];
-      let texel = shape_texel(row, tap_layer[tap], lobe, band, octet, frame.table_octet_count);
+    for (var altitude = 0u; altitude < select(0u, altitude_count, in_use); altitude++) {
+      let factor = shares[lobe] * altitude_weight[altitude];
+      let texel = shape_texel(row, altitude_index[altitude], lobe, band, octet, frame.table_octet_count);
       first = open_shape(first, factor, texel, 0u);
       second = open_shape(second, factor, texel, 1u);
       third = open_shape(third, factor, texel, 2u);
       fourth = open_shape(fourth, factor, texel, 3u);
     }
-    for (var tap = 0u; tap < select(0u, blocked_tap_count, in_use); tap++) {
-      let factor = shares[lobe] * blocked_tap_weight[tap];
+    for (var altitude = 0u; altitude < select(0u, blocked_altitude_count, in_use); altitude++) {
+      let factor = shares[lobe] * blocked_altitude_weight[altitude];
       let texel =
-        shape_texel(hidden_row, blocked_tap_layer[tap], lobe, band, octet, frame.blocked_octet_count);
+        shape_texel(hidden_row, blocked_altitude_index[altitude], lobe, band, octet, frame.blocked_octet_count);
       first = hidden_shape(first, factor, texel, octet, 0u, node.blocking - 1u);
       second = hidden_shape(second, factor, texel, octet, 1u, node.blocking - 1u);
       third = hidden_shape(third, factor, texel, octet, 2u, node.blocking - 1u);

@@ -8,10 +8,9 @@
 
 use crate::{
     images::{ImageTable, TASK_LEN, TASKS_PER_BAND},
-    wide::{dispatch_wide, multiply_add},
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama, simd::multiply_add, simd_dispatch};
 use skyglow_render::{
     prepare::{Prepared, PreparedCell},
     reference::{ExactNode, mixed_node},
@@ -118,11 +117,14 @@ impl SourceImages {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Adds every cell's image to some rows of the sky.
-    accumulate_rows, accumulate_rows_wide, accumulate_rows_body,
-    (cells: &[WeighedCell], images: &[f32], rows: &mut [f32]) -> ()
-);
+    fn accumulate_rows(
+        cells: &[WeighedCell],
+        images: &[f32],
+        rows: &mut [f32],
+    ) = accumulate_rows_body::<FUSED>;
+}
 
 #[inline(always)]
 fn accumulate_rows_body<const FUSED: bool>(cells: &[WeighedCell], images: &[f32], rows: &mut [f32]) {

@@ -27,7 +27,7 @@ pub(crate) fn of_scene(setting: &Setting, scene: &LitScene, extent: &Extent) -> 
         setting.basis_count(),
     );
     let prepared = Prepared::new(&request, &setting.set)?;
-    let tables = &setting.set.tables()[prepared.turbidity_taps.indices()[0]];
+    let tables = &setting.set.tables()[prepared.turbidity_stencil.nodes().start];
     let images = SourceImages::of(&prepared, tables, extent.accumulated_cells);
     let accumulated_s = machine::fastest_s(extent.time_for_tries, || {
         black_box(images.accumulate());

@@ -7,10 +7,9 @@
 
 use crate::{
     images::{ImageTable, TASK_COUNT, TASK_LEN, TASKS_PER_BAND, add_scaled_body},
-    wide::dispatch_wide,
 };
 use rayon::prelude::*;
-use skyglow_physics::{BAND_COUNT, LOBE_COUNT, Panorama};
+use skyglow_physics::{BAND_COUNT, LOBE_COUNT, Panorama, simd_dispatch};
 use skyglow_render::prepare::{MixNode, Prepared};
 use skyglow_tables::ResidentTables;
 
@@ -31,7 +30,7 @@ impl StoredImages {
         let stride = request.nodes.len().div_ceil(max_nodes.max(1)).max(1);
         let nodes: Vec<MixNode> = request.nodes.iter().step_by(stride).copied().collect();
         let lobes: Vec<usize> = (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0).collect();
-        let taps = request.altitude_taps;
+        let altitudes = request.altitude_stencil;
         let basis_count = request.basis_count.min(tables.basis_count);
         let mut weights = Vec::new();
         let mut shape = Vec::new();
@@ -42,7 +41,7 @@ impl StoredImages {
                     f64::from(tables.log_scale[tables.scale_index(altitude, lobe, band, ring, offset)])
                 });
                 for (&lobe, share) in lobes.iter().zip(shares) {
-                    for (&altitude, weight) in taps.indices().iter().zip(taps.weights()) {
+                    for (altitude, weight) in altitudes {
                         weights.push((share * weight) as f32);
                         let image = tables.shape_index(altitude, lobe, band, ring, offset);
                         let start = image * tables.basis_count;
@@ -55,7 +54,7 @@ impl StoredImages {
         Self {
             stored: ImageTable::expand(tables, &shape),
             node_count: nodes.len(),
-            part_count: lobes.len() * taps.indices().len(),
+            part_count: lobes.len() * altitudes.nodes().len(),
             weights,
         }
     }
@@ -89,10 +88,9 @@ impl StoredImages {
 
 /// Shares of the lobes in use in the light of one node, summing to 1.
 fn shares(request: &Prepared, lobes: &[usize], log_scale: &dyn Fn(usize, usize) -> f64) -> Vec<f64> {
-    let taps = request.altitude_taps;
+    let altitudes = request.altitude_stencil;
     let of_lobe = |&lobe: &usize| {
-        let between = taps.indices().iter().zip(taps.weights());
-        let log: f64 = between.map(|(&altitude, weight)| weight * log_scale(altitude, lobe)).sum();
+        let log = altitudes.sum(|altitude| log_scale(altitude, lobe));
         f64::from(request.emission[lobe]).ln() + log
     };
     let logs: Vec<f64> = lobes.iter().map(of_lobe).collect();
@@ -101,11 +99,15 @@ fn shares(request: &Prepared, lobes: &[usize], log_scale: &dyn Fn(usize, usize) 
     logs.into_iter().map(|log| (log - largest).exp() / sum).collect()
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Mixes some rows of every node's image.
-    mix_rows, mix_rows_wide, mix_rows_body,
-    (stored: &[f32], weights: &[f32], part_count: usize, mixed: &mut [f32]) -> ()
-);
+    fn mix_rows(
+        stored: &[f32],
+        weights: &[f32],
+        part_count: usize,
+        mixed: &mut [f32],
+    ) = mix_rows_body::<FUSED>;
+}
 
 #[inline(always)]
 fn mix_rows_body<const FUSED: bool>(stored: &[f32], weights: &[f32], part_count: usize, mixed: &mut [f32]) {

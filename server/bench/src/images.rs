@@ -1,8 +1,7 @@
 //! Tables of whole source images, laid out so that a task streams through its own rows of all of them.
 
-use crate::wide::{dispatch_wide, multiply_add};
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, simd::multiply_add, simd_dispatch};
 use skyglow_render::reference::basis_images;
 use skyglow_tables::ResidentTables;
 
@@ -55,10 +54,10 @@ impl ImageTable {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Adds `value · from` to `target`.
-    add_scaled, add_scaled_wide, add_scaled_body, (from: &[f32], value: f32, target: &mut [f32]) -> ()
-);
+    fn add_scaled(from: &[f32], value: f32, target: &mut [f32]) = add_scaled_body::<FUSED>;
+}
 
 #[inline(always)]
 pub(crate) fn add_scaled_body<const FUSED: bool>(from: &[f32], value: f32, target: &mut [f32]) {

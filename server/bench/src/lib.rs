@@ -27,7 +27,6 @@ mod skies;
 pub mod targets;
 pub mod text;
 pub mod truth;
-mod wide;
 
 pub use error::BenchError;
 pub use options::{BenchOptions, Extent};

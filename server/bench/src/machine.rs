@@ -1,9 +1,9 @@
 //! The machine: what it is, and how fast it streams and multiplies, measured in the same run as all else.
 
+use skyglow_physics::{simd::multiply_add, simd_dispatch};
 use crate::{
     options::Extent,
     report::Machine,
-    wide::{dispatch_wide, multiply_add},
 };
 use rayon::prelude::*;
 use std::{
@@ -80,10 +80,10 @@ fn load_average() -> Option<f64> {
     text.split_whitespace().next()?.parse().ok()
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// The sum of a slice.
-    sum, sum_wide, sum_body, (values: &[f32]) -> f32
-);
+    fn sum(values: &[f32]) -> f32 = sum_body::<FUSED>;
+}
 
 #[inline(always)]
 fn sum_body<const FUSED: bool>(values: &[f32]) -> f32 {
@@ -98,10 +98,10 @@ fn sum_body<const FUSED: bool>(values: &[f32]) -> f32 {
     sums.iter().flatten().sum()
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Chains of multiply-adds that stay in registers.
-    multiply, multiply_wide, multiply_body, (rounds: usize, start: f32) -> f32
-);
+    fn multiply(rounds: usize, start: f32) -> f32 = multiply_body::<FUSED>;
+}
 
 #[inline(always)]
 fn multiply_body<const FUSED: bool>(rounds: usize, start: f32) -> f32 {

@@ -51,10 +51,10 @@ impl PassRoofline {
 
 /// The roofline of every pass of a request under an open sky, all its packs together, in the order of the passes.
 pub fn of_request(request: &Prepared, set: &TableSet) -> Vec<PassRoofline> {
-    let packs = request.turbidity_taps.indices();
+    let packs = request.turbidity_stencil.nodes();
     let mut passes: Vec<PassRoofline> =
         Pass::ALL.into_iter().map(|pass| PassRoofline { pass, bytes: 0.0, operations: 0.0 }).collect();
-    for &pack in packs {
+    for pack in packs.clone() {
         let functions = request.basis_count.min(set.tables()[pack].basis_count);
         for (pass, (bytes, operations)) in passes.iter_mut().zip(of_pack(request, functions)) {
             pass.bytes += bytes;
@@ -87,7 +87,7 @@ fn of_pack(request: &Prepared, functions: usize) -> [(f64, f64); Pass::ALL.len()
     let [nodes, cells, columns] =
         [request.nodes.len(), request.cells.len(), request.columns.len()].map(|count| count as f64);
     let lobes = request.emission.iter().filter(|weight| **weight > 0.0).count() as f64;
-    let taps = request.altitude_taps.indices().len() as f64;
+    let altitudes = request.altitude_stencil.nodes().len() as f64;
     let shapes = F32 * bands * nodes * functions;
     let sums = F32 * bands * columns * functions;
     let frequencies = FREQUENCY_COUNT as f64;
@@ -96,12 +96,12 @@ fn of_pack(request: &Prepared, functions: usize) -> [(f64, f64); Pass::ALL.len()
     let sky_spectrum = 2.0 * F32 * bands * rows * frequencies;
     [
         (
-            bands * nodes * (F32 * lobes * taps + 4.0 * F32),
-            bands * nodes * (lobes * (2.0 * taps + ELEMENTARY) + ELEMENTARY),
+            bands * nodes * (F32 * lobes * altitudes + 4.0 * F32),
+            bands * nodes * (lobes * (2.0 * altitudes + ELEMENTARY) + ELEMENTARY),
         ),
         (
-            bands * nodes * functions * F16 * lobes * taps + shapes,
-            2.0 * bands * nodes * functions * lobes * taps,
+            bands * nodes * functions * F16 * lobes * altitudes + shapes,
+            2.0 * bands * nodes * functions * lobes * altitudes,
         ),
         (CELL * cells + F32 * bands * nodes + 2.0 * F32 * bands * cells, bands * cells * (6.0 + ELEMENTARY)),
         (CELL * cells + 2.0 * F32 * bands * cells + shapes + sums, 4.0 * bands * cells * functions),

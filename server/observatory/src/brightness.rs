@@ -152,7 +152,7 @@ impl Observatory {
             basis: None,
         };
         let set = self.engine.table_set();
-        let taps = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_taps;
+        let stencil = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_stencil;
         let lattice = scene.place_lattice(request.max_places);
         let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
         let eye_m = |ground_m: f32| {
@@ -173,7 +173,7 @@ impl Observatory {
         let range =
             KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
         let mut of_packs: Vec<Vec<f32>> = Vec::new();
-        for &pack in taps.indices() {
+        for pack in stencil.nodes() {
             let at_pack =
                 to_render(Turbidity::new(set.tables()[pack].turbidity).unwrap_or(request.turbidity));
             let kernel = |fixture: &skyglow_physics::Fixture| {
@@ -187,14 +187,14 @@ impl Observatory {
             let kernels: Vec<PlaceKernel> =
                 scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
             step("kernel");
-            let of_pack = OfPack { store, pack: of_packs.len(), packs: taps.indices().len() };
+            let of_pack = OfPack { store, pack: of_packs.len(), packs: stencil.nodes().len() };
             let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, &of_pack);
             of_packs.push(sums.ok_or(RenderError::Stopped)?);
             step("sums");
         }
         let luminance_cd_m2 = match of_packs.len() {
             1 => of_packs.swap_remove(0),
-            _ => blended(&of_packs, taps.weights()),
+            _ => blended(&of_packs, stencil.weights()),
         };
         map(scene, lattice, luminance_cd_m2, steps)
     }

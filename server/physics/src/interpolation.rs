@@ -75,6 +75,16 @@ impl Stencil {
         &self.linear_weight[..self.count]
     }
 
+    /// [`Self::weights`] in f32, 0 behind the last node.
+    pub fn weights_f32(&self) -> [f32; MAX_STENCIL] {
+        self.weight.map(|weight| weight as f32)
+    }
+
+    /// [`Self::linear_weights`] in f32, 0 behind the last node.
+    pub fn linear_weights_f32(&self) -> [f32; MAX_STENCIL] {
+        self.linear_weight.map(|weight| weight as f32)
+    }
+
     /// Nodes with their weights.
     pub fn iter(&self) -> Zip<Range<usize>, array::IntoIter<f64, MAX_STENCIL>> {
         self.nodes().zip(self.weight)

@@ -30,6 +30,7 @@ pub mod panorama;
 pub mod phase;
 pub mod photometry;
 pub mod quadrature;
+pub mod simd;
 pub mod single_source;
 pub mod sky_curve;
 pub mod sky_measure;

@@ -1,7 +1,7 @@
 //! Choice of the executor.
 
 use crate::{
-    cpu::{CpuExecutor, instruction_set},
+    cpu::CpuExecutor,
     error::RenderError,
     executor::Executor,
     gpu::{GpuExecutor, context::Context},
@@ -10,7 +10,7 @@ use crate::{
     synthetic,
     table_set::TableSet,
 };
-use skyglow_physics::{EmissionMix, Turbidity};
+use skyglow_physics::{EmissionMix, Turbidity, simd::instruction_set};
 use std::sync::Arc;
 
 /// What was opened.

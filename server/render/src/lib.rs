@@ -25,7 +25,6 @@ pub mod shaders;
 pub mod stats;
 pub mod synthetic;
 pub mod table_set;
-pub mod taps;
 pub mod truncation;
 pub mod twin;
 mod worker;

@@ -1,8 +1,8 @@
 //! Where the numbers of a node lie: in the tables of the open sky or in those of its blocking angle.
 
+use skyglow_physics::interpolation::Stencil;
 use crate::{
     prepare::{MixNode, Prepared},
-    taps::Taps,
 };
 use half::f16;
 use skyglow_tables::resident::{ResidentBlocked, ResidentTables};
@@ -13,7 +13,7 @@ pub(crate) const WINDOW: usize = 3;
 /// The table that a node is in, and its place there.
 pub(crate) struct NodeTable<'a> {
     /// Interpolation over the table's observer altitudes.
-    pub(crate) taps: &'a Taps,
+    pub(crate) altitudes: &'a Stencil,
     /// Which of [`Self::window`] is the node itself.
     pub(crate) place_in_window: usize,
     /// ln of the scale, by [`Self::scale_index`].
@@ -41,7 +41,7 @@ impl<'a> NodeTable<'a> {
         let place_in_window = offset + 1 - axis.curvature_node(offset);
         match blocked {
             None => Self {
-                taps: &request.altitude_taps,
+                altitudes: &request.altitude_stencil,
                 place_in_window,
                 log_scale: &tables.log_scale,
                 shape: &tables.shape,
@@ -52,7 +52,7 @@ impl<'a> NodeTable<'a> {
                 offset,
             },
             Some((behind, _)) => Self {
-                taps: &request.blocked_altitude_taps,
+                altitudes: &request.blocked_altitude_stencil,
                 place_in_window,
                 log_scale: &behind.log_scale,
                 shape: &behind.shape,

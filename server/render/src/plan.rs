@@ -124,10 +124,9 @@ impl RenderPlan {
     /// The plan of a batch of compatible requests with light.
     pub fn of(batch: &[&Prepared], set: &TableSet) -> Self {
         let sum = |count: fn(&Prepared) -> usize| batch.iter().map(|request| count(request)).sum::<usize>();
-        let indices = batch.first().map_or(&[] as &[usize], |request| request.turbidity_taps.indices());
+        let indices = batch.first().map_or(0..0, |request| request.turbidity_stencil.nodes());
         let packs = indices
-            .iter()
-            .map(|&index| {
+            .map(|index| {
                 let tables = &set.tables()[index];
                 let basis_count =
                     batch.first().map_or(0, |request| request.basis_count.min(tables.basis_count));

@@ -7,10 +7,9 @@ use crate::{
     request::{RenderRequest, WorkCount},
     ring_axis::{self, OFFSETS_AT_ONCE, Offsets, RingAxis},
     table_set::TableSet,
-    taps::{Taps, lagrange_taps},
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT, interpolation::Stencil};
 use skyglow_scene::{PolarCell, PolarGrid};
 use skyglow_tables::clouds::ceiling_m;
 
@@ -76,11 +75,11 @@ pub struct Prepared {
     /// Columns with light, by azimuth.
     pub columns: Vec<LitColumn>,
     /// Interpolation over observer altitude.
-    pub altitude_taps: Taps,
+    pub altitude_stencil: Stencil,
     /// The same on the altitudes of the tables of sources behind skylines; a single node without such.
-    pub blocked_altitude_taps: Taps,
+    pub blocked_altitude_stencil: Stencil,
     /// Interpolation over the set's packs, all of the request's kind.
-    pub turbidity_taps: Taps,
+    pub turbidity_stencil: Stencil,
     /// Lobe weights, summing to 1.
     pub emission: [f32; LOBE_COUNT],
     /// s_b per band.
@@ -102,13 +101,13 @@ impl Prepared {
         check_below_clouds(request.observer_altitude_m, packs.kind)?;
         let altitudes_m = set.observer_altitude_m(packs);
         let observer_altitude_m = checked_altitude_m(request.observer_altitude_m, altitudes_m)?;
-        let altitude_taps = lagrange_taps(altitudes_m, observer_altitude_m, SAME_ALTITUDE_M);
-        let blocked_altitude_taps =
-            set.blocked_observer_altitude_m(packs).map_or(Taps::single(0), |blocked_m| {
-                lagrange_taps(blocked_m, observer_altitude_m, SAME_ALTITUDE_M)
+        let altitude_stencil = Stencil::lagrange_or_node(altitudes_m, observer_altitude_m, SAME_ALTITUDE_M);
+        let blocked_altitude_stencil =
+            set.blocked_observer_altitude_m(packs).map_or(Stencil::single(0), |blocked_m| {
+                Stencil::lagrange_or_node(blocked_m, observer_altitude_m, SAME_ALTITUDE_M)
             });
-        let turbidity_taps = turbidity_taps(request.turbidity.value(), packs)?;
-        let basis_count = basis_count_with(request, packs, &turbidity_taps, set)?;
+        let turbidity_stencil = turbidity_stencil(request.turbidity.value(), packs)?;
+        let basis_count = basis_count_with(request, packs, &turbidity_stencil, set)?;
         check_grid(&request.polar, set.ring_count())?;
         check_lamp(request.flux_per_dnb_flux)?;
         let flux_per_dnb_flux = request.flux_per_dnb_flux.map(|flux| flux as f32);
@@ -116,9 +115,9 @@ impl Prepared {
             nodes: Vec::new(),
             cells: Vec::new(),
             columns: Vec::new(),
-            altitude_taps,
-            blocked_altitude_taps,
-            turbidity_taps,
+            altitude_stencil,
+            blocked_altitude_stencil,
+            turbidity_stencil,
             emission: request.emission.weights().map(|weight| weight as f32),
             flux_per_dnb_flux,
             basis_count,
@@ -145,7 +144,7 @@ impl Prepared {
     /// True where one submission can serve both requests.
     pub fn is_compatible(&self, other: &Self) -> bool {
         self.basis_count == other.basis_count
-            && self.turbidity_taps.indices() == other.turbidity_taps.indices()
+            && self.turbidity_stencil.nodes() == other.turbidity_stencil.nodes()
     }
 
     /// How much work this is.
@@ -155,7 +154,7 @@ impl Prepared {
             lit_cells: self.cells.len(),
             lit_columns: self.columns.len(),
             lit_bands: if self.is_dark() { 0 } else { self.lit_bands().filter(|lit| *lit).count() },
-            packs: if self.is_dark() { 0 } else { self.turbidity_taps.indices().len() },
+            packs: if self.is_dark() { 0 } else { self.turbidity_stencil.nodes().len() },
         }
     }
 
@@ -360,25 +359,25 @@ fn check_below_clouds(altitude_m: f64, kind: PackKind) -> Result<(), RenderError
 /// Scattering, clouds or a turbidity that are not resident, and more functions than any pack of the kind has.
 pub fn basis_count_in_use(request: &RenderRequest, set: &TableSet) -> Result<usize, RenderError> {
     let packs = set.kind(request.kind())?;
-    basis_count_with(request, packs, &turbidity_taps(request.turbidity.value(), packs)?, set)
+    basis_count_with(request, packs, &turbidity_stencil(request.turbidity.value(), packs)?, set)
 }
 
 /// [`basis_count_in_use`] of a request whose packs are known.
 fn basis_count_with(
     request: &RenderRequest,
     packs: &ResidentKind,
-    turbidity_taps: &Taps,
+    turbidity_stencil: &Stencil,
     set: &TableSet,
 ) -> Result<usize, RenderError> {
     let (wanted, maximum) = (request.basis.unwrap_or(packs.basis_count), packs.basis_count);
     if wanted == 0 || wanted > maximum {
         return Err(RenderError::BasisOutOfRange { basis: wanted, maximum });
     }
-    let in_use = turbidity_taps.indices().iter().map(|&pack| set.tables()[pack].basis_count).max();
+    let in_use = turbidity_stencil.nodes().map(|pack| set.tables()[pack].basis_count).max();
     Ok(wanted.min(in_use.unwrap_or(maximum)))
 }
 
-fn turbidity_taps(turbidity: f64, packs: &ResidentKind) -> Result<Taps, RenderError> {
+fn turbidity_stencil(turbidity: f64, packs: &ResidentKind) -> Result<Stencil, RenderError> {
     let nodes = &packs.turbidities;
     let (minimum, maximum) = (nodes[0], nodes[nodes.len() - 1]);
     if !(minimum - SAME_TURBIDITY..=maximum + SAME_TURBIDITY).contains(&turbidity) {
@@ -386,7 +385,7 @@ fn turbidity_taps(turbidity: f64, packs: &ResidentKind) -> Result<Taps, RenderEr
     }
     // Radiance is closest to a cubic in the logarithm of turbidity: a fifth of the error of one in turbidity.
     let log_nodes: Vec<f64> = nodes.iter().map(|node| node.ln()).collect();
-    Ok(lagrange_taps(&log_nodes, turbidity.ln(), SAME_TURBIDITY).shifted(packs.first))
+    Ok(Stencil::lagrange_or_node(&log_nodes, turbidity.ln(), SAME_TURBIDITY).shifted(packs.first))
 }
 
 fn check_lamp(flux_per_dnb_flux: [f64; BAND_COUNT]) -> Result<(), RenderError> {

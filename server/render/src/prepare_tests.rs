@@ -94,9 +94,9 @@ fn a_resident_turbidity_takes_one_pack_and_others_take_neighbours() {
     let set = TableSet::new(synthetic::table_set(&[1.5, 2.0, 3.0, 4.0, 6.0], 8)).unwrap();
     let mut request = request(synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]));
     request.turbidity = Turbidity::new(3.0 + 1e-10).unwrap();
-    assert_eq!(Prepared::new(&request, &set).unwrap().turbidity_taps.indices(), [2]);
+    assert_eq!(Prepared::new(&request, &set).unwrap().turbidity_stencil.nodes(), 2..3);
     request.turbidity = Turbidity::new(3.1).unwrap();
-    assert_eq!(Prepared::new(&request, &set).unwrap().turbidity_taps.indices(), [1, 2, 3, 4]);
+    assert_eq!(Prepared::new(&request, &set).unwrap().turbidity_stencil.nodes(), 1..5);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn values_out_of_range_are_named_with_the_range() {
     let message = Prepared::new(&bad, &set).unwrap_err().to_string();
     assert_eq!(message, "altitude is 9000 m; allowed is 0 to 6000 m");
     bad.observer_altitude_m = -30.0;
-    assert_eq!(Prepared::new(&bad, &set).unwrap().altitude_taps, Taps::single(0));
+    assert_eq!(Prepared::new(&bad, &set).unwrap().altitude_stencil, Stencil::single(0));
     bad.turbidity = Turbidity::new(5.0).unwrap();
     let message = Prepared::new(&bad, &set).unwrap_err().to_string();
     assert_eq!(message, "turbidity is 5; resident is 2 to 3");

@@ -4,38 +4,26 @@ use crate::{
     node_table::{NodeTable, WINDOW},
     prepare::{MixNode, Prepared},
     table_set::TableSet,
-    twin::{BEND_ALLOWED, BEND_SHARE_ALLOWED, DIMMEST_PACK, RADIANCE_FLOOR_W_M2_SR},
+    twin::{blend_radiance, lobe_shares, log_scale_between, mixed_curvature},
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, Panorama};
-use skyglow_tables::{
-    curvature::{log_scale_between, mixed_curvature},
-    resident::{FREQUENCY_COUNT, ResidentTables},
-};
+use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
 /// Radiance `[band][row][column]`, W m⁻² sr⁻¹, of a prepared request; seconds, not milliseconds.
 pub fn render_f64(request: &Prepared, set: &TableSet) -> Vec<f64> {
-    let taps = &request.turbidity_taps;
+    let stencil = &request.turbidity_stencil;
     let mut rendered: Vec<Vec<f64>> =
-        taps.indices().iter().map(|&pack| render_pack(request, &set.tables()[pack])).collect();
+        stencil.nodes().map(|pack| render_pack(request, &set.tables()[pack])).collect();
     if rendered.len() == 1 {
         return rendered.swap_remove(0);
     }
-    let darkness = f64::from(RADIANCE_FLOOR_W_M2_SR);
+    let [weight, linear] = [stencil.weights(), stencil.linear_weights()]
+        .map(|weights| std::array::from_fn(|pack| weights.get(pack).copied().unwrap_or(0.0)));
     (0..Panorama::LEN)
         .map(|sample| {
-            let around = rendered.iter().zip(taps.bracket()).filter(|(_, weight)| **weight > 0.0);
-            let brighter = around.map(|(sky, _)| sky[sample]).fold(darkness, f64::max);
-            let floor = darkness.max(f64::from(DIMMEST_PACK) * brighter);
-            let log: Vec<f64> = rendered.iter().map(|sky| (sky[sample].max(floor) / floor).ln()).collect();
-            let sum = |weights: &[f64]| -> f64 { log.iter().zip(weights).map(|(log, w)| w * log).sum() };
-            let around = log.iter().zip(taps.bracket()).filter(|(_, w)| **w > 0.0).map(|(log, _)| *log);
-            let (low, high) = around
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), log| (low.min(log), high.max(log)));
-            let allowed = f64::from(BEND_ALLOWED) + f64::from(BEND_SHARE_ALLOWED) * (high - low);
-            let line = sum(taps.bracket());
-            let log_ratio = line + (sum(taps.weights()) - line).clamp(-allowed, allowed);
-            let blended = floor * log_ratio.exp();
-            if blended <= darkness { 0.0 } else { blended }
+            // A pack that is not there has no weight; any other's sample stands in for it.
+            let radiance = std::array::from_fn(|pack| rendered[pack.min(rendered.len() - 1)][sample]);
+            blend_radiance(radiance, weight, linear)
         })
         .collect()
 }
@@ -116,37 +104,33 @@ pub fn mixed_node(
     basis_count: usize,
 ) -> ExactNode {
     let table = NodeTable::of(tables, request, node);
-    let taps = table.taps;
-    let node = |tap: usize, lobe: usize| table.shape_index(tap, lobe, band);
-    let blend = |value: &dyn Fn(usize) -> f64| -> f64 {
-        taps.indices().iter().zip(taps.weights()).map(|(&tap, weight)| weight * value(tap)).sum()
-    };
-    let mut log_scale = [f64::NEG_INFINITY; LOBE_COUNT];
-    let mut windows = [[0.0; WINDOW]; LOBE_COUNT];
+    let mut log_scale = [0.0; LOBE_COUNT];
+    let mut windows = [[0.0; LOBE_COUNT]; WINDOW];
     for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
-        let place = |place: usize| blend(&|tap| f64::from(table.window(tap, lobe, band)[place]));
-        windows[lobe] = std::array::from_fn(place);
-        log_scale[lobe] = f64::from(request.emission[lobe]).ln() + windows[lobe][table.place_in_window];
+        for (place, window) in windows.iter_mut().enumerate() {
+            let at = |altitude| f64::from(table.window(altitude, lobe, band)[place]);
+            window[lobe] = table.altitudes.sum(at);
+        }
+        log_scale[lobe] = windows[table.place_in_window][lobe];
     }
-    let largest = log_scale.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let amounts = log_scale.map(|log| (log - largest).exp());
-    let sum: f64 = amounts.iter().sum();
-    let curvature = mixed_curvature(amounts.map(|amount| amount / sum), windows);
+    let [first, second, third, log_scale] = lobe_shares(request.emission.map(f64::from), log_scale);
+    let shares = [first, second, third];
     let shape = (0..basis_count)
         .map(|k| {
             (0..LOBE_COUNT)
-                .filter(|&lobe| amounts[lobe] > 0.0)
+                .filter(|&lobe| shares[lobe] > 0.0)
                 .map(|lobe| {
-                    let shape = |tap| {
-                        let row = &table.shape[node(tap, lobe) * table.basis_count..][..table.basis_count];
+                    let shape = |altitude| {
+                        let image = table.shape_index(altitude, lobe, band);
+                        let row = &table.shape[image * table.basis_count..][..table.basis_count];
                         row.get(k).map_or(0.0, |value| value.to_f64())
                     };
-                    amounts[lobe] / sum * blend(&shape)
+                    shares[lobe] * table.altitudes.sum(shape)
                 })
                 .sum()
         })
         .collect();
-    ExactNode { log_scale: largest + sum.ln(), curvature, shape }
+    ExactNode { log_scale, curvature: mixed_curvature(shares, windows), shape }
 }
 
 /// The basis itself, `[function][row][column]`, from its spectrum; column 0 looks at the source.

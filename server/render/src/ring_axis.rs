@@ -1,6 +1,7 @@
 //! The offset axes of a table in f32, ring by ring.
 
-use crate::{cpu::dispatch::dispatch_wide, twin::natural_log};
+use skyglow_physics::{simd_dispatch};
+use crate::twin::natural_log;
 use skyglow_tables::OffsetAxis;
 
 /// The offset axis of a ring as f32 needs it: position = bend node + asinh((Δ − Δ₀)/L)/step, L and step of the
@@ -96,11 +97,10 @@ impl Offsets {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// [`RingAxis::position`] in every lane, bit for bit.
-    positions, positions_wide, positions_body,
-    (offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE])
-);
+    fn positions(offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE]) = positions_body::<FUSED>;
+}
 
 #[inline(always)]
 fn positions_body<const FUSED: bool>(offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE]) {

@@ -75,10 +75,11 @@ impl BasisChooser {
 
     /// Bounds by basis size, ascending; none where all functions must be used.
     fn error_bounds(&self, request: &Prepared) -> Vec<BasisWithin> {
-        let &[pack] = request.turbidity_taps.indices() else { return Vec::new() };
-        if request.is_dark() {
+        let packs = request.turbidity_stencil.nodes();
+        if packs.len() > 1 || request.is_dark() {
             return Vec::new();
         }
+        let pack = packs.start;
         let tables = &self.set.tables()[pack];
         let norms = self.norms[pack].get_or_init(|| PackNorms::of(tables));
         let sums = Sums::of(request, tables, norms);
@@ -146,9 +147,9 @@ impl Sums {
         let table = NodeTable::of(tables, request, node);
         let norms = norms.blocked.as_ref().filter(|_| table.is_behind_skyline()).unwrap_or(&norms.open);
         for lobe in (0..LOBE_COUNT).filter(|&lobe| shares[lobe] > 0.0) {
-            for (&tap, of_tap) in table.taps.indices().iter().zip(table.taps.weights()) {
-                let weight = weight * f64::from(shares[lobe]) * of_tap;
-                let node = table.shape_index(tap, lobe, band);
+            for (altitude, of_altitude) in table.altitudes {
+                let weight = weight * f64::from(shares[lobe]) * of_altitude;
+                let node = table.shape_index(altitude, lobe, band);
                 self.integral[band] += weight * norms.integral(node);
                 // Interpolation takes some altitudes away; norms add up all the same.
                 for (sums, remainder) in self.remainders.iter_mut().zip(norms.remainders(node)) {

@@ -40,8 +40,7 @@ fn a_sky_is_rendered_from_the_packs_of_its_own_clouds() {
     let set = set();
     let taken = |cloud_base_m| {
         let prepared = Prepared::new(&asked(&[10.0], cloud_base_m), &set).unwrap();
-        let indices = prepared.turbidity_taps.indices().to_vec();
-        indices.into_iter().map(|index| set.tables()[index].turbidity).collect::<Vec<_>>()
+        prepared.turbidity_stencil.nodes().map(|index| set.tables()[index].turbidity).collect::<Vec<_>>()
     };
     assert_eq!(taken(None), [2.0, 3.0]);
     assert_eq!(taken(Some(BASE_M)), [2.5]);
@@ -60,9 +59,9 @@ fn each_kind_is_read_at_its_own_altitudes() {
     // The made-up packs have nodes at 0, 500, 1 200, 2 500, 4 000 and 6 000 m, or at as many parts of 900 m.
     let node = |cloud_base_m, observer_altitude_m| {
         let asked = RenderRequest { observer_altitude_m, ..asked(&[10.0], cloud_base_m) };
-        let taps = Prepared::new(&asked, &set).unwrap().altitude_taps;
-        assert_eq!(taps.indices().len(), 1, "{taps:?}");
-        taps.indices()[0]
+        let stencil = Prepared::new(&asked, &set).unwrap().altitude_stencil;
+        assert_eq!(stencil.nodes().len(), 1, "{stencil:?}");
+        stencil.nodes().start
     };
     assert_eq!((node(None, 500.0), node(None, 6_000.0)), (1, 5));
     assert_eq!((node(Some(BASE_M), 75.0), node(Some(BASE_M), 900.0)), (1, 5));

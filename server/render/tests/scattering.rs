@@ -40,7 +40,7 @@ fn turbidity_is_interpolated_between_packs_of_the_scattering_asked_for() {
     let set = TableSet::new(both()).unwrap();
     let taken = |turbidity: f64, scattering: Scattering| -> Vec<f64> {
         let prepared = Prepared::new(&asked(1, turbidity, scattering), &set).unwrap();
-        let packs = prepared.turbidity_taps.indices().iter().map(|&index| &set.tables()[index]);
+        let packs = prepared.turbidity_stencil.nodes().map(|index| &set.tables()[index]);
         packs
             .map(|pack| {
                 assert_eq!(pack.scattering, scattering);

@@ -10,13 +10,12 @@ use super::{
 };
 use crate::error::ObservatoryError;
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr};
+use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr, interpolation::Stencil};
 use skyglow_render::{
     cpu::{CpuExecutor, blend::blend},
     prepare::{Prepared, PreparedCell, basis_count_in_use, shines},
     request::RenderRequest,
     table_set::TableSet,
-    taps::Taps,
     truncation::gram_matrix,
 };
 use std::sync::{Arc, OnceLock};
@@ -157,10 +156,10 @@ impl InfluenceSolver {
         if prepared.is_dark() {
             return Ok(0.0);
         }
-        let taps = &prepared.turbidity_taps;
+        let stencil = &prepared.turbidity_stencil;
         let skies: Vec<Vec<f32>> =
-            taps.indices().iter().map(|&pack| self.executor.sky(&prepared, pack, false)).collect();
-        Ok(blended(skies, taps, false).map_or(0.0, |mut sky| {
+            stencil.nodes().map(|pack| self.executor.sky(&prepared, pack, false)).collect();
+        Ok(blended(skies, stencil, false).map_or(0.0, |mut sky| {
             if let Some(near) = &prepared.near {
                 near.add_to(&self.set, sky.samples_mut());
             }
@@ -207,9 +206,9 @@ impl InfluenceSolver {
     /// Adds up what cells do, and gives the sky's own value.
     fn linear(&self, ready: &ReadyRequest, measure: &LinearMeasure, sum: &mut [Slope]) -> f64 {
         let (request, Some(sky)) = (&ready.prepared, &ready.sky) else { return 0.0 };
-        let taps = &request.turbidity_taps;
-        let weights = sensitivities(&sky.of_packs, taps, measure);
-        for ((&pack, weights), nodes) in taps.indices().iter().zip(&weights).zip(&ready.nodes) {
+        let stencil = &request.turbidity_stencil;
+        let weights = sensitivities(&sky.of_packs, stencil, measure);
+        for ((pack, weights), nodes) in stencil.nodes().zip(&weights).zip(&ready.nodes) {
             let tables = &self.set.tables()[pack];
             let basis_count = request.basis_count.min(tables.basis_count);
             let correlated = correlate(self.executor.transforms(), tables, basis_count, weights);
@@ -227,8 +226,8 @@ impl InfluenceSolver {
     }
 
     fn norms(&self, ready: &ReadyRequest, logs: &mut [Slope]) {
-        let (request, taps) = (&ready.prepared, &ready.prepared.turbidity_taps);
-        for ((&pack, weight), nodes) in taps.indices().iter().zip(taps.weights()).zip(&ready.nodes) {
+        let (request, stencil) = (&ready.prepared, &ready.prepared.turbidity_stencil);
+        for ((pack, weight), nodes) in stencil.iter().zip(&ready.nodes) {
             let tables = &self.set.tables()[pack];
             let gram = self.grams[pack]
                 .get_or_init(|| gram_matrix(tables).into_iter().map(|value| value as f32).collect());
@@ -257,10 +256,10 @@ pub(crate) fn luminance_norm(sky: &Panorama) -> f64 {
 }
 
 /// The sky between those of packs.
-pub(super) fn blended(mut skies: Vec<Vec<f32>>, taps: &Taps, side_by_side: bool) -> Option<Panorama> {
+pub(super) fn blended(mut skies: Vec<Vec<f32>>, stencil: &Stencil, side_by_side: bool) -> Option<Panorama> {
     let samples = match skies.len() {
         1 => skies.swap_remove(0),
-        _ => blend(&skies.iter().map(Vec::as_slice).collect::<Vec<_>>(), taps, side_by_side),
+        _ => blend(&skies.iter().map(Vec::as_slice).collect::<Vec<_>>(), stencil, side_by_side),
     };
     Panorama::from_samples(samples)
 }

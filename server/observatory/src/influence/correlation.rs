@@ -5,7 +5,7 @@ use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
 use skyglow_render::cpu::{
     basis_sum::FrequencySums,
     coefficients::ColumnBlock,
-    dispatch::Aligned,
+    lanes::Aligned,
     mix::BLOCK,
     transforms::{FUNCTIONS_PER_GROUP, Transforms},
 };

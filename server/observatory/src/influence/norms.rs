@@ -1,10 +1,9 @@
 //! Norms of cells: √(cᵀ·gram·c), for no azimuth matters.
 
 use super::scales::{Slope, scales_of, steps_around};
-use skyglow_physics::Band;
+use skyglow_physics::{Band, simd::multiply_add, simd_dispatch};
 use skyglow_render::{
     cpu::{
-        dispatch::{dispatch_wide, multiply_add},
         mix::{BLOCK, MixedNode, NodeScales},
     },
     prepare::{Prepared, PreparedCell},
@@ -68,11 +67,16 @@ impl NormsOfPack<'_> {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// gram·c.
-    times_gram, times_gram_wide, times_gram_body,
-    (gram: &[f32], stride: usize, basis_count: usize, coefficients: &Coefficients, product: &mut Coefficients)
-);
+    fn times_gram(
+        gram: &[f32],
+        stride: usize,
+        basis_count: usize,
+        coefficients: &Coefficients,
+        product: &mut Coefficients,
+    ) = times_gram_body::<FUSED>;
+}
 
 #[inline(always)]
 fn times_gram_body<const FUSED: bool>(

@@ -1,8 +1,9 @@
 //! From what cells do to what pixels do.
 
+use skyglow_physics::{simd::multiply_add, simd_dispatch};
 use super::CellInfluence;
 use rayon::prelude::*;
-use skyglow_render::cpu::dispatch::{dispatch_wide, exponential, multiply_add};
+use skyglow_render::cpu::lanes::exponential;
 use skyglow_scene::{LightShares, PolarCell};
 
 /// Largest power of e by which a pixel's light counts for more or less than its cell's for standing higher or lower.
@@ -62,11 +63,15 @@ pub fn influence_of_pixels(
     (influence, scale)
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Fills in the influence of pixels from `first` on.
-    add_shares, add_shares_wide, add_shares_body,
-    (shares: &LightShares, lines: &[CellLine], first: usize, influence: &mut [f32])
-);
+    fn add_shares(
+        shares: &LightShares,
+        lines: &[CellLine],
+        first: usize,
+        influence: &mut [f32],
+    ) = add_shares_body::<FUSED>;
+}
 
 #[inline(always)]
 fn add_shares_body<const FUSED: bool>(

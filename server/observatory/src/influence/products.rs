@@ -1,11 +1,10 @@
 //! Products of cells with a correlated measure.
 
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, simd::multiply_add, simd_dispatch};
 use skyglow_render::{
     cpu::{
         coefficients::ColumnBlock,
-        dispatch::{dispatch_wide, multiply_add},
         mix::{BLOCK, MixedNode},
     },
     prepare::{LitColumn, Prepared, PreparedCell},
@@ -40,15 +39,14 @@ pub(super) fn products(request: &Prepared, mixed: &[MixedNode], correlated: &[Co
     products
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// The products of one column's cells, over all blocks of functions.
-    add_products, add_products_wide, add_products_body,
-    (
+    fn add_products(
         cells: &[PreparedCell],
         blocks: &[(&[MixedNode], &ColumnBlock)],
-        products: &mut [[[f32; BAND_COUNT]; 2]]
-    )
-);
+        products: &mut [[[f32; BAND_COUNT]; 2]],
+    ) = add_products_body::<FUSED>;
+}
 
 #[inline(always)]
 fn add_products_body<const FUSED: bool>(

@@ -30,7 +30,7 @@ pub(super) struct NodesOfPack {
 
 /// A sky that cells are a part of.
 pub(super) struct KnownSky {
-    /// In every pack of the turbidity's taps, `[band][row][column]`, W m⁻² sr⁻¹.
+    /// In every pack of the turbidity's stencil, `[band][row][column]`, W m⁻² sr⁻¹.
     pub(super) of_packs: Vec<Vec<f32>>,
     /// Between them; None where there is no light at all.
     pub(super) between: Option<Panorama>,
@@ -41,7 +41,7 @@ pub(super) struct KnownSky {
 /// A request made ready, with what its measures are found from.
 pub(super) struct ReadyRequest {
     pub(super) prepared: Prepared,
-    /// In every pack of the turbidity's taps.
+    /// In every pack of the turbidity's stencil.
     pub(super) nodes: Vec<NodesOfPack>,
     /// None where no sky was asked for.
     pub(super) sky: Option<KnownSky>,
@@ -102,15 +102,15 @@ impl ReadyRequest {
             || other.map(|sky| Prepared::new(sky, set)).transpose(),
         );
         let (prepared, of_sky) = (prepared?, of_sky?);
-        let packs = prepared.turbidity_taps.indices();
-        let nodes_of = |&pack: &usize| {
+        let packs = prepared.turbidity_stencil.nodes();
+        let nodes_of = |pack: usize| {
             let (tables, mut scales, mut mixed) = (&set.tables()[pack], Vec::new(), Vec::new());
             mix_scale(tables, &prepared, true, &mut scales);
             mix_shape(tables, &prepared, &scales, true, &mut mixed);
             NodesOfPack { scales, mixed }
         };
         let nodes: Vec<NodesOfPack> =
-            if prepared.is_dark() { Vec::new() } else { packs.iter().map(nodes_of).collect() };
+            if prepared.is_dark() { Vec::new() } else { packs.clone().map(nodes_of).collect() };
         let sky_known = sky.filter(|_| !prepared.is_dark()).map(|_| {
             let of_sky = of_sky.as_ref().unwrap_or(&prepared);
             if of_sky.is_dark() {
@@ -121,8 +121,8 @@ impl ReadyRequest {
                 };
             }
             let of_packs: Vec<Vec<f32>> =
-                packs.iter().map(|&pack| executor.sky(of_sky, pack, true)).collect();
-            let between = blended(of_packs.clone(), &prepared.turbidity_taps, true);
+                packs.map(|pack| executor.sky(of_sky, pack, true)).collect();
+            let between = blended(of_packs.clone(), &prepared.turbidity_stencil, true);
             let near = between.as_ref().and_then(|between| {
                 let near = of_sky.near.clone()?;
                 let shown = near.shown(set, between.samples());

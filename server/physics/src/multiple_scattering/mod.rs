@@ -32,7 +32,6 @@ mod sum;
 mod surfaces;
 mod transport;
 mod view;
-mod wide;
 
 pub use energy::OrderPower;
 pub use field::SourceField;

@@ -11,9 +11,9 @@ use super::{
     lanes::{LANES, Lanes, add_two, exp_lanes},
     path::{PathStep, StepPlace, StepSum},
     setting::SourceSetting,
-    wide::dispatch_wide,
 };
-use crate::{atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY};
+use crate::{
+    simd_dispatch,atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -230,13 +230,16 @@ impl StepSum for PathSum<'_> {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Adds the shape of a degree to `out`, one value an azimuth: Σ_lm P_lm · cos(m·azimuth) · values_lm.
-    sum_modes,
-    sum_modes_wide,
-    sum_modes_body,
-    (degree: usize, values: &[Lanes], legendre: &[f32], azimuthal: &[Vec<f32>], out: &mut [Lanes])
-);
+    fn sum_modes(
+        degree: usize,
+        values: &[Lanes],
+        legendre: &[f32],
+        azimuthal: &[Vec<f32>],
+        out: &mut [Lanes],
+    ) = sum_modes_body;
+}
 
 #[inline(always)]
 fn sum_modes_body(

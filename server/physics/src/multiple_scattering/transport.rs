@@ -10,9 +10,9 @@ use super::{
     setting::{Resolution, SourceSetting},
     source_function::{DirectionTable, Moments, PathSum, SourceFunction},
     surfaces::Surfaces,
-    wide::dispatch_wide,
 };
-use crate::{geometry::EARTH_RADIUS_M, quadrature::gauss_legendre};
+use crate::{
+    simd_dispatch,geometry::EARTH_RADIUS_M, quadrature::gauss_legendre};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -220,13 +220,16 @@ struct Zenith<'a> {
     legendre: &'a [f64],
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Adds what comes from all azimuths of one zenith angle to what a place gathers.
-    gather,
-    gather_wide,
-    gather_body,
-    (sky: &RayBundle<'_>, zenith: &Zenith<'_>, azimuths: &[Azimuth], degree: usize, place: &mut Gathered)
-);
+    fn gather(
+        sky: &RayBundle<'_>,
+        zenith: &Zenith<'_>,
+        azimuths: &[Azimuth],
+        degree: usize,
+        place: &mut Gathered,
+    ) = gather_body;
+}
 
 /// sum += factor·values, by index: an array that is iterated over by value makes no vectors.
 #[inline(always)]

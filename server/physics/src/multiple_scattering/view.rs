@@ -11,9 +11,9 @@ use super::{
     lanes::{LANES, Lanes, exp_lanes, outputs_from_lanes},
     path::{PathStep, StepPlace, StepRule, StepSum, SteppedPath, track},
     source_function::{DirectionTable, PathSum},
-    wide::dispatch_wide,
 };
 use crate::{
+    simd_dispatch,
     error::{PhysicsError, check_range},
     geometry::EARTH_RADIUS_M,
     single_source::{RadiancePerWatt, SourceGeometry},
@@ -76,13 +76,16 @@ impl<'a> ViewRow<'a> {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Adds the light of a row's steps: the source `distance_m` away, azimuth from its outward direction.
-    sum_steps,
-    sum_steps_wide,
-    sum_steps_body,
-    (row: &ViewRow<'_>, distance_m: f64, cos_azimuth: f64, sin_azimuth: f64, sum: &mut Lanes)
-);
+    fn sum_steps(
+        row: &ViewRow<'_>,
+        distance_m: f64,
+        cos_azimuth: f64,
+        sin_azimuth: f64,
+        sum: &mut Lanes,
+    ) = sum_steps_body;
+}
 
 #[inline(always)]
 fn sum_steps_body(row: &ViewRow<'_>, distance_m: f64, cos_azimuth: f64, sin_azimuth: f64, sum: &mut Lanes) {

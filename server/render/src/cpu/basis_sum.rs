@@ -1,11 +1,11 @@
 //! S = Σ_k F[H_k]·F[B_k] at every elevation and frequency.
 
 use super::{
-    dispatch::{Aligned, dispatch_wide, multiply_add},
+    lanes::Aligned,
     transforms::{FUNCTIONS_PER_GROUP, GroupSpectra},
     work::for_each_part,
 };
-use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT};
+use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, simd::multiply_add, simd_dispatch};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
 /// Elevations summed side by side.
@@ -74,18 +74,17 @@ pub fn basis_sum(
     });
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Sums at consecutive frequencies from `first` on, of which `basis` holds the functions.
-    sum_frequencies, sum_frequencies_wide, sum_frequencies_body,
-    (
+    fn sum_frequencies(
         basis: &[Aligned<[f32; ROWS_PER_GROUP]>],
         function_count: usize,
         spectra: &[GroupSpectra],
         first: usize,
         basis_count: usize,
-        sums: &mut [FrequencySums]
-    )
-);
+        sums: &mut [FrequencySums],
+    ) = sum_frequencies_body::<FUSED>;
+}
 
 #[inline(always)]
 fn sum_frequencies_body<const FUSED: bool>(

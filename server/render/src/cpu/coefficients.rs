@@ -1,7 +1,7 @@
 //! H_k per azimuth column: the sum over its lit cells.
 
 use super::{
-    dispatch::{Aligned, dispatch_wide, multiply_add},
+    lanes::Aligned,
     mix::{BLOCK, MixedNode, NodeScales},
     work::for_each_part,
 };
@@ -9,7 +9,7 @@ use crate::{
     prepare::{LitColumn, Prepared, PreparedCell},
     twin::{log_scale_between, natural_exp},
 };
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, simd::multiply_add, simd_dispatch};
 
 /// Weights of a cell's lower and upper node in every band, and a 0 that makes each a vector.
 pub type CellWeights = [[f32; 4]; 2];
@@ -37,16 +37,15 @@ pub fn weigh_cells(
     });
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// [`crate::twin::cell_weights`] of cells whose lamps have `flux_per_dnb_flux`.
-    weigh, weigh_wide, weigh_body,
-    (
+    fn weigh(
         cells: &[PreparedCell],
         scales: &[NodeScales],
         flux_per_dnb_flux: [f32; BAND_COUNT],
-        weights: &mut [CellWeights]
-    )
-);
+        weights: &mut [CellWeights],
+    ) = weigh_body::<FUSED>;
+}
 
 #[inline(always)]
 fn weigh_body<const FUSED: bool>(
@@ -114,18 +113,17 @@ pub fn sum_columns(
     });
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Adds up the cells of lit columns in one block of functions; `sums` are the azimuths from `first` on.
-    sum_cells, sum_cells_wide, sum_cells_body,
-    (
+    fn sum_cells(
         lit: &[LitColumn],
         cells: &[PreparedCell],
         weights: &[CellWeights],
         nodes: &[MixedNode],
         first: u32,
-        sums: &mut [ColumnBlock]
-    )
-);
+        sums: &mut [ColumnBlock],
+    ) = sum_cells_body::<FUSED>;
+}
 
 #[inline(always)]
 fn sum_cells_body<const FUSED: bool>(
@@ -153,19 +151,18 @@ fn sum_cells_body<const FUSED: bool>(
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// The same in one band alone, bit for bit.
-    sum_cells_in_band, sum_cells_in_band_wide, sum_cells_in_band_body,
-    (
+    fn sum_cells_in_band(
         lit: &[LitColumn],
         cells: &[PreparedCell],
         weights: &[CellWeights],
         nodes: &[MixedNode],
         first: u32,
         band: usize,
-        sums: &mut [ColumnBlock]
-    )
-);
+        sums: &mut [ColumnBlock],
+    ) = sum_cells_in_band_body::<FUSED>;
+}
 
 #[inline(always)]
 fn sum_cells_in_band_body<const FUSED: bool>(

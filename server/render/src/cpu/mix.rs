@@ -1,17 +1,16 @@
 //! Mixing observer altitudes and lobes at the nodes that are needed.
 
 use super::{
-    dispatch::{Aligned, LANES, dispatch_wide, is_wide},
+    lanes::{Aligned, LANES},
     work::for_each_part,
 };
 use crate::{
     node_table::{NodeTable, WINDOW},
     prepare::Prepared,
-    taps::Taps,
     twin::{lobe_shares, mixed_curvature},
 };
 use half::f16;
-use skyglow_physics::{BAND_COUNT, LOBE_COUNT};
+use skyglow_physics::{BAND_COUNT, LOBE_COUNT, simd::is_wide, simd_dispatch, interpolation::MAX_STENCIL};
 use skyglow_tables::resident::ResidentTables;
 
 /// Functions that one run of the coefficient kernel sums in registers.
@@ -52,12 +51,12 @@ pub fn mix_scale(
         let mut windows = [NodeWindows::default(); BAND_COUNT];
         for (lane, node) in nodes.iter().enumerate() {
             let table = NodeTable::of(tables, request, node);
-            let weights = table.taps.weights_f32();
+            let weights = table.altitudes.weights_f32();
             for (band, windows) in windows.iter_mut().enumerate() {
                 for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
                     let mut window = [0f32; WINDOW];
-                    for (&tap, weight) in table.taps.indices().iter().zip(weights) {
-                        let values = table.window(tap, lobe, band);
+                    for (altitude, weight) in table.altitudes.nodes().zip(weights) {
+                        let values = table.window(altitude, lobe, band);
                         window.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
                     }
                     for (place, value) in window.into_iter().enumerate() {
@@ -94,15 +93,14 @@ impl Default for NodeWindows {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// [`lobe_shares`] and [`mixed_curvature`] of many nodes, `[value][node]`.
-    mix_lobes, mix_lobes_wide, mix_lobes_body,
-    (
+    fn mix_lobes(
         emission: [f32; LOBE_COUNT],
         windows: &NodeWindows,
-        mixed: &mut [[f32; NODES_PER_TASK]; 5]
-    )
-);
+        mixed: &mut [[f32; NODES_PER_TASK]; 5],
+    ) = mix_lobes_body::<FUSED>;
+}
 
 #[inline(always)]
 fn mix_lobes_body<const FUSED: bool>(
@@ -198,10 +196,10 @@ fn mix_nodes_wide(
 #[inline(always)]
 fn fetch(table: &NodeTable<'_>, request: &Prepared, basis_count: usize) {
     let in_use = basis_count.min(table.basis_count);
-    for &tap in table.taps.indices() {
+    for altitude in table.altitudes.nodes() {
         for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
             for (band, _) in request.lit_bands().enumerate().filter(|(_, is_lit)| *is_lit) {
-                let start = table.shape_index(tap, lobe, band) * table.basis_count;
+                let start = table.shape_index(altitude, lobe, band) * table.basis_count;
                 let image = &table.shape[start..][..in_use];
                 for line in image.chunks(LINE) {
                     fetch_line(&line[0]);
@@ -251,14 +249,14 @@ fn mix_nodes_with(
             fetch(&NodeTable::of(tables, request, ahead), request, basis_count);
         }
         let table = NodeTable::of(tables, request, node);
-        let weights = table.taps.weights_f32();
+        let weights = table.altitudes.weights_f32();
         let basis_count = basis_count.min(table.basis_count);
         for (band, is_lit) in request.lit_bands().enumerate() {
-            let mut terms: [Term<'_>; LOBE_COUNT * Taps::MAX] = [(0.0, &[]); LOBE_COUNT * Taps::MAX];
+            let mut terms: [Term<'_>; LOBE_COUNT * MAX_STENCIL] = [(0.0, &[]); LOBE_COUNT * MAX_STENCIL];
             let mut count = 0;
             for lobe in (0..LOBE_COUNT).filter(|&lobe| is_lit && scales.shares[band][lobe] > 0.0) {
-                for (&tap, weight) in table.taps.indices().iter().zip(weights) {
-                    let start = table.shape_index(tap, lobe, band) * table.basis_count;
+                for (altitude, weight) in table.altitudes.nodes().zip(weights) {
+                    let start = table.shape_index(altitude, lobe, band) * table.basis_count;
                     terms[count] = (scales.shares[band][lobe] * weight, &table.shape[start..][..basis_count]);
                     count += 1;
                 }

@@ -3,7 +3,7 @@
 pub mod basis_sum;
 pub mod blend;
 pub mod coefficients;
-pub mod dispatch;
+pub mod lanes;
 pub mod mix;
 pub mod scratch;
 pub mod transforms;
@@ -23,8 +23,6 @@ use scratch::{Scratch, ScratchPool};
 use skyglow_physics::Panorama;
 use std::time::Instant;
 use transforms::Transforms;
-
-pub use dispatch::instruction_set;
 
 /// Renders the packs of all requests of a batch side by side, one on each core; where there are fewer of them than
 /// cores, the cores share the work within each.
@@ -54,7 +52,7 @@ impl CpuExecutor {
         let items: Vec<Item<'_>> = batch
             .iter()
             .flat_map(|&request| {
-                request.turbidity_taps.indices().iter().map(move |&pack| Item { request, pack })
+                request.turbidity_stencil.nodes().map(move |pack| Item { request, pack })
             })
             .collect();
         let cores = rayon::current_num_threads();
@@ -70,7 +68,7 @@ impl CpuExecutor {
         let mut radiance_w_m2_sr = Vec::with_capacity(batch.len());
         let mut skies: Vec<Vec<Vec<f32>>> = Vec::with_capacity(batch.len());
         for request in batch {
-            skies.push(rendered.by_ref().take(request.turbidity_taps.indices().len()).collect());
+            skies.push(rendered.by_ref().take(request.turbidity_stencil.nodes().len()).collect());
         }
         drop(rendered);
         // Passes that ran side by side took less than their sum.
@@ -80,7 +78,7 @@ impl CpuExecutor {
                 1 => packs.swap_remove(0),
                 _ => clock.time(Pass::Blend, || {
                     let sources: Vec<&[f32]> = packs.iter().map(Vec::as_slice).collect();
-                    blend::blend(&sources, &request.turbidity_taps, true)
+                    blend::blend(&sources, &request.turbidity_stencil, true)
                 }),
             };
             packs.into_iter().for_each(|sky| self.scratch.keep_panorama(sky));
@@ -168,7 +166,7 @@ impl Executor for CpuExecutor {
 mod tests {
     use super::*;
     use crate::{device::warm_up_requests, request::RenderRequest, synthetic};
-    use skyglow_physics::Turbidity;
+    use skyglow_physics::{Turbidity, simd};
 
     fn prepared(set: &TableSet, basis: usize) -> Prepared {
         let polar = synthetic::polar_grid_with_skylines(7, 3000);
@@ -177,10 +175,8 @@ mod tests {
     }
 
     fn render(executor: &CpuExecutor, request: &Prepared, baseline: bool) -> Vec<f32> {
-        dispatch::tests::BASELINE.set(baseline);
-        let (sky, _) = executor.render_pack(&Item { request, pack: 0 }, false);
-        dispatch::tests::BASELINE.set(false);
-        sky
+        let sky = || executor.render_pack(&Item { request, pack: 0 }, false).0;
+        if baseline { simd::with_baseline(sky) } else { sky() }
     }
 
     #[test]

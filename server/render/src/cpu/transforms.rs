@@ -4,7 +4,7 @@
 use super::{
     basis_sum::{FrequencySums, ROWS_PER_GROUP},
     coefficients::ColumnBlock,
-    dispatch::{Aligned, LANES, dispatch_wide},
+    lanes::{Aligned, LANES},
     mix::BLOCK,
     work::for_each_part,
 };
@@ -12,7 +12,7 @@ use crate::twin::fft::{
     Complex, complex_multiply, pair_from_spectra, radix4_butterfly, split_pair_spectrum, stockham_target,
     twiddle, twiddle_index,
 };
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama, simd_dispatch};
 use skyglow_tables::resident::FREQUENCY_COUNT;
 
 /// Functions that one transform takes.
@@ -98,17 +98,16 @@ impl Transforms {
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Spectra of one group of functions in one band.
-    transform_columns, transform_columns_wide, transform_columns_body,
-    (
+    fn transform_columns(
         twiddles: &[Complex; AZIMUTH_COUNT],
         columns: &[ColumnBlock],
         band: usize,
         group_in_block: usize,
-        target: &mut GroupSpectra
-    )
-);
+        target: &mut GroupSpectra,
+    ) = transform_columns_body::<FUSED>;
+}
 
 #[inline(always)]
 fn transform_columns_body<const FUSED: bool>(
@@ -137,18 +136,17 @@ fn transform_columns_body<const FUSED: bool>(
     }
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Sixteen rows of radiance in one band.
-    transform_rows, transform_rows_wide, transform_rows_body,
-    (
+    fn transform_rows(
         twiddles: &[Complex; AZIMUTH_COUNT],
         sums: &[FrequencySums],
         band: usize,
         row_group: usize,
         least: f32,
-        rows: &mut [[f32; AZIMUTH_COUNT]]
-    )
-);
+        rows: &mut [[f32; AZIMUTH_COUNT]],
+    ) = transform_rows_body::<FUSED>;
+}
 
 #[inline(always)]
 fn transform_rows_body<const FUSED: bool>(

@@ -26,16 +26,16 @@ pub(crate) struct Frame {
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Request {
-    pub(crate) tap_layer: [u32; 4],
-    pub(crate) tap_weight: [f32; 4],
+    pub(crate) altitude_index: [u32; 4],
+    pub(crate) altitude_weight: [f32; 4],
     pub(crate) blend_weight: [f32; 4],
-    pub(crate) bracket_weight: [f32; 4],
+    pub(crate) linear_weight: [f32; 4],
     pub(crate) emission: [f32; 3],
-    pub(crate) tap_count: u32,
+    pub(crate) altitude_count: u32,
     pub(crate) flux_per_dnb_flux: [f32; 3],
-    pub(crate) blocked_tap_count: u32,
-    pub(crate) blocked_tap_layer: [u32; 4],
-    pub(crate) blocked_tap_weight: [f32; 4],
+    pub(crate) blocked_altitude_count: u32,
+    pub(crate) blocked_altitude_index: [u32; 4],
+    pub(crate) blocked_altitude_weight: [f32; 4],
 }
 
 /// A (blocking angle, ring, offset) to mix for a request.

@@ -6,7 +6,7 @@ use crate::{
         basis_sum::{self, BlockedBasis, FrequencySums},
         blend,
         coefficients::{self, CellWeights, ColumnBlock},
-        dispatch::Aligned,
+        lanes::Aligned,
         mix::{self, MixedNode, NodeScales},
         transforms::{GroupSpectra, Transforms, empty_spectra},
     },
@@ -307,7 +307,7 @@ fn the_blend_agrees_with_the_cpu_on_the_same_input() {
     for (request, prepared) in rig.batch.iter().enumerate() {
         let sky = |slot: usize| all[(slot * 2 + request) * Panorama::LEN..][..Panorama::LEN].to_vec();
         let skies = [sky(0), sky(1), sky(2)];
-        let expected = blend::blend(&skies.each_ref().map(Vec::as_slice), &prepared.turbidity_taps, true);
+        let expected = blend::blend(&skies.each_ref().map(Vec::as_slice), &prepared.turbidity_stencil, true);
         assert_close("blend", &rig.rendered[request], &expected, 1e-5);
     }
 }

@@ -172,16 +172,16 @@ fn structures_lie_alike_on_both_sides() {
         "Request",
         Request,
         [
-            tap_layer,
-            tap_weight,
+            altitude_index,
+            altitude_weight,
             blend_weight,
-            bracket_weight,
+            linear_weight,
             emission,
-            tap_count,
+            altitude_count,
             flux_per_dnb_flux,
-            blocked_tap_count,
-            blocked_tap_layer,
-            blocked_tap_weight
+            blocked_altitude_count,
+            blocked_altitude_index,
+            blocked_altitude_weight
         ]
     );
     assert_layout!(&module, "Node", Node, [request, ring, offset, blocking]);
@@ -214,7 +214,7 @@ fn constants_are_the_same_on_both_sides() {
     }
     let floor = constant(shaders::BLENDING, "RADIANCE_FLOOR_W_M2_SR");
     assert_eq!(floor as f32, twin::RADIANCE_FLOOR_W_M2_SR);
-    assert_eq!(constant(shaders::BLENDING, "BEND_ALLOWED") as f32, twin::BEND_ALLOWED);
-    assert_eq!(constant(shaders::BLENDING, "BEND_SHARE_ALLOWED") as f32, twin::BEND_SHARE_ALLOWED);
-    assert_eq!(constant(shaders::BLENDING, "DIMMEST_PACK") as f32, twin::DIMMEST_PACK);
+    assert_eq!(constant(shaders::BLENDING, "MAX_DEVIATION") as f32, twin::MAX_DEVIATION);
+    assert_eq!(constant(shaders::BLENDING, "MAX_DEVIATION_SHARE") as f32, twin::MAX_DEVIATION_SHARE);
+    assert_eq!(constant(shaders::BLENDING, "MIN_PACK_RATIO") as f32, twin::MIN_PACK_RATIO);
 }

@@ -2,7 +2,10 @@
 
 use super::layout::{Column, Frame, Node, Request};
 use crate::{plan::RenderPlan, prepare::Prepared, table_set::TableSet, twin::indexing::CELLS_PER_ROW};
-use skyglow_physics::AZIMUTH_COUNT;
+use skyglow_physics::{
+    AZIMUTH_COUNT,
+    interpolation::{MAX_STENCIL, Stencil},
+};
 use skyglow_tables::OffsetAxis;
 
 /// The arrays of all requests, one behind the other; node numbers are global.
@@ -14,6 +17,13 @@ pub(crate) struct BatchArrays {
     pub(crate) cells: Vec<[f32; 4]>,
     /// All columns of every request.
     pub(crate) columns: Vec<Column>,
+}
+
+/// Nodes as the shaders take them, 0 behind the last.
+fn node_numbers(stencil: &Stencil) -> [u32; MAX_STENCIL] {
+    let mut numbers = [0; MAX_STENCIL];
+    numbers.iter_mut().zip(stencil.nodes()).for_each(|(number, node)| *number = node as u32);
+    numbers
 }
 
 impl BatchArrays {
@@ -29,16 +39,16 @@ impl BatchArrays {
     fn push(&mut self, request: u32, prepared: &Prepared) {
         let (first_node, first_cell) = (self.nodes.len() as u32, self.cells.len() as u32);
         self.requests.push(Request {
-            tap_layer: prepared.altitude_taps.indices_u32(),
-            tap_weight: prepared.altitude_taps.weights_f32(),
-            blend_weight: prepared.turbidity_taps.weights_f32(),
-            bracket_weight: prepared.turbidity_taps.bracket_f32(),
+            altitude_index: node_numbers(&prepared.altitude_stencil),
+            altitude_weight: prepared.altitude_stencil.weights_f32(),
+            blend_weight: prepared.turbidity_stencil.weights_f32(),
+            linear_weight: prepared.turbidity_stencil.linear_weights_f32(),
             emission: prepared.emission,
-            tap_count: prepared.altitude_taps.indices().len() as u32,
+            altitude_count: prepared.altitude_stencil.nodes().len() as u32,
             flux_per_dnb_flux: prepared.flux_per_dnb_flux,
-            blocked_tap_count: prepared.blocked_altitude_taps.indices().len() as u32,
-            blocked_tap_layer: prepared.blocked_altitude_taps.indices_u32(),
-            blocked_tap_weight: prepared.blocked_altitude_taps.weights_f32(),
+            blocked_altitude_count: prepared.blocked_altitude_stencil.nodes().len() as u32,
+            blocked_altitude_index: node_numbers(&prepared.blocked_altitude_stencil),
+            blocked_altitude_weight: prepared.blocked_altitude_stencil.weights_f32(),
         });
         let nodes = prepared.nodes.iter();
         self.nodes.extend(nodes.map(|node| Node {

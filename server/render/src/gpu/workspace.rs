@@ -9,18 +9,17 @@ use crate::{
     error::RenderError,
     plan::{FUNCTIONS_PER_TABLE_TEXEL, Pass},
     table_set::TableSet,
-    taps::Taps,
     twin::{
         indexing::{CELLS_PER_ROW, NODE_ROWS},
         twiddle,
     },
 };
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama, interpolation::MAX_STENCIL};
 use skyglow_tables::resident::FREQUENCY_COUNT;
 use wgpu::{BufferUsages, TextureUsages};
 
 /// Timestamps a batch writes at most: at the start, and after each pass of each pack.
-pub(crate) const TIMESTAMP_COUNT: u32 = (Taps::MAX * Pass::ALL.len()) as u32 + 1;
+pub(crate) const TIMESTAMP_COUNT: u32 = (MAX_STENCIL * Pass::ALL.len()) as u32 + 1;
 
 /// Everything between the packs and the panorama.
 pub(crate) struct Workspace {
@@ -93,7 +92,7 @@ impl WorkspaceSize {
     }
 
     fn radiance_bytes() -> usize {
-        Taps::MAX * MAX_BATCH * Panorama::LEN * 4
+        MAX_STENCIL * MAX_BATCH * Panorama::LEN * 4
     }
 
     /// Bytes of everything large.
@@ -152,7 +151,7 @@ impl Workspace {
         // `[n][m]`: e^{−2πi·n·m/256}.
         let table: Vec<[f32; 2]> = (0..AZIMUTH_COUNT).map(|at| twiddle((at / 16) * (at % 16))).collect();
         context.queue.write_buffer(&twiddles, 0, bytemuck::cast_slice(&table));
-        let frames = (0..=Taps::MAX)
+        let frames = (0..=MAX_STENCIL)
             .map(|_| buffer("frame", size_of::<Frame>(), BufferUsages::UNIFORM | BufferUsages::COPY_DST))
             .collect::<Result<_, _>>()?;
         Ok(Self {

@@ -8,11 +8,11 @@ use super::{
     sight::{Air, Sight, Sights},
 };
 use crate::{
-    cpu::dispatch::{LANES, dispatch_wide},
+    cpu::lanes::LANES,
     table_set::TableSet,
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama, near_light::whole_part, panorama::azimuth_rad};
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama, near_light::whole_part, panorama::azimuth_rad, simd_dispatch};
 use skyglow_scene::NearLight;
 use std::sync::LazyLock;
 
@@ -118,11 +118,15 @@ pub(crate) struct Peaks {
     peak: [[f32; LANES]; BAND_COUNT],
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Some lights as an observer sees them.
-    peak, peak_wide, peak_body,
-    (air: &Air, observer_altitude_m: f64, lights: &[NearLight; LANES], peaks: &mut Peaks)
-);
+    fn peak(
+        air: &Air,
+        observer_altitude_m: f64,
+        lights: &[NearLight; LANES],
+        peaks: &mut Peaks,
+    ) = peak_body::<FUSED>;
+}
 
 #[inline(always)]
 fn peak_body<const FUSED: bool>(
@@ -167,10 +171,9 @@ pub(crate) const LOW_ROWS: usize = HIGHEST_ROW as usize + 2;
 mod tests {
     use super::*;
     use crate::{
-        cpu::dispatch::tests::BASELINE,
         near_lights::sight::tests::{elevation_of, one},
     };
-    use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering};
+    use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering, simd};
 
     fn light(number: u32, distance_m: f32, altitude_m: f32) -> NearLight {
         NearLight { number, pixel_count: 1, azimuth_rad: 1.0, distance_m, altitude_m, flux_dnb_w: 1.0 }
@@ -186,8 +189,7 @@ mod tests {
         let lights: [NearLight; LANES] = std::array::from_fn(|lane| {
             light(lane as u32, 400.0 * 2f32.powi(lane as i32), 600.0 + 90.0 * lane as f32)
         });
-        for is_baseline in [false, true] {
-            BASELINE.set(is_baseline);
+        let compare = || {
             let mut together = Peaks::default();
             peak(&air, 640.0, &lights, &mut together);
             for lane in 0..LANES {
@@ -209,7 +211,8 @@ mod tests {
                     assert!((together / alone - 1.0).abs() < 1e-3, "{lane}: {together} {alone}");
                 }
             }
-        }
-        BASELINE.set(false);
+        };
+        compare();
+        simd::with_baseline(compare);
     }
 }

@@ -9,14 +9,12 @@ use super::{
     sight::{Air, Sight},
 };
 use crate::{
-    cpu::dispatch::{LANES, dispatch_wide, multiply_add},
+    cpu::lanes::LANES,
     table_set::TableSet,
 };
-use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama,
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama,
     panorama::azimuth_rad,
-    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M},
-};
+    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M}, simd::multiply_add, simd_dispatch};
 use skyglow_scene::{RING_COUNT, ring_distance_m};
 use skyglow_tables::images::{ACROSS_COLUMN, NEAR_COLUMN_COUNT as AVERAGED};
 
@@ -299,12 +297,16 @@ fn taper(distance: f32) -> f32 {
     ((REACH - distance.abs()) / (REACH - FULL_WITHIN)).clamp(0.0, 1.0)
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// The patch of a light, W m⁻² sr⁻¹.
-    fill, fill_wide, fill_body,
-    (maker: &mut PatchMaker<'_>, light: &Chosen, flux_per_dnb_flux: [f32; BAND_COUNT], most: &MostOfGrid,
-        patch: &mut OfBands<SIDE>)
-);
+    fn fill(
+        maker: &mut PatchMaker<'_>,
+        light: &Chosen,
+        flux_per_dnb_flux: [f32; BAND_COUNT],
+        most: &MostOfGrid,
+        patch: &mut OfBands<SIDE>,
+    ) = fill_body::<FUSED>;
+}
 
 #[inline(always)]
 fn fill_body<const FUSED: bool>(

@@ -8,11 +8,9 @@ use super::{
     extents::{ALTITUDE, AZIMUTH, BLOCK, DISTANCE, Extent, FLUX, extents},
     sight::Air,
 };
-use crate::cpu::dispatch::{LANES, dispatch_wide};
-use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, near_light::whole_part, panorama::azimuth_rad,
-    source_pixel::FARTHEST_SOURCE_M,
-};
+use crate::cpu::lanes::LANES;
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, near_light::whole_part, panorama::azimuth_rad,
+    source_pixel::FARTHEST_SOURCE_M, simd_dispatch};
 use skyglow_scene::NearLight;
 use std::{f32::consts::TAU, ops::RangeInclusive};
 
@@ -113,11 +111,15 @@ fn column_of(azimuth_rad: f32) -> u32 {
     whole_part(azimuth_rad * PER_COLUMN)
 }
 
-dispatch_wide!(
+simd_dispatch! {
     /// Adds the places of lights that may show, counted from `start` on.
-    screened, screened_wide, screened_body,
-    (screen: &Screen, start: u32, lights: &[NearLight], found: &mut Vec<u32>)
-);
+    fn screened(
+        screen: &Screen,
+        start: u32,
+        lights: &[NearLight],
+        found: &mut Vec<u32>,
+    ) = screened_body::<FUSED>;
+}
 
 #[inline(always)]
 fn screened_body<const FUSED: bool>(screen: &Screen, start: u32, lights: &[NearLight], found: &mut Vec<u32>) {

@@ -1,6 +1,6 @@
 //! The first order of one light next to its own direction, in f32, some directions at a time.
 
-use crate::cpu::dispatch::exponential;
+use crate::cpu::lanes::exponential;
 use skyglow_physics::{
     Atmosphere, BAND_COUNT, EARTH_RADIUS_M,
     atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, MOLECULE_SCALE_HEIGHT_M},

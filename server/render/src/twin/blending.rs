@@ -1,53 +1,127 @@
-//! Interpolation between packs of different turbidity (`docs/model.md#turbidity`).
+//! Log-space cubic Lagrange interpolation between packs of different turbidity, its deviation from the line limited
+//! (`docs/model.md#turbidity`).
 
-use super::elementary::{natural_exp, natural_log};
+use super::elementary::Real;
+use std::array::from_ref;
 
 /// Radiance below which a sample counts as this much before the logarithm, W m⁻² sr⁻¹: about 3e-7 of the natural
 /// sky.
 pub const RADIANCE_FLOOR_W_M2_SR: f32 = 1e-13;
 
-/// How far a cubic may leave the line between the two packs around, in the logarithm, besides [`BEND_SHARE_ALLOWED`] of
+/// How far the cubic may leave the line between the two packs around, in the logarithm, besides [`MAX_DEVIATION_SHARE`] of
 /// what lies between those two. A fall as exp(−kT), the steepest that there is, leaves it by 0.06 of that. Chosen by whole
 /// skies of the first order at turbidity 2 (packs 1.5, 2.5, 3.5, 4.75) against the direct sum: worst mean of 15 places
 /// 9.6 % without a limit, 5.6, 2.7, 1.5, 1.25 and 1.1 % with 0.05 + 0.25, 0.12, 0.08 and 0.1 + 0.06, 0.04.
-pub const BEND_ALLOWED: f32 = 0.1;
-/// See [`BEND_ALLOWED`].
-pub const BEND_SHARE_ALLOWED: f32 = 0.06;
+pub const MAX_DEVIATION: f32 = 0.1;
+/// See [`MAX_DEVIATION`].
+pub const MAX_DEVIATION_SHARE: f32 = 0.06;
 
-/// Least radiance of a pack in a direction, over that of the brighter one of the two around: a dimmer one counts as this. Where
-/// the functions of a basis cancel a sample is nothing but rounding, of which a logarithm makes anything: between a lit pack and
-/// a black one two executors were 5 % of the row's brightest apart. Between neighbouring packs air dims no visible
+/// Smallest radiance of a pack in a direction, over that of the brighter one of the two around: a dimmer one counts as this.
+/// Where the functions of a basis cancel, a sample is nothing but rounding, and its logarithm can be anything: between a lit pack
+/// and a black one two executors were 5 % of the row's brightest apart. Between neighbouring packs air dims no visible
 /// direction by that much.
-pub const DIMMEST_PACK: f32 = 1e-3;
+pub const MIN_PACK_RATIO: f32 = 1e-3;
 
-/// exp Σ_p weight_p · ln max(radiance_p, floor), over the packs with weight (they sum to 1); 0 where that is at or
-/// below the floor, give or take rounding. Logarithms are taken over the largest sample, which keeps them small;
-/// [`DIMMEST_PACK`] says where they end.
-///
-/// `bracket` holds the weights of linear interpolation between the two packs around. Where a basis leaves a dim
-/// direction of one of the others black, its logarithm is a pit, and the cubic through it leaps elsewhere, by hundreds:
-/// so the cubic is kept near the line between those two.
+/// One sample of the sky between packs: exp Σ_p weight_p · ln max(radiance_p, floor), over the packs with weight (they
+/// sum to 1); 0 where that is at or below the floor, give or take rounding. `linear` are the weights of linear
+/// interpolation between the two packs around. [`Blend`] has the rule.
 #[inline(always)]
-pub fn blend_radiance(radiance_w_m2_sr: [f32; 4], weight: [f32; 4], bracket: [f32; 4]) -> f32 {
-    let floored = radiance_w_m2_sr.map(|radiance| radiance.max(RADIANCE_FLOOR_W_M2_SR));
-    let largest = floored[0].max(floored[1]).max(floored[2].max(floored[3]));
-    let around = |pack: usize| if bracket[pack] > 0.0 { floored[pack] } else { 0.0 };
-    let brighter = around(0).max(around(1)).max(around(2).max(around(3)));
-    let least = DIMMEST_PACK * brighter;
-    let log = [0, 1, 2, 3].map(|pack: usize| natural_log(floored[pack].max(least) / largest));
-    let sum =
-        |weight: [f32; 4]| weight[0] * log[0] + weight[1] * log[1] + weight[2] * log[2] + weight[3] * log[3];
-    let (mut low, mut high) = (0.0f32, -1e30f32);
-    for pack in 0..4 {
-        let is_around = bracket[pack] > 0.0;
-        low = low.min(if is_around { log[pack] } else { low });
-        high = high.max(if is_around { log[pack] } else { high });
+pub fn blend_radiance<R: Real>(radiance_w_m2_sr: [R; 4], weight: [R; 4], linear: [R; 4]) -> R {
+    let [blended] = Blend::of(radiance_w_m2_sr.each_ref().map(from_ref), weight, linear).radiance_w_m2_sr();
+    blended
+}
+
+/// The blend of `N` samples of four packs, step by step: the compiler makes vectors of simple loops alone.
+///
+/// Logarithms are taken over the largest sample, which keeps them small; [`MIN_PACK_RATIO`] says where they end. Where a
+/// basis leaves a dim direction of one of the outer packs black, its logarithm is a deep pit, and the cubic through it
+/// overshoots elsewhere, by hundreds: so the cubic is kept near the line between the two packs around.
+#[derive(Clone, Copy, Debug)]
+pub struct Blend<R, const N: usize> {
+    /// The largest sample of all packs.
+    pub largest_w_m2_sr: [R; N],
+    /// ln(sample/largest), `[pack][sample]`.
+    pub log_ratio: [[R; N]; 4],
+    /// The interpolated logarithm on the line between the two packs around.
+    pub line: [R; N],
+    /// The same of the cubic.
+    pub cubic: [R; N],
+    /// How far the cubic may leave the line.
+    pub max_deviation: [R; N],
+}
+
+impl<R: Real, const N: usize> Blend<R, N> {
+    /// Of packs with cubic and linear weights.
+    #[inline(always)]
+    pub fn of(radiance_w_m2_sr: [&[R; N]; 4], weight: [R; 4], linear: [R; 4]) -> Self {
+        let (zero, floor) = (R::from(0.0), R::from(RADIANCE_FLOOR_W_M2_SR));
+        let (mut largest, mut brighter) = ([floor; N], [floor; N]);
+        for (samples, linear) in radiance_w_m2_sr.iter().zip(linear) {
+            for lane in 0..N {
+                largest[lane] = samples[lane].larger(largest[lane]);
+            }
+            if linear > zero {
+                for lane in 0..N {
+                    brighter[lane] = samples[lane].larger(brighter[lane]);
+                }
+            }
+        }
+        let mut log_ratio = [[zero; N]; 4];
+        // Logarithms are not above 0.
+        let (mut low, mut high) = ([zero; N], [R::from(-1e30); N]);
+        for ((log_ratio, samples), linear) in log_ratio.iter_mut().zip(radiance_w_m2_sr).zip(linear) {
+            for lane in 0..N {
+                let floored = samples[lane].larger(floor).larger(R::from(MIN_PACK_RATIO) * brighter[lane]);
+                log_ratio[lane] = (floored / largest[lane]).natural_log();
+            }
+            if linear > zero {
+                for lane in 0..N {
+                    low[lane] = log_ratio[lane].smaller(low[lane]);
+                    high[lane] = log_ratio[lane].larger(high[lane]);
+                }
+            }
+        }
+        let (mut line, mut cubic, mut max_deviation) = ([zero; N], [zero; N], [zero; N]);
+        for lane in 0..N {
+            let sum = |weight: [R; 4]| {
+                weight[0] * log_ratio[0][lane]
+                    + weight[1] * log_ratio[1][lane]
+                    + weight[2] * log_ratio[2][lane]
+                    + weight[3] * log_ratio[3][lane]
+            };
+            (line[lane], cubic[lane]) = (sum(linear), sum(weight));
+            max_deviation[lane] =
+                R::from(MAX_DEVIATION) + R::from(MAX_DEVIATION_SHARE) * (high[lane] - low[lane]);
+        }
+        Self { largest_w_m2_sr: largest, log_ratio, line, cubic, max_deviation }
     }
-    let allowed = BEND_ALLOWED + BEND_SHARE_ALLOWED * (high - low);
-    let line = sum(bracket);
-    let log_ratio = line + (sum(weight) - line).max(-allowed).min(allowed);
-    let blended = largest * natural_exp(log_ratio);
-    if blended <= 1.00001 * RADIANCE_FLOOR_W_M2_SR { 0.0 } else { blended }
+
+    /// How far a sample's logarithm is from the line.
+    #[inline(always)]
+    pub fn deviation(&self, lane: usize) -> R {
+        let limit = self.max_deviation[lane];
+        (self.cubic[lane] - self.line[lane]).larger(-limit).smaller(limit)
+    }
+
+    /// A sample between the packs, before what is at the floor counts as 0.
+    #[inline(always)]
+    pub fn floored_w_m2_sr(&self, lane: usize) -> R {
+        self.largest_w_m2_sr[lane] * (self.line[lane] + self.deviation(lane)).natural_exp()
+    }
+
+    /// The samples between the packs.
+    #[inline(always)]
+    pub fn radiance_w_m2_sr(&self) -> [R; N] {
+        let (zero, floor) = (R::from(0.0), R::from(1.00001 * RADIANCE_FLOOR_W_M2_SR));
+        let mut blended = [zero; N];
+        for lane in 0..N {
+            blended[lane] = self.floored_w_m2_sr(lane);
+        }
+        for blended in &mut blended {
+            *blended = if *blended <= floor { zero } else { *blended };
+        }
+        blended
+    }
 }
 
 #[cfg(test)]
@@ -93,14 +167,14 @@ mod tests {
     #[test]
     fn a_black_direction_of_a_pack_beyond_does_not_light_up_the_sky_between_two_others() {
         // The weights of turbidity 2 on 1.5, 2.5, 3.5, 4.75.
-        let (weight, bracket) = ([0.216, 1.262, -0.637, 0.159], [0.437, 0.563, 0.0, 0.0]);
+        let (weight, linear) = ([0.216, 1.262, -0.637, 0.159], [0.437, 0.563, 0.0, 0.0]);
         let seen = [2e-8, 1e-8, 4e-9, 1.5e-9];
-        let whole = blend_radiance(seen, weight, bracket);
+        let whole = blend_radiance(seen, weight, linear);
         assert!(whole > 1e-8 && whole < 2e-8, "{whole:e}");
         // Where nothing is black the cubic is what it was.
         let cubic: f32 = seen.iter().zip(weight).map(|(x, w)| w * x.ln()).sum();
         assert!((whole / cubic.exp() - 1.0).abs() < 1e-4, "{whole:e} {:e}", cubic.exp());
-        let pit = blend_radiance([seen[0], seen[1], 0.0, seen[3]], weight, bracket);
+        let pit = blend_radiance([seen[0], seen[1], 0.0, seen[3]], weight, linear);
         assert!((pit / whole - 1.0).abs() < 0.3, "{pit:e} {whole:e}");
         // Unlimited it would be a thousand times too bright.
         let leap: f32 = [seen[0], seen[1], 1e-13, seen[3]].iter().zip(weight).map(|(x, w)| w * x.ln()).sum();

@@ -1,4 +1,59 @@
-//! exp and ln with the same few ulp on every device: built-ins are allowed errors that grow with the argument.
+//! exp by Cody–Waite range reduction (Cody and Waite 1980) and a Taylor series in Horner's form, ln by the series of
+//! artanh: the same few ulp on every device, where built-ins are allowed errors that grow with the argument. And [`Real`], over
+//! which twins are generic.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number that kernels are written for: f32 in the executors, f64 in the reference solution and in sensitivities.
+pub trait Real:
+    Copy
+    + PartialOrd
+    + From<f32>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// e^x.
+    fn natural_exp(self) -> Self;
+    /// ln x.
+    fn natural_log(self) -> Self;
+
+    /// The larger of two numbers. Unlike `max` it says nothing of NaN, so that loops become vectors.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn natural_exp(self) -> Self {
+        natural_exp(self)
+    }
+
+    #[inline(always)]
+    fn natural_log(self) -> Self {
+        natural_log(self)
+    }
+}
+
+impl Real for f64 {
+    fn natural_exp(self) -> Self {
+        self.exp()
+    }
+
+    fn natural_log(self) -> Self {
+        self.ln()
+    }
+}
 
 /// High part of ln 2: few bits, so that its product with a small integer is exact.
 const LN_2_HIGH: f32 = 0.693_359_4;

@@ -7,8 +7,10 @@ pub mod fft;
 pub mod indexing;
 pub mod mixing;
 
-pub use blending::{BEND_ALLOWED, BEND_SHARE_ALLOWED, DIMMEST_PACK, RADIANCE_FLOOR_W_M2_SR, blend_radiance};
-pub use elementary::{natural_exp, natural_log};
+pub use blending::{
+    Blend, MAX_DEVIATION, MAX_DEVIATION_SHARE, MIN_PACK_RATIO, RADIANCE_FLOOR_W_M2_SR, blend_radiance,
+};
+pub use elementary::{Real, natural_exp, natural_log};
 pub use fft::{
     Complex, complex_multiply, pair_from_spectra, radix4_butterfly, split_pair_spectrum, stockham_target,
     transform_16, transform_256, twiddle, twiddle_index,
