@@ -1,4 +1,4 @@
-// Where things lie in the textures: server/render/src/twin/indexing.rs
+// Layout of lists and tables in textures. Derivations: server/render/src/twin/indexing.rs
 
 const CELLS_PER_ROW: u32 = 1024u;
 

@@ -1,4 +1,4 @@
-// What the passes share with the host. Layouts are held to server/render/src/gpu/layout.rs by a test.
+// Types shared with the host. A test compares their layout with server/render/src/twin/types.rs.
 
 const BAND_COUNT: u32 = 3u;
 const LOBE_COUNT: u32 = 3u;

@@ -1,4 +1,4 @@
-// Requires fft, and a pass that binds `twiddles`: array<vec4<f32>>, at [n][m/2] e^{-2 pi i n m/256} for the two m.
+// Derivations: server/render/src/twin/workgroup_fft.rs. Requires fft, and a pass that binds `twiddles`: array<vec4<f32>>, at [n][m/2] e^{-2 pi i n m/256} for the two m.
 
 var<workgroup> points: array<vec4<f32>, 256>;
 

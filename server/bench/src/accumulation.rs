@@ -6,9 +6,7 @@
 //! nodes, turned to the cell's column and added. The same nodes and weights as the engine's, so that both skies differ by
 //! rounding alone. Where these images come from is timed apart ([`crate::image_mixing`]).
 
-use crate::{
-    images::{ImageTable, TASK_LEN, TASKS_PER_BAND},
-};
+use crate::images::{ImageTable, TASK_LEN, TASKS_PER_BAND};
 use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Panorama, simd::multiply_add, simd_dispatch};
 use skyglow_render::{

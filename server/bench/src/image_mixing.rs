@@ -5,9 +5,7 @@
 //! observer's and of the lobes in use are weighted as the engine weights their coefficients, and summed:
 //! I = Σ_lobe share · Σ_altitude w · I(altitude, lobe, node).
 
-use crate::{
-    images::{ImageTable, TASK_COUNT, TASK_LEN, TASKS_PER_BAND, add_scaled_body},
-};
+use crate::images::{ImageTable, TASK_COUNT, TASK_LEN, TASKS_PER_BAND, add_scaled_body};
 use rayon::prelude::*;
 use skyglow_physics::{BAND_COUNT, LOBE_COUNT, Panorama, simd_dispatch};
 use skyglow_render::prepare::{MixNode, Prepared};

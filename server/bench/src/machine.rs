@@ -1,11 +1,8 @@
 //! The machine: what it is, and how fast it streams and multiplies, measured in the same run as all else.
 
-use skyglow_physics::{simd::multiply_add, simd_dispatch};
-use crate::{
-    options::Extent,
-    report::Machine,
-};
+use crate::{options::Extent, report::Machine};
 use rayon::prelude::*;
+use skyglow_physics::{simd::multiply_add, simd_dispatch};
 use std::{
     hint::black_box,
     time::{Duration, Instant},
@@ -82,11 +79,11 @@ fn load_average() -> Option<f64> {
 
 simd_dispatch! {
     /// The sum of a slice.
-    fn sum(values: &[f32]) -> f32 = sum_body::<FUSED>;
+    fn sum(values: &[f32]) -> f32 = sum_body;
 }
 
 #[inline(always)]
-fn sum_body<const FUSED: bool>(values: &[f32]) -> f32 {
+fn sum_body(values: &[f32]) -> f32 {
     let mut sums = [[0.0f32; LANES]; CHAINS];
     for block in values.as_chunks::<{ LANES * CHAINS }>().0 {
         for (chain, sums) in sums.iter_mut().enumerate() {

@@ -9,7 +9,7 @@ use crate::{
 use serde::Serialize;
 use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Turbidity};
 use skyglow_render::RenderError;
-use skyglow_render::{packs::PackKind, prepare::Prepared, request::RenderRequest};
+use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
     ChangeId, PatchStore, PlaceKernel, PlaceValues, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata,
 };

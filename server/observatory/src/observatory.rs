@@ -8,7 +8,7 @@ use crate::{
     sky::{RenderedSky, SkyRequest},
     surroundings::Surroundings,
 };
-use skyglow_render::{RenderError, engine::Engine, packs::PackKind};
+use skyglow_render::{RenderError, engine::Engine, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, ChangeLimits, ChangeStore, SceneId, SceneMetadata, SceneStore};
 use skyglow_tables::Manifest;
 use std::{path::Path, sync::Arc};

@@ -4,7 +4,7 @@ use serde::Serialize;
 use skyglow_physics::{
     BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, LampPreset, Panorama, SkyQuantities, Turbidity,
 };
-use skyglow_render::{PassTime, packs::PackKind};
+use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
 use skyglow_tables::Scattering;
 

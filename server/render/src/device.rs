@@ -1,4 +1,4 @@
-//! Choice of the executor.
+//! Opens the executor that is asked for.
 
 use crate::{
     cpu::CpuExecutor,

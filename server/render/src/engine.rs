@@ -1,15 +1,17 @@
-//! The engine as its callers see it.
+//! The engine: the public interface of this crate.
 
 use crate::{
     MAX_BATCH,
+    config::EngineConfig,
     error::RenderError,
-    packs::ResidentKind,
+    job::{Command, Job},
+    pack_kind::ResidentKind,
     prepare::Prepared,
-    request::{DeviceChoice, ExecutorKind, RenderRequest, Rendered},
+    request::{ExecutorKind, RenderRequest, Rendered},
     stats::{EngineStats, StatsCell},
     table_set::TableSet,
     truncation::BasisChooser,
-    worker::{self, Command, Ticket},
+    worker,
 };
 use serde::Serialize;
 use skyglow_tables::resident::ResidentTables;
@@ -22,33 +24,6 @@ use std::{
     thread::JoinHandle,
 };
 use tokio::sync::oneshot;
-
-/// What an engine is made of.
-#[derive(Clone, Debug)]
-pub struct EngineConfig {
-    /// Which device to use.
-    pub device: DeviceChoice,
-    /// The packs to keep resident, in any order.
-    pub tables: Vec<Arc<ResidentTables>>,
-    /// Requests that may wait; one more is refused as busy.
-    pub queue_capacity: usize,
-    /// Most requests in one batch, 1..=[`crate::MAX_BATCH`].
-    pub batch_limit: usize,
-    /// Most bytes that packs and workspace may take on the device.
-    pub budget_bytes: u64,
-}
-
-impl Default for EngineConfig {
-    fn default() -> Self {
-        Self {
-            device: DeviceChoice::Auto,
-            tables: Vec::new(),
-            queue_capacity: 64,
-            batch_limit: crate::MAX_BATCH,
-            budget_bytes: 2 << 30,
-        }
-    }
-}
 
 /// What an engine runs on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -164,7 +139,7 @@ impl Engine {
                 });
             }
         }
-        Ok(sky.unwrap_or_else(|| worker::dark_sky(self.info.executor)))
+        Ok(sky.unwrap_or_else(|| Rendered::dark(self.info.executor)))
     }
 
     /// [`Self::render_together`] for threads outside an asynchronous runtime. Panics inside one.
@@ -175,7 +150,7 @@ impl Engine {
         pollster::block_on(self.render_together(parts))
     }
 
-    /// Destroys the device under the engine, which must come back by itself: for drills.
+    /// Destroys the device under the engine, which must recover by itself: for tests of recovery.
     ///
     /// # Errors
     /// A full queue or a stopped engine.
@@ -191,11 +166,11 @@ impl Engine {
         let (answer, receiver) = oneshot::channel();
         if prepared.is_dark() {
             self.stats.dark_requests.fetch_add(1, Ordering::Relaxed);
-            let _ = answer.send(Ok(worker::dark_sky(self.info.executor)));
+            let _ = answer.send(Ok(Rendered::dark(self.info.executor)));
             return Ok(receiver);
         }
         self.stats.queued.fetch_add(1, Ordering::Relaxed);
-        let sent = self.send(Command::Render(Box::new(Ticket { prepared, answer })));
+        let sent = self.send(Command::Render(Box::new(Job { prepared, answer })));
         if sent.is_err() {
             self.stats.queued.fetch_sub(1, Ordering::Relaxed);
         }

@@ -1,6 +1,6 @@
 //! What can go wrong between a request and its panorama.
 
-use crate::packs::PackKind;
+use crate::pack_kind::PackKind;
 use skyglow_physics::BAND_COUNT;
 use skyglow_tables::TablesError;
 use thiserror::Error;

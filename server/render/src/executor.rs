@@ -1,4 +1,4 @@
-//! What the render thread asks of a device.
+//! The interface of a device to the render thread.
 
 use crate::{error::DeviceFault, plan::Pass, prepare::Prepared, request::ExecutorKind, request::PassTime};
 use std::time::Instant;

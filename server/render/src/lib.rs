@@ -5,18 +5,21 @@
 //! queue, and is rendered together with compatible ones by the one thread that owns the device. Two executors
 //! run the same passes: WGSL on Vulkan, and plain Rust ([`twin`] holds the functions they share).
 
+mod config;
 pub mod cpu;
 mod device;
 pub mod engine;
 pub mod error;
 mod executor;
-mod finishers;
 mod gpu;
-pub mod near_lights;
+mod job;
+pub mod near_field;
 mod node_norms;
 mod node_table;
+pub mod pack_kind;
 pub mod packs;
 pub mod plan;
+mod post_process;
 pub mod prepare;
 pub mod reference;
 pub mod request;
@@ -29,11 +32,13 @@ pub mod truncation;
 pub mod twin;
 mod worker;
 
-pub use engine::{Engine, EngineConfig, EngineInfo};
+pub use config::EngineConfig;
+pub use engine::{Engine, EngineInfo};
 pub use error::{DeviceFault, RenderError};
 pub use gpu::rates::{DeviceRates, FastestS, RatesExtent, device_rates};
-pub use near_lights::NearLights;
-pub use packs::{PackKind, ResidentKind, resident_tables};
+pub use near_field::NearFieldCorrection;
+pub use pack_kind::{PackKind, ResidentKind};
+pub use packs::resident_tables;
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};
 pub use stats::EngineStats;
 pub use table_set::TableSet;

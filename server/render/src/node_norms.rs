@@ -1,8 +1,10 @@
-//! Norms of what a node's image lacks with fewer functions, and integrals of all of it.
+//! Norms of the truncation remainder of each node's image, from the Gram matrix of the basis, and integrals of the whole image.
 
-use crate::truncation::FUNCTIONS_PER_STEP;
 use half::f16;
 use rayon::prelude::*;
+
+/// Basis sizes tried are multiples of this many functions.
+pub(crate) const FUNCTIONS_PER_STEP: usize = 8;
 
 /// Norms and integrals of the nodes of one table.
 #[derive(Debug)]

@@ -1,10 +1,8 @@
 //! Where the numbers of a node lie: in the tables of the open sky or in those of its blocking angle.
 
-use skyglow_physics::interpolation::Stencil;
-use crate::{
-    prepare::{MixNode, Prepared},
-};
+use crate::prepare::{MixNode, Prepared};
 use half::f16;
+use skyglow_physics::interpolation::Stencil;
 use skyglow_tables::resident::{ResidentBlocked, ResidentTables};
 
 /// Nodes that give a curvature.

@@ -1,4 +1,4 @@
-//! What a batch will run, as data: it prints, and tests read it without a device.
+//! The render plan of a batch as data: it prints, and tests read it without a device.
 
 use crate::{prepare::Prepared, table_set::TableSet};
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT};
@@ -240,8 +240,9 @@ inverse_fft   16 x 3 x 2  T = 2, 10 functions
         assert_eq!(RenderPlan::of(&[&request, &request], &set).to_string(), expected);
     }
 
+    /// A turbidity between packs runs every neighbour and blends once.
     #[test]
-    fn a_turbidity_between_packs_runs_every_neighbour_and_blends_once() {
+    fn between_packs_each_runs_and_one_blends() {
         let set = TableSet::new(synthetic::table_set(&[2.0, 3.0, 4.0], 12)).unwrap();
         let plan = RenderPlan::of(&[&prepared(2.5, &[(0, 5, 1.0, 0.0)], &set)], &set);
         let turbidities: Vec<f64> = plan.packs.iter().map(|pack| pack.turbidity).collect();

@@ -1,25 +1,27 @@
-//! A request made ready for any executor: what must be computed, and nothing that need not be.
+//! A request prepared for any executor: what must be computed, and nothing more.
 
 use crate::{
     error::RenderError,
-    near_lights::NearLights,
-    packs::{PackKind, ResidentKind},
+    near_field::NearFieldCorrection,
+    pack_kind::{PackKind, ResidentKind},
     request::{RenderRequest, WorkCount},
     ring_axis::{self, OFFSETS_AT_ONCE, Offsets, RingAxis},
     table_set::TableSet,
 };
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT, interpolation::Stencil};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT, interpolation::Stencil,
+};
 use skyglow_scene::{PolarCell, PolarGrid};
 use skyglow_tables::clouds::ceiling_m;
 
 /// Two turbidities nearer than this are the same.
 pub const SAME_TURBIDITY: f64 = 1e-9;
 /// Largest s_b: far above any lamp's, and far below where f32 ends.
-const LARGEST_FLUX_PER_DNB_FLUX: f64 = 1e6;
+const MAX_FLUX_PER_DNB_FLUX: f64 = 1e6;
 /// Largest flux of a cell, DNB watts: far above any light on Earth, and far below where f32 ends, so that no sum on the
 /// way to a sky overflows (what is no number there would come out black).
-const LARGEST_FLUX_DNB_W: f32 = 1e24;
+const MAX_FLUX_DNB_W: f32 = 1e24;
 /// Two altitudes nearer than this are the same, metres.
 const SAME_ALTITUDE_M: f64 = 1e-9;
 
@@ -86,8 +88,8 @@ pub struct Prepared {
     pub flux_per_dnb_flux: [f32; BAND_COUNT],
     /// Basis functions wanted; a pack with fewer uses what it has.
     pub basis_count: usize,
-    /// Near lights, whose peaks are put right when the passes are done; None without any.
-    pub near: Option<NearLights>,
+    /// The near-field correction, which is applied when the passes are done; None without near lights.
+    pub near: Option<NearFieldCorrection>,
 }
 
 impl Prepared {
@@ -121,7 +123,7 @@ impl Prepared {
             emission: request.emission.weights().map(|weight| weight as f32),
             flux_per_dnb_flux,
             basis_count,
-            near: NearLights::of(request).filter(|_| !set.is_synthetic()),
+            near: NearFieldCorrection::of(request).filter(|_| !set.is_synthetic()),
         };
         if flux_per_dnb_flux.iter().any(|flux| *flux > 0.0) {
             let axes = NodeAxes { set, hides_lights: packs.hides_lights };
@@ -389,7 +391,7 @@ fn turbidity_stencil(turbidity: f64, packs: &ResidentKind) -> Result<Stencil, Re
 }
 
 fn check_lamp(flux_per_dnb_flux: [f64; BAND_COUNT]) -> Result<(), RenderError> {
-    let maximum = LARGEST_FLUX_PER_DNB_FLUX;
+    let maximum = MAX_FLUX_PER_DNB_FLUX;
     if flux_per_dnb_flux.iter().all(|flux| (0.0..=maximum).contains(flux)) {
         Ok(())
     } else {
@@ -420,7 +422,7 @@ fn check_grid(polar: &PolarGrid, ring_count: usize) -> Result<(), RenderError> {
                 cell.blocking
             ));
         }
-        if !(0.0..=LARGEST_FLUX_DNB_W).contains(&cell.flux_dnb_w) || !cell.altitude_m.is_finite() {
+        if !(0.0..=MAX_FLUX_DNB_W).contains(&cell.flux_dnb_w) || !cell.altitude_m.is_finite() {
             return refuse(format!("a cell has flux {} W at {} m", cell.flux_dnb_w, cell.altitude_m));
         }
     }

@@ -21,8 +21,9 @@ fn request(polar: PolarGrid) -> RenderRequest {
     }
 }
 
+/// No more functions are in use than the packs of a turbidity have.
 #[test]
-fn no_more_functions_are_in_use_than_the_packs_of_a_turbidity_have() {
+fn no_more_functions_than_the_packs_have() {
     let tables = [(2.0, 16), (3.0, 12), (4.0, 12), (5.0, 12), (6.0, 12)]
         .map(|(turbidity, count)| synthetic::table_set(&[turbidity], count).remove(0));
     let set = TableSet::new(tables.to_vec()).unwrap();
@@ -59,8 +60,9 @@ fn only_nodes_that_cells_need_are_listed() {
     assert_eq!((prepared.cells[1].lower_node, prepared.cells[1].upper_node()), (2, 2));
 }
 
+/// The upper node of a cell is the next offset on its ring whatever else is lit.
 #[test]
-fn the_upper_node_of_a_cell_is_the_next_offset_on_its_ring_whatever_else_is_lit() {
+fn the_upper_node_is_the_next_on_its_ring() {
     let set = set();
     let cells: Vec<_> = (0..200u32)
         .map(|i| {
@@ -89,8 +91,9 @@ fn dark_cells_and_dark_lamps_leave_no_work() {
     assert!(Prepared::new(&no_lamp, &set()).unwrap().is_dark());
 }
 
+/// A resident turbidity takes one pack and others take neighbours.
 #[test]
-fn a_resident_turbidity_takes_one_pack_and_others_take_neighbours() {
+fn a_resident_turbidity_takes_one_pack() {
     let set = TableSet::new(synthetic::table_set(&[1.5, 2.0, 3.0, 4.0, 6.0], 8)).unwrap();
     let mut request = request(synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]));
     request.turbidity = Turbidity::new(3.0 + 1e-10).unwrap();
@@ -116,8 +119,9 @@ fn values_out_of_range_are_named_with_the_range() {
     assert!(matches!(Prepared::new(&bad, &set), Err(RenderError::BasisOutOfRange { basis: 9, maximum: 8 })));
 }
 
+/// Lamps that no spectrum gives are refused and not rendered black.
 #[test]
-fn lamps_that_no_spectrum_gives_are_refused_and_not_rendered_black() {
+fn impossible_lamps_are_refused() {
     for bad in [f64::NAN, f64::INFINITY, -1e-9, 1e300] {
         let mut request = request(synthetic::polar_grid_of(&[(1, 1, 4.0, 0.0)]));
         request.flux_per_dnb_flux[1] = bad;

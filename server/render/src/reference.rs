@@ -1,4 +1,5 @@
-//! The same tables evaluated in f64 by plain sums, without transforms: what both executors are measured against.
+//! The reference solution in f64: the same tables by plain sums, without transforms. Both executors are measured against it; the blend and
+//! the mixing of lobes are the twins' own, in f64.
 
 use crate::{
     node_table::{NodeTable, WINDOW},

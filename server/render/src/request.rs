@@ -1,6 +1,6 @@
-//! What the engine is asked, and what it answers.
+//! Render requests and their answers.
 
-use crate::packs::PackKind;
+use crate::pack_kind::PackKind;
 use serde::Serialize;
 use skyglow_physics::{BAND_COUNT, EmissionMix, Panorama, Turbidity};
 use skyglow_scene::PolarGrid;
@@ -53,6 +53,18 @@ pub struct Rendered {
 }
 
 impl Rendered {
+    /// The answer to a request without light.
+    pub(crate) fn dark(executor: ExecutorKind) -> Self {
+        Self {
+            panorama: Panorama::dark(),
+            passes: Vec::new(),
+            batch_size: 0,
+            executor,
+            work: WorkCount::default(),
+            basis_count: 0,
+        }
+    }
+
     /// The sky of both together.
     pub fn with(mut self, other: &Self) -> Self {
         let samples = self.panorama.samples_mut().iter_mut();

@@ -1,7 +1,7 @@
-//! The offset axes of a table in f32, ring by ring.
+//! The offset axes of a table in f32, ring by ring: asinh spacing on both sides of a bend.
 
-use skyglow_physics::{simd_dispatch};
 use crate::twin::natural_log;
+use skyglow_physics::simd_dispatch;
 use skyglow_tables::OffsetAxis;
 
 /// The offset axis of a ring as f32 needs it: position = bend node + asinh((Δ − Δ₀)/L)/step, L and step of the
@@ -99,11 +99,11 @@ impl Offsets {
 
 simd_dispatch! {
     /// [`RingAxis::position`] in every lane, bit for bit.
-    fn positions(offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE]) = positions_body::<FUSED>;
+    pub(crate) fn positions(offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE]) = positions_body;
 }
 
 #[inline(always)]
-fn positions_body<const FUSED: bool>(offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE]) {
+fn positions_body(offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE]) {
     for (lane, target) in positions.iter_mut().enumerate() {
         *target = position(
             offsets.size[lane],
@@ -118,8 +118,9 @@ fn positions_body<const FUSED: bool>(offsets: &Offsets, positions: &mut [f32; OF
 mod tests {
     use super::*;
 
+    /// Positions of many offsets are those of each bit for bit.
     #[test]
-    fn positions_of_many_offsets_are_those_of_each_bit_for_bit() {
+    fn positions_side_by_side_are_the_same_bits() {
         let axes = [300.0, 9_000.0, 250_000.0].map(|m| RingAxis::of(&OffsetAxis::at_distance(m, 23)));
         let (mut offsets, mut together) = (Offsets::default(), [0.0; OFFSETS_AT_ONCE]);
         let offset_m = |lane: usize| -7_000.0 + 211.7 * lane as f32;
@@ -136,8 +137,9 @@ mod tests {
         assert!(differing(1) > OFFSETS_AT_ONCE / 2);
     }
 
+    /// The slope of an axis is what its positions differ by.
     #[test]
-    fn the_slope_of_an_axis_is_what_its_positions_differ_by() {
+    fn slopes_are_differences_of_positions() {
         for distance_m in [300.0, 9_000.0, 250_000.0] {
             let axis = RingAxis::of(&OffsetAxis::at_distance(distance_m, 23));
             let mut compared = 0;

@@ -1,4 +1,4 @@
-//! Made-up tables and grids: smooth, positive, fast to make. For tests and benches, never for a sky that anyone
+//! Synthetic tables and grids: smooth, positive, fast to make. For tests and benches, never for a sky that anyone
 //! is shown.
 
 use crate::request::{ExecutorKind, RenderRequest};

@@ -1,8 +1,8 @@
-//! The resident packs as one interpolable set.
+//! The resident packs as one set, checked to be interpolable.
 
 use crate::{
     error::RenderError,
-    packs::{PackKind, ResidentKind},
+    pack_kind::{PackKind, ResidentKind},
     ring_axis::RingAxis,
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
@@ -278,8 +278,9 @@ mod tests {
     use crate::synthetic;
     use skyglow_tables::Scattering;
 
+    /// Packs are sorted by kind and turbidity and one turbidity may be in both kinds.
     #[test]
-    fn packs_are_sorted_by_kind_and_turbidity_and_one_turbidity_may_be_in_both_kinds() {
+    fn packs_are_sorted_by_kind_and_turbidity() {
         let mut tables = synthetic::table_set_of(Scattering::Multiple, &[3.0, 1.5, 2.0], 8);
         tables.extend(synthetic::table_set(&[4.0, 2.0], 12));
         let set = TableSet::new(tables).unwrap();
@@ -291,8 +292,9 @@ mod tests {
         assert_eq!(set.kinds()[1].turbidities, [1.5, 2.0, 3.0]);
     }
 
+    /// Positions on the offset axis are those of the pack.
     #[test]
-    fn positions_on_the_offset_axis_are_those_of_the_pack() {
+    fn offset_positions_are_those_of_the_pack() {
         let set = TableSet::new(synthetic::table_set(&[2.0], 8)).unwrap();
         let mut largest = 0f64;
         for (ring, axis) in set.offset_axis().iter().enumerate() {
@@ -304,8 +306,9 @@ mod tests {
         assert!(largest < 5e-6, "{largest}");
     }
 
+    /// Packs that do not fit together are refused with the reason.
     #[test]
-    fn packs_that_do_not_fit_together_are_refused_with_the_reason() {
+    fn packs_that_do_not_fit_are_refused() {
         assert!(matches!(TableSet::new(Vec::new()), Err(RenderError::NoTables)));
         let refusal = |change: fn(&mut ResidentTables)| {
             let mut tables = synthetic::table_set(&[2.0, 3.0], 8);

@@ -1,19 +1,19 @@
-//! How far a sky of the first basis functions alone can be from that of all: bounds from the tables, before anything is
-//! rendered (`docs/model.md#truncation`).
+//! Truncation error bounds (triangle and Cauchy–Schwarz inequalities): how far a sky of the first basis functions alone can be from that of
+//! all, from the tables, before anything is rendered (`docs/model.md#truncation`).
 //!
 //! The measure is the norm over the open sky, ‖L‖² = Σ_samples ω·L², relative to the whole sky's, in the worst band.
 //! With the cells' weights w (flux × scale), the shape coefficients c of their nodes and all K functions,
 //!
-//! * ‖L − L_M‖ ≤ Σ_cells w·‖Σ_{M≤k<K} c_k·B_k‖, the triangle inequality: turning an image in azimuth keeps its norm;
-//! * ‖L‖ ≥ Σ_cells w·∫Σ_k c_k·B_k dΩ / √Ω, Cauchy and Schwarz, Ω the solid angle of the sky.
+//! * ‖L − L_M‖ ≤ Σ_cells w·‖Σ_{M≤k<K} c_k·B_k‖, by the triangle inequality, for turning an image in azimuth keeps its norm;
+//! * ‖L‖ ≥ Σ_cells w·∫Σ_k c_k·B_k dΩ / √Ω by the Cauchy–Schwarz inequality, Ω the solid angle of the sky.
 //!
 //! Both hold for radiance held at 0 too, which moves no two skies apart and adds to the integral. Between turbidities
 //! the logarithms of radiances are interpolated, and a norm says nothing of logarithms: there all functions are used.
 
 use crate::{
-    cpu::{coefficients::weigh_cells, mix::mix_scale},
+    cpu::{cell_weights::cell_weights, mix_scale::mix_scale},
     error::RenderError,
-    node_norms::NodeNorms,
+    node_norms::{FUNCTIONS_PER_STEP, NodeNorms},
     node_table::NodeTable,
     prepare::{MixNode, Prepared},
     request::RenderRequest,
@@ -25,8 +25,6 @@ use skyglow_physics::{
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentBlocked, ResidentTables};
 use std::sync::{Arc, OnceLock};
 
-/// Basis sizes tried are multiples of this many functions.
-pub const FUNCTIONS_PER_STEP: usize = 8;
 /// Relative difference that rounding in f32 may add to every bound: a tenth of what the executors' tests allow.
 const ROUNDING: f64 = 1e-6;
 
@@ -115,7 +113,7 @@ impl Sums {
     fn of(request: &Prepared, tables: &ResidentTables, norms: &PackNorms) -> Self {
         let (mut scales, mut weights) = (Vec::new(), Vec::new());
         mix_scale(tables, request, true, &mut scales);
-        weigh_cells(request, &scales, true, &mut weights);
+        cell_weights(request, &scales, true, &mut weights);
         let mut of_node = vec![[0f64; BAND_COUNT]; request.nodes.len()];
         for (cell, [to_lower, to_upper]) in request.cells.iter().zip(&weights) {
             for band in 0..BAND_COUNT {
@@ -233,8 +231,9 @@ mod tests {
         synthetic::request(polar, Turbidity::new(turbidity).unwrap())
     }
 
+    /// A sky within a tolerance differs from that of all functions by no more than its bound.
     #[test]
-    fn a_sky_within_a_tolerance_differs_from_that_of_all_functions_by_no_more_than_its_bound() {
+    fn truncated_skies_keep_their_bound() {
         let engine = engine();
         let chooser = engine.basis_chooser();
         let grids = [
@@ -270,8 +269,9 @@ mod tests {
         assert!(sizes.iter().any(|&size| size < 24) && sizes.contains(&40), "{sizes:?}");
     }
 
+    /// Between turbidities and without light no bound is claimed of fewer functions.
     #[test]
-    fn between_turbidities_and_without_light_no_bound_is_claimed_of_fewer_functions() {
+    fn no_bound_between_packs_or_in_the_dark() {
         let chooser = engine().basis_chooser();
         let all = BasisWithin { basis_count: 40, error_bound: 0.0 };
         let between = request(synthetic::polar_grid(5, 300), 2.4);

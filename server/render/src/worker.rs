@@ -1,18 +1,18 @@
-//! The render thread: it alone speaks to the device.
+//! The render thread, which alone speaks to the device: it collects queued jobs into batches.
 
 use crate::{
+    config::EngineConfig,
     device::{self, Opened},
-    engine::EngineConfig,
     error::{DeviceFault, RenderError},
     executor::{BatchOutput, Executor},
-    finishers::{Finishers, RenderedTicket},
+    job::{Command, Job, RenderedJob},
     plan::Pass,
+    post_process::PostProcessPool,
     prepare::Prepared,
-    request::{ExecutorKind, Rendered, WorkCount},
+    request::ExecutorKind,
     stats::StatsCell,
     table_set::TableSet,
 };
-use skyglow_physics::Panorama;
 use std::{
     collections::VecDeque,
     sync::{
@@ -23,21 +23,6 @@ use std::{
     thread::JoinHandle,
     time::Duration,
 };
-use tokio::sync::oneshot;
-
-/// A request and where its answer goes.
-#[derive(Debug)]
-pub(crate) struct Ticket {
-    pub(crate) prepared: Prepared,
-    pub(crate) answer: oneshot::Sender<Result<Rendered, RenderError>>,
-}
-
-/// What the thread is told.
-#[derive(Debug)]
-pub(crate) enum Command {
-    Render(Box<Ticket>),
-    LoseDevice,
-}
 
 type Spawned = (SyncSender<Command>, JoinHandle<()>, Opened);
 
@@ -70,26 +55,14 @@ pub(crate) fn spawn(
     Ok((queue, thread, opened))
 }
 
-/// The answer to a request without light.
-pub(crate) fn dark_sky(executor: ExecutorKind) -> Rendered {
-    Rendered {
-        panorama: Panorama::dark(),
-        passes: Vec::new(),
-        batch_size: 0,
-        executor,
-        work: WorkCount::default(),
-        basis_count: 0,
-    }
-}
-
-/// True where a batch can take the ticket too.
-fn fits(batch: &[Ticket], ticket: &Ticket) -> bool {
+/// True where a batch can take the job too.
+fn fits(batch: &[Job], job: &Job) -> bool {
     let with = |count: fn(&Prepared) -> usize| -> usize {
-        batch.iter().chain([ticket]).map(|one| count(&one.prepared)).sum()
+        batch.iter().chain([job]).map(|one| count(&one.prepared)).sum()
     };
     with(|prepared| prepared.nodes.len()) <= crate::MAX_BATCH_NODES
         && with(|prepared| prepared.cells.len()) <= crate::MAX_BATCH_CELLS
-        && ticket.prepared.is_compatible(&batch[0].prepared)
+        && job.prepared.is_compatible(&batch[0].prepared)
 }
 
 /// How long a device that could not be made anew is left before the next try.
@@ -103,8 +76,8 @@ struct Worker {
     executor: Option<Box<dyn Executor>>,
     commands: Receiver<Command>,
     /// Requests taken from the queue that did not fit the batch in hand.
-    waiting: VecDeque<Ticket>,
-    finishers: Finishers,
+    waiting: VecDeque<Job>,
+    post_process: PostProcessPool,
 }
 
 impl Worker {
@@ -116,8 +89,8 @@ impl Worker {
         commands: Receiver<Command>,
     ) -> Self {
         let waiting = VecDeque::new();
-        let finishers = Finishers::new(&set, &stats);
-        Self { config, set, stats, executor: Some(executor), commands, waiting, finishers }
+        let post_process = PostProcessPool::new(&set, &stats);
+        Self { config, set, stats, executor: Some(executor), commands, waiting, post_process }
     }
 
     fn run(mut self) {
@@ -157,24 +130,24 @@ impl Worker {
     }
 
     /// The next requests to render together; None when the engine is dropped and nothing waits.
-    fn next_batch(&mut self) -> Option<Vec<Ticket>> {
+    fn next_batch(&mut self) -> Option<Vec<Job>> {
         let first = loop {
-            if let Some(ticket) = self.waiting.pop_front() {
-                break ticket;
+            if let Some(job) = self.waiting.pop_front() {
+                break job;
             }
             match self.next_command()? {
-                Command::Render(ticket) => break *ticket,
+                Command::Render(job) => break *job,
                 Command::LoseDevice => self.lose(),
             }
         };
         let mut batch = vec![first];
         let limit = self.config.batch_limit.clamp(1, crate::MAX_BATCH);
         let mut held = VecDeque::new();
-        while let Some(ticket) = self.waiting.pop_front() {
-            if batch.len() < limit && fits(&batch, &ticket) {
-                batch.push(ticket);
+        while let Some(job) = self.waiting.pop_front() {
+            if batch.len() < limit && fits(&batch, &job) {
+                batch.push(job);
             } else {
-                held.push_back(ticket);
+                held.push_back(job);
             }
         }
         self.waiting = held;
@@ -184,11 +157,11 @@ impl Worker {
 
     /// Adds compatible requests that are in the queue. Nothing is waited for: a device that is left idle for company renders fewer
     /// panoramas, whoever comes while it works.
-    fn collect(&mut self, batch: &mut Vec<Ticket>, limit: usize) {
+    fn collect(&mut self, batch: &mut Vec<Job>, limit: usize) {
         while batch.len() < limit && self.waiting.len() < limit {
             match self.commands.try_recv() {
-                Ok(Command::Render(ticket)) if fits(batch, &ticket) => batch.push(*ticket),
-                Ok(Command::Render(ticket)) => self.waiting.push_back(*ticket),
+                Ok(Command::Render(job)) if fits(batch, &job) => batch.push(*job),
+                Ok(Command::Render(job)) => self.waiting.push_back(*job),
                 Ok(Command::LoseDevice) => self.lose(),
                 Err(TryRecvError::Empty | TryRecvError::Disconnected) => return,
             }
@@ -201,14 +174,14 @@ impl Worker {
         }
     }
 
-    fn answer(&mut self, mut batch: Vec<Ticket>) {
+    fn answer(&mut self, mut batch: Vec<Job>) {
         self.stats.queued.fetch_sub(batch.len() as u64, Ordering::Relaxed);
         // Nobody waits for an answer whose receiver is gone.
-        batch.retain(|ticket| !ticket.answer.is_closed());
+        batch.retain(|job| !job.answer.is_closed());
         if batch.is_empty() {
             return;
         }
-        let requests: Vec<&Prepared> = batch.iter().map(|ticket| &ticket.prepared).collect();
+        let requests: Vec<&Prepared> = batch.iter().map(|job| &job.prepared).collect();
         match self.render(&requests) {
             Ok(output) => {
                 self.stats.ready.store(true, Ordering::Release);
@@ -217,27 +190,22 @@ impl Worker {
             Err(fault) => {
                 self.stats.ready.store(false, Ordering::Release);
                 self.stats.failed.fetch_add(batch.len() as u64, Ordering::Relaxed);
-                for ticket in batch {
-                    let _ = ticket.answer.send(Err(RenderError::Device(fault.clone())));
+                for job in batch {
+                    let _ = job.answer.send(Err(RenderError::Device(fault.clone())));
                 }
             }
         }
     }
 
-    fn answer_rendered(&self, batch: Vec<Ticket>, output: BatchOutput) {
+    fn answer_rendered(&self, batch: Vec<Job>, output: BatchOutput) {
         let batch_size = batch.len();
         let executor = self.executor.as_ref().map_or(ExecutorKind::Cpu, |executor| executor.kind());
         self.stats.count_batch(batch_size, &output.passes);
-        for (ticket, radiance_w_m2_sr) in batch.into_iter().zip(output.radiance_w_m2_sr) {
-            let rendered = RenderedTicket {
-                ticket,
-                radiance_w_m2_sr,
-                passes: output.passes.clone(),
-                batch_size,
-                executor,
-            };
-            self.stats.count_work(rendered.ticket.prepared.work());
-            self.finishers.finish(rendered);
+        for (job, radiance_w_m2_sr) in batch.into_iter().zip(output.radiance_w_m2_sr) {
+            let rendered =
+                RenderedJob { job, radiance_w_m2_sr, passes: output.passes.clone(), batch_size, executor };
+            self.stats.count_work(rendered.job.prepared.work());
+            self.post_process.finish(rendered);
         }
     }
 
@@ -274,12 +242,14 @@ impl Worker {
 mod tests {
     use super::*;
     use crate::{request::DeviceChoice, synthetic};
+    use skyglow_physics::Panorama;
     use std::sync::atomic::AtomicBool;
+    use tokio::sync::oneshot;
 
     /// A device that fails while its flag is down.
-    struct Moody(Arc<AtomicBool>);
+    struct Flaky(Arc<AtomicBool>);
 
-    impl Executor for Moody {
+    impl Executor for Flaky {
         fn kind(&self) -> ExecutorKind {
             ExecutorKind::Gpu
         }
@@ -299,15 +269,16 @@ mod tests {
         fn lose(&mut self) {}
     }
 
+    /// An engine is not ready while its device cannot be made anew.
     #[test]
-    fn an_engine_is_not_ready_while_its_device_cannot_be_made_anew() {
+    fn a_lost_device_is_not_ready() {
         let set = Arc::new(TableSet::new(vec![Arc::new(synthetic::tables(2.0, 4))]).unwrap());
         let stats = Arc::new(StatsCell::default());
         let works = Arc::new(AtomicBool::new(true));
         // No device fits into no memory, so that what is lost stays lost.
         let config = EngineConfig { device: DeviceChoice::Gpu, budget_bytes: 0, ..EngineConfig::default() };
         let (_queue, commands) = sync_channel(1);
-        let device = Box::new(Moody(Arc::clone(&works)));
+        let device = Box::new(Flaky(Arc::clone(&works)));
         let mut worker = Worker::new(config, Arc::clone(&set), Arc::clone(&stats), device, commands);
         let ready = || stats.ready.load(Ordering::Acquire);
         assert!(!ready());
@@ -316,12 +287,12 @@ mod tests {
         works.store(false, Ordering::SeqCst);
         let (answer, mut receiver) = oneshot::channel();
         let prepared = device::warm_up_requests(&set).remove(0);
-        worker.answer(vec![Ticket { prepared, answer }]);
+        worker.answer(vec![Job { prepared, answer }]);
         assert!(matches!(receiver.try_recv(), Ok(Err(RenderError::Device(_)))));
         assert!(!ready());
         // Once a device is there again, the next try finds it.
         works.store(true, Ordering::SeqCst);
-        worker.executor = Some(Box::new(Moody(works)));
+        worker.executor = Some(Box::new(Flaky(works)));
         worker.warm_up();
         assert!(ready());
     }

@@ -35,8 +35,9 @@ fn asked(altitudes_m: &[f32], cloud_base_m: Option<u32>) -> RenderRequest {
     }
 }
 
+/// A sky is rendered from the packs of its own clouds.
 #[test]
-fn a_sky_is_rendered_from_the_packs_of_its_own_clouds() {
+fn a_sky_takes_the_packs_of_its_own_clouds() {
     let set = set();
     let taken = |cloud_base_m| {
         let prepared = Prepared::new(&asked(&[10.0], cloud_base_m), &set).unwrap();
@@ -68,8 +69,9 @@ fn each_kind_is_read_at_its_own_altitudes() {
     assert_eq!(set.highest_observer_m(), 6_000.0);
 }
 
+/// No light comes through clouds and none is worked on.
 #[test]
-fn no_light_comes_through_clouds_and_none_is_worked_on() {
+fn no_light_comes_through_clouds() {
     let set = set();
     let work = |cloud_base_m| {
         let altitudes_m = [10.0, 990.0, 1_000.0, 2_500.0];
@@ -81,8 +83,9 @@ fn no_light_comes_through_clouds_and_none_is_worked_on() {
     assert!(Prepared::new(&asked(&[1_200.0], Some(BASE_M)), &set).unwrap().is_dark());
 }
 
+/// An observer in the clouds or above them is refused.
 #[test]
-fn an_observer_in_the_clouds_or_above_them_is_refused() {
+fn observers_at_or_above_clouds_are_refused() {
     let set = set();
     let at = |observer_altitude_m, cloud_base_m| {
         Prepared::new(&RenderRequest { observer_altitude_m, ..asked(&[10.0], cloud_base_m) }, &set)

@@ -44,8 +44,9 @@ fn render_all(
     })
 }
 
+/// Vulkan and CPU agree with f64 at and between turbidities.
 #[test]
-fn vulkan_and_cpu_agree_with_f64_at_and_between_turbidities() {
+fn vulkan_and_cpu_agree_with_f64() {
     let engines = [
         (engine(vulkan(), &[1.5, 2.0, 3.0, 4.0], 16), synthetic::tested_device()),
         (engine(DeviceChoice::Cpu, &[1.5, 2.0, 3.0, 4.0], 16), ExecutorKind::Cpu),
@@ -67,8 +68,9 @@ fn vulkan_and_cpu_agree_with_f64_at_and_between_turbidities() {
     }
 }
 
+/// A changed input exceeds the tolerance of that comparison.
 #[test]
-fn a_changed_input_exceeds_the_tolerance_of_that_comparison() {
+fn a_changed_input_exceeds_the_tolerance() {
     let engine = engine(DeviceChoice::Cpu, &[2.0], 16);
     let set = TableSet::new(engine.tables().to_vec()).unwrap();
     let unchanged = request(synthetic::polar_grid(7, 300), 2.0);
@@ -88,8 +90,9 @@ fn a_changed_input_exceeds_the_tolerance_of_that_comparison() {
     }
 }
 
+/// Requests that wait together are rendered together and come out as alone.
 #[test]
-fn requests_that_wait_together_are_rendered_together_and_come_out_as_alone() {
+fn waiting_requests_are_rendered_together() {
     for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = Arc::new(engine(device, &[2.0, 3.0], 8));
         wait_until_ready(&engine);
@@ -111,8 +114,9 @@ fn requests_that_wait_together_are_rendered_together_and_come_out_as_alone() {
     }
 }
 
+/// Requests of different turbidity are not mixed up.
 #[test]
-fn requests_of_different_turbidity_are_not_mixed_up() {
+fn requests_of_two_turbidities_stay_apart() {
     let engine = Arc::new(engine(vulkan(), &[2.0, 3.0], 8));
     let grid = synthetic::polar_grid(3, 500);
     let requests: Vec<_> = (0..10).map(|i| request(grid.clone(), [2.0, 2.5, 3.0][i % 3])).collect();
@@ -144,8 +148,9 @@ fn a_lost_device_comes_back_by_itself() {
     assert_eq!(engine.stats().failed, 0);
 }
 
+/// A device that is lost again and again under load loses no answer.
 #[test]
-fn a_device_that_is_lost_again_and_again_under_load_loses_no_answer() {
+fn a_lost_device_loses_no_answer() {
     let engine = engine(vulkan(), &[2.0, 3.0], 8);
     wait_until_ready(&engine);
     let request = request(synthetic::polar_grid(5, 500), 2.5);
@@ -209,8 +214,9 @@ fn dark_parts_cost_nothing() {
     assert!(rendered.panorama.samples().iter().any(|value| *value > 0.0));
 }
 
+/// Bands without light are left out and the others stay as they are bit for bit.
 #[test]
-fn bands_without_light_are_left_out_and_the_others_stay_as_they_are_bit_for_bit() {
+fn dark_bands_are_left_out() {
     for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, &[2.0], 40);
         let all = request(synthetic::polar_grid(5, 2000), 2.0);
@@ -230,8 +236,9 @@ fn bands_without_light_are_left_out_and_the_others_stay_as_they_are_bit_for_bit(
     }
 }
 
+/// Parts of the sky that need no work are not in its count.
 #[test]
-fn parts_of_the_sky_that_need_no_work_are_not_in_its_count() {
+fn dark_parts_are_not_in_the_work_count() {
     let engine = engine(DeviceChoice::Cpu, &[2.0, 3.0, 4.0], 8);
     let work = |request: &RenderRequest| engine.render_blocking(request.clone()).unwrap().work;
     let grid = synthetic::polar_grid(5, 4000);
@@ -260,8 +267,9 @@ fn parts_of_the_sky_that_need_no_work_are_not_in_its_count() {
     assert_eq!(work(&resident).packs, 1);
 }
 
+/// Passes are timed and the times add up to less than the whole.
 #[test]
-fn passes_are_timed_and_the_times_add_up_to_less_than_the_whole() {
+fn pass_times_add_up_to_less_than_the_whole() {
     for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, &[2.0, 3.0], 16);
         wait_until_ready(&engine);
@@ -276,8 +284,9 @@ fn passes_are_timed_and_the_times_add_up_to_less_than_the_whole() {
     }
 }
 
+/// A dropped engine ends its thread and answers what it took.
 #[test]
-fn a_dropped_engine_ends_its_thread_and_answers_what_it_took() {
+fn a_dropped_engine_answers_what_it_took() {
     let engine = Arc::new(engine(vulkan(), &[2.0], 8));
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).build().unwrap();
     let tasks: Vec<_> = (0..6)
@@ -292,8 +301,9 @@ fn a_dropped_engine_ends_its_thread_and_answers_what_it_took() {
     }
 }
 
+/// Without a GPU it is asked for in vain and plain Rust goes before lavapipe.
 #[test]
-fn without_a_gpu_it_is_asked_for_in_vain_and_plain_rust_goes_before_lavapipe() {
+fn without_a_gpu_rust_goes_before_lavapipe() {
     let tables = synthetic::table_set(&[2.0], 8);
     let best = match Engine::start(EngineConfig {
         device: DeviceChoice::Gpu,

@@ -35,8 +35,9 @@ fn asked(seed: u64, turbidity: f64, scattering: Scattering) -> RenderRequest {
     RenderRequest { scattering, ..request(synthetic::polar_grid(seed, 600), turbidity) }
 }
 
+/// Turbidity is interpolated between packs of the scattering asked for.
 #[test]
-fn turbidity_is_interpolated_between_packs_of_the_scattering_asked_for() {
+fn turbidity_stays_within_one_scattering() {
     let set = TableSet::new(both()).unwrap();
     let taken = |turbidity: f64, scattering: Scattering| -> Vec<f64> {
         let prepared = Prepared::new(&asked(1, turbidity, scattering), &set).unwrap();
@@ -56,8 +57,9 @@ fn turbidity_is_interpolated_between_packs_of_the_scattering_asked_for() {
     }
 }
 
+/// Ranges of turbidity and basis are those of the scattering asked for.
 #[test]
-fn ranges_of_turbidity_and_basis_are_those_of_the_scattering_asked_for() {
+fn ranges_are_those_of_the_scattering() {
     let set = TableSet::new(both()).unwrap();
     for turbidity in [1.6, 5.5] {
         Prepared::new(&asked(1, turbidity, Scattering::Single), &set).unwrap();
@@ -79,8 +81,9 @@ fn ranges_of_turbidity_and_basis_are_those_of_the_scattering_asked_for() {
     ));
 }
 
+/// Scattering that is not resident is refused with what is.
 #[test]
-fn scattering_that_is_not_resident_is_refused_with_what_is() {
+fn scattering_not_resident_is_refused() {
     for (tables, absent, message) in [
         (
             single(),
@@ -100,8 +103,9 @@ fn scattering_that_is_not_resident_is_refused_with_what_is() {
     }
 }
 
+/// Requests of both kinds at once come out as from an engine with that kind alone.
 #[test]
-fn requests_of_both_kinds_at_once_come_out_as_from_an_engine_with_that_kind_alone() {
+fn both_kinds_at_once_come_out_as_alone() {
     for device in [vulkan(), DeviceChoice::Cpu] {
         let requests: Vec<_> = (0..12)
             .map(|i| {
@@ -154,8 +158,9 @@ fn render_all(engine: &Arc<Engine>, requests: &[RenderRequest]) -> Vec<skyglow_r
     })
 }
 
+/// Vulkan and CPU agree with f64 where both kinds are resident.
 #[test]
-fn vulkan_and_cpu_agree_with_f64_where_both_kinds_are_resident() {
+fn executors_agree_with_f64_for_both_kinds() {
     let set = TableSet::new(both()).unwrap();
     for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, both());
@@ -171,8 +176,9 @@ fn vulkan_and_cpu_agree_with_f64_where_both_kinds_are_resident() {
     }
 }
 
+/// Every pack counts in the memory and its kind in what is told.
 #[test]
-fn every_pack_counts_in_the_memory_and_its_kind_in_what_is_told() {
+fn every_pack_counts_in_the_memory() {
     let bytes = |tables| engine(DeviceChoice::Cpu, tables).info().resident_bytes;
     let mixed = engine(DeviceChoice::Cpu, both());
     assert_eq!(mixed.info().resident_bytes, bytes(single()) + bytes(multiple()));

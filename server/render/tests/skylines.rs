@@ -23,8 +23,9 @@ fn all_behind(mut grid: PolarGrid, blocking: u32) -> PolarGrid {
     grid
 }
 
+/// Vulkan and CPU agree with f64 on light behind skylines.
 #[test]
-fn vulkan_and_cpu_agree_with_f64_on_light_behind_skylines() {
+fn executors_agree_with_f64_behind_skylines() {
     let engines = [vulkan(), DeviceChoice::Cpu].map(|device| engine(device, &[2.0, 3.0, 4.0]));
     let set = TableSet::new(engines[0].tables().to_vec()).unwrap();
     for (turbidity, basis) in [(2.0, None), (2.4, None), (3.0, Some(5))] {
@@ -85,8 +86,9 @@ fn closed(pack: Arc<ResidentTables>) -> Arc<ResidentTables> {
     pack
 }
 
+/// Skies of kinds with altitudes of their own agree with f64 side by side.
 #[test]
-fn skies_of_kinds_with_altitudes_of_their_own_agree_with_f64_side_by_side() {
+fn kinds_with_own_altitudes_agree_with_f64() {
     let mut tables = synthetic::table_set_with_skylines(&[2.0, 3.0], 8);
     tables.extend(synthetic::table_set_with_skylines(&[2.0, 3.0], 8).into_iter().map(closed));
     let set = TableSet::new(tables.clone()).unwrap();
@@ -110,8 +112,9 @@ fn skies_of_kinds_with_altitudes_of_their_own_agree_with_f64_side_by_side() {
     }
 }
 
+/// More nodes than one column of the texture holds come out right.
 #[test]
-fn more_nodes_than_one_column_of_the_texture_holds_come_out_right() {
+fn nodes_beyond_one_texture_column_are_right() {
     // Light at every angle and at many altitudes on every ring.
     let mut grid = synthetic::dark_grid();
     for azimuth in 0..256 {
@@ -138,8 +141,9 @@ fn more_nodes_than_one_column_of_the_texture_holds_come_out_right() {
     }
 }
 
+/// An open sky is rendered as by packs that know no skylines and costs no more.
 #[test]
-fn an_open_sky_is_rendered_as_by_packs_that_know_no_skylines_and_costs_no_more() {
+fn an_open_sky_costs_no_more_with_skylines() {
     for device in [vulkan(), DeviceChoice::Cpu] {
         let knowing = engine(device, &[2.0, 3.0]);
         let plain = common::engine(device, &[2.0, 3.0], 16);
@@ -150,8 +154,9 @@ fn an_open_sky_is_rendered_as_by_packs_that_know_no_skylines_and_costs_no_more()
     }
 }
 
+/// Packs that know no skylines take hidden light for open.
 #[test]
-fn packs_that_know_no_skylines_take_hidden_light_for_open() {
+fn packs_without_skylines_hide_no_light() {
     let plain = common::engine(DeviceChoice::Cpu, &[2.0], 16);
     let open = synthetic::polar_grid(3, 800);
     let behind = plain.render_blocking(request(all_behind(open.clone(), 5), 2.0)).unwrap();

@@ -10,7 +10,9 @@ use super::{
 };
 use crate::error::ObservatoryError;
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr, interpolation::Stencil};
+use skyglow_physics::{
+    AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, interpolation::Stencil, panorama::solid_angle_sr,
+};
 use skyglow_render::{
     cpu::{CpuExecutor, blend::blend},
     prepare::{Prepared, PreparedCell, basis_count_in_use, shines},
@@ -161,7 +163,7 @@ impl InfluenceSolver {
             stencil.nodes().map(|pack| self.executor.sky(&prepared, pack, false)).collect();
         Ok(blended(skies, stencil, false).map_or(0.0, |mut sky| {
             if let Some(near) = &prepared.near {
-                near.add_to(&self.set, sky.samples_mut());
+                near.apply(&self.set, sky.samples_mut());
             }
             luminance_norm(&sky)
         }))
@@ -211,7 +213,7 @@ impl InfluenceSolver {
         for ((pack, weights), nodes) in stencil.nodes().zip(&weights).zip(&ready.nodes) {
             let tables = &self.set.tables()[pack];
             let basis_count = request.basis_count.min(tables.basis_count);
-            let correlated = correlate(self.executor.transforms(), tables, basis_count, weights);
+            let correlated = correlate(self.executor.twiddles(), tables, basis_count, weights);
             let products = products(request, &nodes.mixed, &correlated);
             let cells = sum.par_iter_mut().zip(&request.cells).zip(&products).with_min_len(CELLS_AT_ONCE);
             cells.for_each(|((sum, cell), products)| {

@@ -2,12 +2,14 @@
 
 use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
-use skyglow_render::cpu::{
-    basis_sum::FrequencySums,
-    coefficients::ColumnBlock,
-    lanes::Aligned,
-    mix::BLOCK,
-    transforms::{FUNCTIONS_PER_GROUP, Transforms},
+use skyglow_render::{
+    cpu::{
+        azimuth_fft::azimuth_fft,
+        inverse_fft::inverse_fft,
+        lanes::Aligned,
+        layout::{BLOCK, ColumnBlock, FUNCTIONS_PER_GROUP, FrequencySums},
+    },
+    twin::Twiddles,
 };
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
@@ -21,19 +23,19 @@ const FUNCTIONS_PER_TASK: usize = 16;
 ///
 /// With spectra over azimuth, F[G_k] = Σ_row F[w_row]·F[B_k,row], for F[B] is real.
 pub(super) fn correlate(
-    transforms: &Transforms,
+    twiddles: &Twiddles,
     tables: &ResidentTables,
     basis_count: usize,
     weights: &[f32],
 ) -> Vec<ColumnBlock> {
-    let spectra = weight_spectra(transforms, weights);
+    let spectra = weight_spectra(twiddles, weights);
     let blocks = basis_count.div_ceil(BLOCK);
     let mut correlated = vec![Aligned([[0f32; BLOCK]; BAND_COUNT]); blocks * AZIMUTH_COUNT];
     let mut rows = Vec::new();
     for first in (0..basis_count).step_by(FUNCTIONS_AT_ONCE) {
         let count = (basis_count - first).min(FUNCTIONS_AT_ONCE);
         let sums = products(tables, &spectra, first, count);
-        transforms.inverse_above(f32::NEG_INFINITY, [true; BAND_COUNT], &sums, true, &mut rows);
+        inverse_fft(twiddles, f32::NEG_INFINITY, [true; BAND_COUNT], &sums, true, &mut rows);
         for band in 0..BAND_COUNT {
             for function in 0..count {
                 let row = &rows[Panorama::index(band, function, 0)..][..AZIMUTH_COUNT];
@@ -51,7 +53,7 @@ pub(super) fn correlate(
 type WeightSpectra = Vec<[[f32; FREQUENCY_COUNT]; 2]>;
 
 /// Rows take the place of functions in the transform of columns.
-fn weight_spectra(transforms: &Transforms, weights: &[f32]) -> WeightSpectra {
+fn weight_spectra(twiddles: &Twiddles, weights: &[f32]) -> WeightSpectra {
     let mut columns =
         vec![Aligned([[0f32; BLOCK]; BAND_COUNT]); ELEVATION_COUNT.div_ceil(BLOCK) * AZIMUTH_COUNT];
     for band in 0..BAND_COUNT {
@@ -63,7 +65,7 @@ fn weight_spectra(transforms: &Transforms, weights: &[f32]) -> WeightSpectra {
         }
     }
     let mut groups = Vec::new();
-    transforms.forward([true; BAND_COUNT], &columns, ELEVATION_COUNT, true, &mut groups);
+    azimuth_fft(twiddles, [true; BAND_COUNT], &columns, ELEVATION_COUNT, true, &mut groups);
     let mut spectra = vec![[[0f32; FREQUENCY_COUNT]; 2]; BAND_COUNT * ELEVATION_COUNT];
     for band in 0..BAND_COUNT {
         for row in 0..ELEVATION_COUNT {

@@ -3,9 +3,7 @@
 use super::scales::{Slope, scales_of, steps_around};
 use skyglow_physics::{Band, simd::multiply_add, simd_dispatch};
 use skyglow_render::{
-    cpu::{
-        mix::{BLOCK, MixedNode, NodeScales},
-    },
+    cpu::layout::{BLOCK, MixedNode, NodeScales},
     prepare::{Prepared, PreparedCell},
 };
 
@@ -21,14 +19,14 @@ pub(super) struct NormsOfPack<'a> {
 }
 
 /// Most functions that a pack may have.
-const MOST_FUNCTIONS: usize = 256;
+const MAX_FUNCTIONS: usize = 256;
 /// Coefficients of luminance, those beyond the basis 0.
-type Coefficients = [f32; MOST_FUNCTIONS];
+type Coefficients = [f32; MAX_FUNCTIONS];
 
 impl NormsOfPack<'_> {
     /// √(cᵀ·gram·c) of a cell, and how it changes with its place on the offset axis: (gram·c)·dc/norm.
     pub(super) fn norm(&self, cell: &PreparedCell) -> Slope {
-        let (mut here, mut times) = ([0f32; MOST_FUNCTIONS], [0f32; MOST_FUNCTIONS]);
+        let (mut here, mut times) = ([0f32; MAX_FUNCTIONS], [0f32; MAX_FUNCTIONS]);
         self.coefficients(cell, cell.upper_weight, &mut here);
         times_gram(self.gram, self.stride, self.basis_count, &here, &mut times);
         let dot = |other: &Coefficients| -> f64 {
@@ -40,7 +38,7 @@ impl NormsOfPack<'_> {
         if let Some((low, high)) = steps_around(cell.upper_weight)
             && norm > 0.0
         {
-            let (mut below, mut above) = ([0f32; MOST_FUNCTIONS], [0f32; MOST_FUNCTIONS]);
+            let (mut below, mut above) = ([0f32; MAX_FUNCTIONS], [0f32; MAX_FUNCTIONS]);
             self.coefficients(cell, low, &mut below);
             self.coefficients(cell, high, &mut above);
             slope = (dot(&above) - dot(&below)) / (f64::from(high - low) * norm);

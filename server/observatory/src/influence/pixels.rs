@@ -1,13 +1,13 @@
 //! From what cells do to what pixels do.
 
-use skyglow_physics::{simd::multiply_add, simd_dispatch};
 use super::CellInfluence;
 use rayon::prelude::*;
+use skyglow_physics::{simd::multiply_add, simd_dispatch};
 use skyglow_render::cpu::lanes::exponential;
 use skyglow_scene::{LightShares, PolarCell};
 
 /// Largest power of e by which a pixel's light counts for more or less than its cell's for standing higher or lower.
-const LARGEST_LOG_FACTOR: f32 = 2.0;
+const MAX_LOG_FACTOR: f32 = 2.0;
 /// Pixels that a task works on.
 const PIXELS_PER_TASK: usize = 16_384;
 /// Cells that a task makes ready.
@@ -96,7 +96,7 @@ fn add_shares_body<const FUSED: bool>(
 #[inline(always)]
 fn factor<const FUSED: bool>(cell: &CellLine, altitude_m: f32) -> f32 {
     let exponent = multiply_add::<FUSED>(cell.slope_per_m, altitude_m, cell.at_sea);
-    exponential::<FUSED>(exponent.clamp(-LARGEST_LOG_FACTOR, LARGEST_LOG_FACTOR))
+    exponential::<FUSED>(exponent.clamp(-MAX_LOG_FACTOR, MAX_LOG_FACTOR))
 }
 
 #[cfg(test)]

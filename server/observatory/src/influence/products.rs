@@ -3,10 +3,7 @@
 use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, simd::multiply_add, simd_dispatch};
 use skyglow_render::{
-    cpu::{
-        coefficients::ColumnBlock,
-        mix::{BLOCK, MixedNode},
-    },
+    cpu::layout::{BLOCK, ColumnBlock, MixedNode},
     prepare::{LitColumn, Prepared, PreparedCell},
 };
 

@@ -7,10 +7,12 @@ use skyglow_physics::{BAND_COUNT, LOBE_COUNT, Panorama};
 use skyglow_render::{
     cpu::{
         CpuExecutor,
-        mix::{MixedNode, NodeScales, mix_scale, mix_shape},
+        layout::{MixedNode, NodeScales},
+        mix_scale::mix_scale,
+        mix_shape::mix_shape,
     },
-    near_lights::{NearLights, ShownLights},
-    packs::PackKind,
+    near_field::{NearFieldCorrection, VisibleLights},
+    pack_kind::PackKind,
     prepare::Prepared,
     request::RenderRequest,
     table_set::TableSet,
@@ -35,7 +37,7 @@ pub(super) struct KnownSky {
     /// Between them; None where there is no light at all.
     pub(super) between: Option<Panorama>,
     /// The near lights and which of them show in it; None where there are none.
-    pub(super) near: Option<(NearLights, ShownLights)>,
+    pub(super) near: Option<(NearFieldCorrection, VisibleLights)>,
 }
 
 /// A request made ready, with what its measures are found from.
@@ -120,20 +122,19 @@ impl ReadyRequest {
                     near: None,
                 };
             }
-            let of_packs: Vec<Vec<f32>> =
-                packs.map(|pack| executor.sky(of_sky, pack, true)).collect();
+            let of_packs: Vec<Vec<f32>> = packs.map(|pack| executor.sky(of_sky, pack, true)).collect();
             let between = blended(of_packs.clone(), &prepared.turbidity_stencil, true);
             let near = between.as_ref().and_then(|between| {
                 let near = of_sky.near.clone()?;
-                let shown = near.shown(set, between.samples());
-                Some((near, shown))
+                let visible = near.visible_lights(set, between.samples());
+                Some((near, visible))
             });
             KnownSky { of_packs, between, near }
         });
         let grids = [Some(request), other].map(|held| held.map_or(0, |held| held.polar.byte_count()));
         let of_nodes = |nodes: &NodesOfPack| size_of_val(&*nodes.scales) + size_of_val(&*nodes.mixed);
         let of_sky = sky_known.as_ref().map_or(0, |sky| {
-            let of_near = sky.near.as_ref().map_or(0, |(_, shown)| shown.byte_count());
+            let of_near = sky.near.as_ref().map_or(0, |(_, visible)| visible.byte_count());
             (1 + sky.of_packs.len()) * 4 * Panorama::LEN + of_near
         });
         let bytes = size_of_val(&*prepared.cells)

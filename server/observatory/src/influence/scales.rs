@@ -2,7 +2,7 @@
 
 use skyglow_physics::BAND_COUNT;
 use skyglow_render::{
-    cpu::mix::NodeScales,
+    cpu::layout::NodeScales,
     prepare::PreparedCell,
     twin::{log_scale_between, natural_exp},
 };

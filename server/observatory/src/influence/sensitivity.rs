@@ -48,8 +48,7 @@ fn blend_slopes(radiance: &[f64], stencil: &Stencil) -> Vec<f64> {
     let least = (f64::from(MIN_PACK_RATIO) * radiance[highest]).max(floor);
     // A pack that is not there has no weight; any other's radiance stands in for it.
     let sources: [f64; 4] = from_fn(|p| radiance[p.min(count - 1)]);
-    let [cubic, line] =
-        [weights, linear].map(|weights| from_fn(|p| weights.get(p).copied().unwrap_or(0.0)));
+    let [cubic, line] = [weights, linear].map(|weights| from_fn(|p| weights.get(p).copied().unwrap_or(0.0)));
     let blend = Blend::of(sources.each_ref().map(from_ref), cubic, line);
     let deviation = blend.deviation(0);
     // d ln L / d ln L_p: the cubic's weights, or the line's and what its limit moves with.
@@ -83,7 +82,11 @@ mod tests {
     }
 
     fn blended(radiance: [f64; 4], stencil: &Stencil) -> f64 {
-        f64::from(blend_radiance(radiance.map(|value| value as f32), stencil.weights_f32(), stencil.linear_weights_f32()))
+        f64::from(blend_radiance(
+            radiance.map(|value| value as f32),
+            stencil.weights_f32(),
+            stencil.linear_weights_f32(),
+        ))
     }
 
     proptest! {

@@ -13,7 +13,9 @@ use super::{
     setting::SourceSetting,
 };
 use crate::{
-    simd_dispatch,atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY};
+    atmosphere::AEROSOL_ALBEDO, bands::BAND_COUNT, emission::LOBE_COUNT, phase::AEROSOL_ASYMMETRY,
+    simd_dispatch,
+};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 

@@ -11,8 +11,7 @@ use super::{
     source_function::{DirectionTable, Moments, PathSum, SourceFunction},
     surfaces::Surfaces,
 };
-use crate::{
-    simd_dispatch,geometry::EARTH_RADIUS_M, quadrature::gauss_legendre};
+use crate::{geometry::EARTH_RADIUS_M, quadrature::gauss_legendre, simd_dispatch};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 

@@ -13,9 +13,9 @@ use super::{
     source_function::{DirectionTable, PathSum},
 };
 use crate::{
-    simd_dispatch,
     error::{PhysicsError, check_range},
     geometry::EARTH_RADIUS_M,
+    simd_dispatch,
     single_source::{RadiancePerWatt, SourceGeometry},
 };
 

@@ -1,25 +1,19 @@
-//! S = Σ_k F[H_k]·F[B_k] at every elevation and frequency.
+//! S = Σ_k F[H_k]·F[B_k] at every elevation and frequency: the convolution theorem along azimuth.
 
 use super::{
     lanes::Aligned,
-    transforms::{FUNCTIONS_PER_GROUP, GroupSpectra},
+    layout::{FUNCTIONS_PER_GROUP, FrequencySums, GroupSpectra, ROW_GROUPS, ROWS_PER_GROUP},
     work::for_each_part,
 };
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, simd::multiply_add, simd_dispatch};
 use skyglow_tables::resident::{FREQUENCY_COUNT, ResidentTables};
 
-/// Elevations summed side by side.
-pub const ROWS_PER_GROUP: usize = 16;
-const ROW_GROUPS: usize = ELEVATION_COUNT / ROWS_PER_GROUP;
 /// Frequencies that a task sums.
 const FREQUENCIES_PER_TASK: usize = 16;
 
 /// Share of a row's largest value in its spectrum below which a value is 0: what is smaller than f32's normal numbers, and
 /// leads the processor to them, costs a hundred times as much, and counts for nothing in a sum of f32.
 const NEGLIGIBLE: f32 = 1e-20;
-
-/// The sums at one frequency: `[band][real, imaginary][elevation]`.
-pub type FrequencySums = Aligned<[[[f32; ELEVATION_COUNT]; 2]; BAND_COUNT]>;
 
 /// F[B] so that one frequency reads straight on: `[frequency][group of elevations][function][elevation in group]`.
 pub struct BlockedBasis {

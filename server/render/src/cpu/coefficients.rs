@@ -1,91 +1,18 @@
-//! H_k per azimuth column: the sum over its lit cells.
+//! H_k per azimuth column: the weighted sum of shapes over its lit cells.
 
 use super::{
     lanes::Aligned,
-    mix::{BLOCK, MixedNode, NodeScales},
+    layout::{BLOCK, CellWeights, ColumnBlock, MixedNode},
     work::for_each_part,
 };
-use crate::{
-    prepare::{LitColumn, Prepared, PreparedCell},
-    twin::{log_scale_between, natural_exp},
-};
+use crate::prepare::{LitColumn, Prepared, PreparedCell};
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, simd::multiply_add, simd_dispatch};
 
-/// Weights of a cell's lower and upper node in every band, and a 0 that makes each a vector.
-pub type CellWeights = [[f32; 4]; 2];
-/// H of one azimuth in one block of functions: `[band][function]`.
-pub type ColumnBlock = Aligned<[[f32; BLOCK]; BAND_COUNT]>;
-
-/// Cells weighed side by side: enough that the compiler makes a loop of vectors of the arithmetic.
-const LANES: usize = 64;
-/// Cells that a task weighs.
-const CELLS_PER_TASK: usize = 2048;
 /// Azimuths that a task sums.
 const AZIMUTHS_PER_TASK: usize = 16;
 
-/// Weights of every cell.
-pub fn weigh_cells(
-    request: &Prepared,
-    scales: &[NodeScales],
-    side_by_side: bool,
-    weights: &mut Vec<CellWeights>,
-) {
-    weights.resize(request.cells.len(), [[0.0; 4]; 2]);
-    for_each_part(side_by_side, weights, CELLS_PER_TASK, |task, weights| {
-        let cells = &request.cells[task * CELLS_PER_TASK..][..weights.len()];
-        weigh(cells, scales, request.flux_per_dnb_flux, weights);
-    });
-}
-
-simd_dispatch! {
-    /// [`crate::twin::cell_weights`] of cells whose lamps have `flux_per_dnb_flux`.
-    fn weigh(
-        cells: &[PreparedCell],
-        scales: &[NodeScales],
-        flux_per_dnb_flux: [f32; BAND_COUNT],
-        weights: &mut [CellWeights],
-    ) = weigh_body::<FUSED>;
-}
-
-#[inline(always)]
-fn weigh_body<const FUSED: bool>(
-    cells: &[PreparedCell],
-    scales: &[NodeScales],
-    flux_per_dnb_flux: [f32; BAND_COUNT],
-    weights: &mut [CellWeights],
-) {
-    let [red, green, blue] = flux_per_dnb_flux;
-    let flux_per_dnb_flux = [red, green, blue, 0.0];
-    for (cells, weights) in cells.chunks(LANES).zip(weights.chunks_mut(LANES)) {
-        let mut scale = [[0f32; 4]; LANES];
-        for (cell, scale) in cells.iter().zip(&mut scale) {
-            let [lower, upper] = [cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]);
-            for (band, scale) in scale.iter_mut().enumerate() {
-                let log_scale = [lower.log_scale[band], upper.log_scale[band]];
-                *scale = log_scale_between(
-                    log_scale,
-                    [lower.curvature[band], upper.curvature[band]],
-                    cell.upper_weight,
-                );
-            }
-        }
-        for scale in scale.as_flattened_mut() {
-            *scale = natural_exp(*scale);
-        }
-        for ((cell, scale), weights) in cells.iter().zip(&scale).zip(weights) {
-            let mut weighed = [[0f32; 4]; 2];
-            for band in 0..4 {
-                let scale = cell.flux_dnb_w * flux_per_dnb_flux[band] * scale[band];
-                weighed[0][band] = scale * (1.0 - cell.upper_weight);
-                weighed[1][band] = scale * cell.upper_weight;
-            }
-            *weights = weighed;
-        }
-    }
-}
-
 /// H, `[block of functions][azimuth]`; azimuths without light are 0. `mixed` is `[block][node]`.
-pub fn sum_columns(
+pub fn coefficients(
     request: &Prepared,
     mixed: &[MixedNode],
     weights: &[CellWeights],

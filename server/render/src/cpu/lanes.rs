@@ -1,4 +1,4 @@
-//! Values side by side, as vectors take them.
+//! SIMD lanes: values side by side, as vectors take them.
 
 use skyglow_physics::simd::multiply_add;
 

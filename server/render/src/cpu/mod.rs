@@ -1,12 +1,16 @@
 //! The same pipeline in plain Rust f32: the executor for machines without Vulkan, and the passes' twins.
 
+pub mod azimuth_fft;
 pub mod basis_sum;
 pub mod blend;
+pub mod cell_weights;
 pub mod coefficients;
+pub mod inverse_fft;
 pub mod lanes;
-pub mod mix;
+pub mod layout;
+pub mod mix_scale;
+pub mod mix_shape;
 pub mod scratch;
-pub mod transforms;
 mod work;
 
 use crate::{
@@ -16,20 +20,27 @@ use crate::{
     prepare::Prepared,
     request::ExecutorKind,
     table_set::TableSet,
+    twin::{Twiddles, twiddles},
 };
-use basis_sum::BlockedBasis;
+use azimuth_fft::azimuth_fft;
+use basis_sum::{BlockedBasis, basis_sum};
+use blend::blend;
+use cell_weights::cell_weights;
+use coefficients::coefficients;
+use inverse_fft::inverse_fft;
+use mix_scale::mix_scale;
+use mix_shape::mix_shape;
 use rayon::prelude::*;
 use scratch::{Scratch, ScratchPool};
 use skyglow_physics::Panorama;
 use std::time::Instant;
-use transforms::Transforms;
 
 /// Renders the packs of all requests of a batch side by side, one on each core; where there are fewer of them than
 /// cores, the cores share the work within each.
 pub struct CpuExecutor {
     set: TableSet,
     basis: Vec<BlockedBasis>,
-    transforms: Transforms,
+    twiddles: Twiddles,
     scratch: ScratchPool,
 }
 
@@ -43,7 +54,7 @@ impl CpuExecutor {
     /// Lays the tables out for the passes.
     pub fn new(set: TableSet) -> Self {
         let basis = set.tables().iter().map(|tables| BlockedBasis::of(tables)).collect();
-        Self { set, basis, transforms: Transforms::new(), scratch: ScratchPool::default() }
+        Self { set, basis, twiddles: twiddles(), scratch: ScratchPool::default() }
     }
 
     /// Renders a batch on the threads of the pool, of which the calling thread is one.
@@ -51,9 +62,7 @@ impl CpuExecutor {
         let start = Instant::now();
         let items: Vec<Item<'_>> = batch
             .iter()
-            .flat_map(|&request| {
-                request.turbidity_stencil.nodes().map(move |pack| Item { request, pack })
-            })
+            .flat_map(|&request| request.turbidity_stencil.nodes().map(move |pack| Item { request, pack }))
             .collect();
         let cores = rayon::current_num_threads();
         // Cores that would be left without an item of their own help with those of others.
@@ -78,7 +87,7 @@ impl CpuExecutor {
                 1 => packs.swap_remove(0),
                 _ => clock.time(Pass::Blend, || {
                     let sources: Vec<&[f32]> = packs.iter().map(Vec::as_slice).collect();
-                    blend::blend(&sources, &request.turbidity_stencil, true)
+                    blend(&sources, &request.turbidity_stencil, true)
                 }),
             };
             packs.into_iter().for_each(|sky| self.scratch.keep_panorama(sky));
@@ -93,9 +102,9 @@ impl CpuExecutor {
         self.render_pack(&Item { request, pack }, side_by_side).0
     }
 
-    /// The tables of its transforms.
-    pub fn transforms(&self) -> &Transforms {
-        &self.transforms
+    /// The table of its transforms.
+    pub fn twiddles(&self) -> &Twiddles {
+        &self.twiddles
     }
 
     fn render_pack(&self, item: &Item<'_>, side_by_side: bool) -> (Vec<f32>, PassClock) {
@@ -117,19 +126,19 @@ impl CpuExecutor {
         let lit_bands = request.flux_per_dnb_flux.map(|flux| flux > 0.0);
         let mut clock = PassClock::default();
         let Scratch { scales, mixed, weights, columns, spectra, sums } = scratch;
-        clock.time(Pass::MixScale, || mix::mix_scale(tables, request, side_by_side, scales));
-        clock.time(Pass::MixShape, || mix::mix_shape(tables, request, scales, side_by_side, mixed));
-        clock.time(Pass::CellWeights, || coefficients::weigh_cells(request, scales, side_by_side, weights));
+        clock.time(Pass::MixScale, || mix_scale(tables, request, side_by_side, scales));
+        clock.time(Pass::MixShape, || mix_shape(tables, request, scales, side_by_side, mixed));
+        clock.time(Pass::CellWeights, || cell_weights(request, scales, side_by_side, weights));
         clock.time(Pass::Coefficients, || {
-            coefficients::sum_columns(request, mixed, weights, side_by_side, columns);
+            coefficients(request, mixed, weights, side_by_side, columns);
         });
         clock.time(Pass::AzimuthFft, || {
-            self.transforms.forward(lit_bands, columns, basis_count, side_by_side, spectra);
+            azimuth_fft(&self.twiddles, lit_bands, columns, basis_count, side_by_side, spectra);
         });
         clock.time(Pass::BasisSum, || {
-            basis_sum::basis_sum(&self.basis[item.pack], spectra, basis_count, side_by_side, sums);
+            basis_sum(&self.basis[item.pack], spectra, basis_count, side_by_side, sums);
         });
-        clock.time(Pass::InverseFft, || self.transforms.inverse(lit_bands, sums, side_by_side, sky));
+        clock.time(Pass::InverseFft, || inverse_fft(&self.twiddles, 0.0, lit_bands, sums, side_by_side, sky));
         clock
     }
 }
@@ -179,8 +188,9 @@ mod tests {
         if baseline { simd::with_baseline(sky) } else { sky() }
     }
 
+    /// Loops without the fast instructions give the same sky.
     #[test]
-    fn loops_without_the_fast_instructions_give_the_same_sky() {
+    fn baseline_loops_give_the_same_sky() {
         let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0], 44)).unwrap();
         let executor = CpuExecutor::new(set.clone());
         // Not a multiple of the block, the group or the vector.
@@ -195,8 +205,9 @@ mod tests {
         assert!(difference(&wide, &fewer) > 1e-5);
     }
 
+    /// Buffers left over from another request leave no trace.
     #[test]
-    fn buffers_left_over_from_another_request_leave_no_trace() {
+    fn reused_buffers_leave_no_trace() {
         let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0], 44)).unwrap();
         let used = CpuExecutor::new(set.clone());
         let (large, small) = (prepared(&set, 44), prepared(&set, 5));

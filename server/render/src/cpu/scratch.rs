@@ -1,12 +1,7 @@
-//! Buffers kept between requests: fresh ones of a megabyte come from the kernel page by page, which takes longer than
+//! A pool of buffers that requests reuse: fresh ones of a megabyte come from the kernel page by page, which takes longer than
 //! filling them.
 
-use super::{
-    basis_sum::FrequencySums,
-    coefficients::{CellWeights, ColumnBlock},
-    mix::{MixedNode, NodeScales},
-    transforms::GroupSpectra,
-};
+use super::layout::{CellWeights, ColumnBlock, FrequencySums, GroupSpectra, MixedNode, NodeScales};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What the passes of one pack write, in the order in which they do.
@@ -26,15 +21,15 @@ pub struct Scratch {
     pub sums: Vec<FrequencySums>,
 }
 
-/// Buffers that nobody uses at the moment. What they hold is left over; whoever takes them writes before reading.
+/// Buffers that are not in use. They hold what was left in them: whoever takes one writes before reading.
 #[derive(Default)]
 pub struct ScratchPool {
     idle: Mutex<Vec<Scratch>>,
     panoramas: Mutex<Vec<Vec<f32>>>,
 }
 
-/// Panoramas kept; those of a batch of requests between four packs each.
-const PANORAMAS_KEPT: usize = 3 * crate::MAX_BATCH;
+/// Panoramas in the pool at most: those of a batch of requests between four packs each.
+const MAX_POOLED_PANORAMAS: usize = 3 * crate::MAX_BATCH;
 
 impl ScratchPool {
     /// Buffers, those used last first: they may still be in the cache.
@@ -55,7 +50,7 @@ impl ScratchPool {
     /// Takes a panorama back that no answer went out with.
     pub fn keep_panorama(&self, panorama: Vec<f32>) {
         let mut panoramas = lock(&self.panoramas);
-        if panoramas.len() < PANORAMAS_KEPT {
+        if panoramas.len() < MAX_POOLED_PANORAMAS {
             panoramas.push(panorama);
         }
     }

@@ -1,4 +1,4 @@
-//! How work is shared among the cores.
+//! Data parallelism within a pass: work shared among the cores.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Adapter, device, queue, and what they complain about.
+//! Adapter, device and queue, and the errors that they report.
 
 use crate::{
     error::{DeviceFault, RenderError},
@@ -24,7 +24,7 @@ pub(crate) struct Context {
     faults: Faults,
 }
 
-/// The first complaint since the last look; callbacks fill it.
+/// The first error since the last check; callbacks fill it.
 #[derive(Clone, Default)]
 struct Faults(Arc<Mutex<Option<DeviceFault>>>);
 

@@ -2,7 +2,6 @@
 
 mod bindings;
 pub(crate) mod context;
-mod layout;
 #[cfg(test)]
 mod pass_tests;
 pub(crate) mod pipelines;

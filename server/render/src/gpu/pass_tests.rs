@@ -3,12 +3,18 @@
 use super::{GpuExecutor, context::Context};
 use crate::{
     cpu::{
-        basis_sum::{self, BlockedBasis, FrequencySums},
-        blend,
-        coefficients::{self, CellWeights, ColumnBlock},
+        azimuth_fft::azimuth_fft,
+        basis_sum::{BlockedBasis, basis_sum},
+        blend::blend,
+        cell_weights::cell_weights,
+        coefficients::coefficients,
+        inverse_fft::inverse_fft,
         lanes::Aligned,
-        mix::{self, MixedNode, NodeScales},
-        transforms::{GroupSpectra, Transforms, empty_spectra},
+        layout::{
+            CellWeights, ColumnBlock, FrequencySums, GroupSpectra, MixedNode, NodeScales, empty_spectra,
+        },
+        mix_scale::mix_scale,
+        mix_shape::mix_shape,
     },
     executor::Executor,
     plan::RenderPlan,
@@ -238,15 +244,16 @@ fn assert_close(what: &str, got: &[f32], expected: &[f32], tolerance: f32) {
     assert!(size > 0.0 && difference <= tolerance * size, "{what}: {difference} of {size}");
 }
 
+/// Each pass agrees with the CPU on the same input.
 #[test]
-fn each_pass_agrees_with_the_cpu_on_the_same_input() {
+fn each_pass_agrees_with_the_cpu() {
     let rig = Rig::rendered(3.0);
     let tables = &rig.set.tables()[1];
-    let transforms = Transforms::new();
+    let twiddles = twin::twiddles();
     for (request, prepared) in rig.batch.iter().enumerate() {
         let scales = rig.scales(request);
         let mut expected = Vec::new();
-        mix::mix_scale(tables, prepared, true, &mut expected);
+        mix_scale(tables, prepared, true, &mut expected);
         let flat = |scales: &[NodeScales]| -> Vec<f32> {
             let values = |s: &NodeScales| [s.log_scale.to_vec(), s.shares.as_flattened().to_vec()].concat();
             scales.iter().flat_map(values).collect()
@@ -258,7 +265,7 @@ fn each_pass_agrees_with_the_cpu_on_the_same_input() {
         assert_close("curvatures", &curvatures(&scales), &curvatures(&expected), 1e-4);
 
         let mut expected = Vec::new();
-        mix::mix_shape(tables, prepared, &scales, true, &mut expected);
+        mix_shape(tables, prepared, &scales, true, &mut expected);
         let mixed = rig.mixed(request);
         let flat =
             |mixed: &[MixedNode]| mixed.iter().flat_map(|n| n.0.as_flattened().to_vec()).collect::<Vec<_>>();
@@ -266,13 +273,13 @@ fn each_pass_agrees_with_the_cpu_on_the_same_input() {
 
         let weights = rig.weights(request);
         let mut expected = Vec::new();
-        coefficients::weigh_cells(prepared, &scales, true, &mut expected);
+        cell_weights(prepared, &scales, true, &mut expected);
         let flat = |weights: &[CellWeights]| weights.as_flattened().as_flattened().to_vec();
         assert_close("cell_weights", &flat(&weights), &flat(&expected), 5e-6);
 
         let columns = rig.columns(request);
         let mut expected = Vec::new();
-        coefficients::sum_columns(prepared, &mixed, &weights, true, &mut expected);
+        coefficients(prepared, &mixed, &weights, true, &mut expected);
         let flat = |columns: &[ColumnBlock]| {
             columns.iter().flat_map(|c| c.0.as_flattened().to_vec()).collect::<Vec<_>>()
         };
@@ -280,7 +287,7 @@ fn each_pass_agrees_with_the_cpu_on_the_same_input() {
 
         let spectra = rig.spectra(request);
         let mut expected = Vec::new();
-        transforms.forward([true; BAND_COUNT], &columns, BASIS_COUNT, true, &mut expected);
+        azimuth_fft(&twiddles, [true; BAND_COUNT], &columns, BASIS_COUNT, true, &mut expected);
         let flat = |spectra: &[GroupSpectra]| -> Vec<f32> {
             spectra.iter().flat_map(|s| s.0.as_flattened().as_flattened().to_vec()).collect()
         };
@@ -288,40 +295,43 @@ fn each_pass_agrees_with_the_cpu_on_the_same_input() {
 
         let sums = rig.sums(request);
         let mut expected = Vec::new();
-        basis_sum::basis_sum(&BlockedBasis::of(tables), &spectra, BASIS_COUNT, true, &mut expected);
+        basis_sum(&BlockedBasis::of(tables), &spectra, BASIS_COUNT, true, &mut expected);
         let flat = |sums: &[FrequencySums]| -> Vec<f32> {
             sums.iter().flat_map(|s| s.0.as_flattened().as_flattened().to_vec()).collect()
         };
         assert_close("basis_sum", &flat(&sums), &flat(&expected), 1e-6);
 
         let mut expected = Vec::new();
-        transforms.inverse([true; BAND_COUNT], &sums, true, &mut expected);
+        inverse_fft(&twiddles, 0.0, [true; BAND_COUNT], &sums, true, &mut expected);
         assert_close("inverse_fft", &rig.rendered[request], &expected, 1e-6);
     }
 }
 
+/// The blend agrees with the CPU on the same input.
 #[test]
-fn the_blend_agrees_with_the_cpu_on_the_same_input() {
+fn the_blend_agrees_with_the_cpu() {
     let rig = Rig::rendered(2.4);
     let all = rig.buffer(&rig.executor.workspace.radiance, 3 * 2 * Panorama::LEN);
     for (request, prepared) in rig.batch.iter().enumerate() {
         let sky = |slot: usize| all[(slot * 2 + request) * Panorama::LEN..][..Panorama::LEN].to_vec();
         let skies = [sky(0), sky(1), sky(2)];
-        let expected = blend::blend(&skies.each_ref().map(Vec::as_slice), &prepared.turbidity_stencil, true);
+        let expected = blend(&skies.each_ref().map(Vec::as_slice), &prepared.turbidity_stencil, true);
         assert_close("blend", &rig.rendered[request], &expected, 1e-5);
     }
 }
 
+/// The budget is kept before anything is allocated.
 #[test]
-fn the_budget_is_kept_before_anything_is_allocated() {
+fn the_budget_is_kept_before_allocating() {
     let set = TableSet::new(synthetic::table_set(&[2.0], 8)).unwrap();
     let context = Context::open(crate::synthetic::tested_device()).unwrap();
     let refused = GpuExecutor::new(context, set, 1_000_000).err().unwrap().to_string();
     assert!(refused.ends_with("the budget is 1000000"), "{refused}");
 }
 
+/// A wrong command comes back as an error and the next batch is rendered.
 #[test]
-fn a_wrong_command_comes_back_as_an_error_and_the_next_batch_is_rendered() {
+fn a_wrong_command_comes_back_as_an_error() {
     let mut rig = Rig::rendered(2.0);
     // A copy beyond the end of its target is refused by validation, without a panic.
     let work = &rig.executor.workspace;

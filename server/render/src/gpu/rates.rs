@@ -1,4 +1,5 @@
-//! How fast a device copies and multiplies: what a bench holds the passes against.
+//! A device's bandwidth and arithmetic rate, as of the roofline model (Williams, Waterman and Patterson 2009): a benchmark compares the
+//! passes with them.
 
 use super::{context::Context, pipelines::shader_module};
 use crate::{
@@ -21,8 +22,8 @@ const FACTOR: f32 = 0.999;
 const ADDEND: f32 = 1e-3;
 const ROUNDS: u32 = 1_024;
 /// A submission that takes no longer than this is mostly its own cost.
-const LEAST_SUBMISSION: Duration = Duration::from_millis(20);
-const MOST_DISPATCHES: u32 = 1 << 12;
+const MIN_SUBMISSION: Duration = Duration::from_millis(20);
+const MAX_DISPATCHES: u32 = 1 << 12;
 
 /// What a device does at its fastest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -227,7 +228,7 @@ impl<'a> Work<'a> {
         loop {
             let start = Instant::now();
             self.run(dispatches)?;
-            if start.elapsed() >= LEAST_SUBMISSION || dispatches >= MOST_DISPATCHES {
+            if start.elapsed() >= MIN_SUBMISSION || dispatches >= MAX_DISPATCHES {
                 break;
             }
             dispatches *= 2;
@@ -240,8 +241,9 @@ impl<'a> Work<'a> {
 mod tests {
     use super::*;
 
+    /// Devices copy and multiply and what is not there is refused.
     #[test]
-    fn devices_copy_and_multiply_and_what_is_not_there_is_refused() {
+    fn devices_copy_and_multiply() {
         let extent = RatesExtent { stream_bytes: 1 << 22, multiply_adds: 1 << 24 };
         let once = |work: &mut dyn FnMut()| {
             let start = Instant::now();

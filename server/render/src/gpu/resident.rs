@@ -1,4 +1,4 @@
-//! Packs on the device.
+//! Packs as textures and buffers on the device.
 
 use super::context::Context;
 use crate::{error::RenderError, plan::FUNCTIONS_PER_TABLE_TEXEL, table_set::TableSet};

@@ -1,13 +1,13 @@
 //! Shaders without a device: they validate, and what they declare is what the host has.
 
-use super::{
-    bindings::{Binding, bindings},
-    layout::{Column, Frame, Node, Request},
-};
+use super::bindings::{Binding, bindings};
 use crate::{
     plan::{FUNCTIONS_PER_TABLE_TEXEL, LANES, Pass, TRANSFORM_LANES, WORKGROUP},
     shaders::{self, LIBRARY},
-    twin,
+    twin::{
+        self,
+        types::{Column, Frame, Node, Request},
+    },
 };
 use naga::{AddressSpace, ImageClass, StorageAccess, TypeInner};
 use std::{collections::BTreeSet, mem::offset_of};
@@ -39,8 +39,9 @@ fn a_broken_shader_does_not_pass_for_valid() {
     assert!(naga::front::wgsl::parse_str(&text).is_err());
 }
 
+/// Every WGSL file is listed and no library file binds anything.
 #[test]
-fn every_wgsl_file_is_listed_and_no_library_file_binds_anything() {
+fn every_wgsl_file_is_listed() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
     let names = |sub: &str| -> BTreeSet<String> {
         let files = std::fs::read_dir(folder.join(sub)).unwrap();
@@ -54,6 +55,21 @@ fn every_wgsl_file_is_listed_and_no_library_file_binds_anything() {
         assert!(!file.text.contains("@group"), "{}", file.name);
         assert!(!file.text.contains("@compute"), "{}", file.name);
     }
+}
+
+/// Each pass has a file of its name among those of the CPU executor, each library file a twin, and each twin a library file.
+#[test]
+fn passes_and_twins_are_named_like_wgsl() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let names = |sub: &str| -> BTreeSet<String> {
+        let files = std::fs::read_dir(folder.join(sub)).unwrap();
+        files.map(|file| file.unwrap().file_name().to_string_lossy().replace(".rs", "")).collect()
+    };
+    let passes: BTreeSet<String> = Pass::ALL.iter().map(|pass| pass.name().to_owned()).collect();
+    let others = ["lanes", "layout", "mod", "scratch", "work"].map(str::to_owned).into();
+    assert_eq!(names("cpu"), &passes | &others);
+    let twins = LIBRARY.iter().map(|file| file.name.to_owned()).chain(["mod".to_owned()]);
+    assert_eq!(names("twin"), twins.collect());
 }
 
 #[test]
@@ -116,8 +132,9 @@ fn passes_keep_within_what_every_device_offers() {
     assert!(excess(5, 0, 0) && excess(0, 5, 0) && excess(0, 0, 16_385));
 }
 
+/// Workgroups are as large as the plan takes them to be.
 #[test]
-fn workgroups_are_as_large_as_the_plan_takes_them_to_be() {
+fn workgroups_are_as_large_as_planned() {
     for pass in Pass::ALL {
         let size = parsed(pass).entry_points[0].workgroup_size;
         let expected = match pass {

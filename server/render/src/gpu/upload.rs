@@ -1,7 +1,14 @@
 //! A batch as the arrays that the passes read.
 
-use super::layout::{Column, Frame, Node, Request};
-use crate::{plan::RenderPlan, prepare::Prepared, table_set::TableSet, twin::indexing::CELLS_PER_ROW};
+use crate::{
+    plan::RenderPlan,
+    prepare::Prepared,
+    table_set::TableSet,
+    twin::{
+        indexing::CELLS_PER_ROW,
+        types::{Column, Frame, Node, Request},
+    },
+};
 use skyglow_physics::{
     AZIMUTH_COUNT,
     interpolation::{MAX_STENCIL, Stencil},

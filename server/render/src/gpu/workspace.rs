@@ -1,9 +1,6 @@
 //! Buffers and textures that every batch uses again, as large as the largest batch.
 
-use super::{
-    context::Context,
-    layout::{Column, Frame, Node, Request},
-};
+use super::context::Context;
 use crate::{
     MAX_BATCH,
     error::RenderError,
@@ -12,6 +9,7 @@ use crate::{
     twin::{
         indexing::{CELLS_PER_ROW, NODE_ROWS},
         twiddle,
+        types::{Column, Frame, Node, Request},
     },
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama, interpolation::MAX_STENCIL};

@@ -145,14 +145,15 @@ mod tests {
 
     #[test]
     fn the_blend_is_geometric() {
-        let half = [0.5, 0.5, 0.0, 0.0];
+        let half = [0.5f32, 0.5, 0.0, 0.0];
         let blended = blend_radiance([1e-6, 1e-8, 0.0, 0.0], half, half);
         assert!((blended / 1e-7 - 1.0).abs() < 3e-6);
     }
 
+    /// What rounding leaves of a black pack does not show.
     #[test]
-    fn what_rounding_leaves_of_a_black_pack_does_not_show() {
-        let half = [0.5, 0.5, 0.0, 0.0];
+    fn rounding_in_a_black_pack_does_not_show() {
+        let half = [0.5f32, 0.5, 0.0, 0.0];
         let blended = |black: f32| blend_radiance([1e-6, black, 0.0, 0.0], half, half);
         // A rounding error of 1e-7 of the row, either way.
         assert_eq!(blended(0.0), blended(1e-13));
@@ -164,10 +165,11 @@ mod tests {
         assert!(blend_radiance([1.0, 1e-8, 2e-8, 1e-9], weight, MIDDLE) < 2e-8);
     }
 
+    /// A black direction of a pack beyond does not light up the sky between two others.
     #[test]
-    fn a_black_direction_of_a_pack_beyond_does_not_light_up_the_sky_between_two_others() {
+    fn a_black_outer_pack_does_not_overshoot() {
         // The weights of turbidity 2 on 1.5, 2.5, 3.5, 4.75.
-        let (weight, linear) = ([0.216, 1.262, -0.637, 0.159], [0.437, 0.563, 0.0, 0.0]);
+        let (weight, linear) = ([0.216f32, 1.262, -0.637, 0.159], [0.437, 0.563, 0.0, 0.0]);
         let seen = [2e-8, 1e-8, 4e-9, 1.5e-9];
         let whole = blend_radiance(seen, weight, linear);
         assert!(whole > 1e-8 && whole < 2e-8, "{whole:e}");

@@ -1,4 +1,4 @@
-//! Where things lie in the textures.
+//! Layout of lists and tables in textures.
 
 use skyglow_tables::resident::ResidentBlocked;
 

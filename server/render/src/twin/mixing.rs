@@ -68,8 +68,9 @@ mod tests {
         assert!((f64::from(log_sum) - exact).abs() < 1e-5);
     }
 
+    /// A lobe without weight counts for nothing however bright.
     #[test]
-    fn a_lobe_without_weight_counts_for_nothing_however_bright() {
+    fn a_lobe_without_weight_counts_for_nothing() {
         let shares = lobe_shares([1f32, 0.0, 0.0], [-120.0, 0.0, 60.0]);
         assert_eq!(shares, [1.0, 0.0, 0.0, -120.0]);
     }
@@ -90,8 +91,9 @@ mod tests {
         let exact = tables::mixed_curvature(shares, lobes);
         assert!((mixed_curvature(shares, nodes) - exact).abs() < 1e-14 && exact.abs() > 0.1);
         for weight in [0.0, 0.3, 1.0] {
-            let [ours, theirs] = [log_scale_between, tables::log_scale_between]
-                .map(|between: fn([f64; 2], [f64; 2], f64) -> f64| between([-40.0, -42.0], [0.4, -0.3], weight));
+            let [ours, theirs] = [log_scale_between, tables::log_scale_between].map(
+                |between: fn([f64; 2], [f64; 2], f64) -> f64| between([-40.0, -42.0], [0.4, -0.3], weight),
+            );
             assert!((ours - theirs).abs() < 1e-13, "{ours} {theirs}");
         }
     }

@@ -1,14 +1,14 @@
-//! What is left to do when the device is done: near lights, in the pool of threads, so that the device goes on.
+//! The post-process pool: the near-field correction of rendered skies, on the pool of threads, so that the device goes on.
 //!
-//! As many requests at once as a batch has or threads there are: a thread of the pool that waits for a part of one begins another,
-//! and each holds a sky. A render thread that is faster waits.
+//! It takes as many requests at once as a batch has or threads there are: a thread of the pool that waits for a part of one begins
+//! another, and each holds a sky. A render thread that is faster waits.
 
 use crate::{
     error::{DeviceFault, RenderError},
-    request::{ExecutorKind, PassTime, Rendered},
+    job::{Job, RenderedJob},
+    request::{PassTime, Rendered},
     stats::StatsCell,
     table_set::TableSet,
-    worker::Ticket,
 };
 use skyglow_physics::Panorama;
 use std::{
@@ -17,23 +17,13 @@ use std::{
     time::Instant,
 };
 
-/// What the time of near lights is called among those of passes: it is spent on the processor, whatever renders.
+/// The name of the correction's time among those of passes: it is spent on the processor, whatever renders.
 const NEAR_LIGHTS: &str = "near_lights";
 
-/// A request that the device is done with.
-pub(crate) struct RenderedTicket {
-    pub(crate) ticket: Ticket,
-    pub(crate) radiance_w_m2_sr: Vec<f32>,
-    pub(crate) passes: Vec<PassTime>,
-    pub(crate) batch_size: usize,
-    pub(crate) executor: ExecutorKind,
-}
-
-impl RenderedTicket {
-    /// Puts near lights right and answers; false where that failed.
+impl RenderedJob {
+    /// Corrects the near field and answers; false where that failed.
     fn answer(self, set: &TableSet) -> bool {
-        let Self { ticket: Ticket { prepared, answer }, radiance_w_m2_sr, passes, batch_size, executor } =
-            self;
+        let Self { job: Job { prepared, answer }, radiance_w_m2_sr, passes, batch_size, executor } = self;
         // Nobody waits for an answer whose receiver is gone.
         if answer.is_closed() {
             return true;
@@ -42,7 +32,7 @@ impl RenderedTicket {
             let (mut sky, mut passes) = (radiance_w_m2_sr, passes);
             if let Some(near) = &prepared.near {
                 let start = Instant::now();
-                near.add_to(set, &mut sky);
+                near.apply(set, &mut sky);
                 let microseconds = start.elapsed().as_secs_f64() * 1e6;
                 passes.push(PassTime { name: NEAR_LIGHTS, microseconds });
             }
@@ -53,43 +43,43 @@ impl RenderedTicket {
         };
         // A panic fails this one request, where it would end the process.
         let finished = catch_unwind(AssertUnwindSafe(finish))
-            .unwrap_or_else(|_| Err(DeviceFault::Other("near lights panicked".into()).into()));
+            .unwrap_or_else(|_| Err(DeviceFault::Other("the near-field correction panicked".into()).into()));
         let is_whole = finished.is_ok();
         let _ = answer.send(finished);
         is_whole
     }
 }
 
-/// Requests that are being finished.
-pub(crate) struct Finishers {
-    in_hand: Arc<InHand>,
-    most: usize,
+/// Where requests are finished.
+pub(crate) struct PostProcessPool {
+    permits: Arc<Permits>,
+    limit: usize,
     set: Arc<TableSet>,
     stats: Arc<StatsCell>,
 }
 
-impl Finishers {
+impl PostProcessPool {
     /// For requests of a set of packs.
     pub(crate) fn new(set: &Arc<TableSet>, stats: &Arc<StatsCell>) -> Self {
-        let most = rayon::current_num_threads().max(crate::MAX_BATCH);
-        Self { in_hand: Arc::default(), most, set: Arc::clone(set), stats: Arc::clone(stats) }
+        let limit = rayon::current_num_threads().max(crate::MAX_BATCH);
+        Self { permits: Arc::default(), limit, set: Arc::clone(set), stats: Arc::clone(stats) }
     }
 
     /// Has a request answered, at once where nothing is left to do; waits while too many are being finished.
-    pub(crate) fn finish(&self, rendered: RenderedTicket) {
+    pub(crate) fn finish(&self, rendered: RenderedJob) {
         let (set, stats) = (Arc::clone(&self.set), Arc::clone(&self.stats));
-        let needs_work = rendered.ticket.prepared.near.is_some();
+        let needs_work = rendered.job.prepared.near.is_some();
         let answer = move || {
             if !rendered.answer(&set) {
                 stats.failed.fetch_add(1, Ordering::Relaxed);
             }
         };
         if needs_work {
-            let place = InHand::take(&self.in_hand, self.most);
+            let permit = Permits::take(&self.permits, self.limit);
             rayon::spawn(move || {
-                // The place last: an engine that ends waits for it, and is then the last to hold its packs.
+                // The permit last: an engine that ends waits for it, and is then the last to hold its packs.
                 answer();
-                drop(place);
+                drop(permit);
             });
         } else {
             answer();
@@ -97,37 +87,37 @@ impl Finishers {
     }
 }
 
-impl Drop for Finishers {
+impl Drop for PostProcessPool {
     /// Whoever waits for an answer gets it first.
     fn drop(&mut self) {
-        drop(self.in_hand.wait_for_fewer_than(1));
+        drop(self.permits.wait_for_fewer_than(1));
     }
 }
 
-/// How many requests are in hand.
+/// How many requests are being finished: a counting semaphore.
 #[derive(Default)]
-struct InHand {
+struct Permits {
     count: Mutex<usize>,
     fewer: Condvar,
 }
 
-impl InHand {
-    /// A place for one more, once there are fewer than `most`.
-    fn take(in_hand: &Arc<Self>, most: usize) -> Place {
-        *in_hand.wait_for_fewer_than(most) += 1;
-        Place(Arc::clone(in_hand))
+impl Permits {
+    /// A permit for one more, once there are fewer than `limit`.
+    fn take(permits: &Arc<Self>, limit: usize) -> Permit {
+        *permits.wait_for_fewer_than(limit) += 1;
+        Permit(Arc::clone(permits))
     }
 
-    fn wait_for_fewer_than(&self, most: usize) -> MutexGuard<'_, usize> {
+    fn wait_for_fewer_than(&self, limit: usize) -> MutexGuard<'_, usize> {
         let count = self.count.lock().unwrap_or_else(PoisonError::into_inner);
-        self.fewer.wait_while(count, |count| *count >= most).unwrap_or_else(PoisonError::into_inner)
+        self.fewer.wait_while(count, |count| *count >= limit).unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A request's place among those in hand.
-struct Place(Arc<InHand>);
+/// Lets one request be finished, and another once dropped.
+struct Permit(Arc<Permits>);
 
-impl Drop for Place {
+impl Drop for Permit {
     fn drop(&mut self) {
         *self.0.count.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
         self.0.fewer.notify_all();
@@ -139,20 +129,21 @@ mod tests {
     use super::*;
     use std::{thread, time::Duration};
 
+    /// No more requests are finished at once than may be, and each gives its permit back.
     #[test]
-    fn no_more_are_in_hand_than_there_may_be_and_each_gives_its_place_back() {
-        let in_hand = Arc::new(InHand::default());
-        let first = InHand::take(&in_hand, 2);
-        let second = InHand::take(&in_hand, 2);
+    fn permits_are_limited_and_come_back() {
+        let permits = Arc::new(Permits::default());
+        let first = Permits::take(&permits, 2);
+        let second = Permits::take(&permits, 2);
         let third = thread::spawn({
-            let in_hand = Arc::clone(&in_hand);
-            move || drop(InHand::take(&in_hand, 2))
+            let permits = Arc::clone(&permits);
+            move || drop(Permits::take(&permits, 2))
         });
         thread::sleep(Duration::from_millis(20));
         assert!(!third.is_finished());
         drop(first);
         third.join().unwrap();
         drop(second);
-        assert_eq!(*in_hand.wait_for_fewer_than(1), 0);
+        assert_eq!(*permits.wait_for_fewer_than(1), 0);
     }
 }

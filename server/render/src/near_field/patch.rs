@@ -1,20 +1,18 @@
-//! The sky next to one light: as it is, less as the polar grid and the packs' nodes have it.
+//! A patch: the sky next to one light as it is, minus the same as the polar grid and the packs' nodes have it.
 //!
 //! A patch is eight columns by up to eight rows around the light. The grid's part of it is made of the images of the four
 //! nodes around the light (two rings, two offsets), which lights at the same nodes share, each in two columns: an image stands on
 //! a column, and is a mean across one within [`AVERAGED`] columns of its light, as `skyglow_tables::images` makes it.
 
-use super::{
-    ROWS,
-    sight::{Air, Sight},
-};
-use crate::{
-    cpu::lanes::LANES,
-    table_set::TableSet,
-};
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama,
+use super::{air::Air, low_rows::ROWS, sight_line::SightLine};
+use crate::{cpu::lanes::LANES, table_set::TableSet};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama,
     panorama::azimuth_rad,
-    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M}, simd::multiply_add, simd_dispatch};
+    simd::multiply_add,
+    simd_dispatch,
+    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M},
+};
 use skyglow_scene::{RING_COUNT, ring_distance_m};
 use skyglow_tables::images::{ACROSS_COLUMN, NEAR_COLUMN_COUNT as AVERAGED};
 
@@ -29,14 +27,14 @@ const BOTH_SIDES: usize = 2 * HALF - 1;
 /// Azimuths that make them: two for column 0, which is even, four for each other averaged one, one for the rest.
 const SAMPLES: usize = 2 + 4 * (AVERAGED - 1) + (HALF - AVERAGED);
 
-/// A light that shows.
+/// A light that is visible.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Chosen {
+pub(crate) struct SelectedLight {
     /// Its place among the near lights.
     pub index: u32,
-    pub place: Place,
-    pub between: Between,
-    pub sight: Sight,
+    pub nodes: PatchNodes,
+    pub fractions: NodeFractions,
+    pub sight_line: SightLine,
     /// Its elevation in rows and its azimuth in columns.
     pub row: f32,
     pub column: f32,
@@ -46,9 +44,9 @@ pub(crate) struct Chosen {
     pub weight: f32,
 }
 
-/// The nodes around a light and the first row of its patch: lights of one place share what the nodes show.
+/// The nodes around a light and the first row of its patch: lights between the same nodes share their images.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct PatchNodes {
     ring: u32,
     /// Node at or below it on the axes of the ring and of the next.
     offsets: [u32; 2],
@@ -61,32 +59,32 @@ fn ring_position(distance_m: f32) -> f32 {
     ((RING_COUNT - 1) as f64 * log).clamp(0.0, (RING_COUNT - 1) as f64) as f32
 }
 
-/// Where a light is between the nodes of its place.
+/// Where a light is between its nodes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Between {
+pub(crate) struct NodeFractions {
     /// From its ring to the next, 0..=1.
     out: f32,
     /// From the node below it to the one above on the axes of both rings, 0..=1.
     up: [f32; 2],
 }
 
-impl Place {
-    /// The place of a light, and where it is there.
-    pub(crate) fn of(set: &TableSet, distance_m: f32, offset_m: f32, row: f32) -> (Self, Between) {
+impl PatchNodes {
+    /// The nodes around a light, and where it is between them.
+    pub(crate) fn of(set: &TableSet, distance_m: f32, offset_m: f32, row: f32) -> (Self, NodeFractions) {
         let position = ring_position(distance_m);
         let ring = (position as usize).min(RING_COUNT - 2);
         let positions = [ring, ring + 1].map(|ring| set.axis(ring).position(offset_m));
         let offsets = positions.map(|position| (position as usize).min(set.offset_count() - 2) as u32);
-        let place =
+        let nodes =
             Self { ring: ring as u32, offsets, first_row: row.floor() as i32 - (SIDE / 2 - 1) as i32 };
         let up = std::array::from_fn(|ring| (positions[ring] - offsets[ring] as f32).clamp(0.0, 1.0));
-        (place, Between { out: position - ring as f32, up })
+        (nodes, NodeFractions { out: position - ring as f32, up })
     }
 
-    /// Places in one order, as one number.
+    /// Their order, as one number.
     pub(crate) fn key(self) -> u64 {
         let [below, above] = self.offsets.map(u64::from);
-        // Rows from −8 up: lights more than four below the lowest are not chosen.
+        // Rows from −8 up: lights more than four below the lowest are not selected.
         let row = (self.first_row + SIDE as i32).max(0) as u64;
         (u64::from(self.ring) << 48) | (below << 32) | (above << 16) | row
     }
@@ -138,10 +136,10 @@ type NodeKey = (u32, u32, i32);
 /// The image of a node in the rows of a patch, columns −4 to 4 from its own.
 type NodeImage = OfBands<BOTH_SIDES>;
 
-/// Rings, offsets and first rows whose images are remembered: of two rings side by side every offset, in four rows.
-const REMEMBERED: [usize; 3] = [2, 64, 4];
+/// Rings, offsets and first rows whose images are cached: of two rings side by side every offset, in four rows.
+const CACHED: [usize; 3] = [2, 64, 4];
 
-/// Makes patches; remembers the images of nodes, which lights side by side share.
+/// Makes patches; caches the images of nodes, which lights side by side share.
 pub(crate) struct PatchMaker<'a> {
     air: &'a Air,
     set: &'a TableSet,
@@ -150,16 +148,16 @@ pub(crate) struct PatchMaker<'a> {
     elevations: [[f32; 2]; ELEVATION_COUNT],
     /// Column and weight of every sample.
     shares: [(usize, f32); SAMPLES],
-    /// Whose image is remembered at each place, and where among the images; none before the first.
-    remembered: Vec<Option<(NodeKey, usize)>>,
+    /// Whose image is cached at each place, and where among the images; none before the first.
+    cached: Vec<Option<(NodeKey, usize)>>,
     /// As many as were wanted: most tasks have few nodes, and to clear room for all takes longer than their images.
     images: Vec<NodeImage>,
 }
 
-/// Where the image of a node is remembered.
+/// Where the image of a node is cached.
 #[inline(always)]
 fn slot((ring, offset, first_row): NodeKey) -> usize {
-    let [rings, offsets, rows] = REMEMBERED;
+    let [rings, offsets, rows] = CACHED;
     ((ring as usize % rings) * offsets + offset as usize % offsets) * rows
         + first_row.rem_euclid(rows as i32) as usize
 }
@@ -170,34 +168,26 @@ impl<'a> PatchMaker<'a> {
         for (share, (column, _, weight)) in shares.iter_mut().zip(samples()) {
             *share = (column, weight as f32);
         }
-        let remembered = vec![None; REMEMBERED.iter().product()];
-        Self {
-            air,
-            set,
-            azimuths: Azimuths::new(),
-            elevations: *ROWS,
-            shares,
-            remembered,
-            images: Vec::new(),
-        }
+        let cached = vec![None; CACHED.iter().product()];
+        Self { air, set, azimuths: Azimuths::new(), elevations: *ROWS, shares, cached, images: Vec::new() }
     }
 
     /// Calls `add` with a position in a panorama and what a light changes there and in the columns after it, W m⁻² sr⁻¹.
     #[inline(always)]
     pub(crate) fn for_each(
         &mut self,
-        light: &Chosen,
+        light: &SelectedLight,
         flux_per_dnb_flux: [f32; BAND_COUNT],
-        most: &MostOfGrid,
+        limit: &GridLimit,
         mut add: impl FnMut(usize, &[f32]),
     ) {
         let mut patch = [[[0f32; SIDE]; BAND_COUNT]; SIDE];
-        fill(self, light, flux_per_dnb_flux, most, &mut patch);
+        fill(self, light, flux_per_dnb_flux, limit, &mut patch);
         let first_column = first_column(light);
         // Columns before north.
         let before = SIDE.min(AZIMUTH_COUNT - first_column);
-        for row in light.place.rows() {
-            let of_row = &patch[(row as i32 - light.place.first_row) as usize];
+        for row in light.nodes.rows() {
+            let of_row = &patch[(row as i32 - light.nodes.first_row) as usize];
             for (band, changes) in
                 of_row.iter().enumerate().filter(|(band, _)| flux_per_dnb_flux[*band] > 0.0)
             {
@@ -213,9 +203,9 @@ impl<'a> PatchMaker<'a> {
 
 /// What the grid can have of a light in every direction at most, W m⁻² sr⁻¹: packs have no sharp peak where a node stands far
 /// above the observer, and what they lack cannot be taken away.
-pub(crate) struct MostOfGrid(Vec<[f32; AZIMUTH_COUNT + SIDE]>);
+pub(crate) struct GridLimit(Vec<[f32; AZIMUTH_COUNT + SIDE]>);
 
-impl MostOfGrid {
+impl GridLimit {
     /// A part of the sky as the grid has it, `[band][row][column]`.
     pub(crate) fn new(sky: &[f32], part: f32) -> Self {
         let around = |row: &[f32]| std::array::from_fn(|column| part * row[column % AZIMUTH_COUNT]);
@@ -231,15 +221,15 @@ impl MostOfGrid {
 
 /// The first column of a light's patch.
 #[inline(always)]
-fn first_column(light: &Chosen) -> usize {
+fn first_column(light: &SelectedLight) -> usize {
     (light.column.floor() as usize + AZIMUTH_COUNT - (SIDE / 2 - 1)) % AZIMUTH_COUNT
 }
 
 /// What gets through to the observer along each row of a patch, `[band][row]`.
 #[inline(always)]
-fn throughs<const FUSED: bool>(
+fn transmittances<const FUSED: bool>(
     maker: &PatchMaker<'_>,
-    sight: &Sight,
+    sight_line: &SightLine,
     first_row: i32,
 ) -> [[f32; SIDE]; BAND_COUNT] {
     let (mut sines, mut cosines) = ([0f32; SIDE], [1f32; SIDE]);
@@ -248,17 +238,17 @@ fn throughs<const FUSED: bool>(
             usize::try_from(first_row + row as i32).ok().and_then(|row| maker.elevations.get(row));
         [sines[row], cosines[row]] = elevation.copied().unwrap_or([0.0, 1.0]);
     }
-    sight.through::<FUSED, SIDE>(maker.air, [&sines, &cosines])
+    sight_line.transmittance::<FUSED, SIDE>(maker.air, [&sines, &cosines])
 }
 
-/// Makes the image of a node unless it is remembered, and says where it is.
+/// Makes the image of a node unless it is cached, and says where it is.
 #[inline(always)]
 fn image_node<const FUSED: bool>(
     maker: &mut PatchMaker<'_>,
     key: NodeKey,
     rows: std::ops::Range<usize>,
 ) -> usize {
-    let known = &mut maker.remembered[slot(key)];
+    let known = &mut maker.cached[slot(key)];
     let at = match *known {
         Some((of, at)) if of == key => return at,
         Some((_, at)) => at,
@@ -270,14 +260,15 @@ fn image_node<const FUSED: bool>(
     *known = Some((key, at));
     let (ring, offset, first_row) = key;
     let offset_m = maker.set.offset_axis()[ring as usize].offset_m(f64::from(offset));
-    let sight = Sight::new(maker.air, ring_distance_m(ring as usize), offset_m);
-    let through = throughs::<FUSED>(maker, &sight, first_row);
+    let sight_line = SightLine::new(maker.air, ring_distance_m(ring as usize), offset_m);
+    let transmittance = transmittances::<FUSED>(maker, &sight_line, first_row);
     for row in rows {
-        let through = through.map(|of_band| of_band[(row as i32 - first_row) as usize]);
+        let transmittance = transmittance.map(|of_band| of_band[(row as i32 - first_row) as usize]);
         let elevation = maker.elevations[row];
         let mut columns = [[0f32; HALF]; BAND_COUNT];
         for (vector, [cosines, sines]) in maker.azimuths.0.iter().enumerate() {
-            let radiance = sight.radiance::<FUSED, LANES>(maker.air, through, elevation, [cosines, sines]);
+            let radiance =
+                sight_line.radiance::<FUSED, LANES>(maker.air, transmittance, elevation, [cosines, sines]);
             for (lane, &(column, weight)) in maker.shares.iter().skip(vector * LANES).take(LANES).enumerate()
             {
                 for band in 0..BAND_COUNT {
@@ -301,9 +292,9 @@ simd_dispatch! {
     /// The patch of a light, W m⁻² sr⁻¹.
     fn fill(
         maker: &mut PatchMaker<'_>,
-        light: &Chosen,
+        light: &SelectedLight,
         flux_per_dnb_flux: [f32; BAND_COUNT],
-        most: &MostOfGrid,
+        limit: &GridLimit,
         patch: &mut OfBands<SIDE>,
     ) = fill_body::<FUSED>;
 }
@@ -311,9 +302,9 @@ simd_dispatch! {
 #[inline(always)]
 fn fill_body<const FUSED: bool>(
     maker: &mut PatchMaker<'_>,
-    light: &Chosen,
+    light: &SelectedLight,
     flux_per_dnb_flux: [f32; BAND_COUNT],
-    most: &MostOfGrid,
+    limit: &GridLimit,
     patch: &mut OfBands<SIDE>,
 ) {
     let step = azimuth_rad(1) as f32;
@@ -327,24 +318,29 @@ fn fill_body<const FUSED: bool>(
         cosines[lane] = 1.0 - square * (0.5 - square * (1.0 / 24.0));
         tapers[lane] = light.weight * taper(from);
     }
-    let Between { out, up } = light.between;
+    let NodeFractions { out, up } = light.fractions;
     let weights = [(1.0 - out, up[0]), (out, up[1])]
         .map(|(of_ring, up): (f32, f32)| [of_ring * (1.0 - up), of_ring * up]);
-    let Place { ring, offsets, first_row } = light.place;
+    let PatchNodes { ring, offsets, first_row } = light.nodes;
     let mut nodes = [(0, 0f32); 4];
     for (node, at) in nodes.iter_mut().zip(0u32..) {
         let (next, above) = (at / 2, at % 2);
         let key = (ring + next, offsets[next as usize] + above, first_row);
         let weight = weights[next as usize][above as usize];
-        *node = (image_node::<FUSED>(maker, key, light.place.rows()), weight);
+        *node = (image_node::<FUSED>(maker, key, light.nodes.rows()), weight);
     }
-    let through = throughs::<FUSED>(maker, &light.sight, first_row);
+    let transmittance = transmittances::<FUSED>(maker, &light.sight_line, first_row);
     let first_column = first_column(light);
-    for row in light.place.rows() {
-        let at = (row as i32 - light.place.first_row) as usize;
+    for row in light.nodes.rows() {
+        let at = (row as i32 - light.nodes.first_row) as usize;
         let elevation = maker.elevations[row];
-        let through = through.map(|of_band| of_band[at]);
-        let exact = light.sight.radiance::<FUSED, LANES>(maker.air, through, elevation, [&cosines, &sines]);
+        let transmittance = transmittance.map(|of_band| of_band[at]);
+        let exact = light.sight_line.radiance::<FUSED, LANES>(
+            maker.air,
+            transmittance,
+            elevation,
+            [&cosines, &sines],
+        );
         let of_row = taper(row as f32 - light.row);
         for band in 0..BAND_COUNT {
             // The light's own column is the fourth; a part of it stands on the fifth.
@@ -357,9 +353,9 @@ fn fill_body<const FUSED: bool>(
                 }
             }
             let flux = light.flux_dnb_w * flux_per_dnb_flux[band];
-            let most = most.from(band, row, first_column);
+            let limit = limit.from(band, row, first_column);
             for lane in 0..LANES {
-                let of_grid = (flux * (own[lane] + along * (next[lane] - own[lane]))).min(most[lane]);
+                let of_grid = (flux * (own[lane] + along * (next[lane] - own[lane]))).min(limit[lane]);
                 patch[at][band][lane] = of_row * tapers[lane] * (flux * exact[band][lane] - of_grid);
             }
         }
@@ -369,25 +365,33 @@ fn fill_body<const FUSED: bool>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{near_lights::sight::tests::elevation_of, synthetic};
+    use crate::{near_field::sight_line::tests::elevation_of, synthetic};
     use skyglow_physics::{Atmosphere, EmissionMix, Turbidity, near_light::NearScattering};
 
     #[test]
-    fn no_more_is_taken_from_the_sky_than_the_grid_has() {
+    fn no_more_is_taken_than_the_grid_has() {
         let set = TableSet::new(synthetic::table_set(&[2.0], 8)).unwrap();
         let scattering = NearScattering::of(EmissionMix::garstang());
         let air = Air::new(scattering, &Atmosphere::new(Turbidity::new(2.0).unwrap()), 640.0);
         // A kilometre above the eye and two away, seen across north.
         let (distance_m, offset_m) = (2_000.0, 1_000.0);
-        let sight = Sight::new(&air, f64::from(distance_m), f64::from(offset_m));
-        let row = elevation_of(&sight) / azimuth_rad(1) as f32 - 0.5;
-        let (place, between) = Place::of(&set, distance_m, offset_m, row);
-        let light =
-            Chosen { index: 0, place, between, sight, row, column: 0.4, flux_dnb_w: 1.0, weight: 1.0 };
+        let sight_line = SightLine::new(&air, f64::from(distance_m), f64::from(offset_m));
+        let row = elevation_of(&sight_line) / azimuth_rad(1) as f32 - 0.5;
+        let (nodes, fractions) = PatchNodes::of(&set, distance_m, offset_m, row);
+        let light = SelectedLight {
+            index: 0,
+            nodes,
+            fractions,
+            sight_line,
+            row,
+            column: 0.4,
+            flux_dnb_w: 1.0,
+            weight: 1.0,
+        };
         let changed = |sky: f32| {
-            let most = MostOfGrid::new(&vec![sky; Panorama::LEN], 0.9);
+            let limit = GridLimit::new(&vec![sky; Panorama::LEN], 0.9);
             let mut changes = vec![0f32; Panorama::LEN];
-            PatchMaker::new(&air, &set).for_each(&light, [1.0; BAND_COUNT], &most, |at, values| {
+            PatchMaker::new(&air, &set).for_each(&light, [1.0; BAND_COUNT], &limit, |at, values| {
                 changes[at..].iter_mut().zip(values).for_each(|(change, value)| *change += value);
             });
             changes

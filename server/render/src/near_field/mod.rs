@@ -1,49 +1,45 @@
-//! Near-field correction: what the polar grid blurs of near lights (`docs/model.md#near-field`).
+//! The near-field correction: what the polar grid blurs of near lights.
 //!
 //! The grid shares a light among two columns and two rings, packs hold images averaged across a column, and between two
 //! offsets a light above the observer has two peaks. In the sum over many lights this averages out; in a direction that looks
-//! past one near light it was wrong by tens of per cent. So for every near light that shows, the first order next to its
+//! past one near light it was wrong by tens of per cent. So for every near light that is visible, the first order next to its
 //! direction is added as it is and taken away as the grid has it ([`patch`]), both by the closed form of
 //! [`skyglow_physics::near_light`]: only the difference counts, and with it the form's own error.
 //!
-//! A light shows where its peak reaches a certain part of the sky there ([`choosing`]). What is added belongs to the sky as it is: to influences
-//! it is linear in the lights ([`NearLights::influences`]).
+//! A light is visible where its peak reaches a certain part of the sky there ([`selection`]); most are ruled out by bounds
+//! ([`culling`]). What is added belongs to the sky as it is: to influences it is linear in the lights
+//! ([`NearFieldCorrection::influences`]).
 
-mod choosing;
-mod extents;
+mod air;
+mod block_bounds;
+mod culling;
+mod low_rows;
 mod patch;
-mod screen;
-mod sight;
+mod selection;
+mod sight_line;
 
 use crate::{request::RenderRequest, table_set::TableSet};
-use choosing::Choosing;
-use patch::{Chosen, MostOfGrid, PatchMaker};
+use air::Air;
+use patch::{GridLimit, PatchMaker, SelectedLight};
 use rayon::prelude::*;
-use sight::Air;
+use selection::Selector;
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, ELEVATION_COUNT, EmissionMix, LinearMeasure, Panorama,
-    Turbidity, near_light::NearScattering, panorama::elevation_rad,
+    Turbidity, near_light::NearScattering,
 };
 use skyglow_scene::PolarGrid;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-/// Sine and cosine of the elevation of every row.
-static ROWS: LazyLock<[[f32; 2]; ELEVATION_COUNT]> = LazyLock::new(|| {
-    std::array::from_fn(|row| {
-        let (sin, cos) = elevation_rad(row).sin_cos();
-        [sin as f32, cos as f32]
-    })
-});
-/// No direction is darkened to less than this part of what it was: the pack's own peak is not quite the closed form's.
-const LEAST_LEFT: f32 = 0.1;
+/// No direction is darkened to less than this part of its radiance: the pack's own peak is not quite the closed form's.
+const MIN_REMAINDER: f32 = 0.1;
 /// Tasks at most, each with a sky of its own: few, and the same on every machine, so that sums have the same order.
-const MOST_TASKS: usize = 8;
+const MAX_TASKS: usize = 8;
 /// Lights that a task has at least.
 const LIGHTS_PER_TASK: usize = 64;
 
-/// The near lights of a request.
+/// The near lights of a request and what their correction depends on.
 #[derive(Clone, Debug)]
-pub struct NearLights {
+pub struct NearFieldCorrection {
     polar: Arc<PolarGrid>,
     observer_altitude_m: f64,
     turbidity: Turbidity,
@@ -51,22 +47,22 @@ pub struct NearLights {
     flux_per_dnb_flux: [f32; BAND_COUNT],
 }
 
-/// The near lights that show in a sky.
+/// The near lights that are visible in a sky.
 #[derive(Debug)]
-pub struct ShownLights {
-    chosen: Vec<Chosen>,
+pub struct VisibleLights {
+    lights: Vec<SelectedLight>,
     /// What they add in every direction, `[band][row][column]`.
     added: Vec<f32>,
 }
 
-impl ShownLights {
+impl VisibleLights {
     /// Bytes that it holds.
     pub fn byte_count(&self) -> usize {
-        size_of_val(self.chosen.as_slice()) + size_of_val(self.added.as_slice())
+        size_of_val(self.lights.as_slice()) + size_of_val(self.added.as_slice())
     }
 }
 
-impl NearLights {
+impl NearFieldCorrection {
     /// None where there are none, and under clouds, where this was not measured.
     pub fn of(request: &RenderRequest) -> Option<Self> {
         let lit = request.flux_per_dnb_flux.iter().any(|flux| *flux > 0.0);
@@ -79,41 +75,42 @@ impl NearLights {
         })
     }
 
-    /// Puts a sky right, `[band][row][column]`, W m⁻² sr⁻¹. Nothing falls to less than a tenth of what it was.
-    pub fn add_to(&self, set: &TableSet, sky: &mut [f32]) {
-        let ShownLights { chosen, added } = self.shown(set, sky);
-        if chosen.is_empty() {
+    /// Corrects a sky, `[band][row][column]`, W m⁻² sr⁻¹. Nothing falls to less than a tenth of what it was.
+    pub fn apply(&self, set: &TableSet, sky: &mut [f32]) {
+        let VisibleLights { lights, added } = self.visible_lights(set, sky);
+        if lights.is_empty() {
             return;
         }
         for (radiance, added) in sky.iter_mut().zip(&added).filter(|(_, added)| **added != 0.0) {
-            *radiance += kept_share(*radiance, *added) * added;
+            *radiance += applied_share(*radiance, *added) * added;
         }
     }
 
-    /// What shows in `sky`, which is the sky as the cells make it, before [`Self::add_to`].
-    pub fn shown(&self, set: &TableSet, sky: &[f32]) -> ShownLights {
+    /// What is visible in `sky`, which is the sky as the cells make it, before [`Self::apply`].
+    pub fn visible_lights(&self, set: &TableSet, sky: &[f32]) -> VisibleLights {
         let air = self.air();
-        let chosen = Choosing::new(self, &air, set, sky).chosen();
-        let added = self.sum(&air, set, sky, &chosen);
-        ShownLights { chosen, added }
+        let flux_per_dnb_flux = self.flux_per_dnb_flux;
+        let lights = Selector::new(&self.polar.near, flux_per_dnb_flux, &air, set, sky).select();
+        let added = self.sum(&air, set, sky, &lights);
+        VisibleLights { lights, added }
     }
 
     /// What each near light adds to a linear measure of luminance beyond what the cells have of it, by its place in
-    /// [`PolarGrid::near`]; `shown` is what shows in `sky`.
+    /// [`PolarGrid::near`], given what is visible in `sky`.
     pub fn influences(
         &self,
         set: &TableSet,
         sky: &[f32],
-        ShownLights { chosen, added }: &ShownLights,
+        VisibleLights { lights, added }: &VisibleLights,
         measure: &LinearMeasure,
     ) -> Vec<(usize, f64)> {
         let air = self.air();
-        let most = MostOfGrid::new(sky, 1.0 - LEAST_LEFT);
+        let limit = GridLimit::new(sky, 1.0 - MIN_REMAINDER);
         let mut weights = vec![0f32; Panorama::LEN];
         for band in Band::ALL {
             for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, w)| **w > 0.0) {
                 let at = Panorama::index(band.index(), 0, 0) + direction;
-                let share = kept_share(sky[at], added[at]);
+                let share = applied_share(sky[at], added[at]);
                 weights[at] = (weight * band.luminous_efficacy_lm_w()) as f32 * share;
             }
         }
@@ -122,15 +119,15 @@ impl NearLights {
             let of_row = |band: usize| &weights[Panorama::index(band, row, 0)..][..AZIMUTH_COUNT];
             (0..BAND_COUNT).any(|band| of_row(band).iter().any(|weight| *weight != 0.0))
         });
-        let weighed: Vec<Chosen> =
-            chosen.iter().filter(|light| weighs[light.place.rows()].contains(&true)).copied().collect();
+        let weighed: Vec<SelectedLight> =
+            lights.iter().filter(|light| weighs[light.nodes.rows()].contains(&true)).copied().collect();
         let tasks = weighed.par_chunks(lights_per_task(&weighed)).map(|lights| {
             let mut maker = PatchMaker::new(&air, set);
             lights
                 .iter()
                 .map(|light| {
                     let mut sum = 0.0;
-                    maker.for_each(light, self.flux_per_dnb_flux, &most, |at, values| {
+                    maker.for_each(light, self.flux_per_dnb_flux, &limit, |at, values| {
                         let weighted = weights[at..].iter().zip(values).map(|(weight, value)| weight * value);
                         sum += f64::from(weighted.sum::<f32>());
                     });
@@ -147,22 +144,22 @@ impl NearLights {
     }
 
     /// What is added in every direction.
-    fn sum(&self, air: &Air, set: &TableSet, sky: &[f32], chosen: &[Chosen]) -> Vec<f32> {
-        if chosen.is_empty() {
+    fn sum(&self, air: &Air, set: &TableSet, sky: &[f32], selected: &[SelectedLight]) -> Vec<f32> {
+        if selected.is_empty() {
             return vec![0.0; Panorama::LEN];
         }
-        let most = MostOfGrid::new(sky, 1.0 - LEAST_LEFT);
-        let of_task = |lights: &[Chosen]| {
+        let limit = GridLimit::new(sky, 1.0 - MIN_REMAINDER);
+        let of_task = |lights: &[SelectedLight]| {
             let mut added = vec![0f32; Panorama::LEN];
             let mut maker = PatchMaker::new(air, set);
             for light in lights {
-                maker.for_each(light, self.flux_per_dnb_flux, &most, |at, values| {
+                maker.for_each(light, self.flux_per_dnb_flux, &limit, |at, values| {
                     added[at..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
                 });
             }
             added
         };
-        let tasks: Vec<Vec<f32>> = chosen.par_chunks(lights_per_task(chosen)).map(of_task).collect();
+        let tasks: Vec<Vec<f32>> = selected.par_chunks(lights_per_task(selected)).map(of_task).collect();
         let mut tasks = tasks.into_iter();
         let mut added = tasks.next().unwrap_or_else(|| vec![0.0; Panorama::LEN]);
         for more in tasks {
@@ -173,12 +170,12 @@ impl NearLights {
 }
 
 /// Lights of a task: what a task remembers of nodes is made once for it.
-fn lights_per_task(chosen: &[Chosen]) -> usize {
-    chosen.len().div_ceil(MOST_TASKS).max(LIGHTS_PER_TASK)
+fn lights_per_task(selected: &[SelectedLight]) -> usize {
+    selected.len().div_ceil(MAX_TASKS).max(LIGHTS_PER_TASK)
 }
 
 /// The part of what is added that counts: all of it where enough is left.
-fn kept_share(radiance: f32, added: f32) -> f32 {
-    let most = (1.0 - LEAST_LEFT) * radiance;
-    if added < -most { most / -added } else { 1.0 }
+fn applied_share(radiance: f32, added: f32) -> f32 {
+    let limit = (1.0 - MIN_REMAINDER) * radiance;
+    if added < -limit { limit / -added } else { 1.0 }
 }

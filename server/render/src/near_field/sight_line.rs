@@ -1,83 +1,17 @@
-//! The first order of one light next to its own direction, in f32, some directions at a time.
+//! The first order of one light next to its own direction, in f32, some directions at a time: the closed form of
+//! [`skyglow_physics::near_light`] with optical depths by Simpson's rule.
 
+use super::air::{Air, HEIGHTS_M, MAX_LOG_DENSITY, density};
 use crate::cpu::lanes::exponential;
-use skyglow_physics::{
-    Atmosphere, BAND_COUNT, EARTH_RADIUS_M,
-    atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, MOLECULE_SCALE_HEIGHT_M},
-    near_light::NearScattering,
-    panorama::azimuth_rad,
-};
+use skyglow_physics::{BAND_COUNT, EARTH_RADIUS_M};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// A ray is not taken to pass a light nearer than this part of the light's distance: a point is infinitely bright.
-const NEAREST_MISS: f64 = 1e-4;
-/// Largest power of e by which air is thicker or thinner than at the light.
-const LARGEST_LOG_DENSITY: f32 = 8.0;
-
-/// Scale heights of molecules and of aerosol, metres.
-const HEIGHTS_M: [f32; 2] = [MOLECULE_SCALE_HEIGHT_M as f32, AEROSOL_SCALE_HEIGHT_M as f32];
-
-/// The air and the lamps of a request.
-pub(crate) struct Air {
-    pub scattering: NearScattering,
-    observer_altitude_m: f64,
-    /// β at z = 0, `[molecules, aerosol][band]`, m⁻¹.
-    extinction_per_m: [[f64; BAND_COUNT]; 2],
-    /// ω·β at z = 0, `[molecules, aerosol][band]`, m⁻¹.
-    scattered_per_m: [[f32; BAND_COUNT]; 2],
-    /// e^{−z/H} at the observer, `[molecules, aerosol]`.
-    density: [f32; 2],
-}
-
-impl Air {
-    pub(crate) fn new(scattering: NearScattering, air: &Atmosphere, observer_altitude_m: f64) -> Self {
-        let extinction_per_m = [air.molecule_extinction_per_m(), air.aerosol_extinction_per_m()];
-        let [molecules, aerosol] = extinction_per_m;
-        Self {
-            scattering,
-            observer_altitude_m,
-            extinction_per_m,
-            scattered_per_m: [molecules, aerosol.map(|beta| AEROSOL_ALBEDO * beta)]
-                .map(|of| of.map(|beta| beta as f32)),
-            density: HEIGHTS_M.map(|height_m| density(-observer_altitude_m as f32 / height_m)),
-        }
-    }
-}
-
-impl Air {
-    /// No less than the radiance of a light per watt in each band, times its distance, half a column beside and half a row or
-    /// more above it, m⁻¹ sr⁻¹, for lights of some altitudes and distances, where `scattered` is the
-    /// largest F: air no thinner than at the lowest point to which a ray may
-    /// come next to them, and for the way densities at the mean of its altitudes, than which their mean is no less.
-    pub(crate) fn most_per_m(
-        &self,
-        scattered: [f32; 2],
-        altitude_m: [f64; 2],
-        distance_m: [f64; 2],
-    ) -> [f32; BAND_COUNT] {
-        let step = azimuth_rad(1);
-        let half = 0.99 * (0.5 * step).sin();
-        // Up to 45° a column is no narrower than by √½ there.
-        let aside = half * 1.5f64.sqrt();
-        let [from_m, to_m] = distance_m;
-        let curved_m = from_m * from_m / (2.0 * EARTH_RADIUS_M);
-        let nearest_m = from_m * half + altitude_m[0].max(self.observer_altitude_m + curved_m);
-        let mean_m = altitude_m[1].max(self.observer_altitude_m)
-            + to_m * (0.75 * step + to_m / (6.0 * EARTH_RADIUS_M));
-        let at = |altitude_m: f64| HEIGHTS_M.map(|height_m| density(-altitude_m as f32 / height_m));
-        let (nearest, mean) = (at(nearest_m), at(mean_m));
-        std::array::from_fn(|band| {
-            let peak: f32 = (0..2).map(|s| scattered[s] * nearest[s] * self.scattered_per_m[s][band]).sum();
-            let lost_per_m: f32 = (0..2).map(|s| mean[s] * self.extinction_per_m[s][band] as f32).sum();
-            let root = density(-0.25 * 0.98 * from_m as f32 * lost_per_m);
-            peak / aside as f32 * (root * root) * (root * root)
-        })
-    }
-}
+const MIN_MISS: f64 = 1e-4;
 
 /// A light as the observer sees it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sight {
+pub(crate) struct SightLine {
     /// Where it is: metres along its azimuth and up from the observer's horizontal plane.
     across_m: f32,
     up_m: f32,
@@ -87,12 +21,6 @@ pub(crate) struct Sight {
     arc: [f32; 2],
     /// e^{−z/H} at it, `[molecules, aerosol]`.
     density: [f32; 2],
-}
-
-/// e^x with x held within ±8: no air of the model is thicker or thinner.
-#[inline(always)]
-pub(crate) fn density(log: f32) -> f32 {
-    exponential::<false>(log.clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY))
 }
 
 /// Of tan⁻¹(y)/y in powers of y² up to 22.5°, by least squares at Chebyshev's nodes: within 3e-8.
@@ -117,40 +45,45 @@ fn arc_tangent(x: f32) -> f32 {
     (around + y * series).copysign(x)
 }
 
-impl Sight {
+impl SightLine {
     /// A light at a distance along the ground, `offset_m` above the observer.
     #[inline(always)]
     pub(crate) fn new(air: &Air, distance_m: f64, offset_m: f64) -> Self {
-        Sights::<1>::new(air, &[distance_m], &[offset_m]).alone(0)
+        SightLines::<1>::new(air, &[distance_m], &[offset_m]).alone(0)
     }
 
-    /// [`Sights::through`] of one light for rays of some elevations (sines, cosines).
+    /// [`SightLines::transmittance`] of one light for rays of some elevations (sines, cosines).
     #[inline(always)]
-    pub(crate) fn through<const FUSED: bool, const N: usize>(
+    pub(crate) fn transmittance<const FUSED: bool, const N: usize>(
         &self,
         air: &Air,
         rays: [&[f32; N]; 2],
     ) -> [[f32; N]; BAND_COUNT] {
-        Sights::all(self).through::<FUSED>(air, rays)
+        SightLines::all(self).transmittance::<FUSED>(air, rays)
     }
 
-    /// [`Sights::radiance`] of one light at one elevation (sine and cosine) and some azimuths relative to its own (cosines, sines);
-    /// `through` is that of [`Self::through`] at the elevation.
+    /// [`SightLines::radiance`] of one light at one elevation (sine and cosine) and some azimuths relative to its own (cosines, sines);
+    /// `transmittance` is that of [`Self::transmittance`] at the elevation.
     #[inline(always)]
     pub(crate) fn radiance<const FUSED: bool, const N: usize>(
         &self,
         air: &Air,
-        through: [f32; BAND_COUNT],
+        transmittance: [f32; BAND_COUNT],
         [sin_elevation, cos_elevation]: [f32; 2],
         azimuths: [&[f32; N]; 2],
     ) -> [[f32; N]; BAND_COUNT] {
         let elevations = [&[sin_elevation; N], &[cos_elevation; N]];
-        Sights::all(self).radiance::<FUSED>(air, through.map(|through| [through; N]), elevations, azimuths)
+        SightLines::all(self).radiance::<FUSED>(
+            air,
+            transmittance.map(|transmittance| [transmittance; N]),
+            elevations,
+            azimuths,
+        )
     }
 }
 
 /// Some lights side by side, or one of them for some rays.
-pub(crate) struct Sights<const N: usize> {
+pub(crate) struct SightLines<const N: usize> {
     across_m: [f32; N],
     up_m: [f32; N],
     nearest_miss_m2: [f32; N],
@@ -158,23 +91,23 @@ pub(crate) struct Sights<const N: usize> {
     density: [[f32; N]; 2],
 }
 
-impl<const N: usize> Sights<N> {
+impl<const N: usize> SightLines<N> {
     /// One light in every lane.
     #[inline(always)]
-    fn all(sight: &Sight) -> Self {
+    fn all(sight_line: &SightLine) -> Self {
         Self {
-            across_m: [sight.across_m; N],
-            up_m: [sight.up_m; N],
-            nearest_miss_m2: [sight.nearest_miss_m2; N],
-            arc: sight.arc.map(|of_arc| [of_arc; N]),
-            density: sight.density.map(|density| [density; N]),
+            across_m: [sight_line.across_m; N],
+            up_m: [sight_line.up_m; N],
+            nearest_miss_m2: [sight_line.nearest_miss_m2; N],
+            arc: sight_line.arc.map(|of_arc| [of_arc; N]),
+            density: sight_line.density.map(|density| [density; N]),
         }
     }
 
     /// Lights at distances along the ground, `offset_m` above the observer.
     #[inline(always)]
     pub(crate) fn new(air: &Air, distance_m: &[f64; N], offset_m: &[f64; N]) -> Self {
-        let mut sights = Self {
+        let mut sight_lines = Self {
             across_m: [0.0; N],
             up_m: [0.0; N],
             nearest_miss_m2: [0.0; N],
@@ -191,21 +124,21 @@ impl<const N: usize> Sights<N> {
             let less = 0.5 * square * (1.0 - square * (1.0 / 12.0 - square * (1.0 / 360.0)));
             let (across_m, up_m) = (radius_m * sin, offset_m[lane] - radius_m * less);
             let slant2_m2 = across_m * across_m + up_m * up_m;
-            sights.across_m[lane] = across_m as f32;
-            sights.up_m[lane] = up_m as f32;
-            sights.nearest_miss_m2[lane] = (NEAREST_MISS * NEAREST_MISS * slant2_m2) as f32;
-            (sights.arc[0][lane], sights.arc[1][lane]) = (sin as f32, (1.0 - less) as f32);
-            for (of_species, height_m) in sights.density.iter_mut().zip(HEIGHTS_M) {
+            sight_lines.across_m[lane] = across_m as f32;
+            sight_lines.up_m[lane] = up_m as f32;
+            sight_lines.nearest_miss_m2[lane] = (MIN_MISS * MIN_MISS * slant2_m2) as f32;
+            (sight_lines.arc[0][lane], sight_lines.arc[1][lane]) = (sin as f32, (1.0 - less) as f32);
+            for (of_species, height_m) in sight_lines.density.iter_mut().zip(HEIGHTS_M) {
                 of_species[lane] = density(-altitude_m as f32 / height_m);
             }
         }
-        sights
+        sight_lines
     }
 
     /// One of them.
     #[inline(always)]
-    pub(crate) fn alone(&self, lane: usize) -> Sight {
-        Sight {
+    pub(crate) fn alone(&self, lane: usize) -> SightLine {
+        SightLine {
             across_m: self.across_m[lane],
             up_m: self.up_m[lane],
             nearest_miss_m2: self.nearest_miss_m2[lane],
@@ -232,10 +165,10 @@ impl<const N: usize> Sights<N> {
         [sines, cosines]
     }
 
-    /// What gets through from the light to the observer by way of the rays' nearest points to it, in the vertical plane of the two,
+    /// The transmittance from the light to the observer by way of the rays' nearest points to it, in the vertical plane of the two,
     /// for rays of some elevations (sines, cosines), one a lane, `[band][ray]`. Both ways' optical depths by Simpson's rule.
     #[inline(always)]
-    pub(crate) fn through<const FUSED: bool>(
+    pub(crate) fn transmittance<const FUSED: bool>(
         &self,
         air: &Air,
         [sines, cosines]: [&[f32; N]; 2],
@@ -254,7 +187,7 @@ impl<const N: usize> Sights<N> {
             for species in 0..2 {
                 let per_m = -1.0 / HEIGHTS_M[species];
                 let at = |altitude_m: f32| {
-                    let log = (altitude_m * per_m).clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY);
+                    let log = (altitude_m * per_m).clamp(-MAX_LOG_DENSITY, MAX_LOG_DENSITY);
                     exponential::<FUSED>(log)
                 };
                 let (nearest, light, eye) =
@@ -266,25 +199,25 @@ impl<const N: usize> Sights<N> {
                         + along_m * (nearest + 4.0 * at(middle_m) + eye));
             }
         }
-        let mut through = [[0f32; N]; BAND_COUNT];
-        for (band, through) in through.iter_mut().enumerate() {
+        let mut transmittance = [[0f32; N]; BAND_COUNT];
+        for (band, transmittance) in transmittance.iter_mut().enumerate() {
             let [molecules, aerosol] = air.extinction_per_m.map(|of_bands| of_bands[band] as f32);
             for lane in 0..N {
                 let depth = molecules * columns_m[0][lane] + aerosol * columns_m[1][lane];
-                let root = exponential::<FUSED>((-0.25 * depth).max(-LARGEST_LOG_DENSITY));
-                through[lane] = (root * root) * (root * root);
+                let root = exponential::<FUSED>((-0.25 * depth).max(-MAX_LOG_DENSITY));
+                transmittance[lane] = (root * root) * (root * root);
             }
         }
-        through
+        transmittance
     }
 
     /// Radiance per watt in each band, m⁻² sr⁻¹, `[band][direction]`, at elevations (sines, cosines) and azimuths relative to their own
-    /// (cosines, sines), one a lane. `through` is that of [`Self::through`] at the elevations.
+    /// (cosines, sines), one a lane. `transmittance` is that of [`Self::transmittance`] at the elevations.
     #[inline(always)]
     pub(crate) fn radiance<const FUSED: bool>(
         &self,
         air: &Air,
-        through: [[f32; N]; BAND_COUNT],
+        transmittance: [[f32; N]; BAND_COUNT],
         [sin_elevation, cos_elevation]: [&[f32; N]; 2],
         [cos_azimuth, sin_azimuth]: [&[f32; N]; 2],
     ) -> [[f32; N]; BAND_COUNT] {
@@ -308,7 +241,7 @@ impl<const N: usize> Sights<N> {
             let above_m = -(out[0] * sin_arc + out[2] * cos_arc);
             across[lane] = above_m * per_miss[lane];
             along[lane] = x * sin_arc + z * cos_arc;
-            let clamp = |x: f32| x.clamp(-LARGEST_LOG_DENSITY, LARGEST_LOG_DENSITY);
+            let clamp = |x: f32| x.clamp(-MAX_LOG_DENSITY, MAX_LOG_DENSITY);
             for species in 0..2 {
                 density[species][lane] = exponential::<FUSED>(clamp(-above_m * (1.0 / HEIGHTS_M[species])));
             }
@@ -324,7 +257,7 @@ impl<const N: usize> Sights<N> {
             let [molecules, aerosol] = [0, 1].map(|species| air.scattered_per_m[species][band]);
             for lane in 0..N {
                 let [of_molecules, of_aerosol] = [0, 1].map(|species: usize| self.density[species][lane]);
-                radiance[lane] = through[band][lane]
+                radiance[lane] = transmittance[band][lane]
                     * (molecules * of_molecules * scattered[0][lane]
                         + aerosol * of_aerosol * scattered[1][lane]);
             }
@@ -337,14 +270,15 @@ impl<const N: usize> Sights<N> {
 pub(crate) mod tests {
     use super::*;
     use skyglow_physics::{
-        EmissionMix, Lobe, Turbidity,
-        panorama::elevation_rad,
+        Atmosphere, EmissionMix, Lobe, Turbidity,
+        near_light::NearScattering,
+        panorama::{azimuth_rad, elevation_rad},
         single_source::{SourceGeometry, mixed_radiance_per_watt},
     };
 
     /// A light's elevation, radians.
-    pub(in crate::near_lights) fn elevation_of(sight: &Sight) -> f32 {
-        (sight.up_m / sight.across_m).atan()
+    pub(in crate::near_field) fn elevation_of(sight_line: &SightLine) -> f32 {
+        (sight_line.up_m / sight_line.across_m).atan()
     }
 
     #[test]
@@ -357,17 +291,18 @@ pub(crate) mod tests {
     }
 
     /// Radiance per watt in each band of one light in one direction, the azimuth relative to its own.
-    pub(in crate::near_lights) fn one(
-        sight: &Sight,
+    pub(in crate::near_field) fn one(
+        sight_line: &SightLine,
         air: &Air,
         azimuth_rad: f64,
         elevation_rad: f64,
     ) -> [f64; BAND_COUNT] {
         let (cosines, sines) = ([azimuth_rad.cos() as f32], [azimuth_rad.sin() as f32]);
         let [sin, cos] = [elevation_rad.sin() as f32, elevation_rad.cos() as f32];
-        let through = sight.through::<false, 1>(air, [&[sin], &[cos]]).map(|of_band| of_band[0]);
-        sight
-            .radiance::<false, 1>(air, through, [sin, cos], [&cosines, &sines])
+        let transmittance =
+            sight_line.transmittance::<false, 1>(air, [&[sin], &[cos]]).map(|of_band| of_band[0]);
+        sight_line
+            .radiance::<false, 1>(air, transmittance, [sin, cos], [&cosines, &sines])
             .map(|of_band| f64::from(of_band[0]))
     }
 
@@ -386,7 +321,7 @@ pub(crate) mod tests {
                 {
                     for climb in [-0.003, 0.0, 0.05, 0.2] {
                         let offset_m = climb * distance_m;
-                        let sight = Sight::new(&air, distance_m, offset_m);
+                        let sight_line = SightLine::new(&air, distance_m, offset_m);
                         let geometry = SourceGeometry {
                             distance_m,
                             source_altitude_m: 300.0 + offset_m,
@@ -395,7 +330,7 @@ pub(crate) mod tests {
                         // Above and beside it, half a degree to two away.
                         for (aside_deg, above_deg) in [(0.5f64, 0.7f64), (0.1, 0.7), (1.4, 1.0), (0.0, 1.6)] {
                             let elevation =
-                                (f64::from(elevation_of(&sight)) + above_deg.to_radians()).max(0.012);
+                                (f64::from(elevation_of(&sight_line)) + above_deg.to_radians()).max(0.012);
                             let azimuth = aside_deg.to_radians();
                             let exact: [f64; BAND_COUNT] = mixed_radiance_per_watt(
                                 &[atmosphere],
@@ -405,7 +340,7 @@ pub(crate) mod tests {
                                 elevation,
                                 1e-5,
                             );
-                            let got = one(&sight, &air, azimuth, elevation);
+                            let got = one(&sight_line, &air, azimuth, elevation);
                             for (got, exact) in got.iter().zip(exact) {
                                 let error = (got / exact - 1.0).abs();
                                 (sum, worst, count) = (sum + error, worst.max(error), count + 1.0);
@@ -430,17 +365,17 @@ pub(crate) mod tests {
         let atmosphere = Atmosphere::new(Turbidity::new(turbidity).unwrap());
         let emission = EmissionMix::only(lobe);
         let air = Air::new(NearScattering::of(emission), &atmosphere, 302.0);
-        let sight = Sight::new(&air, distance_m, altitude_m - 302.0);
+        let sight_line = SightLine::new(&air, distance_m, altitude_m - 302.0);
         let geometry =
             SourceGeometry { distance_m, source_altitude_m: altitude_m, observer_altitude_m: 302.0 };
         let (azimuth, elevation) = (aside * azimuth_rad(1), elevation_rad(row));
         let exact: [f64; BAND_COUNT] =
             mixed_radiance_per_watt(&[atmosphere], &geometry, emission, azimuth, elevation, 1e-5);
-        [one(&sight, &air, azimuth, elevation)[1], exact[1]]
+        [one(&sight_line, &air, azimuth, elevation)[1], exact[1]]
     }
 
     #[test]
-    fn far_lights_have_their_peaks_height_and_shape_too() {
+    fn far_peaks_have_their_height_and_shape() {
         for (distance_m, most) in [(35e3, 0.08), (60e3, 0.1), (100e3, 0.25)] {
             for (turbidity, lobe, row) in [
                 (1.75, Lobe::Lambert, 0),
@@ -460,12 +395,13 @@ pub(crate) mod tests {
         }
     }
 
+    /// It is even in azimuth and falls as one over the angle.
     #[test]
-    fn it_is_even_in_azimuth_and_falls_as_one_over_the_angle() {
+    fn it_is_even_and_falls_with_the_angle() {
         let atmosphere = Atmosphere::new(Turbidity::default());
         let air = Air::new(NearScattering::of(EmissionMix::only(Lobe::Horizon)), &atmosphere, 0.0);
-        let sight = Sight::new(&air, 5_000.0, 0.0);
-        let at = |azimuth_rad: f64| one(&sight, &air, azimuth_rad, 0.002)[1];
+        let sight_line = SightLine::new(&air, 5_000.0, 0.0);
+        let at = |azimuth_rad: f64| one(&sight_line, &air, azimuth_rad, 0.002)[1];
         assert!((at(0.03) / at(-0.03) - 1.0).abs() < 1e-5);
         assert!((at(0.02) / at(0.04) / 2.0 - 1.0).abs() < 0.1, "{}", at(0.02) / at(0.04));
     }
