@@ -1,4 +1,4 @@
-//! G_k(θ) = Σ_p w(p)·B_k(θ_p − θ, φ_p) for every function and azimuth.
+//! G_k(θ) = Σ_p w(p)·B_k(θ_p − θ, φ_p) for every function and azimuth, by the cross-correlation theorem.
 
 use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama};
