@@ -19,7 +19,7 @@ pub(crate) trait Executor {
     fn resident_bytes(&self) -> u64;
     /// Renders a batch.
     fn render(&mut self, batch: &[&Prepared]) -> Result<BatchOutput, DeviceFault>;
-    /// Destroys the device, for drills.
+    /// Destroys the device, for tests of recovery.
     fn lose(&mut self);
 }
 

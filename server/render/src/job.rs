@@ -1,4 +1,4 @@
-//! What travels between the engine, the thread that owns the device and the pool behind it.
+//! Jobs, as they go from the engine to the render thread and on to the post-process pool.
 
 use crate::{
     error::RenderError,
@@ -14,14 +14,14 @@ pub(crate) struct Job {
     pub(crate) answer: oneshot::Sender<Result<Rendered, RenderError>>,
 }
 
-/// What the thread is told.
+/// A command to the render thread.
 #[derive(Debug)]
 pub(crate) enum Command {
     Render(Box<Job>),
     LoseDevice,
 }
 
-/// A request that the device is done with.
+/// A job whose passes have run.
 pub(crate) struct RenderedJob {
     pub(crate) job: Job,
     pub(crate) radiance_w_m2_sr: Vec<f32>,

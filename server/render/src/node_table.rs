@@ -1,4 +1,4 @@
-//! Where the numbers of a node lie: in the tables of the open sky or in those of its blocking angle.
+//! The table of a node: that of the open sky or that of its blocking angle.
 
 use crate::prepare::{MixNode, Prepared};
 use half::f16;

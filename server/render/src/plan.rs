@@ -63,7 +63,7 @@ impl Pass {
 pub const FUNCTIONS_PER_TABLE_TEXEL: usize = 8;
 /// Basis functions in a texel between the passes, and in one workgroup of the transform.
 pub const FUNCTIONS_PER_TEXEL: usize = 4;
-/// Basis functions that one invocation mixes. Software finds where to read for eight invocations at once: the more each
+/// Basis functions that one invocation mixes. Software Vulkan computes addresses for eight invocations at once: the more each
 /// reads there, the less that costs.
 pub const MIXED_PER_LANE: usize = 32;
 /// Basis functions that one invocation of the coefficient pass sums.

@@ -1,7 +1,7 @@
 //! The post-process pool: the near-field correction of rendered skies, on the pool of threads, so that the device goes on.
 //!
-//! It takes as many requests at once as a batch has or threads there are: a thread of the pool that waits for a part of one begins
-//! another, and each holds a sky. A render thread that is faster waits.
+//! It takes as many requests at once as a batch has, or as there are threads: a thread of the pool that waits for a part of one begins
+//! another, and each holds a sky in memory. A faster render thread waits.
 
 use crate::{
     error::{DeviceFault, RenderError},
@@ -65,7 +65,7 @@ impl PostProcessPool {
         Self { permits: Arc::default(), limit, set: Arc::clone(set), stats: Arc::clone(stats) }
     }
 
-    /// Has a request answered, at once where nothing is left to do; waits while too many are being finished.
+    /// Answers a request: at once where nothing is left to do, else from the pool; waits while too many are being finished.
     pub(crate) fn finish(&self, rendered: RenderedJob) {
         let (set, stats) = (Arc::clone(&self.set), Arc::clone(&self.stats));
         let needs_work = rendered.job.prepared.near.is_some();

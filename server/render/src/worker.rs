@@ -65,7 +65,7 @@ fn fits(batch: &[Job], job: &Job) -> bool {
         && job.prepared.is_compatible(&batch[0].prepared)
 }
 
-/// How long a device that could not be made anew is left before the next try.
+/// Time between tries to open a lost device again.
 const REPAIR_INTERVAL: Duration = Duration::from_secs(5);
 
 struct Worker {
@@ -115,7 +115,7 @@ impl Worker {
         self.stats.ready.store(true, Ordering::Release);
     }
 
-    /// The next command, tried for while the device is down: nobody sends work to a server that is not ready.
+    /// The next command. While the device is down it is opened again at intervals, for nobody sends work to a server that is not ready.
     fn next_command(&mut self) -> Option<Command> {
         loop {
             if self.stats.ready.load(Ordering::Acquire) {
@@ -155,8 +155,8 @@ impl Worker {
         Some(batch)
     }
 
-    /// Adds compatible requests that are in the queue. Nothing is waited for: a device that is left idle for company renders fewer
-    /// panoramas, whoever comes while it works.
+    /// Adds compatible requests that are in the queue. It does not wait for more: an idle device would render fewer
+    /// panoramas, and whoever comes meanwhile is in the next batch.
     fn collect(&mut self, batch: &mut Vec<Job>, limit: usize) {
         while batch.len() < limit && self.waiting.len() < limit {
             match self.commands.try_recv() {

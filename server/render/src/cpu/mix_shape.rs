@@ -12,7 +12,7 @@ use skyglow_tables::resident::ResidentTables;
 
 /// Nodes that a task mixes.
 const NODES_PER_TASK: usize = 64;
-/// How many nodes before its turn a node's coefficients are asked for.
+/// How many nodes ahead coefficients are prefetched.
 #[cfg(target_arch = "x86_64")]
 const NODES_AHEAD: usize = 2;
 /// Coefficients in a cache line.
@@ -88,11 +88,11 @@ fn mix_nodes_wide(
     mix_nodes_with(tables, request, scales, basis_count, first, blocks, sum_shapes);
 }
 
-/// Asks for the coefficients of a node, which lie where no processor guesses: they come while others are worked on, and
+/// Prefetches the coefficients of a node, whose place no processor predicts: they arrive while others are worked on, and
 /// the mix takes half the time.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn fetch(table: &NodeTable<'_>, request: &Prepared, basis_count: usize) {
+fn prefetch(table: &NodeTable<'_>, request: &Prepared, basis_count: usize) {
     let in_use = basis_count.min(table.basis_count);
     for altitude in table.altitudes.nodes() {
         for lobe in (0..LOBE_COUNT).filter(|&lobe| request.emission[lobe] > 0.0) {
@@ -100,25 +100,25 @@ fn fetch(table: &NodeTable<'_>, request: &Prepared, basis_count: usize) {
                 let start = table.shape_index(altitude, lobe, band) * table.basis_count;
                 let image = &table.shape[start..][..in_use];
                 for line in image.chunks(LINE) {
-                    fetch_line(&line[0]);
+                    prefetch_line(&line[0]);
                 }
                 // An image begins anywhere in a line and ends in one more, where a whole one's next begins.
                 if in_use < table.basis_count
                     && let Some(last) = image.last()
                 {
-                    fetch_line(last);
+                    prefetch_line(last);
                 }
             }
         }
     }
 }
 
-/// Asks for the cache line of a value.
+/// Prefetches the cache line of a value.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn fetch_line(value: &f16) {
+fn prefetch_line(value: &f16) {
     use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-    #[expect(unsafe_code, reason = "there is no safe way to ask for what is needed soon")]
+    #[expect(unsafe_code, reason = "there is no safe way to prefetch")]
     // SAFETY: it changes nothing whatever the address, and every x86-64 has it.
     unsafe {
         _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast());
@@ -144,7 +144,7 @@ fn mix_nodes_with(
     {
         #[cfg(target_arch = "x86_64")]
         if let Some(ahead) = request.nodes[first..][..count].get(slot + NODES_AHEAD) {
-            fetch(&NodeTable::of(tables, request, ahead), request, basis_count);
+            prefetch(&NodeTable::of(tables, request, ahead), request, basis_count);
         }
         let table = NodeTable::of(tables, request, node);
         let weights = table.altitudes.weights_f32();

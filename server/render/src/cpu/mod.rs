@@ -1,4 +1,4 @@
-//! The same pipeline in plain Rust f32: the executor for machines without Vulkan, and the passes' twins.
+//! The CPU executor: the same passes in plain Rust f32, file by file under the names of `shaders/passes`.
 
 pub mod azimuth_fft;
 pub mod basis_sum;
@@ -65,7 +65,7 @@ impl CpuExecutor {
             .flat_map(|&request| request.turbidity_stencil.nodes().map(move |pack| Item { request, pack }))
             .collect();
         let cores = rayon::current_num_threads();
-        // Cores that would be left without an item of their own help with those of others.
+        // Cores without an item of their own help with those of others.
         let share_within = cores > 1 && !items.len().is_multiple_of(cores) && items.len() < 4 * cores;
         let rendered: Vec<(Vec<f32>, PassClock)> =
             items.par_iter().with_max_len(1).map(|item| self.render_pack(item, share_within)).collect();

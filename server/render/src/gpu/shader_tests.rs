@@ -1,4 +1,4 @@
-//! Shaders without a device: they validate, and what they declare is what the host has.
+//! Tests of the shaders without a device: they are valid, and what they declare agrees with the host.
 
 use super::bindings::{Binding, bindings};
 use crate::{
