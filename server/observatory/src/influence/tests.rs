@@ -51,6 +51,7 @@ fn total(request: &RenderRequest, cells: &[CellInfluence]) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn linear_measures_of_cells_add_up_to_those_of_the_sky_at_and_between_packs() {
     for turbidity in [2.5, 1.9, 4.0] {
         for polar in [synthetic::polar_grid(3, 2_000), synthetic::polar_grid_with_skylines(4, 2_000)] {

@@ -98,6 +98,7 @@ fn zenith_brightening_is_unchanged() {
 }
 
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn a_brighter_ground_brightens_the_sky() {
     let coarse = Resolution::coarse();
     let dark = SourceField::solve(setting(2.0, 0.0, 0.0, 0.0), &coarse);

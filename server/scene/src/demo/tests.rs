@@ -3,6 +3,7 @@ use skyglow_physics::GeoPoint;
 
 /// The demo is marked as illustrative and comes out the same twice.
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn the_demo_is_illustrative_and_deterministic() {
     let dir = tempfile::tempdir().unwrap();
     let store = SceneStore::new(dir.path());

@@ -173,6 +173,7 @@ mod tests {
 
     /// At its nodes the part is that of a cut field, and it multiplies the open table.
     #[test]
+    #[ignore = "slow: `make check` leaves it to `make test`"]
     fn parts_at_nodes_are_those_of_cut_fields() {
         let atmosphere = Atmosphere::new(Turbidity::new(3.0).unwrap());
         let distance_m = [2_000.0, 30_000.0];

@@ -226,6 +226,7 @@ mod tests {
 
     /// At the nodes scales are those of the cut images, and higher skylines leave less.
     #[test]
+    #[ignore = "slow: `make check` leaves it to `make test`"]
     fn scales_at_nodes_are_those_of_cut_images() {
         let turbidity = Turbidity::new(2.0).unwrap();
         let folder = tempfile::tempdir().unwrap();

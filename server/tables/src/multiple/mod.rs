@@ -260,6 +260,7 @@ mod tests {
 
     /// At its nodes the table is the field, and images are what single directions are.
     #[test]
+    #[ignore = "slow: `make check` leaves it to `make test`"]
     fn the_table_is_the_field_at_its_nodes() {
         let distance_m = [2_000.0, 30_000.0];
         let (atmosphere, table) = table(&distance_m);

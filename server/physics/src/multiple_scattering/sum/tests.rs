@@ -40,6 +40,7 @@ fn cut(sources: &[BlockedSource]) -> Vec<[f64; BAND_COUNT]> {
 
 /// The light of each source adds up to that of all.
 #[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
 fn sources_add_up() {
     let sources: Vec<PointSource> = [(100.0, 2_000.0), (700.0, 9_000.0), (1_500.0, 40_000.0)]
         .map(|(altitude_m, distance_m)| behind(0.0, altitude_m, distance_m).source)
