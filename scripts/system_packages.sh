@@ -62,6 +62,8 @@ if [ "$purpose" = test ]; then
     need curl has_command curl
     need python3-requests has_python_modules
     need python3-rasterio has_python_modules
+    # The generator of a client is installed into an environment of its own.
+    need python3-venv python3 -c "import ensurepip"
 fi
 
 if [ -n "$missing" ]; then

@@ -84,6 +84,7 @@ all)
     viewer_checks
     part "viewer: built form matches its sources" in_web npm run test:dist
     part "viewer: in the browser" scripts/browser_tests.sh
+    part "generated client" scripts/generated_client.sh
     ;;
 *)
     echo "usage: $0 [check|browser|all]" >&2

@@ -39,8 +39,8 @@ pub fn encode_influences(
     let measure = &request.request.measure;
     match format {
         InfluenceFormat::Json => {
-            let answer =
-                InfluenceAnswer::new(assumptions, map, measure, request.limit, request.boundary.as_ref());
+            let boundary = request.boundary.as_ref().map(|area| &area.boundary);
+            let answer = InfluenceAnswer::new(assumptions, map, measure, request.limit, boundary);
             Ok(serde_json::to_vec(&answer)?)
         }
         InfluenceFormat::GeoJson => geojson(assumptions, map, request),
@@ -59,7 +59,7 @@ fn geojson(
     let total = map.total().influence;
     let place = |pixel: &InfluentialPixel| [pixel.longitude_deg, pixel.latitude_deg];
     let mut collection = feature_collection(influential_pixels(map, total, request.limit), place)?;
-    let boundary = request.boundary.as_ref().map(|boundary| PartAnswer::new(map.within(boundary), total));
+    let boundary = request.boundary.as_ref().map(|area| PartAnswer::new(map.within(&area.boundary), total));
     let facts = json!({
         "measure": measure_name(measure),
         "unit": measure.unit(),

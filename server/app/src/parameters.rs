@@ -63,8 +63,22 @@ impl Parameter {
         }
     }
 
+    /// The same without a default of its own in the document, whose words say it instead: clients that were generated from the
+    /// document send every default, and this one is refused beside some of the others.
+    fn with_default_in_words(&self) -> ApiParameter {
+        let mut parameter = Parameter { default: "", ..*self }.openapi();
+        if !self.default.is_empty() {
+            let words = parameter.description.unwrap_or_default();
+            parameter.description = Some(format!("{words} Default: {}.", self.default));
+        }
+        parameter
+    }
+
     /// The parameter as OpenAPI says it.
     pub fn openapi(&self) -> ApiParameter {
+        if !self.default.is_empty() && CONDITIONAL.iter().any(|other| other.name == self.name) {
+            return self.with_default_in_words();
+        }
         let default = (!self.default.is_empty()).then(|| match self.kind {
             Kind::Number { .. } => {
                 self.default.parse::<f64>().map_or_else(|_| self.default.into(), serde_json::Value::from)
@@ -203,6 +217,9 @@ parameters! {
     LEGEND = "legend", Kind::Choice(&["on", "off"]), "on", false;
 }
 
+/// Parameters that others exclude, or that mean something beside others alone.
+const CONDITIONAL: [Parameter; 7] = [HEIGHT, AZIMUTH, ELEVATION, FOV, COLORMAP, SCALE, EXPOSURE];
+
 /// A set of parameters for `#[utoipa::path(params(…))]` and for the reader.
 pub trait ParameterSet {
     /// The parameters, in the order of the document.
@@ -283,15 +300,39 @@ parameter_sets! {
     ];
 }
 
-/// Those of influences where not every layer of tiles needs a place.
+/// Those of influences where not every layer of tiles takes them, or needs a place.
 #[derive(Clone, Copy, Debug)]
 pub struct OptionalInfluenceParameters;
 
 impl utoipa::IntoParams for OptionalInfluenceParameters {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<ApiParameter> {
-        let optional = |parameter: &Parameter| Parameter { required: false, ..*parameter }.openapi();
+        let optional =
+            |parameter: &Parameter| Parameter { required: false, ..*parameter }.with_default_in_words();
         InfluenceRasterParameters::ALL.iter().map(optional).collect()
     }
+}
+
+macro_rules! negotiated_sets {
+    ($($(#[$doc:meta])* $name:ident = $set:ident;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name;
+
+        impl utoipa::IntoParams for $name {
+            fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<ApiParameter> {
+                $set::ALL.iter().map(Parameter::with_default_in_words).collect()
+            }
+        }
+    )*};
+}
+
+negotiated_sets! {
+    /// Those of a panorama in the format that is accepted, which may not take all of them.
+    NegotiatedPanoramaParameters = PanoramaParameters;
+    /// Those of influences in the format that is accepted.
+    NegotiatedInfluenceParameters = InfluenceParameters;
+    /// Those of a plan in the format that is accepted.
+    NegotiatedPlanParameters = PlanListParameters;
 }
 
 #[cfg(test)]

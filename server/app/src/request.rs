@@ -1,5 +1,6 @@
 //! Typed requests from query strings.
 
+mod area;
 mod brightness;
 pub mod geojson;
 mod influence;
@@ -12,6 +13,7 @@ mod sky;
 mod tests;
 mod view;
 
+pub use area::{BoundedArea, other_format, without_byte_order_mark};
 pub use brightness::brightness;
 pub use influence::{InfluenceBody, InfluenceListRequest, influence};
 pub use plan::{PlanStoreRequest, plan, plan_limit};
@@ -42,6 +44,24 @@ use skyglow_scene::{ChangeId, SceneId};
 /// [`AppError::UnknownScene`].
 pub fn scene_id(text: &str) -> Result<SceneId, AppError> {
     SceneId::parse(text).map_err(|_| AppError::UnknownScene { id: crate::validation::echo(text) })
+}
+
+/// The id that a scene is to have.
+///
+/// # Errors
+/// [`AppError::Parameters`] with what an id may be.
+pub fn new_scene_id(text: &str) -> Result<SceneId, AppError> {
+    SceneId::parse(text).map_err(|_| {
+        let message = "is no scene id".to_owned();
+        let allowed = "1 to 64 of the characters a-z, 0-9 and -, such as my-region".to_owned();
+        AppError::parameter(
+            "scene",
+            crate::validation::echo(text),
+            allowed,
+            message,
+            ValidationCode::NotAllowed,
+        )
+    })
 }
 
 /// Checks that there are no parameters.

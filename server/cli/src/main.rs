@@ -39,7 +39,20 @@ struct CommandLine {
     command: commands::Command,
 }
 
+/// Mesa's layer that sorts GPUs for a desktop complains on standard error where there is none, of a variable that servers do not
+/// have. Without a desktop there is nothing for it to sort.
+fn quiet_mesa() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() && std::env::var_os("NODEVICE_SELECT").is_none() {
+        #[expect(unsafe_code, reason = "the loader of Vulkan reads its variables from the environment alone")]
+        // SAFETY: `main` calls this first, so no other thread runs that could read the environment.
+        unsafe {
+            std::env::set_var("NODEVICE_SELECT", "1");
+        }
+    }
+}
+
 fn main() -> ExitCode {
+    quiet_mesa();
     if std::env::args_os().nth(1).is_some_and(|argument| argument == program::READ_UPLOAD) {
         return program::read_upload();
     }

@@ -69,7 +69,7 @@ pub(crate) struct PartialSettings {
     /// Bytes of computed skies that are kept for the next request [default: 67108864]
     #[arg(long, env = "SKYGLOW_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) cache_bytes: Option<u64>,
-    /// Bytes of pictures, rasters and map tiles that are kept as they were sent [default: 67108864]
+    /// Bytes of pictures, rasters and map tiles that are kept as they were sent [default: 268435456]
     #[arg(long, env = "SKYGLOW_ANSWER_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) answer_cache_bytes: Option<u64>,
     /// Bytes of maps of influences that are kept for the next request and for map tiles [default: 268435456]
@@ -105,12 +105,15 @@ pub(crate) struct PartialSettings {
     /// Longest wait for the head of a request, and for a client to take what it is sent, seconds [default: 30]
     #[arg(long, env = "SKYGLOW_IDLE_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) idle_timeout_s: Option<f64>,
-    /// Networks of proxies that are believed in X-Forwarded-For, as 10.0.0.0/8,fd00::/8 [default: none]
+    /// Networks of proxies that are believed in X-Forwarded-* and Forwarded, as 10.0.0.0/8,fd00::/8 [default: none]
     #[arg(long, env = "SKYGLOW_TRUSTED_PROXIES", value_name = "NETWORKS", value_delimiter = ',')]
     pub(crate) trusted_proxies: Option<Vec<String>>,
-    /// Where clients reach the server, for links in answers [default: as the request's Host header says]
+    /// Where clients reach the server, for links in answers [default: as trusted proxies and the Host header say]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,
+    /// Origins of other sites whose pages may have scenarios and plans stored, as https://maps.example.org, or * [default: none]
+    #[arg(long, env = "SKYGLOW_CORS_ORIGINS", value_name = "ORIGINS", value_delimiter = ',')]
+    pub(crate) cors_origins: Option<Vec<String>>,
 }
 
 /// The file, the line and what is wrong there.
@@ -202,9 +205,11 @@ mod tests {
     /// Numbers that no server can run with are refused all at once by name.
     #[test]
     fn unusable_numbers_are_refused_by_name() {
-        let file = "request_timeout_s = 0\nrequest_burst = 0\npublic_url = \"sky.example.org\"\nrequests_per_second = -1\n";
+        let file = "request_timeout_s = 0\nrequest_burst = 0\npublic_url = \"sky.example.org\"\nrequests_per_second = -1\ncors_origins = [\"https://a.example/path\"]\n";
         let refused = PartialSettings::default().over(&from_text(file).unwrap()).unwrap_err().to_string();
-        for name in ["request_timeout_s", "request_burst", "public_url", "requests_per_second"] {
+        for name in
+            ["request_timeout_s", "request_burst", "public_url", "requests_per_second", "cors_origins"]
+        {
             assert!(refused.contains(&format!("{name} must be")), "{refused}");
         }
         assert!(!refused.contains("drain"), "{refused}");

@@ -112,6 +112,9 @@ impl Settings {
         };
         let url = http.public_url.as_ref();
         require(url.is_none_or(is_url), "public_url", "an address such as https://sky.example.org");
+        let is_origin = |origin: &String| origin == "*" || is_url(origin) && origin.matches('/').count() == 2;
+        let allowed = "origins such as https://maps.example.org, without a path, or *";
+        require(http.cors_origins.iter().all(is_origin), "cors_origins", allowed);
         let collector = self.otlp_endpoint.as_ref();
         let is_plain = |url: &String| url.starts_with("http://") && is_url(url);
         require(collector.is_none_or(is_plain), "otlp_endpoint", "an address such as http://collector:4318");

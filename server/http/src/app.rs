@@ -3,12 +3,13 @@
 use crate::{
     access::Access,
     config::HttpConfig,
+    document::{self, Document},
     error::ApiError,
     middleware::{
-        ConcurrencyLimit, RateLimiter, StorageQuota, catch_panic, limit_concurrency, limit_rate,
-        limit_storage, observe, problems_only, read_body, tag_encodings,
+        ConcurrencyLimit, RateLimiter, StorageQuota, answer_ranges, catch_panic, find_public_address,
+        limit_concurrency, limit_rate, limit_storage, observe, problems_only, read_body,
+        share_across_origins, tag_encodings,
     },
-    refusals::refusal,
     routes::{
         atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
         sky, tilejson, tiles, uploads, viewer,
@@ -18,68 +19,23 @@ use crate::{
 use axum::{
     Router,
     extract::DefaultBodyLimit,
-    http::{HeaderName, HeaderValue, Method, header},
+    http::{HeaderValue, header},
     middleware::{from_fn, from_fn_with_state},
     response::Response,
     routing::get,
 };
 use skyglow_app::source::SkySource;
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 use tower_http::{
     CompressionLevel,
     compression::{
         CompressionLayer, Predicate,
         predicate::{NotForContentType, SizeAbove},
     },
-    cors::{Any, CorsLayer},
     limit::RequestBodyLimitLayer,
 };
-use utoipa::{
-    OpenApi,
-    openapi::security::{ApiKey as SecurityApiKey, ApiKeyValue, HttpAuthScheme, HttpBuilder, SecurityScheme},
-};
+use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
-
-/// The document's head.
-#[derive(OpenApi)]
-#[openapi(
-    info(
-        title = "Skyglow",
-        description = "The night sky of a place, brightened by the lights around it. Names carry their units; \
-                       times are RFC 3339 UTC; errors are RFC 9457 problem documents."
-    ),
-    tags(
-        (name = "sky", description = "The sky of a place"),
-        (name = "influence", description = "Which lights cause the sky of a place"),
-        (name = "plans", description = "What to dim, and what if: reduction plans and painted scenarios"),
-        (name = "scenes", description = "Rasters of light with their terrain and places"),
-        (name = "tiles", description = "Map tiles"),
-        (name = "atmospheres", description = "Resident table packs"),
-        (name = "operation", description = "For those who run the server"),
-    ),
-    // A key is never needed: it has a rate and a quota of its own.
-    security((), ("api_key" = []), ("bearer_key" = [])),
-    modifiers(&Secrets)
-)]
-struct Document;
-
-/// How clients say who they are.
-struct Secrets;
-
-impl utoipa::Modify for Secrets {
-    fn modify(&self, document: &mut utoipa::openapi::OpenApi) {
-        let components = document.components.get_or_insert_default();
-        let bearer = |description: &str| {
-            let http = HttpBuilder::new().scheme(HttpAuthScheme::Bearer).description(Some(description));
-            SecurityScheme::Http(http.build())
-        };
-        let header =
-            ApiKeyValue::with_description("X-Api-Key", "The key of a client that the operator knows");
-        components.add_security_scheme("api_key", SecurityScheme::ApiKey(SecurityApiKey::Header(header)));
-        components.add_security_scheme("bearer_key", bearer("The same"));
-        components.add_security_scheme("operator_token", bearer("The operator's token"));
-    }
-}
 
 /// Routes below `/api`: what is limited, timed and open to other origins.
 fn api() -> OpenApiRouter<AppState> {
@@ -122,28 +78,11 @@ fn operation() -> OpenApiRouter<AppState> {
         .routes(routes!(health::get_metrics))
 }
 
-/// What every path may answer, where it says nothing of it itself.
-fn add_common_refusals(document: &mut utoipa::openapi::OpenApi) {
-    let of_every_path = [
-        ("401", "A token or key that nobody has"),
-        ("429", "Too many requests; Retry-After says when to try again"),
-    ];
-    for (_, item) in document.paths.paths.iter_mut().filter(|(path, _)| path.starts_with("/api/")) {
-        let methods = [&mut item.get, &mut item.post, &mut item.put, &mut item.delete];
-        for operation in methods.into_iter().flatten() {
-            for (status, description) in of_every_path {
-                let responses = &mut operation.responses.responses;
-                responses.entry(status.to_owned()).or_insert_with(|| refusal(description));
-            }
-        }
-    }
-}
-
 /// The OpenAPI document of all routes.
 pub fn openapi() -> utoipa::openapi::OpenApi {
     let (_, mut document) = api().merge(uploads()).merge(operation()).split_for_parts();
     document.merge(tiles::TileDocument::openapi());
-    add_common_refusals(&mut document);
+    document::complete(&mut document);
     document
 }
 
@@ -176,8 +115,7 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         .layer(from_fn_with_state((state.clone(), quota), limit_storage))
         .layer(from_fn_with_state(state.clone(), read_body))
         .layer(from_fn_with_state((state.clone(), limiter.clone()), limit_rate))
-        .layer(RequestBodyLimitLayer::new(config.body_limit_bytes))
-        .layer(cors());
+        .layer(RequestBodyLimitLayer::new(config.body_limit_bytes));
     let (uploads, _) = uploads().split_for_parts();
     let uploads = uploads
         .layer(DefaultBodyLimit::disable())
@@ -192,11 +130,14 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         .route("/index.html", get(viewer::get_viewer))
         .route("/assets/{*file}", get(viewer::get_viewer))
         .fallback(not_found);
-    all.layer(CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(worth_compressing()))
+    all.layer(from_fn(answer_ranges))
+        .layer(CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(worth_compressing()))
         .layer(from_fn(tag_encodings))
         .layer(from_fn_with_state(state.clone(), problems_only))
         .layer(from_fn_with_state(state.clone(), catch_panic))
         .layer(from_fn(secure))
+        .layer(from_fn_with_state(state.clone(), share_across_origins))
+        .layer(from_fn_with_state(state.clone(), find_public_address))
         .layer(from_fn_with_state(state.clone(), observe))
         .with_state(state)
 }
@@ -212,28 +153,6 @@ fn worth_compressing() -> impl Predicate {
         .and(NotForContentType::const_new("image/webp"))
         .and(NotForContentType::const_new("image/x-exr"))
         .and(NotForContentType::const_new("image/tiff"))
-}
-
-/// Any origin may read; the headers that a reader needs are shown to it.
-fn cors() -> CorsLayer {
-    CorsLayer::new()
-        .allow_origin(Any)
-        .allow_methods([Method::GET, Method::HEAD])
-        .allow_headers([
-            header::ACCEPT,
-            header::IF_NONE_MATCH,
-            header::AUTHORIZATION,
-            HeaderName::from_static("x-api-key"),
-        ])
-        .expose_headers([
-            header::ETAG,
-            header::RETRY_AFTER,
-            HeaderName::from_static("server-timing"),
-            HeaderName::from_static("skyglow-warnings"),
-            HeaderName::from_static("x-request-id"),
-        ])
-        .max_age(Duration::from_secs(86_400))
-        .vary([])
 }
 
 /// Headers that every answer carries.

@@ -40,11 +40,14 @@ pub struct HttpConfig {
     pub connections: usize,
     /// Longest wait for the head of a request, and for a client to take some of what it is sent, seconds; then the connection ends.
     pub idle_timeout_s: f64,
-    /// Networks of proxies that are believed in `X-Forwarded-For`.
+    /// Networks of proxies that are believed in `X-Forwarded-For`, `-Proto`, `-Host` and `-Prefix`, and in `Forwarded`.
     pub trusted_proxies: Vec<IpNet>,
-    /// Where clients reach the server, such as `https://sky.example.org`, for the links inside answers;
-    /// without it the request's Host header says so.
+    /// Where clients reach the server, such as `https://sky.example.org/skyglow`, for the links inside answers;
+    /// without it trusted proxies and the request's Host header say so.
     pub public_url: Option<String>,
+    /// Origins of other sites whose pages may have scenarios and plans kept, such as `https://maps.example.org`; `*` for all. Those
+    /// of all sites may read.
+    pub cors_origins: Vec<String>,
 }
 
 impl Default for HttpConfig {
@@ -61,13 +64,14 @@ impl Default for HttpConfig {
             kept_per_day: 500,
             drain_timeout_s: 10.0,
             cache_bytes: 64 * 1024 * 1024,
-            answer_cache_bytes: 64 * 1024 * 1024,
+            answer_cache_bytes: 256 * 1024 * 1024,
             influence_cache_bytes: 256 * 1024 * 1024,
             brightness_cache_bytes: 64 * 1024 * 1024,
             connections: 2048,
             idle_timeout_s: 30.0,
             trusted_proxies: Vec::new(),
             public_url: None,
+            cors_origins: Vec::new(),
         }
     }
 }

@@ -76,6 +76,20 @@ pub enum ApiError {
         /// Seconds to wait.
         retry_after_s: u64,
     },
+    /// A range of bytes that a body does not have.
+    #[error("this has {length_bytes} bytes, and none of those asked for is among them")]
+    RangeNotSatisfiable {
+        /// Length of the body.
+        length_bytes: usize,
+    },
+    /// What was asked for is being made, and goes on being made.
+    #[error("this is being made and goes on: {:.0} % is done; ask again in {retry_after_s} s", 100.0 * progress)]
+    BeingMade {
+        /// The part that is done, 0 to 1.
+        progress: f64,
+        /// Seconds until it is worth asking again.
+        retry_after_s: u64,
+    },
     /// The answer took too long.
     #[error("the answer took longer than {limit_s} s")]
     Timeout {
@@ -151,6 +165,9 @@ impl ApiError {
             ApiError::BodyTooLong { .. } => {
                 (StatusCode::PAYLOAD_TOO_LARGE, "body-too-long", "The request's body is too long")
             }
+            ApiError::RangeNotSatisfiable { .. } => {
+                (StatusCode::RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "There are no such bytes")
+            }
             ApiError::Unreadable(status) => (
                 StatusCode::from_u16(*status).unwrap_or(StatusCode::BAD_REQUEST),
                 "unreadable",
@@ -179,6 +196,9 @@ impl ApiError {
             ApiError::App(AppError::Busy { .. }) => {
                 (StatusCode::SERVICE_UNAVAILABLE, "busy", "The server is busy")
             }
+            ApiError::BeingMade { .. } => {
+                (StatusCode::SERVICE_UNAVAILABLE, "being-made", "This is being made")
+            }
             ApiError::Timeout { .. } => {
                 (StatusCode::SERVICE_UNAVAILABLE, "timeout", "The answer took too long")
             }
@@ -197,6 +217,7 @@ impl ApiError {
             ApiError::TooManyRequests { retry_after_s }
             | ApiError::QuotaUsed { retry_after_s }
             | ApiError::StorageQuotaUsed { retry_after_s }
+            | ApiError::BeingMade { retry_after_s, .. }
             | ApiError::App(AppError::Busy { retry_after_s }) => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::App(AppError::EngineDown) => Some(2),
             ApiError::App(AppError::Storage { .. }) => Some(60),
@@ -219,6 +240,10 @@ impl ApiError {
             errors,
             bounds: match self {
                 ApiError::App(AppError::OutsideScene { bounds, .. }) => Some(*bounds),
+                _ => None,
+            },
+            progress: match self {
+                ApiError::BeingMade { progress, .. } => Some(*progress),
                 _ => None,
             },
         }

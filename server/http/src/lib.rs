@@ -7,18 +7,20 @@
 pub mod access;
 pub mod app;
 pub mod config;
+mod document;
 pub mod error;
 pub mod etag;
 pub mod listener;
 pub mod metrics;
 pub mod middleware;
 pub mod problem;
+mod progress;
 mod refusals;
 pub mod respond;
 pub mod routes;
 pub mod serve;
 pub mod state;
-mod trust;
+pub mod trust;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_with_access};

@@ -25,4 +25,7 @@ pub struct Problem {
     /// West, south, east, north of the scene, degrees, where the place lies outside it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<[f64; 4]>,
+    /// The part that is done of what is being made, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub progress: Option<f64>,
 }

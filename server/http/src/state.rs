@@ -1,6 +1,8 @@
 //! What every handler shares.
 
-use crate::{access::Access, config::HttpConfig, error::ApiError, etag::ETag, metrics::Metrics};
+use crate::{
+    access::Access, config::HttpConfig, error::ApiError, etag::ETag, metrics::Metrics, progress::Progress,
+};
 use axum::body::Bytes;
 use moka::{future::Cache, policy::EvictionPolicy};
 use skyglow_app::{error::AppError, source::SkySource};
@@ -38,6 +40,8 @@ pub struct AppState {
     influences: Cache<String, Arc<InfluenceMap>>,
     /// Maps of the zenith's brightness found lately, by what decides them.
     brightnesses: Cache<String, Arc<BrightnessMap>>,
+    /// How far those are that are being found.
+    brightness_progress: Progress,
     /// The permit for finding one, which takes all cores for seconds.
     brightness_permits: Arc<Semaphore>,
     /// Permits for that and the queue before it: more is not begun.
@@ -78,6 +82,8 @@ const MAX_QUEUED_BRIGHTNESS_MAPS: usize = 4;
 const BRIGHTNESS_TIME_TO_IDLE: Duration = Duration::from_secs(3600);
 /// How long an answer is stored at most.
 const ANSWER_TIME_TO_LIVE: Duration = Duration::from_secs(600);
+/// Part of the longest time for an answer that a map which is being found is waited for.
+const PART_WAITED_FOR: f64 = 0.8;
 /// Maps of influences that are found at a time; the others wait.
 const MAX_INFLUENCE_MAPS_AT_ONCE: usize = 2;
 /// Bytes that a cached sky takes, about.
@@ -123,6 +129,7 @@ impl AppState {
             answers,
             influences,
             brightnesses,
+            brightness_progress: Progress::default(),
             brightness_permits: Arc::new(Semaphore::new(1)),
             brightness_queue_permits: Arc::new(Semaphore::new(MAX_QUEUED_BRIGHTNESS_MAPS)),
             influence_permits: Arc::new(Semaphore::new(MAX_INFLUENCE_MAPS_AT_ONCE)),
@@ -248,8 +255,9 @@ impl AppState {
         }
         self.metrics.count_cache("brightness", false);
         let (state, key) = (self.clone(), key.to_owned());
+        let asked_by = key.clone();
         let find = async move {
-            let inner = state.clone();
+            let (inner, found_by) = (state.clone(), key.clone());
             let find = async move {
                 let Ok(_in_queue) = inner.brightness_queue_permits.clone().try_acquire_owned() else {
                     inner.metrics.count_refused("busy");
@@ -259,9 +267,14 @@ impl AppState {
                 let waiting = waiting.instrument(tracing::info_span!("wait for another map"));
                 let permit = waiting.await.map_err(ApiError::internal)?;
                 let metrics = inner.metrics.clone();
+                let work = inner.brightness_progress.begin(&found_by);
                 let map = inner.blocking(move |source| {
                     metrics.count_brightness_map();
-                    Ok(Arc::new(source.brightness(&request, &view, &|_: f64| true)?))
+                    let note = |done: f64| {
+                        work.set(done);
+                        true
+                    };
+                    Ok(Arc::new(source.brightness(&request, &view, &note)?))
                 });
                 let map = map.await;
                 drop(permit);
@@ -269,10 +282,21 @@ impl AppState {
             };
             state.brightnesses.try_get_with(key, find).await
         };
-        match tokio::spawn(find.in_current_span()).await {
-            Ok(found) => found.map_err(|error| ApiError::clone(&error)),
-            Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
+        // An answer says that it goes on before it is cut off.
+        let patience = self.config.request_timeout().mul_f64(PART_WAITED_FOR);
+        match tokio::time::timeout(patience, tokio::spawn(find.in_current_span())).await {
+            Ok(Ok(found)) => found.map_err(|error| ApiError::clone(&error)),
+            Ok(Err(error)) => Err(ApiError::internal(format!("a worker failed: {error}"))),
+            Err(_) => {
+                let (progress, retry_after_s) = self.brightness_progress(&asked_by).unwrap_or((0.0, 10));
+                Err(ApiError::BeingMade { progress, retry_after_s })
+            }
         }
+    }
+
+    /// How far a map of the zenith's brightness is that is being found, 0 to 1, and the seconds until it is worth asking again.
+    pub(crate) fn brightness_progress(&self, key: &str) -> Option<(f64, u64)> {
+        self.brightness_progress.of(key)
     }
 
     /// The influences of a request, found once for all who ask at the same time, stored for a while.

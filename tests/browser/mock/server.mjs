@@ -143,6 +143,7 @@ function api(path, query, response) {
       unit,
       ready: true,
       tiles: [`/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`],
+      tileSize: 256,
       minzoom: 0,
       maxzoom: 9,
       bounds,

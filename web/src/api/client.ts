@@ -40,7 +40,7 @@ const RETRIES = 3;
 const MAX_RETRY_WAIT_S = 10;
 /** Interval and limit of polling a layer of tiles; after the limit its tiles report the error. */
 const LAYER_WAIT_S = 0.7;
-const MAX_LAYER_WAIT_S = 300;
+const MAX_LAYER_WAIT_S = 3600;
 
 /** Absolute, so that it also holds inside the map's worker; below a reverse proxy's prefix if there is one. */
 export function urlOf<P extends Path<"get">>(path: P, values: PathValues<P>, query: Query<P>): string {
@@ -128,10 +128,11 @@ export const api = {
   plan: (plan: string, limit: number, signal: AbortSignal) => get("/api/v1/plans/{plan}", { plan }, { limit }, signal),
   scenario: (scenario: string, signal: AbortSignal) => get("/api/v1/scenarios/{scenario}", { scenario }, {}, signal),
   /** The description of a layer, once it is computed. */
-  layer: async (scene: string, layer: string, query: LayerQuery, signal: AbortSignal) => {
+  layer: async (scene: string, layer: string, query: LayerQuery, signal: AbortSignal, progress: (part: number) => void) => {
     for (let waitedS = 0; ; waitedS += LAYER_WAIT_S) {
       const description = await get("/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json", { scene, layer }, query, signal);
       if (description.ready || waitedS > MAX_LAYER_WAIT_S) return description;
+      if (description.progress != null) progress(description.progress);
       await pause(LAYER_WAIT_S, signal);
     }
   },

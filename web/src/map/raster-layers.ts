@@ -17,7 +17,8 @@ export interface LayerRequest {
 
 export type LayerState =
   | { kind: "off" }
-  | { kind: "loading" }
+  /** `part`: of what the tiles show, 0..1, how much is found; null where nobody says. */
+  | { kind: "loading"; part: number | null }
   | { kind: "shown"; description: TileJson }
   | { kind: "failed"; reason: unknown };
 
@@ -53,7 +54,7 @@ export class RasterLayers {
     }
     const controller = new AbortController();
     this.active.set(name, { key, controller });
-    this.changed(name, { kind: "loading" });
+    this.changed(name, { kind: "loading", part: null });
     this.load(name, request, controller.signal).catch((reason: unknown) => {
       if (controller.signal.aborted) return;
       // The same request is then a new try.
@@ -74,7 +75,8 @@ export class RasterLayers {
   }
 
   private async load(name: LayerName, { scene, query, opacity }: LayerRequest, signal: AbortSignal): Promise<void> {
-    const description = await api.layer(scene, name, query, signal);
+    const progress = (part: number) => this.changed(name, { kind: "loading", part });
+    const description = await api.layer(scene, name, query, signal, progress);
     await this.styled;
     if (signal.aborted) return;
     const { minzoom, maxzoom, attribution } = description;
@@ -83,7 +85,7 @@ export class RasterLayers {
     this.map.addSource(name, {
       type: "raster",
       tiles: templates(description.tiles),
-      tileSize: 256,
+      tileSize: description.tileSize,
       minzoom,
       maxzoom,
       bounds: [west, south, east, north],

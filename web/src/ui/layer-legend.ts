@@ -21,9 +21,10 @@ const GRADIENTS: Record<LayerName, string> = {
 };
 
 /** Text of a layer that is loading. */
-function loadingText(name: LayerName): string {
+function loadingText(name: LayerName, part: number | null): string {
   const { loading, loadingBrightness, loadingInfluence } = words().layers;
-  return { elevation: loading, brightness: loadingBrightness, radiance: loading, influence: loadingInfluence }[name];
+  const text = { elevation: loading, brightness: loadingBrightness, radiance: loading, influence: loadingInfluence }[name];
+  return part === null ? text : `${text} ${whole(Math.round(100 * part))} %`;
 }
 
 /** Two digits, which is what an end of a scale needs. */
@@ -63,7 +64,7 @@ export function showLayerState(name: LayerName, state: LayerState): void {
       note.replaceChildren();
       break;
     case "loading":
-      note.replaceChildren(loadingText(name));
+      note.replaceChildren(loadingText(name, state.part));
       break;
     case "failed":
       {

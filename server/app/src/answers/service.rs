@@ -55,8 +55,14 @@ pub struct TileJson {
     pub range: Option<[f64; 2]>,
     /// Whether tiles are answered at once; until then they wait for what they show to be found. Ask again to know.
     pub ready: bool,
+    /// The part that is found, 0 to 1, where tiles are not ready.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub progress: Option<f64>,
     /// URL templates with `{z}`, `{x}`, `{y}`.
     pub tiles: Vec<String>,
+    /// Pixels a side of these tiles; `{y}@2x` in place of `{y}` gives twice as many.
+    #[serde(rename = "tileSize")]
+    pub tile_size: u32,
     /// Lowest zoom level.
     pub minzoom: u8,
     /// Highest zoom level with detail of its own.

@@ -1,19 +1,23 @@
 //! Requests for influences: of which sky, of what in it, and whose.
 
-use super::{points::curve_schema, sky::read_sky};
+use super::{
+    area::{BoundedArea, other_format, without_byte_order_mark},
+    points::curve_schema,
+    sky::read_sky,
+};
 use crate::{
     accept::InfluenceFormat,
     error::AppError,
     facts::SourceFacts,
     parameters::{self as p, ParameterSet},
     reader::Reader,
-    request::geojson::{BoundaryBody, boundary},
+    request::geojson::BoundaryBody,
     validation::{FieldError, ValidationCode, message_with_echo},
 };
 use serde::{Deserialize, de::DeserializeOwned};
 use skyglow_observatory::{InfluenceRequest, Measure};
 use skyglow_physics::{Direction, PhysicsError, SkyCurve};
-use skyglow_scene::{Boundary, SceneId};
+use skyglow_scene::SceneId;
 use std::fmt::Display;
 use utoipa::ToSchema;
 
@@ -41,7 +45,7 @@ pub struct InfluenceListRequest {
     /// Pixels listed.
     pub limit: usize,
     /// Whose share is asked for.
-    pub boundary: Option<Boundary>,
+    pub boundary: Option<BoundedArea>,
 }
 
 /// Reads the parameters of influences, and a body where there is one.
@@ -66,7 +70,7 @@ pub fn influence(
     let region = read_region(&mut reader, body.region);
     let measure = region.and_then(|region| read_measure(&mut reader, region));
     let limit = reader.integer(&p::LIMIT).map_or(DEFAULT_LIMIT, |limit| limit as usize);
-    let boundary = body.boundary.and_then(|body| match boundary(&body) {
+    let boundary = body.boundary.and_then(|body| match BoundedArea::new(&body) {
         Ok(boundary) => Some(boundary),
         Err(reason) => {
             reader.fail_body(
@@ -90,8 +94,8 @@ pub fn influence(
 
 /// A body from JSON; empty where it is refused.
 pub(super) fn body_of<T: DeserializeOwned + Default>(bytes: &[u8], reader: &mut Reader, allowed: &str) -> T {
-    serde_json::from_slice(bytes).unwrap_or_else(|error| {
-        reader.fail_body("body", &error, allowed);
+    serde_json::from_slice(without_byte_order_mark(bytes)).unwrap_or_else(|error| {
+        reader.fail_body("body", &other_format(bytes).unwrap_or_else(|| error.to_string()), allowed);
         T::default()
     })
 }

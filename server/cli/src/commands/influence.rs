@@ -68,6 +68,9 @@ impl Influence {
         let request = self.request(body.as_deref(), source.facts())?;
         let (of_sky, failure) = (&request.request.sky, |error| query::failure(&error));
         let view = source.view(&of_sky.scene, of_sky.scenario.as_ref()).map_err(failure)?;
+        if let Some(area) = &request.boundary {
+            area.check_within(view.metadata().bounds).map_err(failure)?;
+        }
         let map = source.influence(&request.request, &view).map_err(failure)?;
         let assumptions = Assumptions::of_influences(&request.request, &map, source.facts());
         // A raster or a table is not read for them.
@@ -88,9 +91,12 @@ impl Influence {
     /// The boundary as the API's body has it.
     fn body(&self) -> Result<Option<Vec<u8>>, Failure> {
         let Some(path) = &self.boundary else { return Ok(None) };
-        let text = std::fs::read(path).map_err(|error| Failure::file(path, error))?;
-        let boundary: serde_json::Value = serde_json::from_slice(&text)
-            .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+        let bytes = std::fs::read(path).map_err(|error| Failure::file(path, error))?;
+        let boundary: serde_json::Value = serde_json::from_slice(request::without_byte_order_mark(&bytes))
+            .map_err(|error| {
+                let reason = request::other_format(&bytes).unwrap_or_else(|| error.to_string());
+                Failure::Usage(format!("{}: {reason}", path.display()))
+            })?;
         serde_json::to_vec(&json!({ "boundary": boundary })).map(Some).map_err(Failure::work)
     }
 }

@@ -308,8 +308,9 @@ fn a_killed_atlas_resumes_to_the_same_numbers() {
     let small = ["--places", "20000", "--max-zoom", "5", "-o", text(&archive)];
     atlas(&[&["--layer", "elevation"], &small[..]].concat()).expect_status(0);
     let bytes = std::fs::read(&archive).unwrap();
-    // Version 3, PNG, zoom levels 0 to 5 (PMTiles specification, header).
+    // Version 3, PNG, zoom levels 0 to 5, clustered (PMTiles specification, header).
     assert_eq!((&bytes[..8], bytes[99], bytes[100], bytes[101]), (&b"PMTiles\x03"[..], 2, 0, 5));
+    assert_eq!(bytes[96], 1, "tiles lie in the order of their ids");
     let refused = atlas(&["-o", "map.gif"]).expect_status(2);
     assert!(refused.stderr.contains(".pmtiles"), "{}", refused.stderr);
     let nowhere = atlas(&["-o", "/no/such/folder/map.tif"]).expect_status(1);

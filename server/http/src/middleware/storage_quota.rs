@@ -1,11 +1,11 @@
 //! A storage quota for each client address: what one client stores pushes out what others stored.
 
-use super::{body::BodyLength, rate_limit::RateLimiter};
+use super::{body::BodyLength, cors::is_listed, rate_limit::RateLimiter};
 use crate::{
     access::Client,
     error::{ApiError, TookTooLong},
     state::AppState,
-    trust::client_address,
+    trust::{PublicAddress, client_address},
 };
 use axum::{
     extract::{Request, State},
@@ -67,8 +67,8 @@ impl StorageQuota {
 }
 
 /// Answers 429 to an address that had more scenarios and plans stored than its share of a day: storage is not without end. What is
-/// refused, or was stored before, does not count. Known clients have their quotas. Pages of other sites store nothing: a visitor's share
-/// is not theirs to spend.
+/// refused, or was stored before, does not count. Known clients have their quotas. Pages of other sites store nothing but where
+/// the operator names them: a visitor's share is not theirs to spend.
 pub async fn limit_storage(
     State((state, quota)): State<(AppState, Arc<StorageQuota>)>,
     request: Request,
@@ -80,7 +80,9 @@ pub async fn limit_storage(
         Method::POST if path.ends_with("/plans") => PLAN_DEPOSIT,
         _ => return next.run(request).await,
     };
-    if is_of_another_site(request.headers(), state.config.public_url.as_deref()) {
+    let is_listed = is_listed(request.headers().get(header::ORIGIN), &state.config);
+    let address = request.extensions().get::<PublicAddress>();
+    if !is_listed && is_of_another_site(request.headers(), address) {
         return ApiError::ForeignOrigin.into_response();
     }
     if is_draft(request.uri().query()) {
@@ -112,21 +114,23 @@ fn is_draft(query: Option<&str>) -> bool {
 }
 
 /// Whether a browser sends this for a page of another site.
-fn is_of_another_site(headers: &HeaderMap, public_url: Option<&str>) -> bool {
+fn is_of_another_site(headers: &HeaderMap, address: Option<&PublicAddress>) -> bool {
     let Some(origin) = headers.get(header::ORIGIN) else { return false };
-    let authority =
-        |url: &str| url.split_once("://").map(|(_, rest)| rest.trim_end_matches('/').to_lowercase());
-    let Some(origin) = origin.to_str().ok().and_then(authority) else { return true };
-    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).map(str::to_lowercase);
-    let public = public_url.and_then(authority);
-    host.as_deref() != Some(&origin)
-        && public.is_none_or(|public| public.split('/').next() != Some(origin.as_str()))
+    let Ok(origin) = origin.to_str() else { return true };
+    if address.is_some_and(|address| address.is_origin(origin)) {
+        return false;
+    }
+    // A proxy that tells nothing hides the scheme.
+    let Some((_, authority)) = origin.split_once("://") else { return true };
+    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok());
+    !host.is_some_and(|host| host.eq_ignore_ascii_case(authority.trim_end_matches('/')))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use axum::body::Body;
+    use crate::config::HttpConfig;
+    use axum::{body::Body, http::Extensions};
 
     fn created(location: &str, length: Option<usize>) -> Response {
         let mut response = Response::new(Body::empty());
@@ -174,7 +178,12 @@ mod tests {
             }
             headers
         };
-        let of_another = |origin, public| is_of_another_site(&headers(origin, "127.0.0.1:8080"), public);
+        let of_another = |origin, public: Option<&str>| {
+            let headers = headers(origin, "127.0.0.1:8080");
+            let config = HttpConfig { public_url: public.map(str::to_owned), ..HttpConfig::default() };
+            let address = PublicAddress::of(&headers, &Extensions::new(), &config);
+            is_of_another_site(&headers, Some(&address))
+        };
         assert!(!of_another(None, None));
         assert!(!of_another(Some("http://127.0.0.1:8080"), None));
         assert!(of_another(Some("http://127.0.0.1:9090"), None) && of_another(Some("null"), None));

@@ -36,15 +36,16 @@ impl PreparedBrightness {
         &self.view
     }
 
-    /// Whether the map is found; if not, it is begun, and nobody waits for it here.
-    pub(super) fn begin(self, state: &AppState) -> bool {
+    /// None where the map is found; if it is not, it is begun, nobody waits for it here, and the part that is done is answered.
+    pub(super) fn begin(self, state: &AppState) -> Option<f64> {
         if state.has_brightness(&self.key) {
-            return true;
+            return None;
         }
+        let progress = state.brightness_progress(&self.key).map_or(0.0, |(progress, _)| progress);
         let state = state.clone();
         // What is wrong with it the first tile says.
         tokio::spawn(async move { self.find(&state).await }.in_current_span());
-        false
+        Some(progress)
     }
 
     /// Finds the map, or takes the one found before.

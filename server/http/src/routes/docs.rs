@@ -5,8 +5,10 @@ use crate::{
     refusals::BadParameters,
     respond::{CachePolicy, bytes_by_content},
     state::AppState,
+    trust::PublicAddress,
 };
 use axum::{
+    Extension,
     body::Body,
     extract::{RawQuery, State},
     http::{HeaderMap, HeaderValue, Response, header},
@@ -17,6 +19,9 @@ use skyglow_app::request::no_parameters;
 const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
+/// The document's servers where nobody said how clients reach this one.
+const SERVERS: &str = "\"servers\":[{\"url\":\"/\"}]";
+
 /// The OpenAPI document.
 #[utoipa::path(
     get,
@@ -26,12 +31,15 @@ const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'sel
 )]
 pub async fn get_openapi(
     State(state): State<AppState>,
+    Extension(address): Extension<PublicAddress>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
     no_parameters(query.as_deref())?;
     let document = state.openapi.get().ok_or_else(|| ApiError::internal("no OpenAPI document"))?;
-    bytes_by_content(&headers, CachePolicy::Revalidate, "application/json", document.clone().into_bytes())
+    let url = serde_json::to_string(&address.server_url()).map_err(ApiError::internal)?;
+    let document = document.replacen(SERVERS, &format!("\"servers\":[{{\"url\":{url}}}]"), 1);
+    bytes_by_content(&headers, CachePolicy::Revalidate, "application/json", document.into_bytes())
 }
 
 fn page(

@@ -7,7 +7,7 @@ use crate::{
     problem::Problem,
     refusals::{BodyTooLong, NotAcceptable, OfSky},
     respond::{CachePolicy, Caching},
-    state::AppState,
+    state::{AppState, EncodedAnswer},
 };
 use axum::{
     body::{Body, Bytes},
@@ -19,7 +19,7 @@ use skyglow_app::{
     answers::{Assumptions, InfluenceAnswer},
     fingerprint::fingerprint,
     influence_file::encode_influences,
-    parameters::{InfluenceParameters, InfluenceRasterParameters},
+    parameters::{InfluenceParameters, InfluenceRasterParameters, NegotiatedInfluenceParameters},
     request::{InfluenceBody, InfluenceListRequest, influence, scene_id},
     source::SkySource,
 };
@@ -118,7 +118,7 @@ macro_rules! formats {
 }
 
 formats! {
-    get_influence, post_influence, "", None, InfluenceParameters,
+    get_influence, post_influence, "", None, NegotiatedInfluenceParameters,
         {content(
             (InfluenceAnswer = "application/json"),
             (Vec<u8> = "image/tiff"),
@@ -171,20 +171,28 @@ async fn answer(
     };
     let request = if is_get { read(state.source.as_ref())? } else { state.blocking(read).await? };
     let prepared = PreparedInfluence::prepare(&state, request.request.clone()).await?;
+    if let Some(area) = &request.boundary {
+        area.check_within(prepared.view().metadata().bounds)?;
+    }
     let listed = format.is_list().then_some(request.limit);
     let etag = ETag::of(&(&prepared.key, format.extension(), listed, body_tag))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary };
     if is_get && let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
-    let map = prepared.find(&state).await?;
-    let assumptions = Assumptions::of_influences(&request.request, &map, state.source.facts());
-    let warnings = assumptions.warnings.clone();
-    let times = server_timing(&map);
-    let bytes = encoded(&state, assumptions, map, request, format).await?;
-    let mut response = caching.ok(format.media_type(), bytes);
-    put_warnings(&mut response, &warnings);
-    if let Ok(times) = HeaderValue::from_str(&times) {
+    let make = async {
+        let map = prepared.find(&state).await?;
+        let assumptions = Assumptions::of_influences(&request.request, &map, state.source.facts());
+        let warnings = assumptions.warnings.clone();
+        let times = server_timing(&map);
+        let bytes = encoded(&state, assumptions, map, request, format).await?;
+        Ok(EncodedAnswer { bytes: bytes.into(), warnings, times })
+    };
+    // A client that reads a raster in ranges has it made once.
+    let made = state.answer(&caching.etag, make).await?;
+    let mut response = caching.ok(format.media_type(), made.bytes.clone());
+    put_warnings(&mut response, &made.warnings);
+    if let Ok(times) = HeaderValue::from_str(&made.times) {
         response.headers_mut().insert("server-timing", times);
     }
     Ok(response)

@@ -21,10 +21,11 @@ use skyglow_app::{
     source::SkySource,
 };
 use skyglow_display::notes;
-use skyglow_scene::{RasterMetadata, TileLayer};
+use skyglow_scene::{PlaceValues, RasterMetadata, Scene, TileLayer};
 
-/// Pixels of a raster at most; beyond, pixels of the scene share one by blocks.
-const MAX_PIXELS: usize = 4_000_000;
+/// Pixels of a raster at most, which is more than a tile of Black Marble has by far; beyond, pixels of the scene share one by
+/// blocks, and the band's description says so.
+const MAX_PIXELS: usize = 32_000_000;
 
 macro_rules! layers {
     ($($get:ident, $name:literal, $parameters:ident, $layer:expr, $answer:ident, $doc:literal;)*) => {$(
@@ -41,7 +42,7 @@ macro_rules! layers {
                 (status = 404, description = "No such scene or scenario", body = Problem, content_type = "application/problem+json"),
                 (status = 409, description = "The scenario is a plan for an earlier state of the scene", body = Problem, content_type = "application/problem+json"),
                 (status = 422, description = "Turbidity out of range", body = Problem, content_type = "application/problem+json"),
-                (status = 503, description = "Busy, or not found within the time allowed; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
+                (status = 503, description = "Busy, or still being made, then with its progress; Retry-After says when to try again", body = Problem, content_type = "application/problem+json"),
             )
         )]
         pub async fn $get(
@@ -58,13 +59,13 @@ macro_rules! layers {
 layers! {
     get_radiance_tif, "radiance", ScenarioParameters,
         TileLayer::Radiance, scene_layer,
-        "Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 4 million pixels.";
+        "Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 32 million pixels.";
     get_elevation_tif, "elevation", NoParameters,
         TileLayer::Elevation, scene_layer,
-        "Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 4 million pixels.";
+        "Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 32 million pixels.";
     get_brightness_tif, "brightness", BrightnessParameters,
         (), brightness_layer,
-        "The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; by blocks where that would be more than 1.2 million places. The first time it takes seconds.";
+        "The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; found for blocks of pixels where there are more than 1.2 million, and linear between their middles. The first time it takes seconds: a refusal of the kind `being-made` says that it goes on.";
 }
 
 async fn scene_layer(
@@ -93,10 +94,15 @@ async fn scene_layer(
         let metadata = scene.metadata();
         let version = metadata.version.as_str();
         let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("SCENE_VERSION", version)];
-        let description = match layer {
-            TileLayer::Radiance => notes::description("upward radiance", metadata.illustrative),
-            TileLayer::Elevation => notes::description("terrain elevation", metadata.illustrative),
+        let (shows, of_block) = match layer {
+            TileLayer::Radiance => ("upward radiance", "mean"),
+            TileLayer::Elevation => ("terrain elevation", "middle"),
         };
+        let shows = match places.lattice().step {
+            1 => shows.to_owned(),
+            step => format!("{shows}, {of_block} of {step} x {step} pixels"),
+        };
+        let description = notes::description(shows, metadata.illustrative);
         scene
             .places_geotiff(&places, &RasterMetadata { description: &description, unit, notes: &notes })
             .map_err(ApiError::internal)
@@ -126,10 +132,18 @@ async fn brightness_layer(
         let write = move |_: &dyn SkySource| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-            let description =
-                notes::description("artificial luminance at the zenith", map.scene().illustrative);
+            let shows = match map.places().lattice().step {
+                1 => "artificial luminance at the zenith".to_owned(),
+                step => format!(
+                    "artificial luminance at the zenith, found for blocks of {step} x {step} pixels, linear between their middles"
+                ),
+            };
+            let description = notes::description(shows, map.scene().illustrative);
+            let pixels = on_every_pixel(map.open_scene(), map.places());
+            let pixels =
+                pixels.ok_or_else(|| ApiError::internal("a map of another size than its lattice"))?;
             let words = RasterMetadata { description: &description, unit: "cd m-2", notes: &notes };
-            map.open_scene().places_geotiff(map.places(), &words).map_err(ApiError::internal)
+            map.open_scene().places_geotiff(&pixels, &words).map_err(ApiError::internal)
         };
         let bytes = state.with_influence_permit(write).await?;
         Ok(EncodedAnswer { bytes: bytes.into(), warnings, ..EncodedAnswer::default() })
@@ -138,4 +152,19 @@ async fn brightness_layer(
     let mut response = caching.ok("image/tiff", made.bytes.clone());
     put_warnings(&mut response, &made.warnings);
     Ok(response)
+}
+
+/// Numbers of places on every pixel of the scene's raster: linear between the places.
+fn on_every_pixel(scene: &Scene, places: &PlaceValues) -> Option<PlaceValues> {
+    let pixels = scene.place_lattice(MAX_PIXELS);
+    if pixels == places.lattice() {
+        return Some(places.clone());
+    }
+    let (columns, step) = (pixels.columns as usize, f64::from(pixels.step));
+    let value = |index: usize| {
+        let middle = |at: usize| (at as f64 + 0.5) * step;
+        let value = places.at(middle(index % columns), middle(index / columns), step);
+        value.map_or(f32::NAN, |value| value as f32)
+    };
+    PlaceValues::new(pixels, (0..pixels.len()).map(value).collect())
 }

@@ -17,21 +17,20 @@ use skyglow_app::{
     accept::{Format, OFFERED, negotiate},
     answers::PanoramaAnswer,
     drawing::draw,
-    parameters::{GridParameters, PanoramaParameters, RasterParameters},
+    parameters::{GridParameters, NegotiatedPanoramaParameters, PanoramaParameters, RasterParameters},
     request::{panorama, scene_id},
     source::SkySource,
 };
 
-/// The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for
-/// that format are errors.
+/// The sky in the format that the Accept header prefers: a picture, a raster, or JSON as `panorama.json` has it; PNG if it takes
+/// anything. Parameters that mean nothing for that format are errors.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/panorama",
     tag = "sky",
-    params(("scene" = String, Path, description = "The scene's id"), PanoramaParameters),
+    params(("scene" = String, Path, description = "The scene's id"), NegotiatedPanoramaParameters),
     responses(
         (status = 200, description = "The sky", content(
-            (PanoramaAnswer = "application/json"),
             (Vec<u8> = "image/png"),
             (Vec<u8> = "image/webp"),
             (Vec<u8> = "image/x-exr"),

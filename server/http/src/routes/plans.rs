@@ -11,7 +11,7 @@ use crate::{
     problem::Problem,
     refusals::{BadParameters, BodyTooLong, Busy, NotAcceptable, OfScene, StorageRefused},
     respond::{CachePolicy, Caching, created},
-    state::AppState,
+    state::{AppState, EncodedAnswer},
 };
 use axum::{
     body::{Body, Bytes},
@@ -22,7 +22,7 @@ use skyglow_app::error::AppError;
 use skyglow_app::{
     accept::InfluenceFormat,
     answers::{PlanAnswer, PlanEntry},
-    parameters::{PlanListParameters, PlanPostParameters},
+    parameters::{NegotiatedPlanParameters, PlanPostParameters},
     plan_file::{encode_plan, plan_answer},
     planning::{find_plan, make_plan, prepare_plan},
     request::{PlanBody, change_id, no_parameters, plan, plan_limit, scene_id},
@@ -102,7 +102,7 @@ pub async fn list_plans(request: JsonRequest) -> Answer {
     tag = "plans",
     params(
         ("plan" = String, Path, description = "The plan's id, with `.json`, `.tif`, `.geojson`, `.csv` or without"),
-        PlanListParameters,
+        NegotiatedPlanParameters,
     ),
     responses(
         (status = 200, description = "The plan", content(
@@ -148,6 +148,7 @@ pub async fn get_plan(
         return Ok(response);
     }
     let encode = move |_: &dyn SkySource| encode_plan(&record, limit, format).map_err(ApiError::internal);
-    let bytes = state.heavy(encode).await?;
-    Ok(caching.ok(format.media_type(), bytes))
+    let made =
+        state.answer(&caching.etag, async { state.heavy(encode).await.map(EncodedAnswer::from) }).await?;
+    Ok(caching.ok(format.media_type(), made.bytes.clone()))
 }

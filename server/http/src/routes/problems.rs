@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 28] = [
+pub const KINDS: [(&str, &str); 30] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -34,6 +34,10 @@ pub const KINDS: [(&str, &str); 28] = [
     ("method-not-allowed", "The path answers other methods; the Allow header lists them."),
     ("not-acceptable", "The resource does not come in any of the formats accepted."),
     ("body-too-long", "The request's body is longer than this server takes."),
+    (
+        "range-not-satisfiable",
+        "The answer has no byte of the range asked for; Content-Range says how long it is.",
+    ),
     ("unreadable", "The request is not HTTP as this server reads it."),
     ("unauthorized", "The request carries a token or key that nobody has, or none where one is needed."),
     (
@@ -50,6 +54,10 @@ pub const KINDS: [(&str, &str); 28] = [
     ("quota-used", "The key's requests of the day (UTC) are used up; Retry-After says when there are more."),
     ("too-many-requests", "This address sent more than its share; Retry-After says when to go on."),
     ("busy", "The server works on as much as it can; Retry-After says when to try again."),
+    (
+        "being-made",
+        "What was asked for takes longer than one answer may; it goes on being made, and `progress` says how far it is. Ask again after Retry-After.",
+    ),
     ("timeout", "The answer took longer than this server allows."),
     ("engine-down", "The engine is starting or its device is lost; Retry-After says when to try again."),
     ("internal", "A defect or a broken installation; the server's log says more."),
@@ -113,9 +121,11 @@ mod tests {
             ApiError::MethodNotAllowed,
             ApiError::NotAcceptable { offered: "" },
             ApiError::BodyTooLong { limit_bytes: 1 },
+            ApiError::RangeNotSatisfiable { length_bytes: 1 },
             ApiError::Unreadable(400),
             ApiError::TooManyRequests { retry_after_s: 1 },
             ApiError::App(AppError::Busy { retry_after_s: 1 }),
+            ApiError::BeingMade { progress: 0.5, retry_after_s: 1 },
             ApiError::Timeout { limit_s: 1.0 },
             ApiError::App(AppError::EngineDown),
             ApiError::internal(""),

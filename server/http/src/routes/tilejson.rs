@@ -3,16 +3,20 @@
 use super::{
     brightness::PreparedBrightness,
     influence::PreparedInfluence,
-    tiles::{MapLayer, brightness_description, description, influence_description, layer, scenario_of},
+    tiles::{
+        MapLayer, brightness_description, description, influence_description, layer, scenario_of,
+        tile_version,
+    },
 };
 use crate::{
-    error::ApiError, listener::Ends, problem::Problem, refusals::OfSky, respond::CachePolicy, state::AppState,
+    error::ApiError, problem::Problem, refusals::OfSky, respond::CachePolicy, state::AppState,
+    trust::PublicAddress,
 };
 use axum::{
     Extension,
     body::Body,
-    extract::{ConnectInfo, Path, RawQuery, State},
-    http::{HeaderMap, Response, header},
+    extract::{Path, RawQuery, State},
+    http::{HeaderMap, Response},
 };
 use skyglow_app::{
     accept::InfluenceFormat,
@@ -23,7 +27,6 @@ use skyglow_app::{
 use skyglow_display::tile::{BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
 use skyglow_observatory::Measure;
 use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
-use std::net::{Ipv6Addr, SocketAddr};
 
 /// Describes a layer of tiles (TileJSON 3.0). What takes seconds to find is begun by this, and `ready` says whether it is found. Its parameters are those of the layer's tiles, and are handed on to them; that of
 /// `influence` needs the place.
@@ -45,7 +48,7 @@ use std::net::{Ipv6Addr, SocketAddr};
 )]
 pub async fn get_tilejson(
     State(state): State<AppState>,
-    connection: Option<Extension<ConnectInfo<Ends>>>,
+    Extension(address): Extension<PublicAddress>,
     Path((scene, layer_name)): Path<(String, String)>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
@@ -57,13 +60,15 @@ pub async fn get_tilejson(
             let scenario = scenario_of(query.as_deref(), layer)?;
             // A layer of a scenario that is not there is refused here, not by every tile.
             let view = state.view(&id, scenario.as_ref()).await?;
-            (Shown::Scene { layer, query: query.filter(|_| scenario.is_some()) }, view)
+            let version = tile_version(view.version())?;
+            (Shown::Scene { layer, version, query: query.filter(|_| scenario.is_some()) }, view)
         }
         MapLayer::Brightness => {
             let request = brightness(query.as_deref(), id, facts)?;
             let prepared = PreparedBrightness::prepare(&state, request).await?;
             let view = prepared.view().clone();
-            (Shown::Brightness { query, is_ready: prepared.begin(&state) }, view)
+            let version = tile_version(&prepared.key)?;
+            (Shown::Brightness { query, version, progress: prepared.begin(&state) }, view)
         }
         MapLayer::Influence => {
             let request = influence(query.as_deref(), None, id, facts, InfluenceFormat::Tiff)?.request;
@@ -72,62 +77,32 @@ pub async fn get_tilejson(
             // What is wrong is refused here and not by every tile, and the tiles have their map.
             let most = prepared.find(&state).await?.brightest_colour();
             let query = query.unwrap_or_default();
-            (Shown::Influence { measure, query, most }, prepared.view().clone())
+            let version = tile_version(&prepared.key)?;
+            (Shown::Influence { measure, version, query, most }, prepared.view().clone())
         }
     };
-    let reached = connection.and_then(|Extension(ConnectInfo(ends))| ends.server);
-    let base = base_url(state.config.public_url.as_deref(), &headers, reached);
-    let document = tilejson(view.metadata(), &shown, &layer_name, &base);
+    let document = tilejson(view.metadata(), &shown, &layer_name, &address.base());
     crate::respond::json_by_content(&headers, CachePolicy::Revalidate, &document)
-}
-
-/// Where the client reached the server: what is configured, else the Host header if it is a host, else the
-/// address that the connection came to.
-fn base_url(public_url: Option<&str>, headers: &HeaderMap, reached: Option<SocketAddr>) -> String {
-    if let Some(url) = public_url {
-        return url.trim_end_matches('/').to_owned();
-    }
-    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).filter(|host| is_host(host));
-    let authority = host.map(str::to_owned).or_else(|| reached.map(|address| address.to_string()));
-    authority.map_or_else(String::new, |authority| format!("http://{authority}"))
-}
-
-/// Whether a text is a name or an address with a port or without, and nothing else that an authority may be: its
-/// letters go into addresses that other programs put together.
-fn is_host(text: &str) -> bool {
-    let (host, port) = match text.rsplit_once(':') {
-        Some((host, port)) if !port.ends_with(']') => (host, Some(port)),
-        _ => (text, None),
-    };
-    let is_port = |port: &str| port.bytes().all(|b| b.is_ascii_digit()) && port.parse::<u16>().is_ok();
-    let is_name = |name: &str| {
-        (1..=253).contains(&name.len())
-            && name.trim_end_matches('.').split('.').all(|label| {
-                (1..=63).contains(&label.len())
-                    && label.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-' || b == b'_')
-            })
-    };
-    let is_address = match host.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
-        Some(address) => address.parse::<Ipv6Addr>().is_ok(),
-        None => is_name(host),
-    };
-    is_address && port.is_none_or(is_port)
 }
 
 /// A layer with what its tiles must be asked with.
 enum Shown {
     Scene {
         layer: TileLayer,
+        version: String,
         /// As it came, where it names a scenario.
         query: Option<String>,
     },
     Brightness {
         /// As it came.
         query: Option<String>,
-        is_ready: bool,
+        version: String,
+        /// The part that is found, where not all is.
+        progress: Option<f64>,
     },
     Influence {
         measure: Measure,
+        version: String,
         /// As it came.
         query: String,
         /// The influence that is shown brightest.
@@ -145,23 +120,30 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     let maxzoom =
         finest as u8 + if matches!(shown, Shown::Scene { layer: TileLayer::Elevation, .. }) { 2 } else { 0 };
     let illustrative = scene.illustrative;
-    let (description, query, unit, range) = match shown {
-        Shown::Scene { layer, query } => {
-            let query = query.as_ref().map_or_else(String::new, |query| format!("?{query}"));
+    let given = |query: &Option<String>| query.clone().unwrap_or_default();
+    let (description, query, version, unit, range) = match shown {
+        Shown::Scene { layer, version, query } => {
             let (unit, range) = match layer {
                 TileLayer::Radiance => ("nW cm-2 sr-1", Some(RADIANCE_RANGE_NW_CM2_SR.into())),
                 TileLayer::Elevation => ("m", None),
             };
-            (description(*layer, illustrative), query, unit, range)
+            (description(*layer, illustrative), given(query), version, unit, range)
         }
-        Shown::Brightness { query, .. } => {
-            let query = query.as_ref().map_or_else(String::new, |query| format!("?{query}"));
-            (brightness_description(illustrative), query, "cd m-2", Some(BRIGHTNESS_RANGE_CD_M2.into()))
+        Shown::Brightness { query, version, .. } => {
+            let range = Some(BRIGHTNESS_RANGE_CD_M2.into());
+            (brightness_description(illustrative), given(query), version, "cd m-2", range)
         }
-        Shown::Influence { measure, query, most } => {
+        Shown::Influence { measure, version, query, most } => {
             let range = Some([most / INFLUENCE_SPAN, *most]);
-            (influence_description(measure, illustrative), format!("?{query}"), measure.unit(), range)
+            (influence_description(measure, illustrative), query.clone(), version, measure.unit(), range)
         }
+    };
+    // What comes from another version has another address: caches may keep tiles for ever.
+    let parameters = query.split('&').filter(|pair| !pair.is_empty() && !pair.starts_with("v="));
+    let query: String = parameters.map(|pair| format!("&{pair}")).collect();
+    let progress = match shown {
+        Shown::Brightness { progress, .. } => *progress,
+        _ => None,
     };
     TileJson {
         tilejson: "3.0.0".to_owned(),
@@ -172,8 +154,13 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
         scheme: "xyz".to_owned(),
         unit: unit.to_owned(),
         range,
-        ready: !matches!(shown, Shown::Brightness { is_ready: false, .. }),
-        tiles: vec![format!("{base}/api/v1/scenes/{}/tiles/{name}/{{z}}/{{x}}/{{y}}.png{query}", scene.id)],
+        ready: progress.is_none(),
+        progress,
+        tiles: vec![format!(
+            "{base}/api/v1/scenes/{}/tiles/{name}/{{z}}/{{x}}/{{y}}.png?v={version}{query}",
+            scene.id
+        )],
+        tile_size: 256,
         minzoom: 0,
         maxzoom,
         bounds: if west > east { [-180.0, south, 180.0, north] } else { scene.bounds },
@@ -182,56 +169,5 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
             0.5 * (south + north),
             (360.0 / width_deg.max(0.01)).log2().floor().clamp(0.0, 12.0),
         ],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use axum::http::HeaderValue;
-
-    #[test]
-    fn a_host_header_that_is_no_host_is_not_repeated() {
-        let reached = Some(SocketAddr::from(([10, 0, 0, 7], 8080)));
-        let with = |host: &[u8]| {
-            let host = HeaderValue::from_bytes(host).unwrap();
-            base_url(None, &HeaderMap::from_iter([(header::HOST, host)]), reached)
-        };
-        for host in [
-            "localhost:8080",
-            "sky.example.org",
-            "a_b-c.example:80",
-            "[::1]:8080",
-            "[2001:db8::1]",
-            "10.1.2.3",
-        ] {
-            assert_eq!(with(host.as_bytes()), format!("http://{host}"));
-        }
-        for nasty in [
-            "a\"b<script>",
-            "user@evil",
-            "evil/path",
-            "evil?x=",
-            "evil#x",
-            "evil\\x",
-            "a';alert(1)//",
-            "a b",
-            "a,b",
-            "{z}",
-            "[::1",
-            "[zz]",
-            ":80",
-            "host:99999",
-            "host:+80",
-            "host:80:90",
-            "..",
-            "a..b",
-            "",
-            "höst",
-        ] {
-            assert_eq!(with(nasty.as_bytes()), "http://10.0.0.7:8080", "{nasty}");
-        }
-        assert_eq!(base_url(None, &HeaderMap::new(), None), "");
-        assert_eq!(base_url(Some("https://sky.example/"), &HeaderMap::new(), reached), "https://sky.example");
     }
 }

@@ -89,6 +89,7 @@ struct Address {
         ("z" = u8, Path, description = "Zoom level"),
         ("x" = u32, Path, description = "Column, from 180° west"),
         ("y" = String, Path, description = "Row, from the north; with `@2x` behind it for 512 pixels a side"),
+        ("v" = Option<String>, Query, description = "Version of what is shown, as TileJSON has it in the tiles' addresses: with it a tile may be kept for ever"),
         OptionalInfluenceParameters,
     ),
     responses(
@@ -111,28 +112,71 @@ pub async fn get_tile(
             reason: "a tile's address ends in z/x/y.png or z/x/y@2x.png with whole numbers".to_owned(),
         })
     })?;
+    let (version, query) = split_version(query.as_deref());
+    let asked = Asked { state: &state, address, version, headers: &headers };
     match layer {
         MapLayer::Scene(layer) => {
             let scenario = scenario_of(query.as_deref(), layer)?;
-            scene_tile(&state, (id, scenario), layer, &layer_name, address, &headers).await
+            scene_tile(&asked, (id, scenario), layer, &layer_name).await
         }
-        MapLayer::Influence => influence_tile(&state, id, query.as_deref(), address, &headers).await,
-        MapLayer::Brightness => brightness_tile(&state, id, query.as_deref(), address, &headers).await,
+        MapLayer::Influence => influence_tile(&asked, id, query.as_deref()).await,
+        MapLayer::Brightness => brightness_tile(&asked, id, query.as_deref()).await,
     }
 }
 
+/// A request for a tile.
+struct Asked<'a> {
+    state: &'a AppState,
+    address: Address,
+    /// Of what the client takes it to be of.
+    version: Option<String>,
+    headers: &'a HeaderMap,
+}
+
+impl Asked<'_> {
+    /// The tag of a tile, and how long it may be kept: for ever where its address names what it shows.
+    fn caching(&self, key: &str, layer: &str) -> Result<Caching, ApiError> {
+        let etag = ETag::of(&("tile", key, layer, self.address))?;
+        let current = tile_version(key)?;
+        let policy = match self.version.as_deref() {
+            None => CachePolicy::Minutes,
+            Some(version) if version == current => CachePolicy::Forever,
+            // The scene was replaced since.
+            Some(_) => CachePolicy::Revalidate,
+        };
+        Ok(Caching { etag, policy, vary: None })
+    }
+
+    /// 304 if the client has this tile already.
+    fn not_modified(&self, caching: &Caching) -> Option<Response<Body>> {
+        caching.not_modified(self.headers).filter(|_| exists(self.address))
+    }
+}
+
+/// The version of what tiles show, short enough for their addresses; the program's own is in it.
+pub(super) fn tile_version(key: &str) -> Result<String, ApiError> {
+    Ok(ETag::of(&("tiles", key))?.header().trim_matches('"').chars().take(16).collect())
+}
+
+/// The version that tiles are asked for with, and the other parameters as they came.
+fn split_version(query: Option<&str>) -> (Option<String>, Option<String>) {
+    let Some(query) = query else { return (None, None) };
+    let (versions, others): (Vec<&str>, Vec<&str>) =
+        query.split('&').partition(|pair| pair.starts_with("v="));
+    let version = versions.first().and_then(|pair| pair.strip_prefix("v=")).map(str::to_owned);
+    (version, (!others.is_empty()).then(|| others.join("&")))
+}
+
 async fn scene_tile(
-    state: &AppState,
+    asked: &Asked<'_>,
     (id, scenario): (SceneId, Option<ChangeId>),
     layer: TileLayer,
     layer_name: &str,
-    address: Address,
-    headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
+    let &Asked { state, address, .. } = asked;
     let view = state.view(&id, scenario.as_ref()).await?;
-    let etag = ETag::of(&("tile", view.version(), layer_name, address))?;
-    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
-    if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
+    let caching = asked.caching(view.version(), layer_name)?;
+    if let Some(response) = asked.not_modified(&caching) {
         return Ok(response);
     }
     let notes = Notes::new(&description(layer, view.metadata().illustrative), "");
@@ -175,18 +219,16 @@ pub(super) fn scenario_of(query: Option<&str>, layer: TileLayer) -> Result<Optio
 
 /// All tiles of one map are cut from one computation.
 async fn influence_tile(
-    state: &AppState,
+    asked: &Asked<'_>,
     id: SceneId,
     query: Option<&str>,
-    address: Address,
-    headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
+    let &Asked { state, address, .. } = asked;
     let request = influence(query, None, id, state.source.facts(), InfluenceFormat::Tiff)?;
     let measure = request.request.measure.clone();
     let prepared = PreparedInfluence::prepare(state, request.request).await?;
-    let etag = ETag::of(&("tile", &prepared.key, address))?;
-    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
-    if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
+    let caching = asked.caching(&prepared.key, "influence")?;
+    if let Some(response) = asked.not_modified(&caching) {
         return Ok(response);
     }
     let draw = async {
@@ -205,16 +247,14 @@ async fn influence_tile(
 
 /// All tiles of one map are cut from one computation.
 async fn brightness_tile(
-    state: &AppState,
+    asked: &Asked<'_>,
     id: SceneId,
     query: Option<&str>,
-    address: Address,
-    headers: &HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
+    let &Asked { state, address, .. } = asked;
     let prepared = PreparedBrightness::prepare(state, brightness(query, id, state.source.facts())?).await?;
-    let etag = ETag::of(&("tile", &prepared.key, address))?;
-    let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
-    if let Some(response) = caching.not_modified(headers).filter(|_| exists(address)) {
+    let caching = asked.caching(&prepared.key, "brightness")?;
+    if let Some(response) = asked.not_modified(&caching) {
         return Ok(response);
     }
     if !exists(address) {

@@ -17,7 +17,7 @@ use axum::{
 use skyglow_app::error::AppError;
 use skyglow_app::{
     answers::SceneAnswer,
-    request::{no_parameters, scene_id},
+    request::{new_scene_id, no_parameters, scene_id},
     validation::{FieldError, ValidationCode, echo},
 };
 use skyglow_scene::{IngestOptions, NoisePolicy, RadianceUnit, SceneId};
@@ -108,7 +108,7 @@ pub async fn put_scene(
     request: Request,
 ) -> Result<Response<Body>, ApiError> {
     only_operator(&state, request.headers())?;
-    let id = scene_id(&scene)?;
+    let id = new_scene_id(&scene)?;
     no_parameters(query.as_deref())?;
     let Ok(permit) = state.upload_permits.clone().try_acquire_owned() else {
         state.metrics.count_refused("busy");

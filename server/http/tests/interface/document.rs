@@ -51,6 +51,61 @@ async fn document_and_routes_are_the_same() {
     assert_eq!(paths.len() + 1, registered + by_hand.len());
 }
 
+/// Clients that were generated from the document send every default.
+#[tokio::test]
+async fn every_default_can_be_sent() {
+    let server = Server::start().await;
+    let (_, document) = server.json("/api/v1/openapi.json").await;
+    for (path, item) in document["paths"].as_object().unwrap() {
+        let parameters = item["get"]["parameters"].as_array().cloned().unwrap_or_default();
+        for layer in ["radiance", "elevation", "brightness", "influence"] {
+            let real = path
+                .replace("{scene}", "demo")
+                .replace("{layer}", layer)
+                .replace("{z}/{x}/{y}", "0/0/0")
+                .replace("{plan}", "p-00000000000000000000")
+                .replace("{scenario}", "s-00000000000000000000")
+                .replace("{kind}", "busy");
+            let needs_place = parameters.iter().any(|p| p["name"] == "lat" && p["required"] == true);
+            let needs_place = needs_place || path.contains("{layer}") && layer == "influence";
+            let query = if needs_place { "lat=-1&lon=37" } else { "" };
+            let defaults = parameters.iter().filter(|p| !p["schema"]["default"].is_null());
+            let sent: String = defaults
+                .map(|p| format!("&{}={}", p["name"], p["schema"]["default"]).replace('"', ""))
+                .collect();
+            let bare = server.answer(&format!("{real}?{query}")).await.status();
+            assert_ne!(bare, 400, "{real}");
+            assert_eq!(server.answer(&format!("{real}?{query}{sent}")).await.status(), bare, "{real} {sent}");
+            if !path.contains("{layer}") {
+                break;
+            }
+        }
+    }
+}
+
+/// Names of operations become names of functions, and bytes are bytes.
+#[tokio::test]
+async fn the_document_is_fit_for_generators() {
+    let server = Server::start().await;
+    let (_, document) = server.json("/api/v1/openapi.json").await;
+    assert_eq!(document["servers"], serde_json::json!([{"url": "/"}]));
+    let mut names = std::collections::HashSet::new();
+    for (path, item) in document["paths"].as_object().unwrap() {
+        for operation in item.as_object().unwrap().values() {
+            let name = operation["operationId"].as_str().unwrap();
+            assert!(name.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_'), "{name}");
+            assert!(names.insert(name.to_owned()), "{name} twice");
+            for (status, response) in operation["responses"].as_object().unwrap() {
+                let content = response["content"].as_object().cloned().unwrap_or_default();
+                for (media_type, body) in content.iter().filter(|(name, _)| name.starts_with("image/")) {
+                    let bytes = serde_json::json!({"type": "string", "format": "binary"});
+                    assert_eq!(body["schema"], bytes, "{path} {status} {media_type}");
+                }
+            }
+        }
+    }
+}
+
 /// Every parameter of the interface is described with what is allowed.
 #[tokio::test]
 async fn every_parameter_is_described() {

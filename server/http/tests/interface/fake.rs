@@ -331,8 +331,13 @@ impl SkySource for Fake {
         &self,
         _: &BrightnessRequest,
         _: &SceneView,
-        _: &dyn PatchStore,
+        store: &dyn PatchStore,
     ) -> Result<BrightnessMap, AppError> {
+        let mood = self.mood.lock().unwrap().clone();
+        if let Mood::Slow(time) = mood {
+            store.store(0, &[], 0.25);
+            std::thread::sleep(time);
+        }
         Err(AppError::EngineDown)
     }
 

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 mod caching;
+mod clients;
 mod document;
 mod end_to_end;
 mod fake;

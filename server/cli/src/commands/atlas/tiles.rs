@@ -2,7 +2,7 @@
 
 use super::found::{Found, MapLayer};
 use crate::{failure::Failure, progress::Stages};
-use pmtiles::{PmTilesWriter, TileCoord, TileType};
+use pmtiles::{PmTilesWriter, TileCoord, TileId, TileType};
 use skyglow_display::{
     Notes, notes,
     tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
@@ -57,12 +57,17 @@ pub(super) fn write(
     let mut coordinates = Vec::new();
     for z in 0..=deepest {
         for x in tile_column(first_deg, z)..=tile_column(last_deg, z) {
-            coordinates.extend((tile_row(north, z)..=tile_row(south, z)).map(|y| (z, x, y)));
+            let rows = tile_row(north, z)..=tile_row(south, z);
+            let in_column: Result<Vec<TileCoord>, _> = rows.map(|y| TileCoord::new(z, x, y)).collect();
+            coordinates.extend(in_column.map_err(Failure::work)?);
         }
     }
+    // Along the Hilbert curve of each zoom level: only archives in this order (clustered) can be extracted from.
+    coordinates.sort_by_key(|&place| TileId::from(place).value());
     stages.begin("map tiles", coordinates.len() as u64);
     let notes = Notes::new(&description, "");
-    for (z, x, y) in coordinates {
+    for place in coordinates {
+        let (z, x, y) = (place.z(), place.x(), place.y());
         let tile = found.scene.places_tile(&found.places, z, x, y, TILE_PX).map_err(Failure::work)?;
         stages.advance(1);
         if !tile.has_data.contains(&true) {
@@ -76,7 +81,6 @@ pub(super) fn write(
                 elevation_tile_png(&tile.values, &tile.has_data, TILE_PX, pixel_m, &notes)
             }
         };
-        let place = TileCoord::new(z, x, y).map_err(Failure::work)?;
         archive.add_tile(place, &png.map_err(Failure::work)?).map_err(Failure::work)?;
     }
     archive.finalize().map_err(Failure::work)?;
