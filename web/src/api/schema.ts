@@ -227,7 +227,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; by blocks where that would be more than 1.2 million places. The first time it takes seconds. */
+        /** The artificial luminance at the zenith of every place as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, cd m⁻², two metres above the ground; found for blocks of pixels where there are more than 1.2 million, and linear between their middles. The first time it takes seconds: a refusal of the kind `being-made` says that it goes on. */
         get: operations["get_brightness_tif"];
         put?: never;
         post?: never;
@@ -244,7 +244,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 4 million pixels. */
+        /** Terrain elevation at the middles of the scene's pixels as a cloud-optimized GeoTIFF: one float32 band, metres; by blocks where that would be more than 32 million pixels. */
         get: operations["get_elevation_tif"];
         put?: never;
         post?: never;
@@ -261,7 +261,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 4 million pixels. */
+        /** Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 32 million pixels. */
         get: operations["get_radiance_tif"];
         put?: never;
         post?: never;
@@ -279,8 +279,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * The sky in the format that the Accept header prefers; PNG if it takes anything. Parameters that mean nothing for
-         *     that format are errors.
+         * The sky in the format that the Accept header prefers: a picture, a raster, or JSON as `panorama.json` has it; PNG if it takes
+         *     anything. Parameters that mean nothing for that format are errors.
          */
         get: operations["get_panorama"];
         put?: never;
@@ -1316,6 +1316,11 @@ export interface components {
             /** @description Every bad parameter. */
             errors?: components["schemas"]["FieldError"][];
             /**
+             * Format: double
+             * @description The part that is done of what is being made, 0 to 1.
+             */
+            progress?: number | null;
+            /**
              * Format: int32
              * @description The status code.
              */
@@ -1570,18 +1575,39 @@ export interface components {
              * @description Factor on every radiance.
              */
             calibration?: number | null;
+            /**
+             * Format: double
+             * @description Radiances above this count as this, nW cm⁻² sr⁻¹.
+             */
+            cap?: number | null;
             /** @description When the radiances were taken. */
             date?: string | null;
+            /**
+             * Format: double
+             * @description Radiances below this are dark, nW cm⁻² sr⁻¹.
+             */
+            floor?: number | null;
+            /**
+             * Format: int32
+             * @description Pixels with fewer observations are no data, where the granules say how many there were.
+             */
+            min_observations?: number | null;
+            /** @description Stored values that are no data, with commas between. */
+            nodata?: string | null;
+            /** @description Noise around zero: `balance` or `cut`. */
+            noise?: string | null;
             /**
              * Format: binary
              * @description GeoJSON or CSV with name, latitude, longitude and population.
              */
             places?: string | null;
+            /** @description Values of the granules' quality layer that are taken, with commas between. */
+            quality?: string | null;
             /**
-             * Format: binary
-             * @description Upward radiance: GeoTIFF, COG, or a NASA Black Marble HDF5 granule.
+             * @description Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene,
+             *     of which the first that has a measurement counts.
              */
-            radiance: string;
+            radiance: string[];
             /**
              * Format: double
              * @description Factor on the stored numbers.
@@ -1592,10 +1618,14 @@ export interface components {
              * @description Terrain, GeoTIFF or SRTM `.hgt`; may be given several times, the first that has a value wins.
              */
             terrain?: string | null;
+            /** @description Unit of the terrain, such as `m` or `ft`; by default what each file says. */
+            terrain_units?: string | null;
             /** @description Title for people; by default the id. */
             title?: string | null;
-            /** @description `nw-cm2-sr` or `w-m2-sr`. */
+            /** @description `nw-cm2-sr`, `uw-cm2-sr`, `w-cm2-sr`, `uw-m2-sr`, `mw-m2-sr` or `w-m2-sr`; by default what the file says. */
             units?: string | null;
+            /** @description `on` where zero is dark ground though the file declares it no data. */
+            zero_is_dark?: string | null;
         };
         /** @description Lights in some direction. */
         SectorAnswer: components["schemas"]["PartAnswer"] & {
@@ -1757,12 +1787,22 @@ export interface components {
             minzoom: number;
             /** @description The layer. */
             name: string;
+            /**
+             * Format: double
+             * @description The part that is found, 0 to 1, where tiles are not ready.
+             */
+            progress?: number | null;
             /** @description What the darkest and the brightest colour stand for, logarithmic between; null where colours are tints. */
             range?: number[] | null;
             /** @description Whether tiles are answered at once; until then they wait for what they show to be found. Ask again to know. */
             ready: boolean;
             /** @description `xyz`. */
             scheme: string;
+            /**
+             * Format: int32
+             * @description Pixels a side of these tiles; `{y}@2x` in place of `{y}` gives twice as many.
+             */
+            tileSize: number;
             /** @description `3.0.0`. */
             tilejson: string;
             /** @description URL templates with `{z}`, `{x}`, `{y}`. */
@@ -1968,7 +2008,7 @@ export interface operations {
     get_plan: {
         parameters: {
             query?: {
-                /** @description Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+                /** @description Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. Default: 100. */
                 limit?: number;
             };
             header?: never;
@@ -1988,7 +2028,19 @@ export interface operations {
                 content: {
                     "application/geo+json": Record<string, unknown>;
                     "application/json": components["schemas"]["PlanAnswer"];
-                    "image/tiff": number[];
+                    "image/tiff": string;
+                    "text/csv": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/geo+json": Record<string, unknown>;
+                    "application/json": components["schemas"]["PlanAnswer"];
+                    "image/tiff": string;
                     "text/csv": string;
                 };
             };
@@ -2037,6 +2089,15 @@ export interface operations {
             };
             /** @description The plan is for an earlier state of the scene */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2449,23 +2510,23 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
-                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. Default: 2.5. */
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
                 emission?: string;
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
-                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
                 clouds?: string;
-                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. Default: on. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
@@ -2475,7 +2536,7 @@ export interface operations {
                 measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
                 /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
                 region?: string;
-                /** @description Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+                /** @description Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. Default: 100. */
                 limit?: number;
             };
             header?: never;
@@ -2499,7 +2560,19 @@ export interface operations {
                 content: {
                     "application/geo+json": Record<string, unknown>;
                     "application/json": components["schemas"]["InfluenceAnswer"];
-                    "image/tiff": number[];
+                    "image/tiff": string;
+                    "text/csv": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/geo+json": Record<string, unknown>;
+                    "application/json": components["schemas"]["InfluenceAnswer"];
+                    "image/tiff": string;
                     "text/csv": string;
                 };
             };
@@ -2555,6 +2628,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Altitude or turbidity out of range */
             422: {
                 headers: {
@@ -2591,23 +2673,23 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
-                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. Default: 2.5. */
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
                 emission?: string;
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
-                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
                 clouds?: string;
-                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. Default: on. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
@@ -2617,7 +2699,7 @@ export interface operations {
                 measure?: "norm" | "zenith" | "mean" | "horizontal" | "region";
                 /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
                 region?: string;
-                /** @description Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. */
+                /** @description Number of the most influential pixels that are listed. Allowed: a whole number from 0 to 10000. Default: 100. */
                 limit?: number;
             };
             header?: never;
@@ -2645,7 +2727,7 @@ export interface operations {
                 content: {
                     "application/geo+json": Record<string, unknown>;
                     "application/json": components["schemas"]["InfluenceAnswer"];
-                    "image/tiff": number[];
+                    "image/tiff": string;
                     "text/csv": string;
                 };
             };
@@ -2739,7 +2821,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -2869,7 +2951,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -3005,7 +3087,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -3135,7 +3217,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -3271,7 +3353,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -3401,7 +3483,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -3537,7 +3619,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -3583,7 +3665,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/tiff": number[];
+                    "image/tiff": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/tiff": string;
                 };
             };
             /** @description The client has this answer already; nothing was computed */
@@ -3629,6 +3720,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Altitude or turbidity out of range */
             422: {
                 headers: {
@@ -3665,7 +3765,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -3715,7 +3815,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/tiff": number[];
+                    "image/tiff": string;
                 };
             };
             /** @description Bad parameters, or a body that cannot be meant */
@@ -3823,7 +3923,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/tiff": number[];
+                    "image/tiff": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/tiff": string;
                 };
             };
             /** @description The client has this answer already; nothing was computed */
@@ -3869,6 +3978,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Turbidity out of range */
             422: {
                 headers: {
@@ -3887,7 +4005,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Busy, or not found within the time allowed; Retry-After says when to try again */
+            /** @description Busy, or still being made, then with its progress; Retry-After says when to try again */
             503: {
                 headers: {
                     [name: string]: unknown;
@@ -3916,7 +4034,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/tiff": number[];
+                    "image/tiff": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/tiff": string;
                 };
             };
             /** @description The client has this answer already; nothing was computed */
@@ -3962,6 +4089,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Turbidity out of range */
             422: {
                 headers: {
@@ -3980,7 +4116,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Busy, or not found within the time allowed; Retry-After says when to try again */
+            /** @description Busy, or still being made, then with its progress; Retry-After says when to try again */
             503: {
                 headers: {
                     [name: string]: unknown;
@@ -4012,7 +4148,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/tiff": number[];
+                    "image/tiff": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/tiff": string;
                 };
             };
             /** @description The client has this answer already; nothing was computed */
@@ -4058,6 +4203,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Turbidity out of range */
             422: {
                 headers: {
@@ -4076,7 +4230,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Busy, or not found within the time allowed; Retry-After says when to try again */
+            /** @description Busy, or still being made, then with its progress; Retry-After says when to try again */
             503: {
                 headers: {
                     [name: string]: unknown;
@@ -4094,55 +4248,55 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
-                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. Default: 2.5. */
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
                 emission?: string;
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
-                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
                 clouds?: string;
-                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. Default: on. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. Default: artificial. */
                 sky?: "artificial" | "total";
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
-                /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
+                /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. Default: equirectangular. */
                 projection?: "equirectangular" | "fisheye" | "perspective";
-                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. Default: 0. */
                 azimuth?: number;
-                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. Default: 20. */
                 elevation?: number;
-                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
-                /** @description False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
+                /** @description False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. Default: false_colour. */
                 style?: "false_colour" | "realistic";
-                /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
+                /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
-                /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
+                /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. Default: luminance. */
                 scale?: "luminance" | "magnitude";
                 /** @description Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
+                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
                 height_px?: number;
-                /** @description Compass letters and the strip that explains the colours. Allowed: on, off. */
+                /** @description Compass letters and the strip that explains the colours. Allowed: on, off. Default: on. */
                 legend?: "on" | "off";
             };
             header?: never;
@@ -4164,11 +4318,22 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PanoramaAnswer"];
-                    "image/png": number[];
-                    "image/tiff": number[];
-                    "image/webp": number[];
-                    "image/x-exr": number[];
+                    "image/png": string;
+                    "image/tiff": string;
+                    "image/webp": string;
+                    "image/x-exr": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
+                    "image/tiff": string;
+                    "image/webp": string;
+                    "image/x-exr": string;
                 };
             };
             /** @description The client has this answer already; nothing was rendered */
@@ -4223,6 +4388,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Altitude or turbidity out of range */
             422: {
                 headers: {
@@ -4259,7 +4433,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -4285,11 +4459,11 @@ export interface operations {
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
                 projection?: "equirectangular" | "fisheye" | "perspective";
-                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. Default: 0. */
                 azimuth?: number;
-                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. Default: 20. */
                 elevation?: number;
-                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
@@ -4315,7 +4489,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/x-exr": number[];
+                    "image/x-exr": string;
                 };
             };
             /** @description The client has this answer already; nothing was rendered */
@@ -4397,7 +4571,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -4523,7 +4697,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -4549,23 +4723,23 @@ export interface operations {
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
                 projection?: "equirectangular" | "fisheye" | "perspective";
-                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. Default: 0. */
                 azimuth?: number;
-                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. Default: 20. */
                 elevation?: number;
-                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
                 /** @description False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
                 style?: "false_colour" | "realistic";
-                /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
+                /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
-                /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
+                /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. Default: luminance. */
                 scale?: "luminance" | "magnitude";
                 /** @description Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
+                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
@@ -4593,7 +4767,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/png": number[];
+                    "image/png": string;
                 };
             };
             /** @description The client has this answer already; nothing was rendered */
@@ -4675,7 +4849,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -4701,11 +4875,11 @@ export interface operations {
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
                 projection?: "equirectangular" | "fisheye" | "perspective";
-                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. Default: 0. */
                 azimuth?: number;
-                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. Default: 20. */
                 elevation?: number;
-                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
@@ -4731,7 +4905,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/tiff": number[];
+                    "image/tiff": string;
+                };
+            };
+            /** @description The part of it that the Range header asks for */
+            206: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/tiff": string;
                 };
             };
             /** @description The client has this answer already; nothing was rendered */
@@ -4777,6 +4960,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description None of the bytes asked for is there; Content-Range says how many are */
+            416: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Altitude or turbidity out of range */
             422: {
                 headers: {
@@ -4813,7 +5005,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -4839,23 +5031,23 @@ export interface operations {
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
                 projection?: "equirectangular" | "fisheye" | "perspective";
-                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. */
+                /** @description Azimuth of the centre of a perspective, clockwise from north. Allowed: -360 to 360 degrees. Default: 0. */
                 azimuth?: number;
-                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. */
+                /** @description Elevation of the centre of a perspective. Allowed: -90 to 90 degrees. Default: 20. */
                 elevation?: number;
-                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. */
+                /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
                 /** @description False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
                 style?: "false_colour" | "realistic";
-                /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. */
+                /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
-                /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. */
+                /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. Default: luminance. */
                 scale?: "luminance" | "magnitude";
                 /** @description Smaller end of the colour scale; default 1e-5 cd m⁻² or 15 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, below max. */
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. */
+                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
@@ -4883,7 +5075,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/webp": number[];
+                    "image/webp": string;
                 };
             };
             /** @description The client has this answer already; nothing was rendered */
@@ -5475,7 +5667,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
@@ -5601,23 +5793,23 @@ export interface operations {
                 lat?: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon?: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
-                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. Default: 2.5. */
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
                 emission?: string;
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
-                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
                 clouds?: string;
-                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. Default: on. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
@@ -5723,27 +5915,29 @@ export interface operations {
     get_tile: {
         parameters: {
             query?: {
+                /** @description Version of what is shown, as TileJSON has it in the tiles' addresses: with it a tile may be kept for ever */
+                v?: string;
                 /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
                 lat?: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon?: number;
-                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. */
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
                 /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
                 altitude?: number;
-                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. Default: 2.5. */
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
                 emission?: string;
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
-                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
                 clouds?: string;
-                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. Default: on. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
@@ -5777,7 +5971,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/png": number[];
+                    "image/png": string;
                 };
             };
             /** @description The client has this answer already */
