@@ -57,7 +57,7 @@ async fn the_operator_puts_and_deletes_scenes() {
         let (got, problem) = put(server, "copy", secret, form(&[("title", None, b"small")])).await;
         assert_eq!((got, &problem["type"]), (status, &json!(format!("/problems/{kind}"))));
     }
-    let (status, problem) = put(&server, "BadId", Some(TOKEN), form(&[("title", None, b"small")])).await;
+    let (status, problem) = put(server, "BadId", Some(TOKEN), form(&[("title", None, b"small")])).await;
     assert_eq!((status, &problem["errors"][0]["parameter"]), (400, &json!("scene")));
     assert!(problem["errors"][0]["allowed"].as_str().unwrap().contains("a-z, 0-9 and -"), "{problem}");
     assert_eq!(server.get("/api/v1/scenes/copy").await.status(), 404);
