@@ -8,11 +8,12 @@ use skyglow_tests::{
 };
 
 /// All but the notebook, which tells of commands and files as they were.
-const DOCUMENTS: [&str; 10] = [
+const DOCUMENTS: [&str; 11] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
     "docs/accuracy.md",
+    "docs/data.md",
     "docs/glossary.md",
     "docs/guide.md",
     "docs/measurements.md",
