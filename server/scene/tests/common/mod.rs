@@ -129,7 +129,7 @@ pub(crate) fn place(latitude_deg: f64, longitude_deg: f64) -> GeoPoint {
 ///
 /// The rule for tests that need files outside the repository: they are `#[ignore]`d, so that `cargo test` reports them as ignored
 /// and never as passed, and where they do run (`cargo test -p skyglow-scene --test real_rasters -- --ignored`; `make test` does it
-/// unless `SKYGLOW_SKIP_REAL_RASTERS` is set) a missing file fails them. No test returns early and passes.
+/// where that folder is there or named, and else reports that it did not) a missing file fails them. No test returns early and passes.
 pub(crate) fn real_raster(name: &str) -> PathBuf {
     let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
     let dir = std::env::var_os("SKYGLOW_TEST_DATA").map_or(beside, PathBuf::from);
