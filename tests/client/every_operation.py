@@ -9,6 +9,7 @@ import inspect
 import json
 import pathlib
 import sys
+import time
 
 url, document_path, folder = sys.argv[1:]
 sys.path.insert(0, folder)
@@ -31,7 +32,14 @@ def call(operation, **given):
     name = operation["operationId"]
     module = importlib.import_module(f"skyglow_client.api.{operation['tags'][0]}.{name}")
     needed = inspect.signature(module.sync_detailed).parameters
-    answer = module.sync_detailed(client=client, **{key: value for key, value in given.items() if key in needed})
+    arguments = {key: value for key, value in given.items() if key in needed}
+    answer = module.sync_detailed(client=client, **arguments)
+    # A map that takes longer than an answer may goes on being made.
+    deadline = time.monotonic() + 600
+    while isinstance(answer.parsed, Problem) and answer.parsed.type_ == "/problems/being-made":
+        assert time.monotonic() < deadline, f"{name}: {answer.content[:500]!r}"
+        time.sleep(int(answer.headers["retry-after"]))
+        answer = module.sync_detailed(client=client, **arguments)
     assert int(answer.status_code) in (200, 201), f"{name} {given}: {answer.status_code} {answer.content[:500]!r}"
     assert answer.parsed is not None and not isinstance(answer.parsed, Problem), f"{name}: {answer.content[:200]!r}"
     if hasattr(answer.parsed, "payload"):
