@@ -1,6 +1,7 @@
 //! The measure of every lit cell of a request.
 
 use super::{
+    blended_sky::blended,
     correlation::correlate,
     norms::NormsOfPack,
     products::products,
@@ -10,11 +11,9 @@ use super::{
 };
 use crate::error::ObservatoryError;
 use rayon::prelude::*;
-use skyglow_physics::{
-    AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, interpolation::Stencil, panorama::solid_angle_sr,
-};
+use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr};
 use skyglow_render::{
-    cpu::{CpuExecutor, blend::blend},
+    cpu::CpuExecutor,
     prepare::{Prepared, PreparedCell, basis_count_in_use, shines},
     request::RenderRequest,
     table_set::TableSet,
@@ -255,13 +254,4 @@ pub(crate) fn luminance_norm(sky: &Panorama) -> f64 {
     let square = |row: usize, column: usize| solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2);
     let directions = (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| (row, column)));
     directions.map(|(row, column)| square(row, column)).sum::<f64>().sqrt()
-}
-
-/// The sky between those of packs.
-pub(super) fn blended(mut skies: Vec<Vec<f32>>, stencil: &Stencil, side_by_side: bool) -> Option<Panorama> {
-    let samples = match skies.len() {
-        1 => skies.swap_remove(0),
-        _ => blend(&skies.iter().map(Vec::as_slice).collect::<Vec<_>>(), stencil, side_by_side),
-    };
-    Panorama::from_samples(samples)
 }

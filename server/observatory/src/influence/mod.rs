@@ -10,6 +10,7 @@
 //! G is a correlation along azimuth: a product of spectra ([`correlation`]). Between turbidities, where logarithms are blended, w is
 //! the derivative of the blend, which is homogeneous of the first degree: cells still add up to the sky's own value ([`sensitivity`]).
 
+mod blended_sky;
 mod cells;
 mod correlation;
 mod norms;

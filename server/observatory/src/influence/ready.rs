@@ -1,6 +1,6 @@
 //! What maps of one place under one air have in common: a measure or a curve changes, the light and its sky do not.
 
-use super::cells::blended;
+use super::blended_sky::blended;
 use crate::error::ObservatoryError;
 use moka::sync::Cache;
 use skyglow_physics::{BAND_COUNT, LOBE_COUNT, Panorama};
