@@ -32,8 +32,11 @@ pub fn violations(files: &[SourceFile], except: &[&str]) -> Vec<String> {
         .collect()
 }
 
+/// Whether a test may be ignored in the file of a path.
+type IsAllowedIn = fn(&str) -> bool;
+
 /// Reasons for which a test may be `#[ignore]`d, each with where: `make test` runs both kinds.
-const IGNORED: [(&str, fn(&str) -> bool); 2] = [
+const IGNORED: [(&str, IsAllowedIn); 2] = [
     ("#[ignore = \"slow: `make check` leaves it to `make test`\"]", |path| path.contains("/src/")),
     ("#[ignore = \"needs the folder of real rasters\"]", |path| path.ends_with("/tests/real_rasters.rs")),
 ];

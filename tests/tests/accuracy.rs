@@ -121,12 +121,12 @@ fn demo_skies_match_the_stored_reference() {
             "{name}: the demo has changed; make the truth anew (see `lab truth`)"
         );
         for (index, turbidity) in truth.turbidities.iter().enumerate() {
-            let (error, zenith) = compare(engine, &scene, &truth, index, 0.0);
+            let (error, zenith) = compare(engine, scene, &truth, index, 0.0);
             println!("{name} turbidity {turbidity}: {error:?}, zenith {zenith:.4}");
             assert!(error.mean < LARGEST_MEAN, "{name} turbidity {turbidity}: {error:?}");
             assert!(zenith < LARGEST_AT_ZENITH, "{name} turbidity {turbidity}: zenith {zenith}");
             // The check can fail: an observer 1 500 m higher has another sky.
-            let (wrong, _) = compare(engine, &scene, &truth, index, 1_500.0);
+            let (wrong, _) = compare(engine, scene, &truth, index, 1_500.0);
             assert!(wrong.mean > 2.0 * error.mean, "{name} turbidity {turbidity}: {wrong:?}");
         }
     }

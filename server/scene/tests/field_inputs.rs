@@ -1,5 +1,7 @@
 //! Files of the kinds that people have: what is recognised, what is refused, and that nothing is wrong in silence.
 
+#![expect(clippy::unwrap_used, reason = "a test stops at the first error")]
+
 mod common;
 
 use common::{STEP, TestRaster, TestStore};

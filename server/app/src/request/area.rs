@@ -101,7 +101,10 @@ mod tests {
         let refusal = |ring: &str, bounds| area(ring).check_within(bounds).map_err(|error| error.detail());
         assert_eq!(refusal("[[8,46],[9,46],[9,47],[8,46]]", alps), Ok(()));
         // Counted on beyond 180 degrees.
-        assert_eq!(refusal("[[368,46],[369,46],[369,47],[368,46]]", alps), Ok(()));
+        assert_eq!(
+            refusal("[[181,-18],[181.5,-18],[181.5,-17],[181,-18]]", [176.0, -20.0, -178.0, -15.0]),
+            Ok(())
+        );
         let swapped = refusal("[[46,8],[46,9],[47,9],[46,8]]", alps).unwrap_err();
         assert!(
             swapped.contains("holds no pixel of this scene: its positions look like latitude"),

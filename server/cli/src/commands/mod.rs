@@ -23,7 +23,7 @@ use clap::Subcommand;
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Serve(Box<serve::Serve>),
-    Ingest(ingest::Ingest),
+    Ingest(Box<ingest::Ingest>),
     Scenes(scenes::Scenes),
     Precompute(precompute::Precompute),
     Packs(packs::Packs),

@@ -232,8 +232,8 @@ async fn metrics_count_by_route_never_by_url() {
         "skyglow_http_requests_total{method=\"GET\",path=\"other\",status=\"404\"} 1",
         "skyglow_http_request_duration_seconds_count{path=\"/api/v1/scenes/{scene}/sky\"} 2",
         "skyglow_engine_queue_length 3",
-        "skyglow_render_device_losses_total 1",
-        "skyglow_render_pass_seconds_total{pass=\"coefficients\"} 0.0015",
+        "skyglow_engine_device_losses_total 1",
+        "skyglow_engine_pass_seconds_total{pass=\"coefficients\"} 0.0015",
         "skyglow_scenes_open 1",
     ] {
         assert!(text.contains(line), "{line}\n{text}");

@@ -113,10 +113,7 @@ impl<R: Real, const N: usize> Blend<R, N> {
     #[inline(always)]
     pub fn radiance_w_m2_sr(&self) -> [R; N] {
         let (zero, floor) = (R::from(0.0), R::from(1.00001 * RADIANCE_FLOOR_W_M2_SR));
-        let mut blended = [zero; N];
-        for lane in 0..N {
-            blended[lane] = self.floored_w_m2_sr(lane);
-        }
+        let mut blended: [R; N] = std::array::from_fn(|lane| self.floored_w_m2_sr(lane));
         for blended in &mut blended {
             *blended = if *blended <= floor { zero } else { *blended };
         }
