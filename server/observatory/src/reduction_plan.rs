@@ -1,4 +1,4 @@
-//! From wishes for the sky to what to dim (reduction plans, model section 9), with the sky before and after.
+//! Reduction plans (`docs/model.md#plans`): from what is wanted of the sky to what to dim, with the sky before and after.
 
 use crate::{
     error::ObservatoryError,

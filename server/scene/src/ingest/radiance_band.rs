@@ -5,7 +5,7 @@ use super::gdal_open::{gdal_reason, open_file};
 use super::layers;
 use super::no_data::NoData;
 use super::options::IngestOptions;
-use super::radiance_source::{BandFacts, Conversion, RadianceSource};
+use super::radiance_source::{BandFacts, Conversion, RadianceSource, unit_of};
 use crate::error::SceneError;
 use gdal::raster::{ColorInterpretation, GdalDataType, RasterBand};
 use gdal::{Dataset, Metadata};
@@ -56,22 +56,6 @@ pub(super) fn open(options: &IngestOptions, path: &Path, index: usize) -> Result
     layers::require(options, &source, false, false)?;
     layers::add_files(&mut source, options, index)?;
     Ok(source)
-}
-
-/// A band's unit in the file's words: the band's own, else an attribute's.
-pub(super) fn unit_of(band: &RasterBand<'_>, attributes: &[String]) -> String {
-    let own = band.unit();
-    if !own.is_empty() {
-        return own;
-    }
-    let is_unit =
-        |key: &str| key == "units" || key == "unit" || key.ends_with("_units") || key.ends_with("#units");
-    attributes
-        .iter()
-        .filter_map(|item| item.split_once('='))
-        .find(|(key, _)| is_unit(&key.to_lowercase()))
-        .map(|(_, value)| value.trim().to_owned())
-        .unwrap_or_default()
 }
 
 fn choose_band(dataset: &Dataset, wanted: Option<&str>) -> Result<usize, String> {

@@ -268,6 +268,22 @@ impl Strip {
     }
 }
 
+/// A band's unit in the file's words: the band's own, else an attribute's.
+pub(super) fn unit_of(band: &RasterBand<'_>, attributes: &[String]) -> String {
+    let own = band.unit();
+    if !own.is_empty() {
+        return own;
+    }
+    let is_unit =
+        |key: &str| key == "units" || key == "unit" || key.ends_with("_units") || key.ends_with("#units");
+    attributes
+        .iter()
+        .filter_map(|item| item.split_once('='))
+        .find(|(key, _)| is_unit(&key.to_lowercase()))
+        .map(|(_, value)| value.trim().to_owned())
+        .unwrap_or_default()
+}
+
 /// Whether a unit says counts.
 fn is_count(unit: &str) -> bool {
     let unit = unit.trim().to_lowercase();

@@ -82,7 +82,7 @@ async fn the_operator_puts_and_deletes_scenes() {
         (form(&[("radiance", None, &radiance), ("places", None, b"{")]), 422, "places"),
         (form(&[("radiance", None, &radiance), ("scale", None, b"many")]), 400, "scale"),
         (form(&[("radiance", None, &radiance), ("units", None, b"lux")]), 400, "units"),
-        (form(&[("radiance", None, &radiance), ("radiance", None, &radiance)]), 400, "radiance"),
+        (form(&[("places", None, b"name"), ("places", None, b"name")]), 400, "places"),
         (form(&[("title", None, b"no raster")]), 400, "radiance"),
         (form(&[("password", None, b"x")]), 400, "password"),
         (form(&[("title", None, &[b'a'; 5000])]), 400, "title"),
@@ -97,7 +97,7 @@ async fn the_operator_puts_and_deletes_scenes() {
     let (_, same) = server.json("/api/v1/scenes/copy").await;
     assert_eq!(same["version"], scene["version"]);
     let (status, _) = put(server, "Bad_Id", Some(TOKEN), form(&[("title", None, b"small")])).await;
-    assert_eq!(status, 404);
+    assert_eq!(status, 400);
     let (status, again) = put(server, "copy", Some(TOKEN), form(&[("radiance", None, &radiance)])).await;
     assert_eq!((status, &again["terrain"]), (200, &json!(false)));
     assert_ne!(again["version"], scene["version"]);
