@@ -206,7 +206,7 @@ def load(quick):
 
 def influence(quick):
     """Influence maps and plans over a made-up square of lights."""
-    side, rounds = (300, 3) if quick else (1000, 10)
+    side, rounds = (700, 1) if quick else (1000, 10)
     command = f"{LAB} influence-times precomputed {side} {rounds}"
     text = run(command)
     for measure, pixels, first, _fastest, median in re.findall(
