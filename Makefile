@@ -26,7 +26,7 @@ packs: ## rebuild every table pack in precomputed/
 bench: ## run time against error on this machine, in minutes: a table, and target/bench with its plots
 	@cargo build --release --package skyglow
 	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" target/release/skyglow bench --packs precomputed --out target/bench \
-		$(foreach file,$(wildcard tests/truth/*.json),--truth $(file))
+		$(foreach file,$(wildcard tests/reference/*.json),--reference $(file))
 
 measurements: ## write docs/measurements.md and the README's figures, by this version on this machine (QUICK=1: 5 minutes)
 	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" scripts/measurements.py $(if $(QUICK),--quick)

@@ -71,7 +71,7 @@ def percent(value):
 
 def classes(quick):
     """Class skies against the stored reference solutions."""
-    command = f"{LAB} class-accuracy precomputed tests/truth/classes --every"
+    command = f"{LAB} class-accuracy precomputed tests/reference/classes --every"
     skies = []
     for line in run(command).split("# the worst")[0].splitlines():
         match = re.match(r"\S.*?\s+(?:garstang|lambert|horizon|oblique)\s+(.*)", line)
@@ -91,8 +91,8 @@ def classes(quick):
 def bench(quick):
     """Run time against error, from the bench's own JSON."""
     folder = WORK / "bench"
-    truth = "".join(f" --truth {file.relative_to(ROOT)}" for file in sorted((ROOT / "tests/truth").glob("*.json")))
-    command = f"skyglow bench --packs precomputed --out target/measurements/bench{' --quick' if quick else truth}"
+    reference = "".join(f" --reference {file.relative_to(ROOT)}" for file in sorted((ROOT / "tests/reference").glob("*.json")))
+    command = f"skyglow bench --packs precomputed --out target/measurements/bench{' --quick' if quick else reference}"
     run(command.replace("skyglow", str(PROGRAM), 1) + f" --data {DATA}")
     report = json.loads((folder / "bench.json").read_text())
     times = [row for row in report["run_times"] if row["skipping"] and row["packs"] == 1]
@@ -237,7 +237,7 @@ def pixels(quick):
     """Influences of single pixels against the sum over each alone."""
     if quick:
         return
-    command = f"{LAB} influence-truth DATA precomputed demo 46.53 8.61 2.5 60"
+    command = f"{LAB} influence-reference DATA precomputed demo 46.53 8.61 2.5 60"
     for measure, mean in re.findall(r"^(zenith|mean|horizontal|norm)\S*\s+([\d.]+)", run(command.replace("DATA", str(DATA))), re.M):
         yield Row(f"influence of single pixels, {measure}: mean error", percent(mean), command)
 
@@ -246,7 +246,7 @@ def solver(quick):
     """The solver of the later orders beside light traced forward."""
     if quick:
         return
-    settings = "--turbidity 2 --distance-km 2,10,50 --band G --truth forward --paths 1500000 --seed 12"
+    settings = "--turbidity 2 --distance-km 2,10,50 --band G --judge forward --paths 1500000 --seed 12"
     command = f"{LAB} multiple-vs-monte-carlo {settings}"
     for name, mean, noise in re.findall(
         r"^(T 2, lambert, [\d.]+ km)\s+n.*?mean\s+([\d.]+) %.*?MC noise\s+([\d.]+) %", run(command), re.M

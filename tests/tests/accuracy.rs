@@ -1,5 +1,5 @@
-//! Whole skies from the packs that come with the program, against stored truth: the sum over every pixel, all orders of
-//! scattering (`lab truth`, then `lab truth-multiple`).
+//! Whole skies from the packs that come with the program, against stored reference: the sum over every pixel, all orders of
+//! scattering (`lab reference`, then `lab reference-multiple`).
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 mod common;
@@ -30,9 +30,9 @@ const LARGEST_AT_ZENITH: f64 = 0.005;
 /// A thousandth of the natural sky, cd m⁻².
 const VISIBLE_CD_M2: f64 = 1.7e-7;
 
-/// A truth file.
+/// A reference file.
 #[derive(serde::Deserialize)]
-struct StoredTruth {
+struct StoredReference {
     scattering: Scattering,
     latitude_deg: f64,
     longitude_deg: f64,
@@ -44,7 +44,7 @@ struct StoredTruth {
     radiance: Vec<Vec<f64>>,
 }
 
-impl StoredTruth {
+impl StoredReference {
     fn place(&self) -> GeoPoint {
         GeoPoint::from_deg(self.latitude_deg, self.longitude_deg).unwrap()
     }
@@ -55,8 +55,8 @@ impl StoredTruth {
     }
 }
 
-fn truth_files() -> Vec<PathBuf> {
-    let mut files: Vec<_> = std::fs::read_dir(tree::root().join("tests/truth"))
+fn reference_files() -> Vec<PathBuf> {
+    let mut files: Vec<_> = std::fs::read_dir(tree::root().join("tests/reference"))
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
@@ -70,16 +70,16 @@ fn truth_files() -> Vec<PathBuf> {
 fn compare(
     engine: &Engine,
     scene: &Scene,
-    truth: &StoredTruth,
+    reference: &StoredReference,
     turbidity: usize,
     raised_m: f64,
 ) -> (ErrorStatistics, f64) {
     let rendered = engine
         .render_blocking(RenderRequest {
-            polar: Arc::new(scene.polar_grid(truth.place(), false)),
-            observer_altitude_m: truth.observer_altitude_m + raised_m,
-            turbidity: Turbidity::new(truth.turbidities[turbidity]).unwrap(),
-            scattering: truth.scattering,
+            polar: Arc::new(scene.polar_grid(reference.place(), false)),
+            observer_altitude_m: reference.observer_altitude_m + raised_m,
+            turbidity: Turbidity::new(reference.turbidities[turbidity]).unwrap(),
+            scattering: reference.scattering,
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
             flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
@@ -87,13 +87,13 @@ fn compare(
         })
         .unwrap();
     let mut zenith: f64 = 0.0;
-    let errors: Vec<f64> = truth
+    let errors: Vec<f64> = reference
         .samples
         .iter()
         .enumerate()
         .map(|(sample, &(row, column))| {
             let fast = std::array::from_fn(|band| rendered.panorama.radiance_w_m2_sr(band, row, column));
-            let exact = truth.bands(sample, turbidity);
+            let exact = reference.bands(sample, turbidity);
             let luminance = luminance_cd_m2(exact);
             if row == ELEVATION_COUNT - 1 && luminance > VISIBLE_CD_M2 {
                 zenith = zenith.max((luminance_cd_m2(fast) / luminance - 1.0).abs());
@@ -110,23 +110,23 @@ fn demo_skies_match_the_stored_reference() {
     let view = OBSERVATORY.view(&SceneId::parse("demo").unwrap(), None).unwrap();
     let scene = view.scene();
     let engine = OBSERVATORY.engine();
-    for path in truth_files() {
+    for path in reference_files() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let truth: StoredTruth = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-        let pixels = scene.source_pixels_within(truth.place(), FARTHEST_SOURCE_M);
-        let sources = point_sources(truth.place(), &pixels);
+        let reference: StoredReference = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let pixels = scene.source_pixels_within(reference.place(), FARTHEST_SOURCE_M);
+        let sources = point_sources(reference.place(), &pixels);
         let flux_dnb_w: f64 = sources.iter().map(|source| source.flux_dnb_w).sum();
         assert!(
-            sources.len() == truth.sources && (flux_dnb_w / truth.flux_dnb_w - 1.0).abs() < 1e-9,
-            "{name}: the demo has changed; make the truth anew (see `lab truth`)"
+            sources.len() == reference.sources && (flux_dnb_w / reference.flux_dnb_w - 1.0).abs() < 1e-9,
+            "{name}: the demo has changed; make the reference anew (see `lab reference`)"
         );
-        for (index, turbidity) in truth.turbidities.iter().enumerate() {
-            let (error, zenith) = compare(engine, scene, &truth, index, 0.0);
+        for (index, turbidity) in reference.turbidities.iter().enumerate() {
+            let (error, zenith) = compare(engine, scene, &reference, index, 0.0);
             println!("{name} turbidity {turbidity}: {error:?}, zenith {zenith:.4}");
             assert!(error.mean < LARGEST_MEAN, "{name} turbidity {turbidity}: {error:?}");
             assert!(zenith < LARGEST_AT_ZENITH, "{name} turbidity {turbidity}: zenith {zenith}");
             // The check can fail: an observer 1 500 m higher has another sky.
-            let (wrong, _) = compare(engine, scene, &truth, index, 1_500.0);
+            let (wrong, _) = compare(engine, scene, &reference, index, 1_500.0);
             assert!(wrong.mean > 2.0 * error.mean, "{name} turbidity {turbidity}: {wrong:?}");
         }
     }

@@ -4,8 +4,8 @@ use crate::{
     error::BenchError,
     executors::{self, Timed},
     options::Setting,
+    reference::ReferenceSky,
     report::ErrorRow,
-    truth::TruthSky,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, Panorama,
@@ -25,10 +25,10 @@ use std::collections::BTreeMap;
 pub(crate) fn of_engine(
     engine: &Engine,
     setting: &Setting,
-    skies: &[TruthSky],
+    skies: &[ReferenceSky],
     rounds: usize,
 ) -> Result<Vec<ErrorRow>, BenchError> {
-    let asked: Vec<(&TruthSky, usize)> =
+    let asked: Vec<(&ReferenceSky, usize)> =
         skies.iter().flat_map(|sky| setting.bases.iter().map(move |&basis| (sky, basis))).collect();
     let requests: Vec<_> = asked
         .iter()
@@ -37,7 +37,7 @@ pub(crate) fn of_engine(
         })
         .collect();
     let name = engine.info().executor.name();
-    let row = |((sky, _), timed): (&(&TruthSky, usize), Timed)| {
+    let row = |((sky, _), timed): (&(&ReferenceSky, usize), Timed)| {
         let sample = |position: usize| f64::from(timed.rendered.panorama.samples()[position]);
         let packs = timed.work.packs;
         let row = compare(sky, setting, name, timed.rendered.basis_count, packs, &sample)?;
@@ -50,7 +50,7 @@ pub(crate) fn of_engine(
 ///
 /// # Errors
 /// A sky that the tables refuse.
-pub(crate) fn of_f64(setting: &Setting, skies: &[TruthSky]) -> Result<Vec<ErrorRow>, BenchError> {
+pub(crate) fn of_f64(setting: &Setting, skies: &[ReferenceSky]) -> Result<Vec<ErrorRow>, BenchError> {
     let mut rows = Vec::new();
     for sky in skies {
         let basis_count = setting.basis_count();
@@ -67,7 +67,7 @@ pub(crate) fn of_f64(setting: &Setting, skies: &[TruthSky]) -> Result<Vec<ErrorR
 
 /// One row; None without directions.
 fn compare(
-    sky: &TruthSky,
+    sky: &ReferenceSky,
     setting: &Setting,
     executor: &str,
     basis_count: usize,
@@ -79,11 +79,12 @@ fn compare(
         .iter()
         .map(|&(row, column)| std::array::from_fn(|band| sample(Panorama::index(band, row, column))))
         .collect();
-    let truth = &sky.radiance_w_m2_sr;
-    let statistics =
-        ErrorStatistics::of(fast.iter().zip(truth).map(|(fast, truth)| relative_error(*fast, *truth)))?;
+    let reference = &sky.radiance_w_m2_sr;
+    let statistics = ErrorStatistics::of(
+        fast.iter().zip(reference).map(|(fast, reference)| relative_error(*fast, *reference)),
+    )?;
     let [zenith, horizontal] = zenith_and_horizontal(&sky.samples, &fast);
-    let [true_zenith, true_horizontal] = zenith_and_horizontal(&sky.samples, truth);
+    let [true_zenith, true_horizontal] = zenith_and_horizontal(&sky.samples, reference);
     Some(ErrorRow {
         scene: sky.name.clone(),
         turbidity: sky.turbidity.value(),
@@ -130,7 +131,7 @@ pub fn zenith_and_horizontal(samples: &[GridSample], radiance: &[[f64; BAND_COUN
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scenes::LitScene, truth};
+    use crate::{reference, scenes::LitScene};
     use skyglow_physics::direct_sum::stratified_samples;
 
     /// A uniform sky gives its luminance at the zenith and pi times it on the ground.
@@ -149,7 +150,7 @@ mod tests {
     fn a_tenth_too_bright_is_an_error_of_a_tenth() {
         let setting = crate::run::tests::setting(8);
         let scene = LitScene::of_cells(40);
-        let sky = truth::of_scene(&setting, &scene, 30).unwrap();
+        let sky = reference::of_scene(&setting, &scene, 30).unwrap();
         let error = |factor: f64| {
             let sample = |position: usize| {
                 let (band, rest) = (position / (Panorama::LEN / 3), position % (Panorama::LEN / 3));

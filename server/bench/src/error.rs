@@ -34,9 +34,9 @@ pub enum BenchError {
         /// Why.
         source: std::io::Error,
     },
-    /// A file of truth that is none.
+    /// A reference file that is none.
     #[error("{path}: {reason}")]
-    Truth {
+    Reference {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.

@@ -1,5 +1,5 @@
 //! Run time against error: panoramas of growing scenes on every executor that there is, beside two baselines timed in the
-//! same run on the same threads, beside the least time that the machine would need, and beside the truth.
+//! same run on the same threads, beside the least time that the machine would need, and beside the reference.
 //!
 //! The baselines are the direct sum over every source ([`sampled_sum`]) and the accumulation of interpolated source images
 //! ([`accumulation`], [`image_mixing`]), as in Fig. 6 of Dobashi, Ishikawa and Iwasaki (2023). Whatever was timed in part
@@ -17,6 +17,7 @@ pub mod machine;
 pub mod options;
 mod output;
 pub mod plots;
+pub mod reference;
 pub mod report;
 pub mod roofline;
 mod rows;
@@ -26,7 +27,6 @@ pub mod scenes;
 mod skies;
 pub mod targets;
 pub mod text;
-pub mod truth;
 
 pub use error::BenchError;
 pub use options::{BenchOptions, Extent};

@@ -18,8 +18,8 @@ pub struct BenchOptions {
     pub manifests: Vec<Manifest>,
     /// How much.
     pub extent: Extent,
-    /// Files of truth of the demo, as `tests/truth` holds them.
-    pub truth_files: Vec<PathBuf>,
+    /// Reference files of the demo, as `tests/reference` holds them.
+    pub reference_files: Vec<PathBuf>,
     /// Folder of scenes; where it has no demo, one is made for the run.
     pub data: PathBuf,
 }
@@ -49,8 +49,8 @@ pub struct Extent {
     pub stream_bytes: usize,
     /// Multiply-adds a thread.
     pub multiply_adds: usize,
-    /// Directions of a truth that is computed; 0 leaves errors out.
-    pub truth_directions: usize,
+    /// Directions of a reference that is computed; 0 leaves errors out.
+    pub reference_directions: usize,
 }
 
 impl Extent {
@@ -68,7 +68,7 @@ impl Extent {
             time_for_tries: Duration::from_secs(1),
             stream_bytes: 1 << 29,
             multiply_adds: 1 << 30,
-            truth_directions: 200,
+            reference_directions: 200,
         }
     }
 
@@ -86,7 +86,7 @@ impl Extent {
             time_for_tries: Duration::from_millis(500),
             stream_bytes: 1 << 29,
             multiply_adds: 1 << 30,
-            truth_directions: 0,
+            reference_directions: 0,
         }
     }
 }

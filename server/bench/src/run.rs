@@ -6,11 +6,11 @@ use crate::{
     executors::{self, CHOICES},
     machine,
     options::{BenchOptions, Extent, Setting},
+    reference::{self, ReferenceSky},
     report::{ExecutorRecord, PackRecord, Report, SceneRow},
     rows::{self, Subject},
     scenes::LitScene,
     skies, targets,
-    truth::{self, TruthSky},
 };
 use skyglow_render::{DeviceChoice, Engine, PackKind, RenderRequest, prepare::Prepared};
 use skyglow_scene::PolarGrid;
@@ -23,9 +23,9 @@ const FEW_FUNCTIONS: usize = 32;
 /// Runs everything. What it is about is logged as it goes.
 ///
 /// # Errors
-/// Packs that do not fit together or none of a clear sky, a device that fails, files of truth that are none.
+/// Packs that do not fit together or none of a clear sky, a device that fails, reference files that are none.
 pub fn run(options: &BenchOptions) -> Result<Report, BenchError> {
-    truth::check_files(&options.truth_files)?;
+    reference::check_files(&options.reference_files)?;
     let setting = Setting::of(options)?;
     let extent = &options.extent;
     tracing::info!("measuring the machine");
@@ -99,8 +99,8 @@ fn notes(setting: &Setting, extent: &Extent) -> Vec<String> {
          other resolution or precision to compare"
             .to_owned(),
     ];
-    if extent.truth_directions == 0 {
-        notes.push("errors were left out: they take a truth, which takes minutes".to_owned());
+    if extent.reference_directions == 0 {
+        notes.push("errors were left out: they take a reference, which takes minutes".to_owned());
     }
     if setting.between.is_none() {
         notes.push("no turbidity between packs: there is one pack".to_owned());
@@ -155,7 +155,7 @@ fn on_executor(
     choice: DeviceChoice,
     setting: &Setting,
     subjects: &[Subject<'_>],
-    skies: &[TruthSky],
+    skies: &[ReferenceSky],
     extent: &Extent,
     report: &mut Report,
 ) -> Result<bool, BenchError> {

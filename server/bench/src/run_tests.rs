@@ -1,7 +1,7 @@
 //! A small run over made-up packs, and what its report must hold.
 
 use super::*;
-use crate::{text::sections, truth};
+use crate::{reference, text::sections};
 use skyglow_render::synthetic;
 use skyglow_tables::{
     MultipleAxes, Scattering, TableAxes,
@@ -28,7 +28,7 @@ fn options(basis_count: usize, extent: Extent) -> BenchOptions {
         tables: synthetic::table_set(&[2.0, 3.0], basis_count),
         manifests: vec![manifest(2.0), manifest(3.0)],
         extent,
-        truth_files: Vec::new(),
+        reference_files: Vec::new(),
         data: "/nowhere".into(),
     }
 }
@@ -55,18 +55,18 @@ pub(crate) fn tiny() -> Extent {
     }
 }
 
-/// A file that is no truth is refused by its name before anything is measured.
+/// A file that is no reference is refused by its name before anything is measured.
 #[test]
-fn a_bad_truth_file_is_refused_by_name_at_once() {
+fn a_bad_reference_file_is_refused_by_name_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("truth.json");
+    let file = folder.path().join("reference.json");
     std::fs::write(&file, "{}").unwrap();
     for path in [file, folder.path().to_owned()] {
         // Without packs nothing can be measured: that is not what is complained of.
         let options = BenchOptions {
             tables: Vec::new(),
             manifests: Vec::new(),
-            truth_files: vec![path.clone()],
+            reference_files: vec![path.clone()],
             ..options(16, tiny())
         };
         let error = run(&options).err().unwrap().to_string();
@@ -152,7 +152,7 @@ fn packs_under_clouds_alone_are_refused() {
 #[test]
 fn errors_have_a_row_for_every_sky_and_basis() {
     let setting = setting(16);
-    let sky = truth::of_scene(&setting, &LitScene::of_cells(20), 24).unwrap();
+    let sky = reference::of_scene(&setting, &LitScene::of_cells(20), 24).unwrap();
     let skies = [sky];
     let engine = executors::start(skyglow_render::DeviceChoice::Cpu, &setting).unwrap().unwrap();
     let rows = accuracy::of_engine(&engine, &setting, &skies, 1).unwrap();

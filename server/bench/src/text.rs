@@ -56,7 +56,7 @@ pub fn sections(report: &Report) -> Vec<Section> {
             let shown = report.roofline.iter().filter(|row| is_shown(report, row));
             shown.map(roofline)
         }),
-        table("errors against the truth", &ERRORS, report.errors.iter().map(error)),
+        table("errors against the reference", &ERRORS, report.errors.iter().map(error)),
         table("targets", &["executor", "target", "wanted", "measured", ""], targets),
         table("notes", &[""], report.notes.iter().map(|note| vec![note.clone()])),
     ];

@@ -1,7 +1,7 @@
 //! Skies of classes of places, as rasters have them: areas of 15″ pixels at some altitudes, the same every time.
 //!
 //! Two observers a class, one at or near an altitude that packs hold and one between two of those. Sources stand at few
-//! altitudes, so that the truth has a field for each.
+//! altitudes, so that the reference has a field for each.
 
 use crate::lit_areas::{LitAreas, level_m, level_of_share_m, turned_m};
 use skyglow_bench::scenes::{LitPixel, PIXEL_SIDE_M, sources_of_pixels};

@@ -1,6 +1,6 @@
-//! The truth of one sky with each lobe apart, computed.
+//! The reference of one sky with each lobe apart, computed.
 
-use crate::lobe_truth::{LobeTruth, seven_digits};
+use crate::lobe_reference::{LobeReference, seven_digits};
 use skyglow_physics::{
     Atmosphere, PhysicsError, PointSource, Turbidity,
     direct_sum::{GridSample, direct_sum_by_lobe, grid_direction},
@@ -33,23 +33,23 @@ pub fn fields(turbidity: Turbidity) -> FieldCache {
     FieldCache::new(Atmosphere::new(turbidity), DEFAULT_GROUND_ALBEDO, Resolution::table(), density)
 }
 
-/// The truth at some directions; says on stdout how long it took. `fields` are those of [`fields`] for the turbidity. The first
-/// order of `before`, a truth of the same sky and directions, is taken over: it does not depend on the solver.
+/// The reference at some directions; says on stdout how long it took. `fields` are those of [`fields`] for the turbidity. The first
+/// order of `before`, a reference of the same sky and directions, is taken over: it does not depend on the solver.
 ///
 /// # Errors
 /// Altitudes beyond the solver's.
-pub fn truth(
+pub fn reference(
     sky: &ReferenceSky<'_>,
     turbidity: Turbidity,
     samples: &[GridSample],
     fields: &mut FieldCache,
-    before: Option<LobeTruth>,
-) -> Result<LobeTruth, PhysicsError> {
+    before: Option<LobeReference>,
+) -> Result<LobeReference, PhysicsError> {
     let directions: Vec<_> = samples.iter().copied().map(grid_direction).collect();
     let ReferenceSky { name, place_deg, observer_altitude_m, sources, flux_dnb_w } = *sky;
     let start = Instant::now();
     let digits = |values: &[f64]| values.iter().copied().map(seven_digits).collect::<Vec<_>>();
-    let same = |before: &LobeTruth| before.samples == samples && before.sources == sources.len();
+    let same = |before: &LobeReference| before.samples == samples && before.sources == sources.len();
     let first_w_m2_sr = before.filter(same).map_or_else(
         || {
             let air = [Atmosphere::new(turbidity)];
@@ -70,7 +70,7 @@ pub fn truth(
         fields.solved_count() - solved,
         seconds - first_s,
     );
-    Ok(LobeTruth {
+    Ok(LobeReference {
         name: name.to_owned(),
         place_deg,
         observer_altitude_m,

@@ -1,4 +1,4 @@
-//! Far sources close together as one: a truth over a whole raster in minutes instead of hours.
+//! Far sources close together as one: a reference over a whole raster in minutes instead of hours.
 
 use skyglow_physics::PointSource;
 use std::collections::BTreeMap;

@@ -31,7 +31,7 @@ pub fn sky_errors(
     let statistics = ErrorStatistics::of(each)?;
     let [zenith, horizontal] = zenith_and_horizontal(samples, fast);
     let [true_zenith, true_horizontal] = zenith_and_horizontal(samples, exact);
-    let off = |value: f64, truth: f64| value / truth - 1.0;
+    let off = |value: f64, reference: f64| value / reference - 1.0;
     Some([statistics.mean, statistics.p99, off(zenith, true_zenith), off(horizontal, true_horizontal)])
 }
 

@@ -123,7 +123,7 @@ pub(crate) fn measure_error(
         .collect();
     MeasuredError {
         sources,
-        relative_to: "max(truth, a thousandth of the mean over the directions tried)".to_owned(),
+        relative_to: "max(reference, a thousandth of the mean over the directions tried)".to_owned(),
         lobes,
     }
 }

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 /// packs have all orders of scattering.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  skyglow bench --quick\n  skyglow bench --out results --truth tests/truth/demo-03.json"
+    after_help = "Example:\n  skyglow bench --quick\n  skyglow bench --out results --reference tests/reference/demo-03.json"
 )]
 pub(crate) struct Bench {
     /// Fewer scenes, and no errors: within two minutes
@@ -30,9 +30,9 @@ pub(crate) struct Bench {
     /// Folder for bench.json, every row of it, and the plots; without it the table alone
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
     out: Option<PathBuf>,
-    /// File of truth of a place of the demo, as the repository's tests/truth has them; may come several times
-    #[arg(long, env = "SKYGLOW_TRUTH", value_name = "FILE", value_delimiter = ',')]
-    truth: Vec<PathBuf>,
+    /// Reference sky of a place of the demo, as the repository's tests/reference has them; may come several times
+    #[arg(long, alias = "truth", env = "SKYGLOW_REFERENCE", value_name = "FILE", value_delimiter = ',')]
+    reference: Vec<PathBuf>,
     #[command(flatten)]
     data: DataFlags,
     #[command(flatten)]
@@ -56,7 +56,7 @@ impl Bench {
             tables,
             manifests,
             extent: if self.quick { Extent::quick() } else { Extent::full() },
-            truth_files: self.truth,
+            reference_files: self.reference,
             data: self.data.folder(),
         })
         .map_err(Failure::work)?;

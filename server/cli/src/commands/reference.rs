@@ -1,4 +1,4 @@
-//! `skyglow reference`: the truth, by the direct sum.
+//! `skyglow reference`: the reference sky, by the direct sum.
 
 use crate::{
     failure::Failure,
@@ -39,7 +39,7 @@ use skyglow_tables::{Clouds, Scattering};
 /// altitudes around the observer's: how many there are in all is said before they are solved.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > truth.json"
+    after_help = "Example:\n  skyglow reference --scene demo --lat 46.17 --lon 8.79 --directions 50 > reference.json"
 )]
 pub(crate) struct Reference {
     /// The scene's id
@@ -179,7 +179,7 @@ impl Reference {
             fields.remove("basis_count");
             fields.remove("basis_error_bound");
             if is_sample {
-                // What is interpolated is no truth, direction by direction.
+                // What is interpolated cannot judge, direction by direction.
                 fields.remove("radiance");
             }
             let natural_w_m2_sr = light.added_radiance_w_m2_sr();

@@ -16,8 +16,8 @@ use std::{
     sync::Arc,
 };
 
-/// One truth file.
-struct Truth {
+/// One reference file.
+struct Reference {
     scene: String,
     scattering: Scattering,
     place: GeoPoint,
@@ -28,11 +28,11 @@ struct Truth {
     flux_dnb_w: f64,
 }
 
-fn read(path: &Path) -> Result<Truth, Box<dyn Error>> {
+fn read(path: &Path) -> Result<Reference, Box<dyn Error>> {
     let file = path.display();
     let json: serde_json::Value = serde_json::from_slice(&std::fs::read(path)?)?;
     let number = |name: &str| json[name].as_f64().ok_or(format!("{file}: {name} is missing"));
-    Ok(Truth {
+    Ok(Reference {
         scene: json["scene"].as_str().ok_or("scene is missing")?.to_owned(),
         // Files without it hold first-order light.
         scattering: match json.get("scattering") {
@@ -48,7 +48,7 @@ fn read(path: &Path) -> Result<Truth, Box<dyn Error>> {
     })
 }
 
-/// Panoramas against files of `truth` or `truth-multiple`: the error of `docs/model.md#error` at every place and turbidity, none
+/// Panoramas against files of `reference` or `reference-multiple`: the error of `docs/model.md#error` at every place and turbidity, none
 /// left out, as a table.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -59,7 +59,7 @@ pub(crate) struct Arguments {
     /// auto, gpu, lavapipe or cpu.
     #[arg(value_parser = device)]
     device: DeviceChoice,
-    /// Files of reference solutions.
+    /// Reference files solutions.
     #[arg(required = true)]
     files: Vec<PathBuf>,
 }
@@ -76,42 +76,42 @@ pub(crate) fn run(Arguments { data, packs, device, files }: &Arguments) -> Outco
     let mut every: Vec<f64> = Vec::new();
     let mut worst_mean: f64 = 0.0;
     for file in files {
-        let truth = read(file)?;
-        let scene = store.open(&SceneId::parse(&truth.scene)?)?;
-        let polar = Arc::new(scene.polar_grid(truth.place, false));
-        let comparable = packs.iter().filter(|pack| pack.0 == truth.scattering);
+        let reference = read(file)?;
+        let scene = store.open(&SceneId::parse(&reference.scene)?)?;
+        let polar = Arc::new(scene.polar_grid(reference.place, false));
+        let comparable = packs.iter().filter(|pack| pack.0 == reference.scattering);
         let resident: Vec<f64> = comparable.map(|pack| pack.1).collect();
         let range = resident.iter().copied().fold(f64::INFINITY, f64::min)
             ..=resident.iter().copied().fold(0.0, f64::max);
-        for (index, &turbidity) in truth.turbidities.iter().enumerate() {
+        for (index, &turbidity) in reference.turbidities.iter().enumerate() {
             if !range.contains(&turbidity) {
                 println!("{} {turbidity}: outside the resident range", file.display());
                 continue;
             }
             let rendered = engine.render_blocking(clear_sky(
                 polar.clone(),
-                truth.observer_altitude_m,
+                reference.observer_altitude_m,
                 Turbidity::new(turbidity)?,
-                truth.scattering,
+                reference.scattering,
             ))?;
-            let mut errors = Vec::with_capacity(truth.samples.len());
+            let mut errors = Vec::with_capacity(reference.samples.len());
             let (mut fast, mut exact) = (Vec::new(), Vec::new());
-            for (&(row, column), radiance) in truth.samples.iter().zip(&truth.radiance) {
+            for (&(row, column), radiance) in reference.samples.iter().zip(&reference.radiance) {
                 let value = std::array::from_fn(|b| rendered.panorama.radiance_w_m2_sr(b, row, column));
                 let reference = std::array::from_fn(|b| radiance[index * 3 + b]);
                 errors.push(relative_error(value, reference));
                 fast.push(value);
                 exact.push(reference);
             }
-            let [zenith, horizontal] = zenith_and_horizontal(&truth.samples, &fast);
-            let [true_zenith, true_horizontal] = zenith_and_horizontal(&truth.samples, &exact);
+            let [zenith, horizontal] = zenith_and_horizontal(&reference.samples, &fast);
+            let [true_zenith, true_horizontal] = zenith_and_horizontal(&reference.samples, &exact);
             let statistics = ErrorStatistics::of(errors.iter().copied()).ok_or("no directions")?;
             println!(
                 "{} {:.4} {:.4} {turbidity} {:.3e} {true_zenith:.3e} {:.4} {:.4} {:.3} {:+.4} {:+.4}",
                 file.file_stem().unwrap_or_default().to_string_lossy(),
-                truth.place.latitude_deg(),
-                truth.place.longitude_deg(),
-                truth.flux_dnb_w,
+                reference.place.latitude_deg(),
+                reference.place.longitude_deg(),
+                reference.flux_dnb_w,
                 statistics.mean,
                 statistics.p99,
                 statistics.maximum,

@@ -42,7 +42,7 @@ fn at(panorama: &Value, row: usize, column: usize) -> Result<Bands, Box<dyn Erro
 
 fn words(pairs: &[(Bands, Bands)], scale: f64) -> Result<String, Box<dyn Error>> {
     let scaled = |bands: Bands| bands.map(|value| value * scale);
-    let errors = pairs.iter().map(|&(fast, truth)| relative_error(scaled(fast), scaled(truth)));
+    let errors = pairs.iter().map(|&(fast, reference)| relative_error(scaled(fast), scaled(reference)));
     let of = ErrorStatistics::of(errors).ok_or("terrain hides every direction")?;
     Ok(format!(
         "mean {:.2} %, 99 % {:.1} %, largest {:.1} %",
@@ -74,13 +74,13 @@ pub(crate) fn run(Arguments { reference, panorama }: &Arguments) -> Outcome {
     let mut pairs = Vec::new();
     let mut highest = (0, 0.0);
     for direction in reference["directions"].as_array().ok_or("the reference has no directions")? {
-        let truth: Bands = serde_json::from_value(direction["radiance"].clone())?;
+        let reference: Bands = serde_json::from_value(direction["radiance"].clone())?;
         let number = |name: &str| direction[name].as_u64().ok_or("a direction has no row or column");
         let (row, column) = (number("row")? as usize, number("column")? as usize);
-        if truth != [0.0; BAND_COUNT] {
-            pairs.push((at(&panorama, row, column)?, truth));
+        if reference != [0.0; BAND_COUNT] {
+            pairs.push((at(&panorama, row, column)?, reference));
             if row >= highest.0 {
-                highest = (row, luminance_cd_m2(truth));
+                highest = (row, luminance_cd_m2(reference));
             }
         }
     }

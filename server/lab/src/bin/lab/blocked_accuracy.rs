@@ -94,7 +94,7 @@ pub(crate) fn run(Arguments { pack, sources, nodes }: &Arguments) -> Outcome {
             Ok(Some(SourceField::solve(setting, &Resolution::table())))
         });
         let [open_field, cut_field] = fields;
-        let truth = |field: &Option<SourceField>, angle_deg: f64, row: usize, column: usize| {
+        let reference = |field: &Option<SourceField>, angle_deg: f64, row: usize, column: usize| {
             let (azimuth, elevation) = (azimuth_rad(column), elevation_rad(row));
             let mut sky = cut_radiance_per_watt_of(
                 &atmosphere,
@@ -115,15 +115,15 @@ pub(crate) fn run(Arguments { pack, sources, nodes }: &Arguments) -> Outcome {
             Ok::<Bands, Box<dyn Error>>(bands)
         };
         let (open_field, cut_field) = (open_field?, cut_field?);
-        let zenith = luminance_cd_m2(truth(&open_field, 0.0, ELEVATION_COUNT - 1, 64)?);
+        let zenith = luminance_cd_m2(reference(&open_field, 0.0, ELEVATION_COUNT - 1, 64)?);
         let flux_w = (NATURAL_CD_M2 / zenith).min(LARGEST_FLUX_W);
         let watts = |bands: Bands| bands.map(|value| value * flux_w);
         let (mut errors, mut open_errors, mut signed) = (Vec::new(), Vec::new(), 0.0);
         for d in 0..DIRECTION_COUNT {
             let row = if d < 4 { ELEVATION_COUNT - 1 } else { (d * 25 + i as usize * 7) % ELEVATION_COUNT };
             let column = (d * 53 + i as usize * 31) % HALF_COLUMN_COUNT;
-            let exact = watts(truth(&cut_field, angle_deg, row, column)?);
-            let exact_open = watts(truth(&open_field, 0.0, row, column)?);
+            let exact = watts(reference(&cut_field, angle_deg, row, column)?);
+            let exact_open = watts(reference(&open_field, 0.0, row, column)?);
             let got = watts(evaluate(&mixed, row, column));
             errors.push(relative_error(got, exact));
             signed += (luminance_cd_m2(got) - luminance_cd_m2(exact))

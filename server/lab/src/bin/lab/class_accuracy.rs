@@ -3,7 +3,7 @@
 use crate::arguments::Outcome;
 use skyglow_lab::{
     class_errors::{class_grid, errors_of_sky, skies_of},
-    lobe_truth::LobeTruth,
+    lobe_reference::LobeReference,
     setup::engine_with,
     sky_errors::{SkyErrors, mixes},
 };
@@ -27,8 +27,8 @@ const LIMITS: [(f64, &str); 4] = [(0.01, "mean"), (0.05, "99 %"), (0.005, "zenit
 pub(crate) struct Arguments {
     /// Folder of packs.
     packs: PathBuf,
-    /// Folder of files of `class-truth` and `place-truth`.
-    truths: PathBuf,
+    /// Folder of files of `class-reference` and `place-reference`.
+    references: PathBuf,
     /// Basis functions.
     #[arg(long)]
     basis: Option<usize>,
@@ -47,20 +47,22 @@ pub(crate) fn run(options: &Arguments) -> Outcome {
     let engine = engine_with(&options.packs)?;
     println!("# all in %: mean, 99 %, zenith, horizontal illuminance; limits 1, 5, 0.5, 0.5");
     let mut worst: BTreeMap<(String, &str), SkyErrors> = BTreeMap::new();
-    for path in LobeTruth::files_in(&options.truths)? {
-        let truth = LobeTruth::read(&path)?;
-        let polar = polar_grid(&truth, options.data.as_deref())?;
+    for path in LobeReference::files_in(&options.references)? {
+        let reference = LobeReference::read(&path)?;
+        let polar = polar_grid(&reference, options.data.as_deref())?;
         for (mix, emission) in mixes() {
-            let errors = errors_of_sky(&engine, &truth, &polar, emission, options.basis)?;
+            let errors = errors_of_sky(&engine, &reference, &polar, emission, options.basis)?;
             if options.every {
-                let sky =
-                    format!("{} {:.0} m T {:.2}", truth.name, truth.observer_altitude_m, truth.turbidity);
+                let sky = format!(
+                    "{} {:.0} m T {:.2}",
+                    reference.name, reference.observer_altitude_m, reference.turbidity
+                );
                 print_line(&sky, mix, errors);
             }
             if options.worst > 0 {
-                print_directions(&engine, &truth, &polar, emission, options)?;
+                print_directions(&engine, &reference, &polar, emission, options)?;
             }
-            let most = worst.entry((truth.name.clone(), mix)).or_default();
+            let most = worst.entry((reference.name.clone(), mix)).or_default();
             most.iter_mut().zip(errors).for_each(|(most, error)| *most = larger(*most, error));
         }
     }
@@ -81,17 +83,17 @@ pub(crate) fn run(options: &Arguments) -> Outcome {
 /// The directions of a sky that are most off.
 fn print_directions(
     engine: &Engine,
-    truth: &LobeTruth,
+    reference: &LobeReference,
     polar: &PolarGrid,
     emission: EmissionMix,
     options: &Arguments,
 ) -> Result<(), Box<dyn Error>> {
-    let [fast, exact] = skies_of(engine, truth, polar, emission, options.basis)?;
+    let [fast, exact] = skies_of(engine, reference, polar, emission, options.basis)?;
     let errors = fast.iter().zip(&exact).map(|(fast, exact)| {
         let errors: [f64; BAND_COUNT] = std::array::from_fn(|band| 100.0 * (fast[band] / exact[band] - 1.0));
         errors
     });
-    let mut directions: Vec<_> = truth.samples.iter().zip(errors).collect();
+    let mut directions: Vec<_> = reference.samples.iter().zip(errors).collect();
     let most = |errors: &[f64; BAND_COUNT]| errors.iter().fold(0f64, |most, error| most.max(error.abs()));
     directions.sort_by(|a, b| most(&b.1).total_cmp(&most(&a.1)));
     for (&(row, column), [red, green, blue]) in directions.into_iter().take(options.worst) {
@@ -117,19 +119,19 @@ fn print_line(name: &str, mix: &str, errors: SkyErrors) {
 }
 
 /// The light that the engine gets.
-fn polar_grid(truth: &LobeTruth, data: Option<&Path>) -> Result<PolarGrid, Box<dyn Error>> {
-    let grid = match truth.place_deg {
+fn polar_grid(reference: &LobeReference, data: Option<&Path>) -> Result<PolarGrid, Box<dyn Error>> {
+    let grid = match reference.place_deg {
         Some([latitude_deg, longitude_deg]) => {
-            let data = data.ok_or("a truth of a place in a scene: --data is missing")?;
-            let scene = SceneStore::new(data).open(&SceneId::parse(&truth.name)?)?;
+            let data = data.ok_or("a reference of a place in a scene: --data is missing")?;
+            let scene = SceneStore::new(data).open(&SceneId::parse(&reference.name)?)?;
             scene.polar_grid(GeoPoint::from_deg(latitude_deg, longitude_deg)?, false)
         }
-        None => class_grid(truth)?,
+        None => class_grid(reference)?,
     };
-    if (grid.flux_dnb_w / truth.flux_dnb_w - 1.0).abs() > 1e-3 {
+    if (grid.flux_dnb_w / reference.flux_dnb_w - 1.0).abs() > 1e-3 {
         return Err(format!(
-            "{}: {} DNB watts, the truth has {}",
-            truth.name, grid.flux_dnb_w, truth.flux_dnb_w
+            "{}: {} DNB watts, the reference has {}",
+            reference.name, grid.flux_dnb_w, reference.flux_dnb_w
         )
         .into());
     }

@@ -115,7 +115,8 @@ fn compare(scene: &Scene, engine: &Engine, turbidity: Turbidity, place: GeoPoint
     let atmosphere = Atmosphere::new(turbidity);
     let pixel_m = scene.metadata().pixel_size_m;
     let start = Instant::now();
-    let truth = hidden_sum(&atmosphere, &sum, &|light_m, point_m| scene.blocks(light_m, point_m, pixel_m));
+    let reference =
+        hidden_sum(&atmosphere, &sum, &|light_m, point_m| scene.blocks(light_m, point_m, pixel_m));
     let seconds = start.elapsed().as_secs_f64();
     let cut = cut_sum(&atmosphere, &sum, &lights.angles_rad);
     let render = |grid: &PolarGrid| -> Result<Vec<Bands>, Box<dyn Error>> {
@@ -130,7 +131,10 @@ fn compare(scene: &Scene, engine: &Engine, turbidity: Turbidity, place: GeoPoint
     let scale = natural_sky_luminance_cd_m2() / luminance_cd_m2(open[zenith]);
     let errors = |sky: &[Bands], against: &[Bands]| -> Vec<f64> {
         let scaled = |bands: &Bands| bands.map(|value| value * scale);
-        sky.iter().zip(against).map(|(sky, truth)| relative_error(scaled(sky), scaled(truth))).collect()
+        sky.iter()
+            .zip(against)
+            .map(|(sky, reference)| relative_error(scaled(sky), scaled(reference)))
+            .collect()
     };
     let mean =
         |sky: &[Bands]| sky.iter().map(|bands| luminance_cd_m2(*bands)).sum::<f64>() / sky.len() as f64;
@@ -142,16 +146,16 @@ fn compare(scene: &Scene, engine: &Engine, turbidity: Turbidity, place: GeoPoint
         )
     };
     println!(
-        "{:.4} {:.4} at {eye_m:.0} m: {} lights, {} behind ridges; {} directions; truth in {seconds:.0} s",
+        "{:.4} {:.4} at {eye_m:.0} m: {} lights, {} behind ridges; {} directions; reference in {seconds:.0} s",
         place.latitude_deg(),
         place.longitude_deg(),
         lights.sources.len(),
         lights.angles_rad.iter().filter(|angle| **angle > 0.0).count(),
         directions.len(),
     );
-    println!("  left of the light without terrain: truth {}, fast {}", part(&truth), part(&hidden));
-    println!("  fast with hidden lights against the truth: {}", words(errors(&hidden, &truth))?);
+    println!("  left of the light without terrain: reference {}, fast {}", part(&reference), part(&hidden));
+    println!("  fast with hidden lights against the reference: {}", words(errors(&hidden, &reference))?);
     println!("  fast against lobes cut at the same angles: {}", words(errors(&hidden, &cut))?);
-    println!("  fast without hidden lights against the truth: {}", words(errors(&open, &truth))?);
+    println!("  fast without hidden lights against the reference: {}", words(errors(&open, &reference))?);
     Ok(())
 }

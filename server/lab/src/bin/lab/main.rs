@@ -6,26 +6,26 @@ mod arguments;
 mod blocked_accuracy;
 mod brightness;
 mod class_accuracy;
-mod class_truth;
+mod class_reference;
 mod field_noise;
 mod field_resolution;
 mod hidden_lights;
+mod influence_reference;
 mod influence_times;
-mod influence_truth;
 mod latency;
 mod multiple_accuracy;
 mod multiple_vs_monte_carlo;
 mod offset_interpolation;
 mod pass_times;
 mod pictures;
-mod place_truth;
-mod plan_truth;
+mod place_reference;
+mod plan_reference;
+mod reference;
+mod reference_multiple;
 mod scene_times;
 mod seeds;
 mod speed;
 mod tolerance;
-mod truth;
-mod truth_multiple;
 
 use arguments::Outcome;
 use clap::{Parser, Subcommand};
@@ -41,10 +41,10 @@ struct Lab {
 #[derive(Debug, Subcommand)]
 #[command(allow_negative_numbers = true)]
 enum Program {
-    Truth(truth::Arguments),
-    TruthMultiple(truth_multiple::Arguments),
-    ClassTruth(class_truth::Arguments),
-    PlaceTruth(place_truth::Arguments),
+    Reference(reference::Arguments),
+    ReferenceMultiple(reference_multiple::Arguments),
+    ClassReference(class_reference::Arguments),
+    PlaceReference(place_reference::Arguments),
     Accuracy(accuracy::Arguments),
     AgainstReference(against_reference::Arguments),
     ClassAccuracy(class_accuracy::Arguments),
@@ -56,8 +56,8 @@ enum Program {
     FieldNoise(field_noise::Arguments),
     MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
     Brightness(brightness::Arguments),
-    InfluenceTruth(influence_truth::Arguments),
-    PlanTruth(plan_truth::Arguments),
+    InfluenceReference(influence_reference::Arguments),
+    PlanReference(plan_reference::Arguments),
     Speed(speed::Arguments),
     Tolerance(tolerance::Arguments),
     PassTimes(pass_times::Arguments),
@@ -71,10 +71,10 @@ enum Program {
 
 fn main() -> Outcome {
     match Lab::parse().program {
-        Program::Truth(arguments) => truth::run(&arguments),
-        Program::TruthMultiple(arguments) => truth_multiple::run(&arguments),
-        Program::ClassTruth(arguments) => class_truth::run(&arguments),
-        Program::PlaceTruth(arguments) => place_truth::run(&arguments),
+        Program::Reference(arguments) => reference::run(&arguments),
+        Program::ReferenceMultiple(arguments) => reference_multiple::run(&arguments),
+        Program::ClassReference(arguments) => class_reference::run(&arguments),
+        Program::PlaceReference(arguments) => place_reference::run(&arguments),
         Program::Accuracy(arguments) => accuracy::run(&arguments),
         Program::AgainstReference(arguments) => against_reference::run(&arguments),
         Program::ClassAccuracy(arguments) => class_accuracy::run(&arguments),
@@ -86,8 +86,8 @@ fn main() -> Outcome {
         Program::FieldNoise(arguments) => field_noise::run(&arguments),
         Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
         Program::Brightness(arguments) => brightness::run(&arguments),
-        Program::InfluenceTruth(arguments) => influence_truth::run(&arguments),
-        Program::PlanTruth(arguments) => plan_truth::run(&arguments),
+        Program::InfluenceReference(arguments) => influence_reference::run(&arguments),
+        Program::PlanReference(arguments) => plan_reference::run(&arguments),
         Program::Speed(arguments) => speed::run(&arguments),
         Program::Tolerance(arguments) => tolerance::run(&arguments),
         Program::PassTimes(arguments) => pass_times::run(&arguments),

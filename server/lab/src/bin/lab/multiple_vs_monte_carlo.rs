@@ -75,8 +75,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     orders: bool,
     /// What the solver is compared with.
-    #[arg(long, value_enum, default_value_t = Truth::MonteCarlo)]
-    truth: Truth,
+    #[arg(long, value_enum, default_value_t = Judge::MonteCarlo)]
+    judge: Judge,
     /// Tells how long a row and a ray take.
     #[arg(long)]
     speed: bool,
@@ -96,7 +96,7 @@ enum Named {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Truth {
+enum Judge {
     /// Light traced backward from the observer.
     MonteCarlo,
     /// Light traced forward from the lamp.
@@ -229,7 +229,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let started = Instant::now();
         let field = SourceField::solve(setting, &resolution);
         let solve_s = started.elapsed().as_secs_f64();
-        let finest = (arguments.truth == Truth::Reference)
+        let finest = (arguments.judge == Judge::Reference)
             .then(|| SourceField::solve(setting, &Resolution::reference()));
         println!(
             "# T {turbidity}: grid {:?}, solved in {:.2} s, largest shares of orders 2, 3, …: {:.4?}",
@@ -283,7 +283,7 @@ impl Setup<'_> {
 
     /// One forward run a band serves all distances and directions, `[band][distance × direction]`; none for other tracers.
     fn forward(&self) -> Vec<Vec<Estimate>> {
-        if self.arguments.truth != Truth::Forward {
+        if self.arguments.judge != Judge::Forward {
             return Vec::new();
         }
         let looks =
@@ -343,12 +343,12 @@ impl Setup<'_> {
                 for (direction_index, &(azimuth_deg, elevation_deg)) in self.directions.iter().enumerate() {
                     let (azimuth, elevation) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
                     let [first, later] = self.solved(atmosphere, &geometry, azimuth, elevation)?;
-                    let traced = match self.arguments.truth {
-                        Truth::Reference => None,
-                        Truth::Forward => {
+                    let traced = match self.arguments.judge {
+                        Judge::Reference => None,
+                        Judge::Forward => {
                             Some(caught[band_index][distance_index * self.directions.len() + direction_index])
                         }
-                        Truth::MonteCarlo => Some(tracer.estimate(azimuth, elevation, *paths, *seed)),
+                        Judge::MonteCarlo => Some(tracer.estimate(azimuth, elevation, *paths, *seed)),
                     };
                     let finest = match &self.finest {
                         None => None,

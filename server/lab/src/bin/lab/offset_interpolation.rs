@@ -90,13 +90,13 @@ fn looked_at(geometry: SourceGeometry, air: Atmosphere, multiple: &[MultipleTabl
 }
 
 /// Errors of [scale, zenith, lowest row].
-fn errors(found: Looked, truth: Looked) -> [f64; 3] {
-    let truth = truth.between(truth, 0.0, truth.log_scale);
-    let off = found.near.iter().zip(truth.near).map(|(found, truth)| found - truth).sum::<f64>();
+fn errors(found: Looked, reference: Looked) -> [f64; 3] {
+    let reference = reference.between(reference, 0.0, reference.log_scale);
+    let off = found.near.iter().zip(reference.near).map(|(found, reference)| found - reference).sum::<f64>();
     [
-        found.log_scale - truth.log_scale,
-        found.zenith / truth.zenith - 1.0,
-        off / truth.near.iter().sum::<f64>(),
+        found.log_scale - reference.log_scale,
+        found.zenith / reference.zenith - 1.0,
+        off / reference.near.iter().sum::<f64>(),
     ]
 }
 
@@ -118,12 +118,12 @@ fn judge(observer_m: f64, distance_m: f64, axes: &TableAxes, air: Atmosphere, mu
             (0.0..4_000.0).contains(&(observer_m + offset_m)) && offset_m < 0.3 * distance_m
         })
         .map(|position| {
-            let truth = of(axis.offset_m(position));
+            let reference = of(axis.offset_m(position));
             let low = position as usize;
             let of_lobe = |lobe: usize| {
                 let log_scale = log_scale_at(&axis, position, |node| nodes[node][lobe].log_scale);
                 let [below, above] = [low, low + 1].map(|node| nodes[node][lobe]);
-                errors(below.between(above, position - low as f64, log_scale), truth[lobe])
+                errors(below.between(above, position - low as f64, log_scale), reference[lobe])
             };
             (axis.offset_m(position), [of_lobe(0), of_lobe(1)])
         })
@@ -131,17 +131,18 @@ fn judge(observer_m: f64, distance_m: f64, axes: &TableAxes, air: Atmosphere, mu
     println!("{observer_m:6.0} m, {:5.1} km", distance_m / 1e3);
     print!("    around level");
     for offset_m in AROUND_LEVEL_M {
-        let (truth, position) = (of(offset_m), axis.position(offset_m));
+        let (reference, position) = (of(offset_m), axis.position(offset_m));
         let low = (position as usize).min(axis.count - 2);
         let off = [0, 1].map(|lobe| {
             let log_scale = log_scale_at(&axis, position, |node| nodes[node][lobe].log_scale);
             let [below, above] = [low, low + 1].map(|node| nodes[node][lobe]);
-            let (found, truth) = (
+            let (found, reference) = (
                 below.between(above, position - low as f64, log_scale),
-                truth[lobe].between(truth[lobe], 0.0, truth[lobe].log_scale),
+                reference[lobe].between(reference[lobe], 0.0, reference[lobe].log_scale),
             );
-            let pairs = found.lowest.iter().zip(truth.lowest);
-            100.0 * pairs.map(|(found, truth)| found / truth - 1.0).sum::<f64>() / HALF_COLUMN_COUNT as f64
+            let pairs = found.lowest.iter().zip(reference.lowest);
+            100.0 * pairs.map(|(found, reference)| found / reference - 1.0).sum::<f64>()
+                / HALF_COLUMN_COUNT as f64
         });
         print!("  {offset_m:+.0} m {:+.1}, {:+.1}", off[0], off[1]);
     }

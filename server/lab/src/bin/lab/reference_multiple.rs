@@ -1,7 +1,7 @@
 //! Reference solutions of all orders of scattering at places of a scene.
 
 use crate::arguments::{List, Outcome};
-use skyglow_lab::{lobe_truth::seven_digits, setup::later_orders};
+use skyglow_lab::{lobe_reference::seven_digits, setup::later_orders};
 use skyglow_physics::{
     GeoPoint, LampPreset, Turbidity,
     direct_sum::grid_direction,
@@ -11,7 +11,7 @@ use skyglow_physics::{
 use skyglow_scene::{SceneId, SceneStore};
 use std::{path::PathBuf, time::Instant};
 
-/// Adds the later orders of scattering to files of `truth`: for those of the turbidities that a file holds, a file of the
+/// Adds the later orders of scattering to files of `reference`: for those of the turbidities that a file holds, a file of the
 /// same name. A minute or two a place and turbidity: one field for every 300 m of source altitude, solved for the place's
 /// own altitude.
 #[derive(Debug, clap::Args)]
@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     turbidities: List<f64>,
     /// Folder for the files.
     out: PathBuf,
-    /// Files of `truth`.
+    /// Files of `reference`.
     #[arg(required = true)]
     files: Vec<PathBuf>,
 }
@@ -32,7 +32,7 @@ pub(crate) fn run(Arguments { data, turbidities: wanted, out, files }: &Argument
     let store = SceneStore::new(data);
     for path in files {
         let file = path.display();
-        let target = out.join(path.file_name().ok_or("a truth file has a name")?);
+        let target = out.join(path.file_name().ok_or("a reference file has a name")?);
         if target.exists() {
             continue;
         }

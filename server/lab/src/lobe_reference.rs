@@ -1,4 +1,4 @@
-//! The truth of a sky with each lobe apart: one file serves every mix of lobes and every lamp.
+//! The reference of a sky with each lobe apart: one file serves every mix of lobes and every lamp.
 
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{BAND_COUNT, EmissionMix, LOBE_COUNT, direct_sum::GridSample};
@@ -8,12 +8,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// How the names of truth files end: JSON, packed.
+/// How the names of reference files end: JSON, packed.
 const FILE_ENDING: &str = ".json.zst";
 
 /// Lights of one sky, per watt of flux in the band as if all of the raster's were in it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct LobeTruth {
+pub struct LobeReference {
     /// A class of places, or a scene.
     pub name: String,
     /// Latitude and longitude in the scene, degrees; None in a class.
@@ -38,7 +38,7 @@ pub struct LobeTruth {
     pub later_w_m2_sr: Vec<Vec<f64>>,
 }
 
-impl LobeTruth {
+impl LobeReference {
     /// Reads a file of [`Self::write`].
     ///
     /// # Errors
@@ -55,7 +55,7 @@ impl LobeTruth {
         std::fs::write(path, zstd::encode_all(serde_json::to_vec(self)?.as_slice(), 19)?)
     }
 
-    /// Files of truths in a folder, by name.
+    /// Reference filess in a folder, by name.
     ///
     /// # Errors
     /// What the file system says.
@@ -84,12 +84,12 @@ impl LobeTruth {
     }
 }
 
-/// What the file of a truth is called.
+/// What the file of a reference is called.
 pub fn file_name(name: &str, observer_altitude_m: f64, turbidity: f64) -> String {
     format!("{name}-{observer_altitude_m:.0}m-t{turbidity:.2}{FILE_ENDING}")
 }
 
-/// A number as far as the truth is known.
+/// A number as far as the reference is known.
 pub fn seven_digits(value: f64) -> f64 {
     format!("{value:.6e}").parse().unwrap_or(value)
 }

@@ -2,8 +2,8 @@
 
 use crate::arguments::{List, Outcome, SceneArguments};
 use skyglow_lab::{
-    lobe_sum::{ReferenceSky, fields, truth},
-    lobe_truth::{LobeTruth, file_name},
+    lobe_reference::{LobeReference, file_name},
+    lobe_sum::{ReferenceSky, fields, reference},
     merged_sources::merged,
     places::places,
 };
@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         if path.exists() != *later {
             continue;
         }
-        let before = later.then(|| LobeTruth::read(&path)).transpose()?;
+        let before = later.then(|| LobeReference::read(&path)).transpose()?;
         let (sources, flux_dnb_w) = sources_at(&scene, place, *share);
         if sources.is_empty() {
             println!("{place:?}: dark");
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             sources: &sources,
             flux_dnb_w,
         };
-        truth(&sky, *turbidity, &samples, solved, before)?.write(&path)?;
+        reference(&sky, *turbidity, &samples, solved, before)?.write(&path)?;
     }
     Ok(())
 }

@@ -3,8 +3,8 @@
 use crate::arguments::{List, Outcome};
 use skyglow_lab::{
     class_scenes::{Class, ClassScene},
-    lobe_sum::{ReferenceSky, fields, truth},
-    lobe_truth::{LobeTruth, file_name},
+    lobe_reference::{LobeReference, file_name},
+    lobe_sum::{ReferenceSky, fields, reference},
 };
 use skyglow_physics::{Turbidity, direct_sum::stratified_samples};
 use std::path::PathBuf;
@@ -46,7 +46,7 @@ pub(crate) fn run(Arguments { out, turbidities, directions, later, classes }: &A
             if path.exists() && !*later {
                 continue;
             }
-            let before = path.exists().then(|| LobeTruth::read(&path)).transpose()?;
+            let before = path.exists().then(|| LobeReference::read(&path)).transpose()?;
             let sky = ReferenceSky {
                 name: class.name(),
                 place_deg: None,
@@ -54,7 +54,7 @@ pub(crate) fn run(Arguments { out, turbidities, directions, later, classes }: &A
                 sources,
                 flux_dnb_w: sources.iter().map(|source| source.flux_dnb_w).sum(),
             };
-            truth(&sky, turbidity, &samples, &mut solved, before)?.write(&path)?;
+            reference(&sky, turbidity, &samples, &mut solved, before)?.write(&path)?;
         }
     }
     Ok(())

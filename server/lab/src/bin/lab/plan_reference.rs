@@ -31,7 +31,7 @@ fn zenith(panorama: &Panorama) -> f64 {
 }
 
 /// The zenith by the sum over all sources, all orders.
-fn truth(sum: &MultipleSum, lamp: &Lamp, sources: &[PointSource]) -> Result<f64, Box<dyn Error>> {
+fn reference(sum: &MultipleSum, lamp: &Lamp, sources: &[PointSource]) -> Result<f64, Box<dyn Error>> {
     let directions: Vec<Direction> = samples().into_iter().map(grid_direction).collect();
     let flux = lamp.flux_per_dnb_flux;
     let first = direct_sum::<3>(
@@ -99,11 +99,11 @@ pub(crate) fn run(Arguments { place: asked, reduce_by }: &Arguments) -> Outcome 
             pixel.flux_dnb_w *= left.get(&Scene::pixel_code(column, row)).copied().unwrap_or(1.0);
         }
         let flux_dnb_w: f64 = pixels.iter().map(|pixel| pixel.flux_dnb_w).sum();
-        let value = truth(&sum, &lamp, &point_sources(place, &pixels))?;
+        let value = reference(&sum, &lamp, &point_sources(place, &pixels))?;
         let state = if is_dimmed { &site.after } else { &site.before };
         let found = zenith(&state.sky.panorama);
         println!(
-            "{}: truth {value:.4e} cd/m2, the program's {found:.4e} ({:+.2} %), flux {flux_dnb_w:.4e} W; {:.0} s",
+            "{}: reference {value:.4e} cd/m2, the program's {found:.4e} ({:+.2} %), flux {flux_dnb_w:.4e} W; {:.0} s",
             if is_dimmed { "dimmed" } else { "as it is" },
             100.0 * (found / value - 1.0),
             start.elapsed().as_secs_f64()

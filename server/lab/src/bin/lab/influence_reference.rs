@@ -97,7 +97,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
         first_source += points.len();
     }
     println!(
-        "{} pixels of {} within 300 km of {:.4}, {:.4} at {:.0} m; truth {:.0} s",
+        "{} pixels of {} within 300 km of {:.4}, {:.4} at {:.0} m; reference {:.0} s",
         chosen.len(),
         pixels.len(),
         place.latitude_deg(),
@@ -111,7 +111,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
     );
     for (name, measure, map) in &maps {
         let weights = weights(measure);
-        let truth = |luminance: &Vec<f64>| -> f64 {
+        let reference = |luminance: &Vec<f64>| -> f64 {
             match &weights {
                 Some(weights) => weights.weights().iter().zip(luminance).map(|(w, l)| w * l).sum(),
                 None => (luminance.iter().enumerate())
@@ -120,12 +120,15 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
                     .sqrt(),
             }
         };
-        let truths: Vec<f64> = luminance.iter().map(truth).collect();
+        let references: Vec<f64> = luminance.iter().map(reference).collect();
         let found: Vec<f64> = chosen.iter().map(|&position| f64::from(map.influence()[position])).collect();
-        let mut errors: Vec<f64> =
-            found.iter().zip(&truths).map(|(found, truth)| 100.0 * (found / truth - 1.0).abs()).collect();
+        let mut errors: Vec<f64> = found
+            .iter()
+            .zip(&references)
+            .map(|(found, reference)| 100.0 * (found / reference - 1.0).abs())
+            .collect();
         errors.sort_by(f64::total_cmp);
-        let all = 100.0 * (found.iter().sum::<f64>() / truths.iter().sum::<f64>() - 1.0);
+        let all = 100.0 * (found.iter().sum::<f64>() / references.iter().sum::<f64>() - 1.0);
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
         println!("{name:<32} {mean:8.2} {:8.2} {:8.2} {:8.2}   {all:+.2}", at(0.5), at(0.9), at(1.0));

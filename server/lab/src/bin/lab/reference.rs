@@ -1,7 +1,7 @@
 //! First-order reference solutions at places of a scene.
 
 use crate::arguments::{Outcome, SceneArguments, place};
-use skyglow_lab::{lobe_truth::seven_digits, places::places};
+use skyglow_lab::{lobe_reference::seven_digits, places::places};
 use skyglow_physics::{
     Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
@@ -42,10 +42,10 @@ enum Choice {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     match arguments.turbidities {
-        Choice::All => truth::<21>(&[1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0], arguments),
-        Choice::Few => truth::<9>(&[1.5, 4.0, 6.0], arguments),
-        Choice::Rest => truth::<12>(&[2.0, 2.5, 3.5, 4.75], arguments),
-        Choice::Between => truth::<6>(&[1.75, 4.0], arguments),
+        Choice::All => reference::<21>(&[1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0], arguments),
+        Choice::Few => reference::<9>(&[1.5, 4.0, 6.0], arguments),
+        Choice::Rest => reference::<12>(&[2.0, 2.5, 3.5, 4.75], arguments),
+        Choice::Between => reference::<6>(&[1.75, 4.0], arguments),
     }
 }
 
@@ -58,7 +58,7 @@ fn wanted_places(scene: &Scene, wanted: &str) -> Result<Vec<GeoPoint>, Box<dyn E
 }
 
 /// `SLOTS` is three bands times the turbidities.
-fn truth<const SLOTS: usize>(turbidities: &[f64], arguments: &Arguments) -> Outcome {
+fn reference<const SLOTS: usize>(turbidities: &[f64], arguments: &Arguments) -> Outcome {
     let Arguments { scene, places, directions, out, .. } = arguments;
     let (id, scene) = (scene.scene.as_str(), scene.open()?);
     let atmospheres =

@@ -1,4 +1,4 @@
-//! Skies whose truth is known: computed for made-up scenes, or read from files for places of the demo.
+//! Reference skies: computed for made-up scenes, or read from files for places of the demo.
 
 use crate::{error::BenchError, options::Setting, scenes::LitScene};
 use serde::Deserialize;
@@ -15,12 +15,12 @@ use std::{
     sync::Arc,
 };
 
-/// Largest relative difference of the flux around a place from that of its truth: the raster is the same.
+/// Largest relative difference of the flux around a place from that of its reference: the raster is the same.
 const SAME_FLUX: f64 = 1e-3;
 
-/// A sky and its truth in some directions.
+/// A sky and its reference in some directions.
 #[derive(Clone, Debug)]
-pub struct TruthSky {
+pub struct ReferenceSky {
     /// The scene, and the place in it.
     pub name: String,
     /// What the engine takes.
@@ -37,9 +37,9 @@ pub struct TruthSky {
     pub radiance_w_m2_sr: Vec<[f64; BAND_COUNT]>,
 }
 
-/// A file of truth, as `tests/truth` has them.
+/// A reference file, as `tests/reference` has them.
 #[derive(Debug, Deserialize)]
-struct StoredTruth {
+struct StoredReference {
     scene: String,
     #[serde(default)]
     scattering: Option<Scattering>,
@@ -92,9 +92,9 @@ pub(crate) fn of_scene(
     setting: &Setting,
     scene: &LitScene,
     directions: usize,
-) -> Result<TruthSky, BenchError> {
+) -> Result<ReferenceSky, BenchError> {
     let samples = stratified_samples(directions);
-    Ok(TruthSky {
+    Ok(ReferenceSky {
         name: format!("{} {}", scene.name, scene.lit_sources),
         polar: Arc::clone(&scene.polar),
         observer_altitude_m: scene.observer_altitude_m,
@@ -114,12 +114,12 @@ pub(crate) fn of_place(
     scene: &Scene,
     [latitude_deg, longitude_deg]: [f64; 2],
     directions: usize,
-) -> Result<TruthSky, BenchError> {
+) -> Result<ReferenceSky, BenchError> {
     let place = GeoPoint::from_deg(latitude_deg, longitude_deg)?;
     let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
     let sources = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
     let samples = stratified_samples(directions);
-    Ok(TruthSky {
+    Ok(ReferenceSky {
         name: format!("{DEMO_ID} {latitude_deg:.2} {longitude_deg:.2}"),
         polar: Arc::new(scene.polar_grid(place, false)),
         observer_altitude_m,
@@ -130,14 +130,15 @@ pub(crate) fn of_place(
     })
 }
 
-/// Reads a file of truth.
+/// Reads a reference file.
 ///
 /// # Errors
 /// A file that is none, or of another scene than the demo.
-fn read(path: &Path) -> Result<StoredTruth, BenchError> {
-    let refuse = |reason: String| BenchError::Truth { path: path.to_owned(), reason };
+fn read(path: &Path) -> Result<StoredReference, BenchError> {
+    let refuse = |reason: String| BenchError::Reference { path: path.to_owned(), reason };
     let bytes = std::fs::read(path).map_err(BenchError::file(path))?;
-    let stored: StoredTruth = serde_json::from_slice(&bytes).map_err(|error| refuse(error.to_string()))?;
+    let stored: StoredReference =
+        serde_json::from_slice(&bytes).map_err(|error| refuse(error.to_string()))?;
     if stored.scene != DEMO_ID {
         return Err(refuse(format!("it is of the scene {:?}, not of the demo", stored.scene)));
     }
@@ -154,10 +155,10 @@ fn read(path: &Path) -> Result<StoredTruth, BenchError> {
     Ok(stored)
 }
 
-/// Reads files of truth: before minutes of work that end with one that is none.
+/// Reads reference files: before minutes of work that end with one that is none.
 ///
 /// # Errors
-/// The first that cannot be read or is no truth.
+/// The first that cannot be read or is no reference.
 pub(crate) fn check_files(paths: &[PathBuf]) -> Result<(), BenchError> {
     paths.iter().try_for_each(|path| read(path).map(drop))
 }
@@ -165,8 +166,12 @@ pub(crate) fn check_files(paths: &[PathBuf]) -> Result<(), BenchError> {
 /// The skies of a file, one a turbidity within the packs'; none where the file has other orders of scattering.
 ///
 /// # Errors
-/// A file that is no truth, of another scene, or of another demo than `scene`.
-pub(crate) fn of_file(setting: &Setting, scene: &Scene, path: &Path) -> Result<Vec<TruthSky>, BenchError> {
+/// A file that is no reference, of another scene, or of another demo than `scene`.
+pub(crate) fn of_file(
+    setting: &Setting,
+    scene: &Scene,
+    path: &Path,
+) -> Result<Vec<ReferenceSky>, BenchError> {
     let stored = read(path)?;
     if stored.scattering.unwrap_or(Scattering::Single) != setting.kind.scattering {
         return Ok(Vec::new());
@@ -175,20 +180,20 @@ pub(crate) fn of_file(setting: &Setting, scene: &Scene, path: &Path) -> Result<V
     let polar = Arc::new(scene.polar_grid(place, false));
     if (polar.flux_dnb_w / stored.flux_dnb_w - 1.0).abs() > SAME_FLUX {
         let reason =
-            format!("the demo has {} DNB watts there, the truth {}", polar.flux_dnb_w, stored.flux_dnb_w);
-        return Err(BenchError::Truth { path: path.to_owned(), reason });
+            format!("the demo has {} DNB watts there, the reference {}", polar.flux_dnb_w, stored.flux_dnb_w);
+        return Err(BenchError::Reference { path: path.to_owned(), reason });
     }
     Ok(stored.skies(&setting.turbidities, &polar))
 }
 
-impl StoredTruth {
+impl StoredReference {
     /// One sky for each turbidity within those of the packs, ascending.
-    fn skies(&self, resident: &[f64], polar: &Arc<PolarGrid>) -> Vec<TruthSky> {
+    fn skies(&self, resident: &[f64], polar: &Arc<PolarGrid>) -> Vec<ReferenceSky> {
         let range = resident.first().zip(resident.last());
         let is_served = |turbidity: f64| range.is_some_and(|(low, high)| (*low..=*high).contains(&turbidity));
         let sky = |(index, &turbidity): (usize, &f64)| {
             let bands = |values: &Vec<f64>| std::array::from_fn(|band| values[index * BAND_COUNT + band]);
-            Some(TruthSky {
+            Some(ReferenceSky {
                 name: format!("{DEMO_ID} {:.2} {:.2}", self.latitude_deg, self.longitude_deg),
                 polar: Arc::clone(polar),
                 observer_altitude_m: self.observer_altitude_m,
@@ -207,10 +212,10 @@ mod tests {
     use super::*;
     use skyglow_render::synthetic;
 
-    /// A stored truth gives a sky for each turbidity that packs serve and a broken one is refused.
+    /// A stored reference gives a sky for each turbidity that packs serve and a broken one is refused.
     #[test]
-    fn stored_truths_give_skies_and_bad_ones_fail() {
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/truth/demo-03.json"));
+    fn stored_references_give_skies_and_bad_ones_fail() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/demo-03.json"));
         let stored = read(path).unwrap();
         assert_eq!(stored.scattering, Some(Scattering::Multiple));
         let polar = Arc::new(synthetic::dark_grid());
@@ -232,9 +237,11 @@ mod tests {
             std::fs::write(&path, broken.to_string()).unwrap();
             read(&path).unwrap_err().to_string()
         };
-        assert!(refusal(|truth| truth["scene"] = "kenya".into()).contains("not of the demo"));
-        assert!(refusal(|truth| truth["turbidities"] = [2.0].as_slice().into()).contains("do not fit"));
-        assert!(refusal(|truth| truth["samples"][0][0] = 64.into()).contains("outside the panorama"));
-        assert!(refusal(|truth| truth["samples"] = "all".into()).contains("broken.json"));
+        assert!(refusal(|reference| reference["scene"] = "kenya".into()).contains("not of the demo"));
+        assert!(
+            refusal(|reference| reference["turbidities"] = [2.0].as_slice().into()).contains("do not fit")
+        );
+        assert!(refusal(|reference| reference["samples"][0][0] = 64.into()).contains("outside the panorama"));
+        assert!(refusal(|reference| reference["samples"] = "all".into()).contains("broken.json"));
     }
 }
