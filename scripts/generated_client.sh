@@ -3,6 +3,7 @@
 # operation of a running server: what generators make of the document must work.
 set -eu
 cd "$(dirname "$0")/.."
+. scripts/test_server.sh
 
 version=0.29.1
 target="$(mkdir -p "${CARGO_TARGET_DIR:-target}" && cd "${CARGO_TARGET_DIR:-target}" && pwd)"
@@ -14,29 +15,17 @@ if ! "$generator" --version >/dev/null 2>&1; then
     "$tools/bin/pip" install --quiet "openapi-python-client==$version" >&2
 fi
 
-folder="$(mktemp -d)"
-server=""
-finish() {
-    [ -n "$server" ] && kill "$server" 2>/dev/null && wait "$server" || true
-    rm -rf "$folder"
-}
-trap finish EXIT
-trap 'exit 1' INT TERM
+start_server cpu
+"$tools/bin/python" - "$url" <<'END'
+import sys, time, urllib.error, urllib.request
 
-"$target/release/skyglow" serve --listen 127.0.0.1:0 --data "$folder/data" --device cpu 2>"$folder/log" &
-server=$!
-url=""
-tries=0
-while [ -z "$url" ] || ! "$tools/bin/python" -c "import urllib.request as r; r.urlopen('$url/readyz')" 2>/dev/null; do
-    url="$(grep -o 'http://127\.0\.0\.1:[0-9]*' "$folder/log" | head -n 1 || true)"
-    if ! kill -0 "$server" 2>/dev/null || [ "$tries" -ge 600 ]; then
-        cat "$folder/log" >&2
-        echo "generated client: the server did not start (its log is above)" >&2
-        exit 1
-    fi
-    tries=$((tries + 1))
-    sleep 0.2
-done
+for _ in range(600):
+    try:
+        sys.exit(0 if urllib.request.urlopen(sys.argv[1] + "/readyz") else 1)
+    except urllib.error.HTTPError:
+        time.sleep(0.2)
+sys.exit("the server does not become ready")
+END
 
 "$tools/bin/python" -c "import urllib.request as r; open('$folder/openapi.json', 'wb').write(r.urlopen('$url/api/v1/openapi.json').read())"
 "$generator" generate --path "$folder/openapi.json" --output-path "$folder/skyglow_client" --meta none \

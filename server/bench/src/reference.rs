@@ -214,7 +214,7 @@ mod tests {
 
     /// A stored reference gives a sky for each turbidity that packs serve and a broken one is refused.
     #[test]
-    fn stored_references_give_skies_and_bad_ones_fail() {
+    fn stored_references_give_skies_bad_ones_fail() {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/demo-03.json"));
         let stored = read(path).unwrap();
         assert_eq!(stored.scattering, Some(Scattering::Multiple));

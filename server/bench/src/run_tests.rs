@@ -57,7 +57,7 @@ pub(crate) fn tiny() -> Extent {
 
 /// A file that is no reference is refused by its name before anything is measured.
 #[test]
-fn a_bad_reference_file_is_refused_by_name_at_once() {
+fn a_bad_reference_file_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("reference.json");
     std::fs::write(&file, "{}").unwrap();

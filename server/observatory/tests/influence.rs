@@ -17,8 +17,9 @@ use skyglow_render::{DeviceChoice, RenderRequest, TableSet, synthetic};
 use skyglow_scene::{Boundary, PolarGrid, SceneStore};
 use std::sync::Arc;
 
+/// Pixels add up to the sky and each counts as if it were alone.
 #[test]
-fn pixels_add_up_to_the_sky_and_each_counts_as_if_it_were_alone() {
+fn pixels_add_up_and_count_as_if_alone() {
     let folder = tempfile::tempdir().unwrap();
     // A slope, so that pixels that share cells stand at different altitudes.
     store_town_on(folder.path(), 1.0, &|row, column| 200.0 + 30.0 * row as f32 + 55.0 * column as f32);
@@ -85,8 +86,9 @@ fn sum(parts: &[Part]) -> f64 {
     parts.iter().map(|part| part.influence).sum()
 }
 
+/// Influences add up to the panoramas own value and so do their parts.
 #[test]
-fn influences_add_up_to_the_panoramas_own_value_and_so_do_their_parts() {
+fn influences_and_parts_add_up_to_the_panorama() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let region = curve(&[(340.0, 5.0), (20.0, 5.0), (0.0, 60.0)]);
@@ -126,8 +128,9 @@ fn is_in(map: &InfluenceMap, position: usize, [west, south, east, north]: [f64; 
     (west..east).contains(&longitude) && (south..north).contains(&latitude)
 }
 
+/// The most influential pixels come first and a boundary holds its own.
 #[test]
-fn the_most_influential_pixels_come_first_and_a_boundary_holds_its_own() {
+fn the_influential_come_first_and_areas_hold() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let ask = InfluenceRequest { sky: sky(2.5, -1.5, 36.8), measure: Measure::Zenith };
@@ -149,8 +152,9 @@ fn the_most_influential_pixels_come_first_and_a_boundary_holds_its_own() {
     assert!(part.influence > 0.3 * map.total().influence && part.influence < map.total().influence);
 }
 
+/// A region without a visible direction is refused and a norm is that of the light alone.
 #[test]
-fn a_region_without_a_visible_direction_is_refused_and_a_norm_is_that_of_the_light_alone() {
+fn hidden_regions_are_refused_norms_are_alone() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     // Between two rows of directions.

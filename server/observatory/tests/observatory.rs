@@ -27,8 +27,9 @@ fn has_timed_horizon(sky: &RenderedSky) -> bool {
     sky.passes.iter().any(|pass| pass.name == "horizon")
 }
 
+/// A place gets its sky with everything it depends on.
 #[test]
-fn a_place_gets_its_sky_with_everything_it_depends_on() {
+fn a_place_gets_its_sky_with_what_it_needs() {
     let data = tempfile::tempdir().unwrap();
     store_town(data.path(), 1.0);
     let observatory = observatory(data.path());
@@ -76,8 +77,9 @@ fn a_site_says_what_is_there() {
     }
 }
 
+/// An observer over a gap in the terrain stands on the nearest within 5 km.
 #[test]
-fn an_observer_over_a_gap_in_the_terrain_stands_on_the_nearest_within_5_km() {
+fn over_a_terrain_gap_the_nearest_ground_counts() {
     let data = tempfile::tempdir().unwrap();
     // Ground in the west alone: column 20 ends at 36.6° E.
     store_town_on(data.path(), 1.0, &|_, column| if column < 20 { 1000.25 } else { -32_768.0 });
@@ -94,8 +96,9 @@ fn an_observer_over_a_gap_in_the_terrain_stands_on_the_nearest_within_5_km() {
     assert_eq!((beyond.altitude_m, beyond.ground), (2.0, Ground::Unknown));
 }
 
+/// Altitudes too high and unknown scenes are named.
 #[test]
-fn altitudes_too_high_and_unknown_scenes_are_named() {
+fn too_high_and_unknown_scenes_are_named() {
     let data = tempfile::tempdir().unwrap();
     store_town(data.path(), 1.0);
     let observatory = observatory(data.path());
@@ -136,8 +139,9 @@ fn a_scene_that_changes_on_disk_is_opened_again() {
     assert_eq!(observatory.open_scene_count(), 0);
 }
 
+/// Terrain makes the sky below its horizon dark and leaves the rest bit for bit.
 #[test]
-fn terrain_makes_the_sky_below_its_horizon_dark_and_leaves_the_rest_bit_for_bit() {
+fn terrain_darkens_below_its_horizon_alone() {
     let data = tempfile::tempdir().unwrap();
     // A wall of 4 km along column 5, 5.6 km west of the observer, who has the town in the east.
     store_town_on(data.path(), 1.0, &|_, column| if column == 5 { 5000.0 } else { 1000.25 });
@@ -166,8 +170,9 @@ fn terrain_makes_the_sky_below_its_horizon_dark_and_leaves_the_rest_bit_for_bit(
     assert!(has_timed_horizon(&on) && !has_timed_horizon(&off));
 }
 
+/// Over flat ground terrain changes no bit and without it there is no work for it.
 #[test]
-fn over_flat_ground_terrain_changes_no_bit_and_without_it_there_is_no_work_for_it() {
+fn flat_terrain_changes_no_bit_and_no_work() {
     let data = tempfile::tempdir().unwrap();
     store_town(data.path(), 1.0);
     let with_terrain = observatory(data.path());
@@ -187,8 +192,9 @@ fn over_flat_ground_terrain_changes_no_bit_and_without_it_there_is_no_work_for_i
     assert!(!has_timed_horizon(&answer) && answer.horizon.is_flat());
 }
 
+/// An overcast sky has no stars and none is seen from above the clouds.
 #[test]
-fn an_overcast_sky_has_no_stars_and_none_is_seen_from_above_the_clouds() {
+fn overcast_has_no_stars_nor_eyes_above_it() {
     let data = tempfile::tempdir().unwrap();
     store_town(data.path(), 1.0);
     let mut tables = synthetic::table_set(&[2.0, 3.0], 8);

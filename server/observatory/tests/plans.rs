@@ -66,8 +66,9 @@ fn sum(a: &Panorama, b: &Panorama) -> Panorama {
     Panorama::from_samples(a.samples().iter().zip(b.samples()).map(|(a, b)| a + b).collect()).unwrap()
 }
 
+/// Lights with other lamps and shades shine as if the sky were asked with those.
 #[test]
-fn lights_with_other_lamps_and_shades_shine_as_if_the_sky_were_asked_with_those() {
+fn changed_lights_shine_as_in_a_sky_asked_so() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let request = sky(2.5, -1.43, 36.93);
@@ -98,8 +99,9 @@ fn lights_with_other_lamps_and_shades_shine_as_if_the_sky_were_asked_with_those(
     assert!(matches!(observatory.sky_blocking(&unknown), Err(ObservatoryError::ChangeStore(_))));
 }
 
+/// Influences of a changed scene add up to its sky.
 #[test]
-fn influences_of_a_changed_scene_add_up_to_its_sky() {
+fn changed_influences_add_up_to_the_sky() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let lamp = LampChange {
@@ -161,8 +163,9 @@ fn kept(observatory: &Observatory, outcome: &PlanOutcome, base: Option<ChangeId>
     id
 }
 
+/// A target is met by the sky itself with the least flux.
 #[test]
-fn a_target_is_met_by_the_sky_itself_with_the_least_flux() {
+fn a_target_is_met_with_the_least_flux() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     // Between packs too, where a sky is not the sum of what its lights give alone.
@@ -193,8 +196,9 @@ fn a_target_is_met_by_the_sky_itself_with_the_least_flux() {
     }
 }
 
+/// Several sites share a plan and protected lights stay.
 #[test]
-fn several_sites_share_a_plan_and_protected_lights_stay() {
+fn sites_share_a_plan_and_protected_lights_stay() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let (a, b) = (sky(2.5, -1.35, 36.6), sky(2.5, -1.85, 37.05));
@@ -224,8 +228,9 @@ fn several_sites_share_a_plan_and_protected_lights_stay() {
     assert!(removed >= alone[0].max(alone[1]) * (1.0 - 1e-3));
 }
 
+/// What is out of reach is brought as near as it can be and said why.
 #[test]
-fn what_is_out_of_reach_is_brought_as_near_as_it_can_be_and_said_why() {
+fn what_is_out_of_reach_is_brought_near() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let request = sky(2.5, -1.35, 36.6);
@@ -251,8 +256,9 @@ fn what_is_out_of_reach_is_brought_as_near_as_it_can_be_and_said_why() {
     assert_eq!(outcome.sites[0].before.value, outcome.sites[0].after.value);
 }
 
+/// Thresholds cut the influential and stand upon scenarios.
 #[test]
-fn thresholds_cut_the_influential_and_stand_upon_scenarios() {
+fn thresholds_cut_and_stand_upon_scenarios() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let base = painted(&observatory, None, vec![alter(west(), 0.5, None, None)]);

@@ -153,8 +153,9 @@ mod tests {
     use skyglow_physics::{EmissionMix, Turbidity};
     use skyglow_render::synthetic;
 
+    /// A request is made ready once and any other by itself.
     #[test]
-    fn a_request_is_made_ready_once_and_any_other_by_itself() {
+    fn a_request_is_made_ready_once() {
         let set = TableSet::new(synthetic::table_set(&[1.5, 2.5, 3.5], 8)).unwrap();
         let (executor, kept) = (CpuExecutor::new(set.clone()), ReadyRequests::new());
         let get = |request: &RenderRequest, sky: Option<&RenderRequest>| {

@@ -50,9 +50,10 @@ fn total(request: &RenderRequest, cells: &[CellInfluence]) -> f64 {
     cells.map(|(influence, cell)| influence.per_dnb_w * f64::from(cell.flux_dnb_w)).sum()
 }
 
+/// Linear measures of cells add up to those of the sky at and between packs.
 #[test]
 #[ignore = "slow: `make check` leaves it to `make test`"]
-fn linear_measures_of_cells_add_up_to_those_of_the_sky_at_and_between_packs() {
+fn cells_add_up_to_the_sky_at_and_between_packs() {
     for turbidity in [2.5, 1.9, 4.0] {
         for polar in [synthetic::polar_grid(3, 2_000), synthetic::polar_grid_with_skylines(4, 2_000)] {
             let request = request(polar, turbidity);
@@ -66,9 +67,10 @@ fn linear_measures_of_cells_add_up_to_those_of_the_sky_at_and_between_packs() {
     }
 }
 
+/// A cell switched off takes its own influence away.
 #[test]
 #[ignore = "slow: `make check` leaves it to `make test`"]
-fn a_cell_switched_off_takes_its_own_influence_away() {
+fn a_cell_switched_off_takes_its_influence_away() {
     let request = request(synthetic::polar_grid_with_skylines(8, 400), 2.5);
     let with_all = exact_sky(&request);
     for (name, measure) in measures() {
@@ -91,8 +93,9 @@ fn a_cell_switched_off_takes_its_own_influence_away() {
     }
 }
 
+/// The slope over altitude is what raising the cell changes.
 #[test]
-fn the_slope_over_altitude_is_what_raising_the_cell_changes() {
+fn the_altitude_slope_is_what_raising_changes() {
     for turbidity in [2.5, 3.0] {
         let at = |altitude_m: f32| {
             let request = request(synthetic::polar_grid_of(&[(17, 120, 1e6, altitude_m)]), turbidity);
@@ -106,8 +109,9 @@ fn the_slope_over_altitude_is_what_raising_the_cell_changes() {
     }
 }
 
+/// The norm of a cell is that of its own sky wherever it stands.
 #[test]
-fn the_norm_of_a_cell_is_that_of_its_own_sky_wherever_it_stands() {
+fn the_norm_of_a_cell_is_that_of_its_own_sky() {
     let norm_of = |polar: PolarGrid| {
         let request = request(polar, 2.5);
         let cells = SOLVER.cells(&request, MeasureOfCells::Norm).unwrap();
@@ -129,8 +133,9 @@ fn the_norm_of_a_cell_is_that_of_its_own_sky_wherever_it_stands() {
     assert!((farther / here - 1.0).abs() > 0.1);
 }
 
+/// Dark scenes and lamps without light have no influence.
 #[test]
-fn dark_scenes_and_lamps_without_light_have_no_influence() {
+fn what_gives_no_light_has_no_influence() {
     let dark = request(synthetic::dark_grid(), 2.5);
     assert!(SOLVER.cells(&dark, MeasureOfCells::Norm).unwrap().is_empty());
     let mut off = request(synthetic::polar_grid(3, 10), 2.5);
@@ -143,8 +148,9 @@ fn dark_scenes_and_lamps_without_light_have_no_influence() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// Influence is in proportion to flux and turns with the light.
     #[test]
-    fn influence_is_in_proportion_to_flux_and_turns_with_the_light(
+    fn influence_scales_and_turns_with_the_light(
         column in 0usize..256, ring in 0u32..192, turns in 1usize..256, more in 1.5f32..20.0,
     ) {
         let measure = LinearMeasure::mean(&Horizon::flat());
