@@ -2,7 +2,7 @@
 
 use super::{hdf5, unpack};
 use crate::error::SceneError;
-use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
+use gdal::{Dataset, DatasetOptions, GdalOpenFlags, Metadata};
 use std::path::Path;
 use std::sync::Once;
 
@@ -33,15 +33,23 @@ pub(super) fn open_file(path: &Path, drivers: &[&str]) -> Result<Dataset, SceneE
     if path.starts_with("/vsi") || path.to_string_lossy().starts_with("/vsi") {
         return Err(unreadable("virtual file systems are not allowed".to_owned()));
     }
-    hdf5::check_length(path)?;
-    open_name(&path.to_string_lossy(), drivers).map_err(|reason| {
+    hdf5::check(path)?;
+    let dataset = open_name(&path.to_string_lossy(), drivers).map_err(|reason| {
         let is_other = reason.contains("not recognized as");
         unreadable(match unpack::advice(path) {
             Some(advice) => advice,
             None if is_other => format!("it is none of {}", drivers.join(", ")),
             None => reason,
         })
-    })
+    })?;
+    // GDAL would take its overviews from there.
+    if let Some(other) = dataset.metadata_item("OVERVIEW_FILE", "OVERVIEWS") {
+        let reason = format!(
+            "it refers to another file ({other}), which is not allowed; make a plain GeoTIFF of it: gdal_translate"
+        );
+        return Err(SceneError::Refused { path: path.to_owned(), reason });
+    }
+    Ok(dataset)
 }
 
 /// Opens a name that is known to be a plain file or a subdataset of one.

@@ -42,6 +42,7 @@ pub(super) fn grid(
         return Err("its geotransform is degenerate".to_owned());
     }
     check_code(crs, &name)?;
+    check_grids(crs)?;
     if crs.is_geographic() {
         check_degrees(transform, width, height, &name)?;
     }
@@ -70,6 +71,20 @@ pub(super) fn grid(
         ));
     }
     Ok(grid)
+}
+
+/// Refuses a CRS that names files of shifts, for PROJ opens them.
+fn check_grids(crs: &SpatialRef) -> Result<(), String> {
+    let text = [crs.to_wkt(), crs.to_proj4()]
+        .map(|text| text.unwrap_or_default().to_lowercase())
+        .join(" ")
+        .replace("nadgrids=@null", "");
+    match ["grids=", "proj4_grids", "parameterfile"].iter().any(|word| text.contains(word)) {
+        true => Err("its coordinate reference system refers to a file of shifts, which is not allowed; bring it to another: gdalwarp \
+                     -t_srs EPSG:4326"
+            .to_owned()),
+        false => Ok(()),
+    }
 }
 
 /// Whether the CRS is of the kind that its EPSG code names. PROJ looks the code up, and ends the program where it finds a CRS of
@@ -217,4 +232,23 @@ fn transform(by: &CoordTransform, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // An error only says that some point failed; those come back infinite.
     let _some_failed = by.transform_coords(&mut x, &mut y, &mut []);
     x.into_iter().zip(y).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// EPSG:3857 names a file that is none ("@null") in the text of older programs: it stays allowed.
+    #[test]
+    fn a_crs_that_names_files_is_refused() {
+        let named = "PROJCS[\"x\",GEOGCS[\"x\",DATUM[\"x\",SPHEROID[\"x\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],\
+                     UNIT[\"degree\",0.0174532925199433]],PROJECTION[\"Mercator_1SP\"],PARAMETER[\"central_meridian\",0],\
+                     PARAMETER[\"scale_factor\",1],UNIT[\"metre\",1],EXTENSION[\"PROJ4\",\"+proj=merc +a=6378137 +b=6378137 \
+                     +units=m +nadgrids=/etc/passwd\"]]";
+        let refused = |crs: &SpatialRef| check_grids(crs).is_err();
+        assert!(refused(&SpatialRef::from_wkt(named).unwrap()));
+        assert!(!refused(&SpatialRef::from_wkt(&named.replace("/etc/passwd", "@null")).unwrap()));
+        assert!(!refused(&SpatialRef::from_epsg(3857).unwrap()));
+        assert!(!refused(&SpatialRef::from_epsg(21037).unwrap()));
+    }
 }
