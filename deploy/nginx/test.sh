@@ -86,7 +86,8 @@ if command -v gdalinfo >/dev/null; then
     for layer in layers/radiance layers/elevation layers/brightness "influence"; do
         query=""
         [ "$layer" != influence ] || query="?lat=$latitude&lon=$longitude"
-        gdalinfo "/vsicurl/http://127.0.0.1:$port/api/v1/scenes/demo/$layer.tif$query" >"$folder/info" || fail "gdalinfo of $layer"
+        # The map of brightness is made when it is first asked for, which GDAL can wait for.
+        GDAL_HTTP_MAX_RETRY=60 GDAL_HTTP_RETRY_DELAY=5 gdalinfo "/vsicurl/http://127.0.0.1:$port/api/v1/scenes/demo/$layer.tif$query" >"$folder/info" || fail "gdalinfo of $layer"
         echo "behind nginx: $layer: $(grep '^Size is' "$folder/info")"
     done
 fi

@@ -115,6 +115,9 @@ pub struct InfluenceAnswer {
     pub boundary: Option<PartAnswer>,
 }
 
+/// Said where a share of 0 could be taken for an answer.
+const EMPTY_BOUNDARY: &str = "the boundary holds the centre of no lit pixel within 300 km: its share is 0";
+
 fn share(influence: f64, total: f64) -> f64 {
     if total > 0.0 { influence / total } else { 0.0 }
 }
@@ -161,7 +164,7 @@ pub fn influential_pixels(map: &InfluenceMap, total: f64, limit: usize) -> Vec<I
 impl InfluenceAnswer {
     /// The answer from a map.
     pub fn new(
-        assumptions: Assumptions,
+        mut assumptions: Assumptions,
         map: &InfluenceMap,
         measure: &Measure,
         limit: usize,
@@ -181,6 +184,10 @@ impl InfluenceAnswer {
             azimuth_to_deg: (at as f64 + 0.5) * step_deg,
             part: part(of),
         };
+        let boundary = boundary.map(|boundary| part(map.within(boundary)));
+        if boundary.as_ref().is_some_and(|inside| inside.pixels == 0) {
+            assumptions.warnings.push(EMPTY_BOUNDARY.to_owned());
+        }
         Self {
             assumptions,
             measure: measure_name(measure).to_owned(),
@@ -192,7 +199,7 @@ impl InfluenceAnswer {
             pixels: influential_pixels(map, total, limit),
             rings: RING_EDGES_M.windows(2).zip(map.rings()).map(ring).collect(),
             sectors: map.sectors().into_iter().enumerate().map(sector).collect(),
-            boundary: boundary.map(|boundary| part(map.within(boundary))),
+            boundary,
         }
     }
 }

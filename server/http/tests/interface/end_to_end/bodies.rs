@@ -31,7 +31,13 @@ async fn boundaries_and_regions_are_answered() {
         assert_eq!(status, 200, "{answer}");
         assert!((answer["boundary"]["share"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{}", answer["boundary"]);
         assert_eq!(answer["boundary"]["pixels"], answer["lit_pixels"]);
+        assert!(!answer["warnings"].to_string().contains("boundary"), "{}", answer["warnings"]);
     }
+    // Metres wide, between the centres of pixels.
+    let narrow =
+        boundary("[8.80001, 46.17001], [8.80002, 46.17001], [8.80002, 46.17002], [8.80001, 46.17001]");
+    let (_, answer) = post(&server, "", &place, narrow).await;
+    assert!(answer["warnings"].to_string().contains("no lit pixel"), "{}", answer["warnings"]);
     // A cap around the zenith as wide as that of the measure: the same directions.
     let cap: Vec<[f64; 2]> = (0..60).map(|k| [6.0 * f64::from(k), 85.0]).collect();
     let (status, answer) = post(&server, ".json", &place, json!({ "region": cap }).to_string()).await;
