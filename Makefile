@@ -10,7 +10,7 @@ serve: ## install, build, and serve the demo at http://127.0.0.1:8080
 check: ## format, lints and unit tests, in a minute once everything is built
 	@scripts/test.sh check
 
-test: ## set up and run every check and test, browser tests included
+test: ## set up and run what every change must pass, browser tests included
 	@scripts/test.sh
 
 test-browser: ## the viewer in a real browser alone
@@ -43,7 +43,7 @@ faults: ## kill it, fill its disk, damage its files, starve its connections, und
 container: ## build the image's root file system without a container engine and start it as one would (as root)
 	@deploy/container/test.sh
 
-fuzz: ## bytes that nobody meant to every parser (SECONDS=60 each; needs the nightly compiler)
+fuzz: ## bytes that nobody meant to every parser (SECONDS=60 each; installs the nightly compiler if it is missing)
 	@scripts/fuzz.sh $(SECONDS)
 
 deny: ## licences, bans, duplicates, sources and known weaknesses of every dependency (cargo-deny)
