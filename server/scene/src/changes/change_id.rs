@@ -12,6 +12,15 @@ const DIGITS: usize = 20;
 #[serde(try_from = "String", into = "String")]
 pub struct ChangeId(String);
 
+/// Which of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangeKind {
+    /// Painted.
+    Scenario,
+    /// A reduction plan.
+    Plan,
+}
+
 /// A text that is no id.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("an id is `s-` or `p-` and {DIGITS} hexadecimal digits")]
@@ -46,6 +55,11 @@ impl ChangeId {
     /// Whether it names a plan.
     pub fn is_plan(&self) -> bool {
         self.0.starts_with('p')
+    }
+
+    /// Which of the two it names.
+    pub fn kind(&self) -> ChangeKind {
+        if self.is_plan() { ChangeKind::Plan } else { ChangeKind::Scenario }
     }
 
     /// The id as text.

@@ -5,19 +5,29 @@
 
 mod area;
 mod canvas;
+mod catalogue;
 mod change_id;
 mod document;
 mod drafts;
 mod edits;
+mod index;
+mod listing;
 mod overlay;
+mod pixels;
+mod posting;
+mod shares;
 mod store;
+mod store_key;
 mod stored;
+mod writing;
 
 pub use area::{Area, AreaError, MAX_BRUSH_POINTS};
 pub use canvas::{ChangeError, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN};
-pub use change_id::ChangeId;
+pub use change_id::{ChangeId, ChangeKind};
 pub use edits::{Change, ChangeStep, Edit, MAX_EDITS, PixelFactors};
+pub use listing::{Cursor, Listed, Outline, Page, Viewer};
 pub(crate) use overlay::Base;
 pub use overlay::ChangeSummary;
+pub use posting::{Account, NETWORK_TIERS, Owner, Posting, network_of};
 pub use store::ChangeStore;
-pub use stored::{ChangeKind, ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
+pub use stored::{ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};

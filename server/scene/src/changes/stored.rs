@@ -41,19 +41,10 @@ pub struct StoredPlan {
     pub effects: Vec<f32>,
 }
 
-/// Which of the two.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ChangeKind {
-    /// Painted.
-    Scenario,
-    /// A reduction plan.
-    Plan,
-}
-
 /// Limits of a store, for scenarios and for plans each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChangeLimits {
-    /// Most of them; the oldest go first.
+    /// Most of them; the oldest of whoever has the most stored go first.
     pub count: usize,
     /// Bytes that they take on disk together, the newest excepted.
     pub bytes: u64,
@@ -68,6 +59,11 @@ impl Default for ChangeLimits {
 }
 
 impl ChangeLimits {
+    /// Whether these are [`Self::none`].
+    pub fn is_none(&self) -> bool {
+        *self == Self::none()
+    }
+
     /// No limits: for command-line programs beside a server, which applies its own.
     pub fn none() -> Self {
         Self { count: usize::MAX, bytes: u64::MAX, age: Duration::MAX }
@@ -113,6 +109,18 @@ pub enum ChangeStoreError {
         /// The id.
         id: ChangeId,
     },
+    /// Somebody else's.
+    #[error("\"{id}\" belongs to somebody else")]
+    NotOwner {
+        /// The id.
+        id: ChangeId,
+    },
+    /// As much is pinned as may be.
+    #[error("as much is pinned as may be: half of what is kept")]
+    PinsFull,
+    /// What is stored is still being looked through after the start.
+    #[error("what is kept is being looked through; try again soon")]
+    Reading,
     /// A file that is truncated, altered or of another format.
     #[error("{}: {reason}", path.display())]
     Damaged {
