@@ -18,8 +18,7 @@ pub use influence::{
 };
 pub use panorama::{Light, PanoramaAnswer, PanoramaGrid};
 pub use plan::{
-    DimmedPixelAnswer, PlanAnswer, PlanEntry, PlanFacts, PlannedSite, TargetAnswer, dimmed_pixels,
-    plan_entry, plan_facts,
+    DimmedPixelAnswer, PlanAnswer, PlanEntry, PlanFacts, PlannedSite, TargetAnswer, dimmed_pixels, plan_facts,
 };
 pub use scenario::{EditAnswer, ScenarioAnswer, ScenarioEntry};
 pub use scene::{GridAnswer, SceneAnswer, SceneReference};

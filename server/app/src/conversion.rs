@@ -214,6 +214,9 @@ fn of_change_store(error: ChangeStoreError) -> AppError {
             "one that stands on fewer others",
             "it stands on too many others, one upon the other".to_owned(),
         ),
+        ChangeStoreError::NotOwner { id } => AppError::NotOwner { id: id.to_string() },
+        ChangeStoreError::PinsFull => AppError::PinsFull,
+        ChangeStoreError::Reading => AppError::Busy { retry_after_s: 2 },
         ChangeStoreError::Io { .. } => AppError::Storage { reason: error.to_string() },
         ChangeStoreError::Damaged { .. } => AppError::internal(error),
     }

@@ -35,6 +35,15 @@ pub enum AppError {
         /// The plan's id.
         id: String,
     },
+    /// A scenario or plan of somebody else.
+    #[error("scenario or plan \"{id}\" is somebody else's")]
+    NotOwner {
+        /// Its id.
+        id: String,
+    },
+    /// As much is pinned as may be.
+    #[error("as much is pinned as may be, which is half of what is kept")]
+    PinsFull,
     /// What should be stored cannot be written.
     #[error("the server cannot keep this now; try again later")]
     Storage {

@@ -4,6 +4,7 @@ use crate::{
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     error::AppError,
     facts::{KindFacts, SourceFacts},
+    request::ListRequest,
     source::{BoxFuture, SkySource},
     stored::{stored_plans, stored_scenarios},
     upload_reader::{UploadOutcome, UploadReader, UploadTask},
@@ -14,8 +15,8 @@ use skyglow_observatory::{
 };
 use skyglow_render::{EngineStats, PackKind, ResidentKind};
 use skyglow_scene::{
-    ChangeId, ChangeStoreError, IngestOptions, PatchStore, Scenario, SceneError, SceneId, SceneMetadata,
-    StoredPlan, UploadFolder,
+    ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario, SceneError,
+    SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
@@ -177,8 +178,8 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.brightness_in(view, request, store)?)
     }
 
-    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, AppError> {
-        Ok(self.observatory.store_scenario(scenario).map_err(AppError::of_painting)?.0)
+    fn store_scenario(&self, scenario: &Scenario, posting: &Posting) -> Result<(ChangeId, bool), AppError> {
+        self.observatory.store_scenario_as(scenario, posting).map_err(AppError::of_painting)
     }
 
     fn scenario(&self, id: &ChangeId) -> Result<ScenarioRecord, AppError> {
@@ -192,8 +193,16 @@ impl SkySource for ObservatorySource {
         })
     }
 
-    fn store_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), AppError> {
-        Ok(self.observatory.changes().store_plan(id, plan).map_err(ObservatoryError::from)?)
+    fn plan_id(&self, content: Vec<u8>, posting: &Posting) -> Result<ChangeId, AppError> {
+        Ok(self.observatory.changes().plan_id_as(content, posting).map_err(ObservatoryError::from)?)
+    }
+
+    fn store_plan(&self, id: &ChangeId, plan: &StoredPlan, posting: &Posting) -> Result<bool, AppError> {
+        Ok(self.observatory.changes().store_plan_as(id, plan, posting).map_err(ObservatoryError::from)?)
+    }
+
+    fn remove_change(&self, id: &ChangeId, owner: Option<&Owner>) -> Result<(), AppError> {
+        Ok(self.observatory.changes().remove(id, owner).map_err(ObservatoryError::from)?)
     }
 
     fn hold_plan(&self, id: &ChangeId, plan: StoredPlan) {
@@ -216,14 +225,25 @@ impl SkySource for ObservatorySource {
         Ok(plan.map_err(ObservatoryError::from)?)
     }
 
-    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, AppError> {
+    fn list_scenarios(
+        &self,
+        scene: &SceneId,
+        viewer: &Viewer,
+        part: &ListRequest,
+    ) -> Result<Page<ScenarioEntry>, AppError> {
         self.view(scene, None)?;
-        Ok(stored_scenarios(self.observatory.changes(), scene).map_err(ObservatoryError::from)?)
+        let list = stored_scenarios(self.observatory.changes(), scene, viewer, part);
+        Ok(list.map_err(ObservatoryError::from)?)
     }
 
-    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, AppError> {
+    fn list_plans(
+        &self,
+        scene: &SceneId,
+        viewer: &Viewer,
+        part: &ListRequest,
+    ) -> Result<Page<PlanEntry>, AppError> {
         self.view(scene, None)?;
-        Ok(stored_plans(self.observatory.changes(), scene).map_err(ObservatoryError::from)?)
+        Ok(stored_plans(self.observatory.changes(), scene, viewer, part).map_err(ObservatoryError::from)?)
     }
 
     fn sky(&self, request: Arc<SkyRequest>, view: SceneView) -> BoxFuture<'_, Result<RenderedSky, AppError>> {

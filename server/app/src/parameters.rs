@@ -213,6 +213,17 @@ parameters! {
     HEIGHT_PX = "height_px", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
     /// Whether a plan is kept, or only held for some ten minutes after it was last asked for: for trying one after the other.
     KEEP = "keep", Kind::Choice(&["on", "off"]), "on", false;
+    /// Whether lists name what is kept to everybody. If `off`, only its owner sees it there, and its id follows from its owner too: whoever is not told it does not find it.
+    LISTED = "listed", Kind::Choice(&["on", "off"]), "on", false;
+    /// Whether what is kept stays whatever its age and however much others have kept; with a key, and half of the room at most.
+    PINNED = "pinned", Kind::Choice(&["on", "off"]), "off", false;
+    /// Entries that are answered at once.
+    ENTRIES = "limit", Kind::Integer { minimum: 1, maximum: 1000 }, "500", false;
+    /// Where the part of the list begins: as the link to it says, which comes with the part before it.
+    AFTER = "after", Kind::Text {
+        allowed: "what the Link header of the part before says",
+        pattern: "^[0-9]{1,19}[.][sp]-[0-9a-f]{20}$",
+    }, "", false;
     /// Compass letters and the strip that explains the colours.
     LEGEND = "legend", Kind::Choice(&["on", "off"]), "on", false;
 }
@@ -255,10 +266,15 @@ parameter_sets! {
     PlanParameters = [
         TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,
     ];
-    /// The same, and whether it is kept.
+    /// The same, and how it is kept.
     PlanPostParameters = [
         TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT, KEEP,
+        LISTED, PINNED,
     ];
+    /// Those of a scenario beside its body: how it is kept.
+    ScenarioPostParameters = [LISTED, PINNED];
+    /// Those of a list of what is kept.
+    KeptListParameters = [ENTRIES, AFTER];
     /// Those of a plan that is looked at.
     PlanListParameters = [LIMIT];
     /// Those of a sky.
@@ -345,7 +361,7 @@ mod tests {
     };
     use skyglow_display::Colormap;
     use skyglow_physics::{CloudBase, LampPreset};
-    use skyglow_scene::ChangeId;
+    use skyglow_scene::{ChangeId, Cursor};
     use skyglow_tables::Scattering;
 
     /// The table names every colour map scattering and lamp that there is.
@@ -370,6 +386,7 @@ mod tests {
             (0..50).map(|_| form.new_tree(&mut runner).unwrap().current()).collect::<Vec<String>>()
         };
         assert!(made_by(SCENARIO).iter().all(|id| ChangeId::parse(id).is_ok()));
+        assert!(made_by(AFTER).iter().all(|text| Cursor::parse(text).is_some()));
         assert!(made_by(CLOUDS).iter().all(|text| text == "none" || text.parse::<u32>().is_ok()));
         for parameter in [LAMP, EMISSION] {
             let made = made_by(parameter);

@@ -9,7 +9,7 @@ use crate::{
     source::SkySource,
 };
 use skyglow_observatory::{InfluenceRequest, SceneView};
-use skyglow_scene::{ChangeId, ChangeStore, Scene, StoredPlan};
+use skyglow_scene::{ChangeId, Posting, Scene, StoredPlan};
 use std::sync::Arc;
 
 /// A plan that is stored or held.
@@ -40,11 +40,12 @@ fn plan_id(
     source: &dyn SkySource,
     request: &PlanStoreRequest,
     scene_version: &str,
+    posting: &Posting,
 ) -> Result<ChangeId, AppError> {
     let facts = source.facts();
     let device = (program(), &facts.pack_checksums, &facts.executor, &facts.adapter);
     let decides = canonical_bytes(&(&request.scenario, &request.request, scene_version, device))?;
-    Ok(ChangeStore::plan_id(&decides))
+    source.plan_id(decides, posting)
 }
 
 /// The scene of a plan, all of whose sites are in it and below the tables' end.
@@ -64,6 +65,7 @@ pub fn prepare_plan(source: &dyn SkySource, request: &PlanStoreRequest) -> Resul
 /// stored. Takes seconds.
 ///
 /// * `view`: of the scene that is dimmed, changes of its scenario included.
+/// * `posting`: how it is stored, and whose it then is.
 ///
 /// # Errors
 /// As [`SkySource::plan`] and [`SkySource::store_plan`].
@@ -71,23 +73,24 @@ pub fn make_plan(
     source: &dyn SkySource,
     request: &PlanStoreRequest,
     view: &SceneView,
+    posting: &Posting,
 ) -> Result<(PlanRecord, bool), AppError> {
     if request.store
         && let Some(base) = &request.scenario
     {
         source.check_base(base)?;
     }
-    let id = plan_id(source, request, &view.base().metadata().version)?;
+    let id = plan_id(source, request, &view.base().metadata().version, posting)?;
     let is_new = match source.plan_by_id(&id) {
-        Ok(_) if !request.store || source.is_stored(&id) => false,
+        Ok(_) if !request.store || source.is_stored(&id) && !posting.pinned => false,
         known => {
             let plan = known.map_or_else(|_| new_plan(source, request, view), |(held, _)| Ok(held))?;
             if request.store {
-                source.store_plan(&id, &plan)?;
+                source.store_plan(&id, &plan, posting)?
             } else {
                 source.hold_plan(&id, plan);
+                false
             }
-            request.store
         }
     };
     let (plan, created_unix_s) = source.plan_by_id(&id)?;

@@ -5,6 +5,7 @@ use crate::{
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     error::AppError,
     facts::SourceFacts,
+    request::ListRequest,
 };
 use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, ObservatoryError, PlanOutcome,
@@ -13,8 +14,8 @@ use skyglow_observatory::{
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;
 use skyglow_scene::{
-    ChangeId, IngestOptions, NamedPlace, PatchStore, RasterTile, Scenario, SceneId, SceneMetadata,
-    StoredPlan, TileLayer, UploadFolder,
+    ChangeId, IngestOptions, NamedPlace, Owner, Page, PatchStore, Posting, RasterTile, Scenario, SceneId,
+    SceneMetadata, StoredPlan, TileLayer, UploadFolder, Viewer,
 };
 use std::{future::Future, pin::Pin, sync::Arc};
 
@@ -99,11 +100,11 @@ pub trait SkySource: Send + Sync + 'static {
         view: &SceneView,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, AppError>;
-    /// Stores a scenario if it can be painted.
+    /// Stores a scenario if it can be painted, and whether it is new.
     ///
     /// # Errors
-    /// As [`Self::view`], edits that cannot be made, [`AppError::Storage`].
-    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, AppError>;
+    /// As [`Self::view`], edits that cannot be made, [`AppError::Storage`], [`AppError::PinsFull`].
+    fn store_scenario(&self, scenario: &Scenario, posting: &Posting) -> Result<(ChangeId, bool), AppError>;
     /// A scenario with what it does to its scene.
     ///
     /// # Errors
@@ -114,11 +115,16 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// As [`Self::influence`] of any site, and a plan that cannot be made.
     fn plan(&self, request: &PlanRequest, view: &SceneView) -> Result<PlanOutcome, AppError>;
-    /// Stores a plan.
+    /// The id of a plan with this content, which must include all of its inputs.
     ///
     /// # Errors
     /// [`AppError::Storage`].
-    fn store_plan(&self, id: &ChangeId, plan: &StoredPlan) -> Result<(), AppError>;
+    fn plan_id(&self, content: Vec<u8>, posting: &Posting) -> Result<ChangeId, AppError>;
+    /// Stores a plan, and whether it is new.
+    ///
+    /// # Errors
+    /// [`AppError::Storage`], [`AppError::PinsFull`].
+    fn store_plan(&self, id: &ChangeId, plan: &StoredPlan, posting: &Posting) -> Result<bool, AppError>;
     /// Holds a plan for some minutes, and stores nothing.
     fn hold_plan(&self, id: &ChangeId, plan: StoredPlan);
     /// Whether what is stored may go on from this.
@@ -133,16 +139,31 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// [`AppError::UnknownScenario`], [`AppError::Internal`].
     fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), AppError>;
-    /// The scenarios of a scene, the newest first.
+    /// Removes a scenario or plan that is stored: for its owner, or where None for the operator.
     ///
     /// # Errors
-    /// As [`Self::view`].
-    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, AppError>;
-    /// The plans of a scene, the newest first.
+    /// [`AppError::UnknownScenario`], [`AppError::NotOwner`], [`AppError::Storage`].
+    fn remove_change(&self, id: &ChangeId, owner: Option<&Owner>) -> Result<(), AppError>;
+    /// Part of the list of a scene's scenarios as somebody sees it, the newest first. Cheap.
     ///
     /// # Errors
-    /// As [`Self::view`].
-    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, AppError>;
+    /// As [`Self::view`]; [`AppError::Busy`] soon after the start.
+    fn list_scenarios(
+        &self,
+        scene: &SceneId,
+        viewer: &Viewer,
+        part: &ListRequest,
+    ) -> Result<Page<ScenarioEntry>, AppError>;
+    /// The same of its plans.
+    ///
+    /// # Errors
+    /// As [`Self::list_scenarios`].
+    fn list_plans(
+        &self,
+        scene: &SceneId,
+        viewer: &Viewer,
+        part: &ListRequest,
+    ) -> Result<Page<PlanEntry>, AppError>;
     /// Renders a sky.
     fn sky(&self, request: Arc<SkyRequest>, view: SceneView) -> BoxFuture<'_, Result<RenderedSky, AppError>>;
 }

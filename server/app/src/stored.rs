@@ -1,39 +1,60 @@
 //! Lists of the scenarios and plans that are stored of a scene.
 
-use crate::answers::{PlanEntry, ScenarioEntry, plan_entry};
-use skyglow_scene::{ChangeId, ChangeKind, ChangeStore, ChangeStoreError, SceneId};
+use crate::answers::{PlanEntry, ScenarioEntry};
+use crate::request::ListRequest;
+use skyglow_scene::{ChangeKind, ChangeStore, ChangeStoreError, Listed, Page, SceneId, Viewer};
 
-/// Its scenarios, the newest first. One that cannot be read is left out, and logged.
+/// Part of the list of its scenarios, the newest first, as somebody sees it. One that cannot be read is left out, and logged.
 ///
 /// # Errors
-/// [`ChangeStoreError::Io`] where the folder cannot be read.
+/// [`ChangeStoreError::Io`] where the folder cannot be read; [`ChangeStoreError::Reading`] soon after the start.
 pub fn stored_scenarios(
     changes: &ChangeStore,
     scene: &SceneId,
-) -> Result<Vec<ScenarioEntry>, ChangeStoreError> {
-    let read = |(id, _): (ChangeId, u64)| match changes.scenario(&id) {
-        Ok((scenario, created_unix_s)) => {
-            (scenario.scene == *scene).then(|| ScenarioEntry::new(&id, &scenario, created_unix_s))
-        }
-        Err(error) => {
-            tracing::error!(%error, "a scenario is left out of the list");
-            None
-        }
-    };
-    Ok(changes.list(ChangeKind::Scenario)?.into_iter().filter_map(read).collect())
+    viewer: &Viewer,
+    part: &ListRequest,
+) -> Result<Page<ScenarioEntry>, ChangeStoreError> {
+    page(changes, ChangeKind::Scenario, scene, viewer, part, ScenarioEntry::of_listed)
 }
 
-/// Its plans, the newest first. One that cannot be read is left out, and logged.
+/// The same of its plans.
 ///
 /// # Errors
-/// [`ChangeStoreError::Io`] where the folder cannot be read.
-pub fn stored_plans(changes: &ChangeStore, scene: &SceneId) -> Result<Vec<PlanEntry>, ChangeStoreError> {
-    let read = |(id, _): (ChangeId, u64)| match changes.plan_answer(&id) {
-        Ok((of, facts, created_unix_s)) => (of == *scene).then(|| plan_entry(&id, &facts, created_unix_s)),
-        Err(error) => {
-            tracing::error!(%error, "a plan is left out of the list");
-            None
-        }
-    };
-    Ok(changes.list(ChangeKind::Plan)?.into_iter().filter_map(read).collect())
+/// As [`stored_scenarios`].
+pub fn stored_plans(
+    changes: &ChangeStore,
+    scene: &SceneId,
+    viewer: &Viewer,
+    part: &ListRequest,
+) -> Result<Page<PlanEntry>, ChangeStoreError> {
+    page(changes, ChangeKind::Plan, scene, viewer, part, PlanEntry::of_listed)
+}
+
+fn page<T>(
+    changes: &ChangeStore,
+    kind: ChangeKind,
+    scene: &SceneId,
+    viewer: &Viewer,
+    part: &ListRequest,
+    entry: impl Fn(Listed) -> Option<T>,
+) -> Result<Page<T>, ChangeStoreError> {
+    let page = changes.page(kind, scene, viewer, part.after.as_ref(), part.limit)?;
+    log_damaged(changes);
+    Ok(Page { entries: page.entries.into_iter().filter_map(entry).collect(), next: page.next })
+}
+
+/// Looks through what is stored at the start, so that the first list need not wait for it; says in the log what is there.
+pub fn read_index(changes: &ChangeStore) {
+    let began = std::time::Instant::now();
+    match changes.read_index() {
+        Ok(count) => tracing::info!("{count} scenarios and plans are kept, found in {:.1?}", began.elapsed()),
+        Err(error) => tracing::error!(%error, "what is kept cannot be looked through"),
+    }
+    log_damaged(changes);
+}
+
+fn log_damaged(changes: &ChangeStore) {
+    for error in changes.take_damaged() {
+        tracing::error!(%error, "a scenario or plan is left out of the lists");
+    }
 }

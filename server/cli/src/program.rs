@@ -42,6 +42,10 @@ pub(crate) fn open(
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
     let observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits);
+    if !limits.is_none() {
+        let changes = observatory.changes().clone();
+        std::thread::spawn(move || skyglow_app::stored::read_index(&changes));
+    }
     let source = skyglow_app::ObservatorySource::new(Arc::new(observatory)).with_max_places(max_places);
     // The program that runs, also where its file was replaced meanwhile.
     let program = PathBuf::from("/proc/self/exe");

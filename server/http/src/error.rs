@@ -51,6 +51,9 @@ pub enum ApiError {
     /// A known client that may not.
     #[error("only the operator may do this")]
     OperatorOnly,
+    /// What known clients alone may.
+    #[error("only clients with a key have things pinned")]
+    KeysOnly,
     /// A page of another site would have something kept.
     #[error(
         "pages of other sites have nothing kept here; ask from this server's own page, or without a browser"
@@ -178,6 +181,11 @@ impl ApiError {
             ApiError::OperatorOnly => {
                 (StatusCode::FORBIDDEN, "operator-only", "Only the operator may do this")
             }
+            ApiError::KeysOnly => (StatusCode::FORBIDDEN, "keys-only", "Only clients with a key may do this"),
+            ApiError::App(AppError::NotOwner { .. }) => {
+                (StatusCode::FORBIDDEN, "not-owner", "The scenario or plan is somebody else's")
+            }
+            ApiError::App(AppError::PinsFull) => (StatusCode::CONFLICT, "pins-full", "No more can be pinned"),
             ApiError::App(AppError::BadUpload { .. }) => {
                 (StatusCode::UNPROCESSABLE_ENTITY, "bad-upload", "What was uploaded cannot be meant")
             }

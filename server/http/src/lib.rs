@@ -13,6 +13,7 @@ pub mod etag;
 pub mod listener;
 pub mod metrics;
 pub mod middleware;
+mod poster;
 pub mod problem;
 mod progress;
 mod refusals;

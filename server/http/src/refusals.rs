@@ -57,6 +57,13 @@ refusals! {
         "429": "More than one client may have kept in a day, or too many requests; Retry-After says when to try again",
         "503": "Busy, or nothing can be kept; Retry-After says when to try again",
     ];
+    /// Of what its owner alone may do.
+    NotOwner = [
+        "400": "A secret that is none",
+        "401": "Neither a key nor a secret",
+        "403": "It is somebody else's",
+        "503": "Busy, or the disk does not let it go; Retry-After says when to try again",
+    ];
     /// Of what the operator alone may do.
     NotOperator = [
         "401": "No token, or a wrong one",

@@ -12,6 +12,8 @@ use serde::Serialize;
 pub enum CachePolicy {
     /// JsonRequest about each time; the ETag makes that cheap.
     Revalidate,
+    /// The same for what is for one client alone.
+    Private,
     /// For some minutes: made from a scene that may be ingested again.
     Minutes,
     /// For ever: its URL carries a hash of it.
@@ -22,6 +24,7 @@ impl CachePolicy {
     const fn cache_control(self) -> &'static str {
         match self {
             CachePolicy::Revalidate => "public, no-cache",
+            CachePolicy::Private => "private, no-cache",
             CachePolicy::Minutes => "public, max-age=300",
             CachePolicy::Forever => "public, max-age=31536000, immutable",
         }

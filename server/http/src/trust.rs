@@ -21,7 +21,16 @@ pub(crate) fn is_trusted(address: IpAddr, proxies: &[IpNet]) -> bool {
 /// The client's address: that of the connection or, where a trusted proxy made it, the last one named that is no such proxy's.
 /// None where the system does not say.
 pub(crate) fn client_address<B>(request: &Request<B>, proxies: &[IpNet]) -> Option<IpAddr> {
-    passed_on(request.extensions(), request.headers(), proxies).map(|(client, _)| client)
+    client_address_of(request.extensions(), request.headers(), proxies)
+}
+
+/// The same of a request that is taken apart.
+pub(crate) fn client_address_of(
+    extensions: &Extensions,
+    headers: &HeaderMap,
+    proxies: &[IpNet],
+) -> Option<IpAddr> {
+    passed_on(extensions, headers, proxies).map(|(client, _)| client)
 }
 
 /// The client's address, and how many trusted proxies passed the request on.

@@ -4,7 +4,7 @@ use crate::observatory::Observatory;
 use crate::{error::ObservatoryError, scene_cache::SceneCache};
 use skyglow_scene::{
     ChangeId, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH,
-    Scenario, SceneMetadata, SceneStore,
+    Posting, Scenario, SceneMetadata, SceneStore,
 };
 use std::{path::Path, sync::Arc};
 
@@ -32,14 +32,15 @@ pub fn store_scenario(
 ) -> Result<(ChangeId, Arc<ChangeSummary>, SceneMetadata), ObservatoryError> {
     let changes = ChangeStore::new(data_dir, ChangeLimits::none());
     let scenes = SceneCache::new(SceneStore::new(data_dir), changes, 1);
-    let (id, summary) = store_in(&scenes, scenario)?;
+    let (id, summary, _) = store_in(&scenes, scenario, &Posting::default())?;
     Ok((id, summary, scenes.scene(&scenario.scene)?.metadata().clone()))
 }
 
 fn store_in(
     scenes: &SceneCache,
     scenario: &Scenario,
-) -> Result<(ChangeId, Arc<ChangeSummary>), ObservatoryError> {
+    posting: &Posting,
+) -> Result<(ChangeId, Arc<ChangeSummary>, bool), ObservatoryError> {
     let (scene, changes) = (scenes.scene(&scenario.scene)?, scenes.changes());
     changes.check_base(scenario.base.as_ref())?;
     let mut steps = match &scenario.base {
@@ -53,8 +54,9 @@ fn store_in(
         return Err(ChangeStoreError::TooDeep { id: base.clone() }.into());
     }
     // Painted before it is stored, and there for the first query.
-    let (_, summary) = scenes.apply(&scene, &changes.scenario_id(scenario)?, &steps)?;
-    Ok((changes.store_scenario(scenario)?, summary))
+    let (_, summary) = scenes.apply(&scene, &changes.scenario_id(scenario, posting)?, &steps)?;
+    let (id, is_new) = changes.store_scenario_as(scenario, posting)?;
+    Ok((id, summary, is_new))
 }
 
 impl Observatory {
@@ -71,7 +73,19 @@ impl Observatory {
         &self,
         scenario: &Scenario,
     ) -> Result<(ChangeId, Arc<ChangeSummary>), ObservatoryError> {
-        store_in(&self.scenes, scenario)
+        store_in(&self.scenes, scenario, &Posting::default()).map(|(id, summary, _)| (id, summary))
+    }
+
+    /// Stores a scenario of somebody, and says whether it is new.
+    ///
+    /// # Errors
+    /// As [`Self::store_scenario`].
+    pub fn store_scenario_as(
+        &self,
+        scenario: &Scenario,
+        posting: &Posting,
+    ) -> Result<(ChangeId, bool), ObservatoryError> {
+        store_in(&self.scenes, scenario, posting).map(|(id, _, is_new)| (id, is_new))
     }
 
     /// A scenario that is stored, with what it does to its scene.

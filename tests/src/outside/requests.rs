@@ -101,7 +101,7 @@ pub fn body(bytes: &[u8]) {
     let facts = facts();
     let place = Some("lat=46.17&lon=8.79");
     let checked = match which % 3 {
-        0 => request::scenario(None, body, scene()).map(|scenario| {
+        0 => request::scenario(None, body, scene()).map(|(scenario, _)| {
             // What is kept can be written and read again.
             let text = serde_json::to_vec(&scenario).unwrap_or_default();
             let again = serde_json::from_slice::<skyglow_scene::Scenario>(&text);

@@ -8,7 +8,7 @@ use crate::{
 use serde::Serialize;
 use skyglow_observatory::{Level, PlanMethod, PlanOutcome, PlanRequest, SiteOutcome};
 use skyglow_physics::SkyQuantities;
-use skyglow_scene::{ChangeId, Scene, SceneMetadata, StoredPlan};
+use skyglow_scene::{Listed, Outline, Scene, SceneMetadata, StoredPlan};
 use utoipa::ToSchema;
 
 /// What a plan says of a site.
@@ -144,16 +144,16 @@ pub struct PlanAnswer {
     pub pixels: Vec<DimmedPixelAnswer>,
 }
 
-/// What a list says of a plan, from its kept facts.
-pub fn plan_entry(id: &ChangeId, facts: &serde_json::Value, created_unix_s: u64) -> PlanEntry {
-    let number = |name: &str| facts[name].as_f64().unwrap_or_default();
-    PlanEntry {
-        id: id.to_string(),
-        created: rfc3339(created_unix_s),
-        method: facts["method"].as_str().unwrap_or_default().to_owned(),
-        site_count: facts["sites"].as_array().map_or(0, Vec::len),
-        flux_removed_dnb_w: number("flux_removed_dnb_w"),
-        flux_removed_share: number("flux_removed_share"),
+impl PlanEntry {
+    /// What a list says of a plan; None where it is none of a plan.
+    pub fn of_listed(listed: Listed) -> Option<Self> {
+        let Outline::Plan { method, site_count, flux_removed_dnb_w, flux_removed_share } = listed.outline
+        else {
+            return None;
+        };
+        let created = rfc3339(listed.created_unix_s);
+        let id = listed.id.to_string();
+        Some(Self { id, created, method, site_count, flux_removed_dnb_w, flux_removed_share })
     }
 }
 

@@ -5,7 +5,7 @@ use crate::format::rfc3339;
 use serde::Serialize;
 use skyglow_observatory::ScenarioRecord;
 use skyglow_physics::Lamp;
-use skyglow_scene::{Area, Change, ChangeId, Edit, Scenario};
+use skyglow_scene::{Area, Change, ChangeId, Edit, Listed, Outline, Scenario};
 use utoipa::ToSchema;
 
 /// A scenario in a list.
@@ -33,6 +33,14 @@ impl ScenarioEntry {
             created: rfc3339(created_unix_s),
             edit_count: scenario.edits.len(),
         }
+    }
+
+    /// The same as a list has it; None where it is none of a scenario.
+    pub fn of_listed(listed: Listed) -> Option<Self> {
+        let Outline::Scenario { title, edit_count } = listed.outline else { return None };
+        let base = listed.base.as_ref().map(ChangeId::to_string);
+        let created = rfc3339(listed.created_unix_s);
+        Some(Self { id: listed.id.to_string(), title, base, created, edit_count })
     }
 }
 

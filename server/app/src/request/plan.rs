@@ -4,6 +4,7 @@ mod sites;
 
 use super::{
     influence::{DEFAULT_LIMIT, body_of},
+    keeping::{Keeping, read_keeping},
     plan_body::PlanBody,
     sky::read_conditions,
 };
@@ -31,6 +32,8 @@ pub struct PlanStoreRequest {
     pub limit: usize,
     /// Whether it is stored, or held for some minutes.
     pub store: bool,
+    /// How it is kept, if so.
+    pub keeping: Keeping,
 }
 
 /// Reads the parameters and the body of a plan.
@@ -47,6 +50,7 @@ pub fn plan(
     let conditions = read_conditions(&mut reader, facts);
     let limit = read_limit(&mut reader);
     let store = reader.choice(&p::KEEP) != Some("off");
+    let keeping = read_keeping(&mut reader);
     let allowed = "a JSON object with `method`, and `site` or `sites`";
     let body: PlanBody = body_of(body, &mut reader, allowed);
     let Some(conditions) = conditions.filter(|_| reader.is_fine()) else {
@@ -65,7 +69,7 @@ pub fn plan(
     reader.finish()?;
     let method = read.ok_or_else(|| AppError::internal("a plan was neither read nor refused"))?;
     let scenario = conditions.scenario().cloned();
-    Ok(PlanStoreRequest { request: PlanRequest { method }, scene, scenario, limit, store })
+    Ok(PlanStoreRequest { request: PlanRequest { method }, scene, scenario, limit, store, keeping })
 }
 
 /// Reads how much of a plan is listed.

@@ -3,6 +3,7 @@
 use super::{
     geojson::{BoundaryBody, polygons},
     influence::body_of,
+    keeping::{Keeping, read_keeping},
     points::points_schema,
     sky::{emission_of, lamp_of},
 };
@@ -146,12 +147,13 @@ impl FixtureBody {
     }
 }
 
-/// Reads a body into a scenario of a scene. That its areas lie in the scene is seen when it is kept.
+/// Reads a body into a scenario of a scene, and how it is kept. That its areas lie in the scene is seen when it is kept.
 ///
 /// # Errors
 /// [`AppError::Parameters`] with every mistake.
-pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<Scenario, AppError> {
-    let mut reader = Reader::new(query, p::NoParameters::ALL);
+pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<(Scenario, Keeping), AppError> {
+    let mut reader = Reader::new(query, p::ScenarioPostParameters::ALL);
+    let keeping = read_keeping(&mut reader);
     let body: ScenarioBody = body_of(body, &mut reader, "a JSON object with `edits`");
     if body.title.as_ref().is_some_and(|title| title.chars().count() > MAX_TITLE_CHARS) {
         reader.fail_body("title", &"is too long", &format!("{MAX_TITLE_CHARS} characters"));
@@ -173,7 +175,7 @@ pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<Scen
         .filter_map(|(number, edit)| read_edit(&mut reader, number, edit))
         .collect();
     reader.finish()?;
-    Ok(Scenario { scene, title: body.title, base, edits })
+    Ok((Scenario { scene, title: body.title, base, edits }, keeping))
 }
 
 fn read_edit(reader: &mut Reader, number: usize, body: &EditBody) -> Option<Edit> {
@@ -321,7 +323,7 @@ mod tests {
     use super::*;
 
     fn read(body: &str) -> Result<Scenario, AppError> {
-        scenario(None, body.as_bytes(), SceneId::parse("demo").unwrap())
+        scenario(None, body.as_bytes(), SceneId::parse("demo").unwrap()).map(|(scenario, _)| scenario)
     }
 
     fn refused(body: &str) -> Vec<String> {

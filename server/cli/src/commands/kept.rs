@@ -10,9 +10,10 @@ use clap::Args;
 use serde::Serialize;
 use skyglow_app::{
     answers::{PlanEntry, ScenarioEntry},
+    request::ListRequest,
     stored::{stored_plans, stored_scenarios},
 };
-use skyglow_scene::{ChangeLimits, ChangeStore, SceneId, SceneStore};
+use skyglow_scene::{ChangeLimits, ChangeStore, SceneId, SceneStore, Viewer};
 
 /// List the scenarios and plans that are kept of a scene, the newest first
 ///
@@ -43,8 +44,10 @@ impl Kept {
         // A scene that is not there is an error, not an empty list.
         SceneStore::new(&folder).open(&self.scene).map_err(Failure::work)?;
         let changes = ChangeStore::new(&folder, ChangeLimits::none());
-        let scenarios = stored_scenarios(&changes, &self.scene).map_err(Failure::work)?;
-        let plans = stored_plans(&changes, &self.scene).map_err(Failure::work)?;
+        let (viewer, all) = (Viewer::Operator, ListRequest { limit: usize::MAX, after: None });
+        let scenarios =
+            stored_scenarios(&changes, &self.scene, &viewer, &all).map_err(Failure::work)?.entries;
+        let plans = stored_plans(&changes, &self.scene, &viewer, &all).map_err(Failure::work)?.entries;
         if self.json.json {
             return print::print_json(&Lists { scenarios, plans });
         }

@@ -16,7 +16,7 @@ use skyglow_app::{
     planning::{make_plan, prepare_plan},
     request::{self, PlanStoreRequest},
 };
-use skyglow_scene::SceneId;
+use skyglow_scene::{Posting, SceneId};
 use std::path::PathBuf;
 
 /// Make a reduction plan: what to dim, with the sky before and after
@@ -53,7 +53,7 @@ impl Plan {
         let request = self.request(&body, source.facts())?;
         let failure = |error| query::failure(&error);
         let view = prepare_plan(source, &request).map_err(failure)?;
-        let (plan, _) = make_plan(source, &request, &view).map_err(failure)?;
+        let (plan, _) = make_plan(source, &request, &view, &Posting::default()).map_err(failure)?;
         let bytes = encode_plan(&plan, request.limit, self.output.format).map_err(Failure::work)?;
         let path = &self.output.path;
         std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))?;

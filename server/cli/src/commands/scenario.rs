@@ -33,7 +33,7 @@ impl Scenario {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let body = std::fs::read(&self.changes).map_err(|error| Failure::file(&self.changes, error))?;
-        let scenario =
+        let (scenario, _) =
             request::scenario(None, &body, self.scene.clone()).map_err(|error| query::failure(&error))?;
         let (id, summary, scene) =
             store_scenario(&self.data.folder(), &scenario).map_err(|error| query::failure(&error.into()))?;

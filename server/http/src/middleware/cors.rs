@@ -11,11 +11,11 @@ use axum::{
 };
 
 /// Headers that a page may send.
-const REQUEST_HEADERS: &str = "accept, authorization, content-type, if-none-match, if-range, range, traceparent, \
-     x-api-key, x-request-id";
+const REQUEST_HEADERS: &str = "accept, authorization, content-type, if-none-match, if-range, range, skyglow-owner, \
+     traceparent, x-api-key, x-request-id";
 /// Headers of answers that a page may see.
-const EXPOSED_HEADERS: &str = "accept-ranges, content-range, etag, location, ratelimit, ratelimit-policy, \
-     retry-after, server-timing, skyglow-warnings, x-request-id";
+const EXPOSED_HEADERS: &str = "accept-ranges, content-range, etag, link, location, ratelimit, ratelimit-policy, \
+     retry-after, server-timing, skyglow-owner, skyglow-warnings, x-request-id";
 /// How long a browser need not ask again, seconds.
 const MAX_AGE_S: &str = "86400";
 /// What decides a preflight's answer.

@@ -60,14 +60,4 @@ impl JsonRequest {
         let answer = self.state.blocking(read).await?;
         json_by_content(&self.headers, policy, &answer)
     }
-
-    /// The same for what takes a while.
-    pub(super) async fn heavy<A: Serialize + Send + 'static>(
-        self,
-        policy: CachePolicy,
-        read: impl FnOnce(&dyn SkySource) -> Result<A, ApiError> + Send + 'static,
-    ) -> Answer {
-        let answer = self.state.heavy(read).await?;
-        json_by_content(&self.headers, policy, &answer)
-    }
 }

@@ -6,6 +6,7 @@ pub mod docs;
 mod frame;
 pub mod health;
 pub mod influence;
+mod kept;
 pub mod layers;
 pub mod panorama;
 pub mod plans;

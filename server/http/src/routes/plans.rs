@@ -3,29 +3,32 @@
 use super::{
     frame::{Answer, JsonRequest},
     influence::preferred_format,
+    kept::{list, remove},
 };
 use crate::{
     error::ApiError,
     etag::ETag,
     middleware::StoredLength,
+    poster::{Poster, hand_out},
     problem::Problem,
-    refusals::{BadParameters, BodyTooLong, Busy, NotAcceptable, OfScene, StorageRefused},
+    refusals::{BadParameters, BodyTooLong, Busy, NotAcceptable, NotOwner, OfScene, StorageRefused},
     respond::{CachePolicy, Caching, created},
     state::{AppState, EncodedAnswer},
+    trust::PublicAddress,
 };
 use axum::{
     body::{Body, Bytes},
-    extract::{Path, RawQuery, State},
-    http::{HeaderMap, Response},
+    extract::{Extension, Path, RawQuery, State},
+    http::{HeaderMap, Response, StatusCode},
 };
 use skyglow_app::error::AppError;
 use skyglow_app::{
     accept::InfluenceFormat,
     answers::{PlanAnswer, PlanEntry},
-    parameters::{NegotiatedPlanParameters, PlanPostParameters},
+    parameters::{KeptListParameters, NegotiatedPlanParameters, PlanPostParameters},
     plan_file::{encode_plan, plan_answer},
     planning::{find_plan, make_plan, prepare_plan},
-    request::{PlanBody, change_id, no_parameters, plan, plan_limit, scene_id},
+    request::{PlanBody, change_id, plan, plan_limit, scene_id},
     source::SkySource,
 };
 
@@ -37,15 +40,21 @@ use skyglow_app::{
     post,
     path = "/api/v1/scenes/{scene}/plans",
     tag = "plans",
-    params(("scene" = String, Path, description = "The scene's id"), PlanPostParameters),
+    params(("scene" = String, Path, description = "The scene's id"),
+        ("Skyglow-Owner" = Option<String>, Header, description = "The secret of an owner, so that this is theirs too; without a key or a secret a new one is handed out"),
+        PlanPostParameters,
+    ),
     request_body = PlanBody,
     responses(
-        (status = 201, description = "The plan; Location is its address", body = PlanAnswer),
+        (status = 201, description = "The plan; Location is its address", body = PlanAnswer, headers(
+            ("skyglow-owner" = Option<String>, description = "The secret of whoever had this kept, who shows it to remove it or to list it: handed out once, where there was neither a key nor a secret"),
+        )),
         StorageRefused,
         BodyTooLong,
         (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene or scenario, or a site lies outside: then with the scene's bounds", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The scenario is a plan for an earlier state of the scene, or, with `keep=on`, one that is not kept", body = Problem, content_type = "application/problem+json"),
+        (status = 403, description = "What is pinned is for clients with a key", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The scenario is a plan for an earlier state of the scene, or, with `keep=on`, one that is not kept; or as much is pinned as may be", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Altitude or turbidity out of range", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -53,6 +62,7 @@ pub async fn post_plan(
     State(state): State<AppState>,
     Path(scene): Path<String>,
     RawQuery(query): RawQuery,
+    poster: Poster,
     body: Bytes,
 ) -> Result<Response<Body>, ApiError> {
     let scene = scene_id(&scene)?;
@@ -63,34 +73,72 @@ pub async fn post_plan(
         Ok((request, view))
     };
     let (request, view) = state.blocking(read).await?;
+    let (posting, secret) = poster.posting(request.keeping)?;
+    let is_private = !posting.listed;
     let make = move |source: &dyn SkySource| {
-        let (plan, is_new) = make_plan(source, &request, &view)?;
+        let (plan, is_new) = make_plan(source, &request, &view, &posting)?;
         let stored_bytes = if is_new { plan.stored_bytes() } else { 0 };
-        Ok((plan_answer(&plan, request.limit), stored_bytes))
+        Ok((plan_answer(&plan, request.limit), stored_bytes, is_new))
     };
-    let (answer, stored_bytes) = state.with_influence_permit(make).await?;
+    let (answer, stored_bytes, is_new) = state.with_influence_permit(make).await?;
     let mut response = created(&format!("/api/v1/plans/{}", answer.id), &answer)?;
     response.extensions_mut().insert(StoredLength(stored_bytes));
+    hand_out(&mut response, secret.filter(|_| is_new || is_private));
     Ok(response)
 }
 
-/// Lists the plans of a scene, the newest first.
+/// Lists the plans of a scene, the newest first: those that are listed, and those of who asks.
 #[utoipa::path(
     get,
     path = "/api/v1/scenes/{scene}/plans",
     tag = "plans",
-    params(("scene" = String, Path, description = "The scene's id")),
+    params(
+        ("scene" = String, Path, description = "The scene's id"),
+        ("Skyglow-Owner" = Option<String>, Header, description = "The secret of an owner, who sees what is theirs and not listed too"),
+        KeptListParameters,
+    ),
     responses(
-        (status = 200, description = "The plans", body = Vec<PlanEntry>),
+        (status = 200, description = "The plans", body = Vec<PlanEntry>, headers(
+            ("link" = Option<String>, description = "The address of the next part of the list, `rel=\"next\"`, where there is more"),
+        )),
         (status = 304, description = "The client has this answer already"),
         OfScene,
         Busy,
     )
 )]
-pub async fn list_plans(request: JsonRequest) -> Answer {
-    let scene = request.scene()?;
-    no_parameters(request.query.as_deref())?;
-    request.heavy(CachePolicy::Revalidate, move |source| Ok(source.list_plans(&scene)?)).await
+pub async fn list_plans(
+    Extension(address): Extension<PublicAddress>,
+    poster: Poster,
+    request: JsonRequest,
+) -> Answer {
+    let read =
+        |source: &dyn SkySource, scene: &_, viewer: &_, part: &_| source.list_plans(scene, viewer, part);
+    list(request, &poster, &address, "plans", read).await
+}
+
+/// Removes a plan that is kept: for whoever had it kept, by the same key or the secret that was handed out then, and for the
+/// operator. Others that were based on it cannot be had any more.
+#[utoipa::path(
+    delete,
+    path = "/api/v1/plans/{plan}",
+    tag = "plans",
+    params(
+        ("plan" = String, Path, description = "The plan's id"),
+        ("Skyglow-Owner" = Option<String>, Header, description = "The secret that was handed out when it was kept; not for clients with a key"),
+    ),
+    responses(
+        (status = 204, description = "It is gone"),
+        NotOwner,
+        (status = 404, description = "No such plan, or one that is not kept", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn delete_plan(
+    State(state): State<AppState>,
+    Path(plan): Path<String>,
+    RawQuery(query): RawQuery,
+    poster: Poster,
+) -> Result<StatusCode, ApiError> {
+    remove(&state, &poster, &plan, query.as_deref(), true).await
 }
 
 /// A plan, in the format that the Accept header prefers, or that its address ends in: `.json` what is said of it and the pixels

@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 30] = [
+pub const KINDS: [(&str, &str); 33] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -27,6 +27,12 @@ pub const KINDS: [(&str, &str); 30] = [
         "draft-plan",
         "The plan was made with keep=off, and what is kept cannot go on from it; make it again with keep=on.",
     ),
+    (
+        "not-owner",
+        "The scenario or plan is removed by whoever had it kept: with the same key, or with the secret that Skyglow-Owner of the answer had then.",
+    ),
+    ("keys-only", "What stays whatever others have kept is for clients with a key."),
+    ("pins-full", "As much is pinned as may be, which is half of what is kept; it can be kept without."),
     ("storage", "The server has no room on disk, or may not write there; its log says more."),
     ("outside-scene", "The place lies outside the scene; `bounds` has its edges."),
     ("unknown-tile", "No map tile has this address."),
@@ -106,6 +112,9 @@ mod tests {
             ApiError::App(AppError::UnknownScenario { id: String::new() }),
             ApiError::App(AppError::StalePlan { id: String::new() }),
             ApiError::App(AppError::DraftPlan { id: String::new() }),
+            ApiError::App(AppError::NotOwner { id: String::new() }),
+            ApiError::App(AppError::PinsFull),
+            ApiError::KeysOnly,
             ApiError::Unauthorized,
             ApiError::UploadsOff,
             ApiError::ForeignOrigin,

@@ -6,6 +6,7 @@ use skyglow_app::{
     conversion::check_altitude,
     facts::{KindFacts, SourceFacts},
     format::rounded,
+    request::ListRequest,
     source::BoxFuture,
 };
 use skyglow_observatory::{
@@ -17,8 +18,9 @@ use skyglow_physics::{
 };
 use skyglow_render::{EngineStats, PassTime};
 use skyglow_scene::{
-    ChangeId, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, PatchStore, RasterTile,
-    Scenario, Scene, SceneId, SceneMetadata, SceneStore, StoredPlan, TileLayer, UploadFolder, ingest,
+    ChangeId, ChangeStore, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, Owner, Page,
+    PatchStore, Posting, RasterTile, Scenario, Scene, SceneId, SceneMetadata, SceneStore, StoredPlan,
+    TileLayer, UploadFolder, Viewer, ingest,
 };
 use skyglow_tables::{Clouds, Scattering};
 use std::{
@@ -342,17 +344,18 @@ impl SkySource for Fake {
     }
 
     /// Neither are scenarios and plans.
-    fn store_scenario(&self, scenario: &Scenario) -> Result<ChangeId, AppError> {
+    fn store_scenario(&self, scenario: &Scenario, _: &Posting) -> Result<(ChangeId, bool), AppError> {
         self.known(&scenario.scene)?;
         let mut kept = self.kept.lock().unwrap();
         let Some(kept) = kept.as_mut() else {
             return Err(AppError::Storage { reason: "a made-up program keeps nothing".into() });
         };
-        let number = kept.iter().position(|known| known == scenario).unwrap_or_else(|| {
+        let known = kept.iter().position(|known| known == scenario);
+        let number = known.unwrap_or_else(|| {
             kept.push(scenario.clone());
             kept.len() - 1
         });
-        Ok(ChangeId::parse(&format!("s-{:020x}", number + 1)).unwrap())
+        Ok((ChangeId::parse(&format!("s-{:020x}", number + 1)).unwrap(), known.is_none()))
     }
 
     fn scenario(&self, id: &ChangeId) -> Result<ScenarioRecord, AppError> {
@@ -372,7 +375,15 @@ impl SkySource for Fake {
         Err(AppError::EngineDown)
     }
 
-    fn store_plan(&self, _: &ChangeId, _: &StoredPlan) -> Result<(), AppError> {
+    fn plan_id(&self, content: Vec<u8>, _: &Posting) -> Result<ChangeId, AppError> {
+        Ok(ChangeStore::plan_id(&content))
+    }
+
+    fn remove_change(&self, id: &ChangeId, _: Option<&Owner>) -> Result<(), AppError> {
+        Err(AppError::UnknownScenario { id: id.to_string() })
+    }
+
+    fn store_plan(&self, _: &ChangeId, _: &StoredPlan, _: &Posting) -> Result<bool, AppError> {
         Err(AppError::Storage { reason: "a made-up program keeps nothing".into() })
     }
 
@@ -390,14 +401,19 @@ impl SkySource for Fake {
         Err(AppError::UnknownScenario { id: id.to_string() })
     }
 
-    fn list_scenarios(&self, scene: &SceneId) -> Result<Vec<ScenarioEntry>, AppError> {
+    fn list_scenarios(
+        &self,
+        scene: &SceneId,
+        _: &Viewer,
+        _: &ListRequest,
+    ) -> Result<Page<ScenarioEntry>, AppError> {
         self.known(scene)?;
-        Ok(Vec::new())
+        Ok(Page { entries: Vec::new(), next: None })
     }
 
-    fn list_plans(&self, scene: &SceneId) -> Result<Vec<PlanEntry>, AppError> {
+    fn list_plans(&self, scene: &SceneId, _: &Viewer, _: &ListRequest) -> Result<Page<PlanEntry>, AppError> {
         self.known(scene)?;
-        Ok(Vec::new())
+        Ok(Page { entries: Vec::new(), next: None })
     }
 
     fn sky(&self, request: Arc<SkyRequest>, _: SceneView) -> BoxFuture<'_, Result<RenderedSky, AppError>> {

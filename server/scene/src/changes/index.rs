@@ -246,7 +246,6 @@ fn as_listed(entry: &Entry) -> Option<Listed> {
         id: entry.id.clone(),
         base: entry.base.clone(),
         created_unix_s: entry.created_unix_ns / 1_000_000_000,
-        listed: !entry.posted.unlisted,
         outline: outline.clone(),
     })
 }

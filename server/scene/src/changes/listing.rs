@@ -106,8 +106,6 @@ pub struct Listed {
     pub base: Option<ChangeId>,
     /// When it was stored, seconds since 1970.
     pub created_unix_s: u64,
-    /// Whether others see it in lists.
-    pub listed: bool,
     /// What else is said of it.
     pub outline: Outline,
 }

@@ -3,6 +3,7 @@
 
 mod bodies;
 mod influence;
+mod kept;
 mod layers;
 mod plans;
 mod refusals;
