@@ -73,7 +73,11 @@ export interface paths {
         get: operations["get_plan"];
         put?: never;
         post?: never;
-        delete?: never;
+        /**
+         * Removes a plan that is kept: for whoever had it kept, by the same key or the secret that was handed out then, and for the
+         *     operator. Others that were based on it cannot be had any more.
+         */
+        delete: operations["delete_plan"];
         options?: never;
         head?: never;
         patch?: never;
@@ -90,7 +94,11 @@ export interface paths {
         get: operations["get_scenario"];
         put?: never;
         post?: never;
-        delete?: never;
+        /**
+         * Removes a scenario: for whoever had it kept, by the same key or the secret that was handed out then, and for the operator.
+         *     Others that were based on it cannot be had any more.
+         */
+        delete: operations["delete_scenario"];
         options?: never;
         head?: never;
         patch?: never;
@@ -400,7 +408,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the plans of a scene, the newest first. */
+        /** Lists the plans of a scene, the newest first: those that are listed, and those of who asks. */
         get: operations["list_plans"];
         put?: never;
         /**
@@ -423,12 +431,12 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the scenarios of a scene, the newest first. */
+        /** Lists the scenarios of a scene, the newest first: those that are listed, and those of who asks. */
         get: operations["list_scenarios"];
         put?: never;
         /**
          * Paints over a scene: dims, brightens or adds lights, replaces lamps, changes where they shine. The id that is answered is
-         *     taken by every query as `scenario`; the same body answers the same id.
+         *     taken by every query as `scenario`; the same body answers the same id, which is then whose it was.
          */
         post: operations["post_scenario"];
         delete?: never;
@@ -2125,6 +2133,84 @@ export interface operations {
             };
         };
     };
+    delete_plan: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description The secret that was handed out when it was kept; not for clients with a key */
+                "Skyglow-Owner"?: string | null;
+            };
+            path: {
+                /** @description The plan's id */
+                plan: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is gone */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A secret that is none */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Neither a key nor a secret */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is somebody else's */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such plan, or one that is not kept */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy, or the disk does not let it go; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_scenario: {
         parameters: {
             query?: never;
@@ -2199,6 +2285,84 @@ export interface operations {
                 };
             };
             /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_scenario: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description The secret that was handed out when it was kept; not for clients with a key */
+                "Skyglow-Owner"?: string | null;
+            };
+            path: {
+                /** @description The scenario's id */
+                scenario: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is gone */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A secret that is none */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Neither a key nor a secret */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is somebody else's */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scenario */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy, or the disk does not let it go; Retry-After says when to try again */
             503: {
                 headers: {
                     [name: string]: unknown;
@@ -5218,8 +5382,16 @@ export interface operations {
     };
     list_plans: {
         parameters: {
-            query?: never;
-            header?: never;
+            query?: {
+                /** @description Entries that are answered at once. Allowed: a whole number from 1 to 1000. */
+                limit?: number;
+                /** @description Where the part of the list begins: as the link to it says, which comes with the part before it. Allowed: what the Link header of the part before says. */
+                after?: string;
+            };
+            header?: {
+                /** @description The secret of an owner, who sees what is theirs and not listed too */
+                "Skyglow-Owner"?: string | null;
+            };
             path: {
                 /** @description The scene's id */
                 scene: string;
@@ -5231,6 +5403,8 @@ export interface operations {
             /** @description The plans */
             200: {
                 headers: {
+                    /** @description The address of the next part of the list, `rel="next"`, where there is more */
+                    link?: string | null;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5316,8 +5490,15 @@ export interface operations {
                 limit?: number;
                 /** @description Whether a plan is kept, or only held for some ten minutes after it was last asked for: for trying one after the other. Allowed: on, off. */
                 keep?: "on" | "off";
+                /** @description Whether lists name what is kept to everybody. If `off`, only its owner sees it there, and its id follows from its owner too: whoever is not told it does not find it. Allowed: on, off. */
+                listed?: "on" | "off";
+                /** @description Whether what is kept stays whatever its age and however much others have kept; with a key, and half of the room at most. Allowed: on, off. */
+                pinned?: "on" | "off";
             };
-            header?: never;
+            header?: {
+                /** @description The secret of an owner, so that this is theirs too; without a key or a secret a new one is handed out */
+                "Skyglow-Owner"?: string | null;
+            };
             path: {
                 /** @description The scene's id */
                 scene: string;
@@ -5333,6 +5514,8 @@ export interface operations {
             /** @description The plan; Location is its address */
             201: {
                 headers: {
+                    /** @description The secret of whoever had this kept, who shows it to remove it or to list it: handed out once, where there was neither a key nor a secret */
+                    "skyglow-owner"?: string | null;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5357,6 +5540,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description What is pinned is for clients with a key */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description No such scene or scenario, or a site lies outside: then with the scene's bounds */
             404: {
                 headers: {
@@ -5366,7 +5558,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The scenario is a plan for an earlier state of the scene, or, with `keep=on`, one that is not kept */
+            /** @description The scenario is a plan for an earlier state of the scene, or, with `keep=on`, one that is not kept; or as much is pinned as may be */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5415,8 +5607,16 @@ export interface operations {
     };
     list_scenarios: {
         parameters: {
-            query?: never;
-            header?: never;
+            query?: {
+                /** @description Entries that are answered at once. Allowed: a whole number from 1 to 1000. */
+                limit?: number;
+                /** @description Where the part of the list begins: as the link to it says, which comes with the part before it. Allowed: what the Link header of the part before says. */
+                after?: string;
+            };
+            header?: {
+                /** @description The secret of an owner, who sees what is theirs and not listed too */
+                "Skyglow-Owner"?: string | null;
+            };
             path: {
                 /** @description The scene's id */
                 scene: string;
@@ -5428,6 +5628,8 @@ export interface operations {
             /** @description The scenarios */
             200: {
                 headers: {
+                    /** @description The address of the next part of the list, `rel="next"`, where there is more */
+                    link?: string | null;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5490,8 +5692,16 @@ export interface operations {
     };
     post_scenario: {
         parameters: {
-            query?: never;
-            header?: never;
+            query?: {
+                /** @description Whether lists name what is kept to everybody. If `off`, only its owner sees it there, and its id follows from its owner too: whoever is not told it does not find it. Allowed: on, off. */
+                listed?: "on" | "off";
+                /** @description Whether what is kept stays whatever its age and however much others have kept; with a key, and half of the room at most. Allowed: on, off. */
+                pinned?: "on" | "off";
+            };
+            header?: {
+                /** @description The secret of an owner, so that this is theirs too; without a key or a secret a new one is handed out */
+                "Skyglow-Owner"?: string | null;
+            };
             path: {
                 /** @description The scene's id */
                 scene: string;
@@ -5507,6 +5717,8 @@ export interface operations {
             /** @description The scenario; Location is its address */
             201: {
                 headers: {
+                    /** @description The secret of whoever had this kept, who shows it to remove it or to list it: handed out once, where there was neither a key nor a secret */
+                    "skyglow-owner"?: string | null;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5531,6 +5743,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description What is pinned is for clients with a key */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description No such scene, or no such scenario or plan to go on from */
             404: {
                 headers: {
@@ -5540,7 +5761,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It goes on from a plan for an earlier state of the scene, or one that is not kept */
+            /** @description It goes on from a plan for an earlier state of the scene, or one that is not kept; or as much is pinned as may be */
             409: {
                 headers: {
                     [name: string]: unknown;
