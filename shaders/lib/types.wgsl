@@ -25,9 +25,9 @@ struct Frame {
   // Of the tables of sources behind skylines; 0 where the pack has none.
   blocked_octet_count: u32,
   blocked_offset_count: u32,
-  // Where the offset axes bend.
-  bend_node: u32,
-  blocked_bend_node: u32,
+  // Where the offset axes have their kink.
+  kink_node: u32,
+  blocked_kink_node: u32,
 }
 
 // One request of a batch.

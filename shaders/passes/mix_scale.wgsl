@@ -13,8 +13,8 @@
 @group(0) @binding(6) var log_scales: texture_storage_2d<rgba32float, write>;
 
 // The middle one of the three nodes that give the curvature at a node: derivation in server/tables/src/curvature.rs.
-fn curvature_node(offset: u32, bend_node: u32, offset_count: u32) -> u32 {
-  return clamp(select(offset, offset + 1u, offset == bend_node), 1u, offset_count - 2u);
+fn curvature_node(offset: u32, kink_node: u32, offset_count: u32) -> u32 {
+  return clamp(select(offset, offset + 1u, offset == kink_node), 1u, offset_count - 2u);
 }
 
 // ln of the scale of the three lobes below, at and above the middle one of those nodes.
@@ -74,7 +74,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let is_open = node.blocking == 0u;
   let middle = curvature_node(
     node.offset,
-    select(frame.blocked_bend_node, frame.bend_node, is_open),
+    select(frame.blocked_kink_node, frame.kink_node, is_open),
     select(frame.blocked_offset_count, frame.offset_count, is_open),
   );
   var log_sums = vec4<f32>(0.0);

@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Largest size of all packs together, bytes: they come with the project.
-pub const LARGEST_TOTAL_BYTES: u64 = 105_000_000;
+pub const MAX_TOTAL_BYTES: u64 = 105_000_000;
 
 /// Files of precomputed/ that are neither packs nor manifests.
 const OTHERS: [&str; 2] = ["README.md", "turbidities.txt"];
@@ -34,8 +34,8 @@ pub fn listed_turbidities(text: &str) -> Result<Vec<f64>, String> {
 pub fn violations(entries: &BTreeMap<String, Entry>, listed: &[f64]) -> Vec<String> {
     let mut found = Vec::new();
     let total: u64 = entries.values().map(|entry| entry.bytes).sum();
-    if total > LARGEST_TOTAL_BYTES {
-        found.push(format!("{total} bytes in all; at most {LARGEST_TOTAL_BYTES} come with the project"));
+    if total > MAX_TOTAL_BYTES {
+        found.push(format!("{total} bytes in all; at most {MAX_TOTAL_BYTES} come with the project"));
     }
     for (name, entry) in entries.iter().filter(|(name, _)| !OTHERS.contains(&name.as_str())) {
         match (name.strip_suffix(".json"), &entry.text) {

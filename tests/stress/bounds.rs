@@ -7,7 +7,7 @@ use crate::{
 };
 use skyglow_physics::{
     GeoPoint, SourcePixel, Turbidity,
-    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, MIN_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_render::{RenderRequest, prepare::Prepared};
 use skyglow_scene::{PolarGrid, RING_COUNT};
@@ -38,7 +38,7 @@ fn distances(report: &mut Report, rig: &Rig) -> Outcome {
     let sky = |distance_m: f64| -> Result<Vec<f32>, Box<dyn Error>> {
         Ok(rig.sky(&rig.request(grid_at(distance_m))?)?)
     };
-    let at_limit: Vec<f64> = widened(&sky(NEAREST_SOURCE_M)?).collect();
+    let at_limit: Vec<f64> = widened(&sky(MIN_SOURCE_DISTANCE_M)?).collect();
     let error = |distance_m: f64| -> Result<f64, Box<dyn Error>> {
         Ok(lost_digits(widened(&sky(distance_m)?), at_limit.iter().copied(), row_maxima(&at_limit)))
     };
@@ -72,7 +72,7 @@ fn distances(report: &mut Report, rig: &Rig) -> Outcome {
     };
     let kept = beyond.into_iter().map(ready_made).fold(0.0, f64::max);
     let check = Check::new("ready-made sources beyond 300 km too", "share of its flux kept", beyond.len());
-    report.add(check.found(kept, 0.0, ready_made(FARTHEST_SOURCE_M)));
+    report.add(check.found(kept, 0.0, ready_made(MAX_SOURCE_DISTANCE_M)));
     Ok(())
 }
 

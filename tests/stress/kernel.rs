@@ -83,7 +83,7 @@ fn cases(distances_m: &[f64]) -> Vec<Case> {
     cases
 }
 
-/// Rays from below straight through the source, and a hair beside it.
+/// Rays from below straight through the source, and just beside it.
 fn aimed_cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for distance_m in [0.0f64, 250.0, 2_000.0, 20_000.0] {

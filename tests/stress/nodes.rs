@@ -1,4 +1,4 @@
-//! A hair before each node and a hair behind it: what jumps there does not shrink with the hair.
+//! A small step ε before each node and one behind it: what jumps there does not shrink with ε.
 
 use crate::{
     checks::{Check, Outcome, Report},
@@ -20,7 +20,7 @@ const JUMP: f64 = 1e-3;
 struct Axis {
     name: &'static str,
     nodes: Vec<f64>,
-    hair: f64,
+    epsilon: f64,
     at: Move,
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {
             }
         }
         let planted = axis.nodes.first().map_or(Ok(0.0), |&x| sides.jump(x, 1.01))?;
-        let name = format!("a hair about each node: {}", axis.name);
+        let name = format!("epsilon about each node: {}", axis.name);
         let check = Check::new(name, "jump, of the row's brightest", axis.nodes.len());
         let note = format!("at {where_worst}; planted: a hundredth more light behind the node");
         report.add(check.found(worst, JUMP, planted).note(note));
@@ -53,7 +53,7 @@ struct Sides<'a> {
 }
 
 impl Sides<'_> {
-    /// The part of the step from one side of a node to the other that does not shrink with the hair: 2·step(½) − step(1),
+    /// The part of the step from one side of a node to the other that does not shrink with ε: 2·step(½) − step(1),
     /// of the row's brightest. Behind the node there is `more` times the light.
     fn jump(&self, x: f64, more: f64) -> Result<f64, Box<dyn Error>> {
         let sky = |by: f64| -> Result<Vec<f64>, Box<dyn Error>> {
@@ -62,9 +62,9 @@ impl Sides<'_> {
             let flux_dnb_w = if by > 0.0 { more * self.flux_dnb_w } else { self.flux_dnb_w };
             Ok(widened(&self.rig.sky(&request_at(self.rig, stand, flux_dnb_w)?)?).collect())
         };
-        let hair = self.axis.hair;
-        let wide = [sky(-hair)?, sky(hair)?];
-        let near = [sky(-0.5 * hair)?, sky(0.5 * hair)?];
+        let epsilon = self.axis.epsilon;
+        let wide = [sky(-epsilon)?, sky(epsilon)?];
+        let near = [sky(-0.5 * epsilon)?, sky(0.5 * epsilon)?];
         let brightest = row_maxima(&wide[1]);
         let mut worst: f64 = 0.0;
         for sample in 0..brightest.len() {
@@ -94,32 +94,32 @@ fn axes(rig: &Rig) -> [Axis; 5] {
         Axis {
             name: "rings",
             nodes: rings,
-            hair: 1e-6,
+            epsilon: 1e-6,
             at: |x, by| Stand { distance_m: x * (1.0 + by), ..STAND },
         },
         Axis {
             name: "observer altitudes",
             nodes: inner(&tables.observer_altitude_m),
-            hair: 1e-2,
+            epsilon: 1e-2,
             at: |x, by| Stand { observer_altitude_m: x + by, ..STAND },
         },
         // f32 knows altitudes of kilometres to a quarter of a millimetre.
         Axis {
             name: "source offsets",
             nodes: offsets,
-            hair: 2e-2,
+            epsilon: 2e-2,
             at: |x, by| Stand { source_altitude_m: x + by, ..STAND },
         },
         Axis {
             name: "turbidities",
             nodes: inner(&rig.set.kinds()[0].turbidities),
-            hair: 1e-6,
+            epsilon: 1e-6,
             at: |x, by| Stand { turbidity: x + by, ..STAND },
         },
         Axis {
             name: "azimuth columns, north among them",
             nodes: (0..256).map(|column| f64::from(column) * TAU / 256.0).collect(),
-            hair: 1e-6,
+            epsilon: 1e-6,
             at: |x, by| Stand { azimuth_rad: x + by, ..STAND },
         },
     ]

@@ -169,7 +169,7 @@ fn everywhere(report: &mut Report, rig: &Rig) -> Outcome {
                 let place = GeoPoint::from_deg(latitude_deg, longitude_deg)?;
                 let grid = scene.polar_grid(place, false);
                 let pixels =
-                    scene.source_pixels_within(place, skyglow_physics::source_pixel::FARTHEST_SOURCE_M);
+                    scene.source_pixels_within(place, skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M);
                 let exact: f64 = pixels.iter().map(|pixel| pixel.flux_dnb_w).sum();
                 let cells: f64 = grid.cells.iter().map(|cell| f64::from(cell.flux_dnb_w)).sum();
                 worst = worst.max((cells - exact).abs() / exact.max(f64::MIN_POSITIVE));

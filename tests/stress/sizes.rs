@@ -10,7 +10,7 @@ use skyglow_lab::light_raster::LightRaster;
 use skyglow_physics::{
     AZIMUTH_COUNT, EARTH_RADIUS_M, GeoPoint, Turbidity,
     error_metric::BAND_FLOOR_W_M2_SR,
-    source_pixel::{FARTHEST_SOURCE_M, W_M2_SR_PER_NW_CM2_SR},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, W_M2_SR_PER_NW_CM2_SR},
 };
 use skyglow_scene::PolarGrid;
 use std::{error::Error, f64::consts::PI, time::Instant};
@@ -113,7 +113,7 @@ fn ten_million(report: &mut Report, rig: &Rig) -> Outcome {
         peak(peak_mb())
     );
 
-    let disc_m2 = 2.0 * PI * EARTH_RADIUS_M.powi(2) * (1.0 - (FARTHEST_SOURCE_M / EARTH_RADIUS_M).cos());
+    let disc_m2 = 2.0 * PI * EARTH_RADIUS_M.powi(2) * (1.0 - (MAX_SOURCE_DISTANCE_M / EARTH_RADIUS_M).cos());
     let exact_w = PI * f64::from(RADIANCE_NW_CM2_SR) * W_M2_SR_PER_NW_CM2_SR * disc_m2;
     let check = Check::new("ten million lit pixels: flux of the disc in closed form", "share of it", lit);
     let planted = (flux_dnb_w / (1.01 * exact_w) - 1.0).abs();

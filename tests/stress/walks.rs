@@ -108,9 +108,9 @@ pub(crate) fn run(bench: &Bench, report: &mut Report) -> Outcome {
     for distance_m in [2_000.0, 20_000.0, 100_000.0] {
         let km = distance_m / 1e3;
         let stand = Stand { distance_m, ..STAND };
-        let climb =
+        let ascent =
             along(0.0, 6_000.0, 600).map(|observer_altitude_m| Stand { observer_altitude_m, ..stand });
-        walk_along(report, rig, &format!("observer 0 to 6 000 m, lamp {km} km away"), climb)?;
+        walk_along(report, rig, &format!("observer 0 to 6 000 m, lamp {km} km away"), ascent)?;
         let raise = along(0.0, 6_000.0, 600).map(|source_altitude_m| Stand { source_altitude_m, ..stand });
         walk_along(report, rig, &format!("lamp 0 to 6 000 m, {km} km away"), raise)?;
         let haze = along(1.5, 6.0, 450).map(|turbidity| Stand { turbidity, ..stand });

@@ -10,7 +10,7 @@ use skyglow_physics::{
     ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
     photometry::luminance_cd_m2,
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_render::{Engine, RenderRequest};
 use skyglow_scene::{Scene, SceneId};
@@ -24,9 +24,9 @@ use std::{
 static OBSERVATORY: LazyLock<Observatory> = LazyLock::new(|| common::demo("accuracy"));
 
 /// Largest mean error allowed at any place and turbidity.
-const LARGEST_MEAN: f64 = 0.01;
+const MAX_MEAN_ERROR: f64 = 0.01;
 /// Largest error of the luminance in the highest row, where it is a thousandth of the natural sky or more.
-const LARGEST_AT_ZENITH: f64 = 0.005;
+const MAX_ZENITH_ERROR: f64 = 0.005;
 /// A thousandth of the natural sky, cd m⁻².
 const VISIBLE_CD_M2: f64 = 1.7e-7;
 
@@ -113,7 +113,7 @@ fn demo_skies_match_the_stored_reference() {
     for path in reference_files() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let reference: StoredReference = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-        let pixels = scene.source_pixels_within(reference.place(), FARTHEST_SOURCE_M);
+        let pixels = scene.source_pixels_within(reference.place(), MAX_SOURCE_DISTANCE_M);
         let sources = point_sources(reference.place(), &pixels);
         let flux_dnb_w: f64 = sources.iter().map(|source| source.flux_dnb_w).sum();
         assert!(
@@ -123,8 +123,8 @@ fn demo_skies_match_the_stored_reference() {
         for (index, turbidity) in reference.turbidities.iter().enumerate() {
             let (error, zenith) = compare(engine, scene, &reference, index, 0.0);
             println!("{name} turbidity {turbidity}: {error:?}, zenith {zenith:.4}");
-            assert!(error.mean < LARGEST_MEAN, "{name} turbidity {turbidity}: {error:?}");
-            assert!(zenith < LARGEST_AT_ZENITH, "{name} turbidity {turbidity}: zenith {zenith}");
+            assert!(error.mean < MAX_MEAN_ERROR, "{name} turbidity {turbidity}: {error:?}");
+            assert!(zenith < MAX_ZENITH_ERROR, "{name} turbidity {turbidity}: zenith {zenith}");
             // The check can fail: an observer 1 500 m higher has another sky.
             let (wrong, _) = compare(engine, scene, &reference, index, 1_500.0);
             assert!(wrong.mean > 2.0 * error.mean, "{name} turbidity {turbidity}: {wrong:?}");

@@ -1,21 +1,22 @@
-//! The arrows between the crates, the imports within them, the absences that ARCHITECTURE.md states, and the names of
+//! The layering of the crates, the imports within them, the words that ARCHITECTURE.md forbids, and the names of
 //! tests.
 
 use skyglow_tests::{
-    absences::{self, ABSENCES},
-    arrows::{self, Dependency},
-    circles, test_names,
+    cycles,
+    forbidden_words::{self, FORBIDDEN_WORDS},
+    layering::{self, Dependency},
+    test_names,
     tree::{SourceFile, source_files, text},
 };
 
 #[test]
 fn crates_use_only_what_lies_below_them() {
-    assert_eq!(arrows::violations(&arrows::workspace_dependencies()), Vec::<String>::new());
+    assert_eq!(layering::violations(&layering::workspace_dependencies()), Vec::<String>::new());
 }
 
 #[test]
-fn an_arrow_that_points_the_wrong_way_is_seen() {
-    let real = arrows::workspace_dependencies();
+fn a_dependency_upwards_is_seen() {
+    let real = layering::workspace_dependencies();
     for (package, dependency, words) in [
         ("skyglow-tables", "skyglow-scene", "skyglow-tables must not use skyglow-scene"),
         ("skyglow-scene", "skyglow-tables", "skyglow-scene must not use skyglow-tables"),
@@ -31,42 +32,42 @@ fn an_arrow_that_points_the_wrong_way_is_seen() {
     ] {
         let mut broken = real.clone();
         broken.entry(package.to_owned()).or_default().push(Dependency::shipped(dependency));
-        assert!(arrows::violations(&broken).contains(&words.to_owned()), "{package} -> {dependency}");
+        assert!(layering::violations(&broken).contains(&words.to_owned()), "{package} -> {dependency}");
     }
 }
 
-/// A crate without a place in the arrows, or gone from the workspace, is seen.
+/// A crate without a place in the layering, or gone from the workspace, is seen.
 #[test]
 fn an_unlisted_or_missing_crate_is_seen() {
-    let mut broken = arrows::workspace_dependencies();
+    let mut broken = layering::workspace_dependencies();
     broken.insert("skyglow-helpers".to_owned(), Vec::new());
     broken.remove("skyglow-display");
     assert_eq!(
-        arrows::violations(&broken),
-        ["skyglow-helpers has no place in the arrows", "skyglow-display is missing from the workspace"]
+        layering::violations(&broken),
+        ["skyglow-helpers has no place in the layering", "skyglow-display is missing from the workspace"]
     );
 }
 
 #[test]
-fn words_that_must_be_absent_are_absent() {
+fn forbidden_words_do_not_occur() {
     let mut files = source_files("server", &[".rs"]);
     files.extend(source_files("shaders", &[".wgsl"]));
-    assert_eq!(absences::violations(&files, ABSENCES), Vec::<String>::new());
+    assert_eq!(forbidden_words::violations(&files, FORBIDDEN_WORDS), Vec::<String>::new());
 }
 
 #[test]
-fn each_absence_is_seen_when_it_is_broken() {
-    for absence in ABSENCES {
-        for within in absence.within {
+fn each_forbidden_word_is_seen() {
+    for forbidden in FORBIDDEN_WORDS {
+        for within in forbidden.within {
             let folder = if *within == "server/" { "server/cli/src/" } else { within };
             let intruder = SourceFile {
                 path: format!("{folder}intruder.rs"),
-                text: format!("fine\n    let x = \"{}\";\n", absence.word),
+                text: format!("fine\n    let x = \"{}\";\n", forbidden.word),
             };
-            let found = absences::violations(&[intruder], ABSENCES);
+            let found = forbidden_words::violations(&[intruder], FORBIDDEN_WORDS);
             assert!(
                 found.iter().any(|line| line.starts_with(&format!("{folder}intruder.rs:2:"))),
-                "{absence:?}: {found:?}"
+                "{forbidden:?}: {found:?}"
             );
         }
     }
@@ -74,67 +75,68 @@ fn each_absence_is_seen_when_it_is_broken() {
 
 #[test]
 fn a_word_in_its_own_home_is_no_violation() {
-    for absence in ABSENCES {
-        for home in absence.except {
-            let resident = SourceFile { path: format!("{home}/resident.rs"), text: absence.word.to_owned() };
-            assert_eq!(absences::violations(&[resident], &[*absence]), Vec::<String>::new());
+    for forbidden in FORBIDDEN_WORDS {
+        for home in forbidden.except {
+            let resident =
+                SourceFile { path: format!("{home}/resident.rs"), text: forbidden.word.to_owned() };
+            assert_eq!(forbidden_words::violations(&[resident], &[*forbidden]), Vec::<String>::new());
         }
     }
 }
 
-/// Crates whose files may still import each other in circles, by folder, with the number of groups. It only shrinks.
-const CIRCLES_LEFT: &[(&str, usize)] = &[];
+/// Crates whose files may still import each other in cycles, by folder, with the number of groups. It only shrinks.
+const CYCLES_LEFT: &[(&str, usize)] = &[];
 
-/// The files of a crate import each other without circles, but for the groups that are left.
+/// The files of a crate import each other without cycles, but for the groups that are left.
 #[test]
-fn files_import_each_other_without_circles() {
+fn files_have_no_import_cycles() {
     let mut files = source_files("server", &[".rs"]);
     files.extend(source_files("tests", &[".rs"]));
-    for (folder, groups) in circles::circles(&files) {
-        println!("{folder}: {} circles {groups:#?}", groups.len());
+    for (folder, groups) in cycles::cycles(&files) {
+        println!("{folder}: {} cycles {groups:#?}", groups.len());
     }
-    assert_eq!(circles::violations(&files, CIRCLES_LEFT), Vec::<String>::new());
+    assert_eq!(cycles::violations(&files, CYCLES_LEFT), Vec::<String>::new());
 }
 
-/// The circles of a crate made of these files.
-fn circles_of(files: &[(&str, &str)]) -> Vec<Vec<String>> {
+/// The cycles of a crate made of these files.
+fn cycles_of(files: &[(&str, &str)]) -> Vec<Vec<String>> {
     let file =
         |(path, text): &(&str, &str)| SourceFile { path: format!("x/{path}"), text: (*text).to_owned() };
     let files: Vec<SourceFile> = files.iter().map(file).collect();
-    circles::circles(&files).remove("x").unwrap_or_default()
+    cycles::cycles(&files).remove("x").unwrap_or_default()
 }
 
-/// Nested braces, `super::`, inline paths, macros and names re-exported at the root all close a circle.
+/// Nested braces, `super::`, inline paths, macros and names re-exported at the root all close a cycle.
 #[test]
-fn a_circle_of_imports_is_seen() {
+fn an_import_cycle_is_seen() {
     let root = ("lib.rs", "mod a; mod b; mod c; pub use a::A; pub fn own() {}");
     let (a, b) = (("a.rs", "use crate::b::{self, B};"), ("b/mod.rs", "use super::{c::{C, D}, own};"));
     let all = vec![vec!["x/a.rs".to_owned(), "x/b/mod.rs".to_owned(), "x/c.rs".to_owned()]];
     for c in ["fn f() { crate::a::g::<u8>() }", "use crate::A;", "fn f() { g!(1, super::a::X as u8) }"] {
-        assert_eq!(circles_of(&[root, a, b, ("c.rs", c)]), all, "{c}");
+        assert_eq!(cycles_of(&[root, a, b, ("c.rs", c)]), all, "{c}");
     }
     assert_eq!(
-        circles_of(&[root, a, b, ("c.rs", "use crate::own; use other::a::A;")]),
+        cycles_of(&[root, a, b, ("c.rs", "use crate::own; use other::a::A;")]),
         Vec::<Vec<String>>::new()
     );
     let child = ("p/q.rs", "use super::P;");
     let parent = "mod q; pub use q::Q; pub struct P; fn f() -> Q {}";
-    assert_eq!(circles_of(&[("lib.rs", "mod p;"), ("p.rs", parent), child]), [["x/p.rs", "x/p/q.rs"]]);
+    assert_eq!(cycles_of(&[("lib.rs", "mod p;"), ("p.rs", parent), child]), [["x/p.rs", "x/p/q.rs"]]);
 }
 
 /// Declared and re-exported children, tests and their files close none.
 #[test]
-fn what_is_no_circle_of_imports_is_none() {
+fn what_is_no_import_cycle_is_none() {
     let root = ("lib.rs", "pub mod a; pub mod b; pub use a::A;");
     let tests = "#[cfg(test)] use crate::a::A; #[cfg(test)] mod tests; \
         #[cfg(test)] #[path = \"b_tests.rs\"] mod more; #[cfg(test)] mod inner { use crate::a::{A, X}; }";
     let (a, b) = (("a.rs", "use crate::b::B; pub struct A;"), ("b.rs", tests));
     let files =
         [root, a, b, ("b/tests.rs", "use super::B; use crate::a::A;"), ("b_tests.rs", "use crate::a::A;")];
-    assert_eq!(circles_of(&files), Vec::<Vec<String>>::new());
+    assert_eq!(cycles_of(&files), Vec::<Vec<String>>::new());
     let parent = ("p/mod.rs", "mod q; pub use q::Q; pub struct P;");
     assert_eq!(
-        circles_of(&[("lib.rs", "mod p;"), parent, ("p/q.rs", "use super::P;")]),
+        cycles_of(&[("lib.rs", "mod p;"), parent, ("p/q.rs", "use super::P;")]),
         Vec::<Vec<String>>::new()
     );
 }

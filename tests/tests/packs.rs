@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
 use skyglow_tests::{
-    packs::{Entry, LARGEST_TOTAL_BYTES, listed_turbidities, violations},
+    packs::{Entry, MAX_TOTAL_BYTES, listed_turbidities, violations},
     tree,
 };
 use std::collections::BTreeMap;
@@ -68,7 +68,7 @@ fn strays_orphans_and_heavyweights_are_seen() {
     let file = |bytes| Entry { bytes, text: None };
     let broken: BTreeMap<String, Entry> = [
         ("README.md".to_owned(), file(1)),
-        ("stray.pack".to_owned(), file(LARGEST_TOTAL_BYTES)),
+        ("stray.pack".to_owned(), file(MAX_TOTAL_BYTES)),
         ("good.pack".to_owned(), file(1)),
         ("good.json".to_owned(), manifest(r#"{"turbidity": 2.0, "checksum": "aa"}"#)),
         ("odd.pack".to_owned(), file(1)),
@@ -80,8 +80,8 @@ fn strays_orphans_and_heavyweights_are_seen() {
         violations(&broken, &[2.0]),
         [
             format!(
-                "{} bytes in all; at most {LARGEST_TOTAL_BYTES} come with the project",
-                LARGEST_TOTAL_BYTES + 303
+                "{} bytes in all; at most {MAX_TOTAL_BYTES} come with the project",
+                MAX_TOTAL_BYTES + 303
             ),
             "odd.json has no checksum".to_owned(),
             "odd.json: turbidity 2.2 is not in turbidities.txt".to_owned(),

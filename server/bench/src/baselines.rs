@@ -29,14 +29,14 @@ pub(crate) fn of_scene(setting: &Setting, scene: &LitScene, extent: &Extent) -> 
     let prepared = Prepared::new(&request, &setting.set)?;
     let tables = &setting.set.tables()[prepared.turbidity_stencil.nodes().start];
     let images = SourceImages::of(&prepared, tables, extent.accumulated_cells);
-    let accumulated_s = machine::fastest_s(extent.time_for_tries, || {
+    let accumulated_s = machine::best_time_s(extent.time_for_tries, || {
         black_box(images.accumulate());
     });
     let (cells_timed, image_bytes) = (images.cell_count(), images.bytes());
     drop(images);
     let stored = StoredImages::of(&prepared, tables, extent.mixed_nodes);
     let mut buffer = stored.buffer();
-    let mixed_s = machine::fastest_s(extent.time_for_tries, || stored.mix(black_box(&mut buffer)));
+    let mixed_s = machine::best_time_s(extent.time_for_tries, || stored.mix(black_box(&mut buffer)));
     Ok(SceneRow {
         scene: scene.name.to_owned(),
         lit_sources: scene.lit_sources,

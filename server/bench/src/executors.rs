@@ -2,7 +2,7 @@
 
 use crate::{
     error::BenchError,
-    machine::fastest_s,
+    machine::best_time_s,
     options::{Extent, Setting},
     report::{ExecutorRecord, Machine, PassRow},
 };
@@ -75,7 +75,7 @@ fn gpu_rates(executor: ExecutorKind, extent: &Extent) -> Result<DeviceRates, Ren
         stream_bytes: extent.stream_bytes,
         multiply_adds: GPU_OVER_THREAD * extent.multiply_adds,
     };
-    device_rates(executor, measured, &|work| fastest_s(extent.time_for_tries, work))
+    device_rates(executor, measured, &|work| best_time_s(extent.time_for_tries, work))
 }
 
 /// A sky of the setting.

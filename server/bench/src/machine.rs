@@ -43,32 +43,32 @@ fn processor() -> String {
 /// Bytes a second of a sum over f32 on all threads.
 fn bandwidth_bytes_s(stream_bytes: usize, time_for_tries: Duration) -> f64 {
     let values = vec![1.0f32; (stream_bytes / size_of::<f32>()).max(CHUNK)];
-    let fastest_s = fastest_s(time_for_tries, || {
+    let best_time_s = best_time_s(time_for_tries, || {
         black_box(values.par_chunks(CHUNK).map(sum).sum::<f32>());
     });
-    size_of_val(values.as_slice()) as f64 / fastest_s
+    size_of_val(values.as_slice()) as f64 / best_time_s
 }
 
 /// Fused multiply-adds of f32 a second on all threads together.
 fn multiply_adds_per_s(per_thread: usize, time_for_tries: Duration) -> f64 {
     let rounds = (per_thread / (LANES * CHAINS)).max(1);
-    let fastest_s = fastest_s(time_for_tries, || {
+    let best_time_s = best_time_s(time_for_tries, || {
         black_box(rayon::broadcast(|context| multiply(rounds, black_box(context.index() as f32))));
     });
-    (rounds * LANES * CHAINS * rayon::current_num_threads()) as f64 / fastest_s
+    (rounds * LANES * CHAINS * rayon::current_num_threads()) as f64 / best_time_s
 }
 
 /// Seconds of the fastest of as many tries as fit into a time, three at least: other work on the machine only ever slows.
-pub(crate) fn fastest_s(time_for_tries: Duration, mut work: impl FnMut()) -> f64 {
-    let (mut fastest_s, mut tries) = (f64::INFINITY, 0);
+pub(crate) fn best_time_s(time_for_tries: Duration, mut work: impl FnMut()) -> f64 {
+    let (mut best_time_s, mut tries) = (f64::INFINITY, 0);
     let begin = Instant::now();
     while tries < MIN_TRIES || begin.elapsed() < time_for_tries {
         let start = Instant::now();
         work();
-        fastest_s = fastest_s.min(start.elapsed().as_secs_f64());
+        best_time_s = best_time_s.min(start.elapsed().as_secs_f64());
         tries += 1;
     }
-    fastest_s
+    best_time_s
 }
 
 /// Mean number of tasks that ran or waited in the last minute, as the kernel gives it.
@@ -133,7 +133,7 @@ mod tests {
         let machine = measure(&crate::run::tests::tiny());
         assert!(machine.bandwidth_gb_s > 0.01 && machine.multiply_adds_g_s > 0.01, "{machine:?}");
         let time = |rounds| {
-            fastest_s(Duration::from_millis(50), || {
+            best_time_s(Duration::from_millis(50), || {
                 black_box(multiply(rounds, 0.5));
             })
         };

@@ -6,7 +6,7 @@ use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, GeoPoint, PointSource, Turbidity,
     direct_sum::{GridSample, direct_sum, grid_direction, stratified_samples},
     multiple_scattering::{MultipleSum, Resolution, SumDensity},
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_scene::{DEMO_ID, PolarGrid, Scene};
 use skyglow_tables::Scattering;
@@ -117,7 +117,7 @@ pub(crate) fn of_place(
 ) -> Result<ReferenceSky, BenchError> {
     let place = GeoPoint::from_deg(latitude_deg, longitude_deg)?;
     let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
-    let sources = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
+    let sources = point_sources(place, &scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M));
     let samples = stratified_samples(directions);
     Ok(ReferenceSky {
         name: format!("{DEMO_ID} {latitude_deg:.2} {longitude_deg:.2}"),

@@ -1,7 +1,7 @@
 //! The first baseline: the direct sum over every source, first order alone, timed on a share of it.
 
 use crate::{
-    machine::fastest_s,
+    machine::best_time_s,
     options::{Extent, Setting},
     report::BaselineTime,
     scenes::LitScene,
@@ -30,7 +30,7 @@ pub(crate) fn time(scene: &LitScene, setting: &Setting, extent: &Extent) -> Base
     // Every n-th source, so that near and far ones are there as in the whole.
     let stride = scene.sources.len().div_ceil(most).max(1);
     let sources: Vec<PointSource> = scene.sources.iter().step_by(stride).copied().collect();
-    let timed_s = fastest_s(extent.time_for_tries, || {
+    let timed_s = best_time_s(extent.time_for_tries, || {
         black_box(direct_sum::<3>(
             &[Atmosphere::new(setting.turbidity)],
             &sources,

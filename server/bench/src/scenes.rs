@@ -4,7 +4,7 @@ use skyglow_physics::{
     AZIMUTH_COUNT, EARTH_RADIUS_M, GeoPoint, PointSource, SourcePixel,
     geometry::LocalFrame,
     panorama::azimuth_rad,
-    source_pixel::{FARTHEST_SOURCE_M, upward_flux_dnb_w},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w},
 };
 use skyglow_render::{
     TableSet,
@@ -188,12 +188,12 @@ impl LitScene {
     /// So many 15″ pixels of the disc of 300 km around the observer, of 1.3 million; those within 5 km are split as
     /// everywhere in the model.
     pub fn of_pixels(count: usize) -> Self {
-        let half = (FARTHEST_SOURCE_M / PIXEL_SIDE_M) as i64;
+        let half = (MAX_SOURCE_DISTANCE_M / PIXEL_SIDE_M) as i64;
         let middle_m = |index: i64| (index as f64 + 0.5) * PIXEL_SIDE_M;
         let inside: Vec<(i64, i64)> = (-half..half)
             .flat_map(|row| (-half..half).map(move |column| (column, row)))
             .filter(|&(column, row)| {
-                middle_m(column).hypot(middle_m(row)) <= FARTHEST_SOURCE_M - PIXEL_SIDE_M
+                middle_m(column).hypot(middle_m(row)) <= MAX_SOURCE_DISTANCE_M - PIXEL_SIDE_M
             })
             .collect();
         let mut noise = Noise::new(4);

@@ -5,7 +5,7 @@ mod common;
 
 use common::{skyglow, text};
 use skyglow_physics::Turbidity;
-use skyglow_tables::{PrecomputeOptions, Silent, precompute};
+use skyglow_tables::{NoProgress, PrecomputeOptions, precompute};
 
 /// A quick bench prints its tables and leaves rows and plots.
 #[test]
@@ -13,7 +13,7 @@ fn quick_bench_prints_tables_and_writes_files() {
     let folder = tempfile::tempdir().unwrap();
     let (packs, out) = (folder.path().join("packs"), folder.path().join("out"));
     std::fs::create_dir(&packs).unwrap();
-    precompute(&PrecomputeOptions::coarse(Turbidity::new(2.0).unwrap()), &packs, &Silent).unwrap();
+    precompute(&PrecomputeOptions::coarse(Turbidity::new(2.0).unwrap()), &packs, &NoProgress).unwrap();
     let arguments = ["bench", "--quick", "--packs", text(&packs), "--out", text(&out)];
     let finished = skyglow(&arguments).expect_status(0);
     for title in ["baselines", "run times", "roofline", "targets", "notes"] {

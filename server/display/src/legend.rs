@@ -13,7 +13,7 @@ use image::{Rgb, RgbImage};
 use skyglow_physics::Direction;
 
 /// A picture with a legend is at least this wide, pixels.
-pub const SMALLEST_WIDTH_PX: u32 = 320;
+pub const MIN_WIDTH_PX: u32 = 320;
 
 /// Height of the strip below the sky, in pixels of a picture 1024 pixels wide.
 const STRIP_HEIGHT: f32 = 58.0;
@@ -380,6 +380,6 @@ mod tests {
         let options =
             PictureOptions { width_px: 64, height_px: 64, ..PictureOptions::new(Projection::Fisheye) };
         let image = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap();
-        assert_eq!(image.width(), SMALLEST_WIDTH_PX);
+        assert_eq!(image.width(), MIN_WIDTH_PX);
     }
 }

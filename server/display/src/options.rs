@@ -9,12 +9,12 @@ use crate::{
 use serde::{Deserialize, Serialize};
 
 /// Smallest width or height of the sky in a picture, pixels.
-pub const SMALLEST_SIDE_PX: u32 = 16;
+pub const MIN_SIDE_PX: u32 = 16;
 /// Largest width or height of the sky in a picture, pixels.
-pub const LARGEST_SIDE_PX: u32 = 4096;
+pub const MAX_SIDE_PX: u32 = 4096;
 /// Most pixels of the sky in a picture or raster: one is drawn in at most about a second, so that nobody who asks for
 /// large ones keeps the others waiting.
-pub const LARGEST_PICTURE_PX: u32 = 8 << 20;
+pub const MAX_PICTURE_PX: u32 = 8 << 20;
 /// Allowed field of view of [`Projection::Perspective`], degrees.
 pub const FOV_RANGE_DEG: (f64, f64) = (1.0, 150.0);
 /// Field of view when none is given, degrees.
@@ -182,8 +182,8 @@ impl PictureOptions {
 
 /// Checks a width and height in pixels.
 pub(crate) fn check_size(width_px: u32, height_px: u32) -> Result<(), DisplayError> {
-    let (low, high) = (f64::from(SMALLEST_SIDE_PX), f64::from(LARGEST_SIDE_PX));
+    let (low, high) = (f64::from(MIN_SIDE_PX), f64::from(MAX_SIDE_PX));
     check("width", f64::from(width_px), low, high, " px")?;
-    let highest = f64::from(LARGEST_PICTURE_PX / width_px).min(high);
+    let highest = f64::from(MAX_PICTURE_PX / width_px).min(high);
     check("height_px", f64::from(height_px), low, highest, " px")
 }

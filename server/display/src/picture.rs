@@ -74,7 +74,7 @@ impl<'a> Painter<'a> {
 }
 
 /// The picture of a panorama: `options.width_px` × `options.height_px` of sky, with the legend's strip below
-/// it where one is asked for (the canvas is then at least [`legend::SMALLEST_WIDTH_PX`] wide). Below `horizon` the
+/// it where one is asked for (the canvas is then at least [`legend::MIN_WIDTH_PX`] wide). Below `horizon` the
 /// ground is drawn, by the profile itself and not by the panorama's rows.
 ///
 /// # Errors
@@ -171,7 +171,7 @@ fn paint_each(
 pub fn canvas_size_px(options: &PictureOptions) -> (u32, u32) {
     if options.legend {
         (
-            options.width_px.max(legend::SMALLEST_WIDTH_PX),
+            options.width_px.max(legend::MIN_WIDTH_PX),
             options.height_px + legend::strip_height_px(options.width_px, options.illustrative),
         )
     } else {

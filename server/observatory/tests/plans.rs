@@ -72,7 +72,8 @@ fn changed_lights_shine_as_in_a_sky_asked_so() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
     let request = sky(2.5, -1.43, 36.93);
-    let lamp = LampChange { from: None, to: LampPreset::PcAmber.lamp(), kept: PreservedFlux::LuminousFlux };
+    let lamp =
+        LampChange { from: None, to: LampPreset::PcAmber.lamp(), preserved: PreservedFlux::LuminousFlux };
     let shade = EmissionMix::lambert();
     let fitted = painted(&observatory, None, vec![alter(west(), 1.0, Some(lamp), Some(shade))]);
     let [only_west, only_east] =
@@ -107,7 +108,7 @@ fn changed_influences_add_up_to_the_sky() {
     let lamp = LampChange {
         from: Some(LampPreset::Hps),
         to: LampPreset::Led4000k.lamp(),
-        kept: PreservedFlux::DnbFlux,
+        preserved: PreservedFlux::DnbFlux,
     };
     let new = Change::Add { radiance_nw_cm2_sr: 30.0, lamp: Some(LampPreset::Lps.lamp()), emission: None };
     let brush = Area::Brush { points: vec![[36.9, -1.5], [37.0, -1.5]], radius_m: 3_000.0 };

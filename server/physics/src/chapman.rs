@@ -47,7 +47,7 @@ pub fn aerosol() -> &'static ChapmanTable {
 
 /// J₀ … J₃ at a = p².
 fn moments(p: f64, nodes: &[(f64, f64)]) -> [f64; 4] {
-    // y = q²: the integrand becomes smooth but for a bend near q = p, where the range is split. e^{−q²} ends
+    // y = q²: the integrand becomes smooth but for a kink near q = p, where the range is split. e^{−q²} ends
     // it at q = 7.5 (3e-25).
     let mut edges = vec![0.0, 1.5, 3.5, 7.5];
     edges.extend((-1..7).map(|k| p * 4f64.powi(k)).filter(|&edge| edge < 7.5));

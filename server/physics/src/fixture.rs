@@ -39,7 +39,8 @@ pub struct LampChange {
     /// The new ones.
     pub to: Lamp,
     /// What stays the same.
-    pub kept: PreservedFlux,
+    #[serde(rename = "kept")]
+    pub preserved: PreservedFlux,
 }
 
 /// How some sources differ from those of the request.
@@ -93,7 +94,7 @@ impl Mixture {
         let all = self.parts.iter().all(|(lamp, _)| is_replaced(lamp));
         let gone = if all { self.flux_per_dnb_flux } else { self.flux_of(is_replaced) };
         let new = change.to.flux_per_dnb_flux;
-        let dnb_after = match change.kept {
+        let dnb_after = match change.preserved {
             PreservedFlux::DnbFlux => dnb,
             // A lamp of no lumens cannot stand in for one that has some.
             PreservedFlux::LuminousFlux if lumens(new) > 0.0 => lumens(gone) / lumens(new),
@@ -136,7 +137,7 @@ impl Fixture {
     /// Replaces lamps. Earlier changes without effect are dropped: those before all lamps are replaced by the same
     /// rule, and a repetition of the last one.
     pub fn replace(&mut self, change: LampChange) {
-        if change.from.is_none() && self.lamps.iter().all(|before| before.kept == change.kept) {
+        if change.from.is_none() && self.lamps.iter().all(|before| before.preserved == change.preserved) {
             self.lamps.clear();
         }
         if self.lamps.last() != Some(&change) {
@@ -174,8 +175,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn change(from: Option<LampPreset>, to: LampPreset, kept: PreservedFlux) -> LampChange {
-        LampChange { from, to: to.lamp(), kept }
+    fn change(from: Option<LampPreset>, to: LampPreset, preserved: PreservedFlux) -> LampChange {
+        LampChange { from, to: to.lamp(), preserved }
     }
 
     fn fixture(lamps: &[LampChange]) -> Fixture {

@@ -22,7 +22,7 @@ use std::{f64::consts::FRAC_PI_2, sync::LazyLock};
 
 /// Nodes of s over 0..=1.
 const SIZE_COUNT: usize = 97;
-/// Nodes of q = (n·ŝ)/(|n·ŝ| + v·ŝ) over −1..=1, which stands for χ: it needs no arc tangent. One lies at 0, where q bends.
+/// Nodes of q = (n·ŝ)/(|n·ŝ| + v·ŝ) over −1..=1, which stands for χ: it needs no arc tangent. One lies at 0, where q has a kink.
 const TURN_COUNT: usize = 97;
 const NODE_COUNT: usize = TURN_COUNT * SIZE_COUNT;
 /// Gauss–Legendre nodes a piece.
@@ -85,7 +85,7 @@ fn integrals(size: f64, turn_rad: f64, nodes: &[(f64, f64)]) -> [[f64; 2]; LOBE_
 
 /// The integer part of a number from 0 to 2²², 0 for NaN. By additions, which vectorise; a saturating cast does not.
 #[inline(always)]
-pub fn whole_part(x: f32) -> u32 {
+pub fn trunc_to_u32(x: f32) -> u32 {
     /// From here to twice as much the last bit of an f32 is 1.
     const SHIFT: f32 = 8_388_608.0;
     // Rounds to the nearest, ties to even: for an integer that may be the one before.
@@ -136,8 +136,8 @@ impl NearScattering {
             let turn = across / (across.abs() + along).max(1e-9);
             let x = (0.5 * (TURN_COUNT - 1) as f32) * (turn + 1.0);
             let y = (SIZE_COUNT - 1) as f32 * size;
-            let i = (whole_part(x) as i32).min(TURN_COUNT as i32 - 2);
-            let j = (whole_part(y) as i32).min(SIZE_COUNT as i32 - 2);
+            let i = (trunc_to_u32(x) as i32).min(TURN_COUNT as i32 - 2);
+            let j = (trunc_to_u32(y) as i32).min(SIZE_COUNT as i32 - 2);
             (u[ray], v[ray]) = (x - i as f32, y - j as f32);
             node[ray] = i * SIZE_COUNT as i32 + j;
         }
@@ -167,13 +167,13 @@ mod tests {
     use crate::emission::Lobe;
 
     #[test]
-    fn the_whole_part_is_that_of_a_cast() {
+    fn trunc_to_u32_is_a_cast() {
         let near = |x: f32| [x.next_down(), x, x.next_up()];
         for x in (0..5_000u16).flat_map(|n| near(f32::from(n))).chain((0..200).map(|n| 0.37 * n as f32)) {
-            assert_eq!(whole_part(x), x as u32, "{x}");
+            assert_eq!(trunc_to_u32(x), x as u32, "{x}");
         }
-        assert_eq!(near(4_194_303.0).map(whole_part), near(4_194_303.0).map(|x| x as u32));
-        assert_eq!([f32::NAN, -3.0, f32::NEG_INFINITY].map(whole_part), [0; 3]);
+        assert_eq!(near(4_194_303.0).map(trunc_to_u32), near(4_194_303.0).map(|x| x as u32));
+        assert_eq!([f32::NAN, -3.0, f32::NEG_INFINITY].map(trunc_to_u32), [0; 3]);
     }
 
     #[test]

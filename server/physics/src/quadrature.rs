@@ -113,7 +113,7 @@ pub fn integrate_adaptive<const N: usize>(
     integrate_pieces(&[low, high], tolerance, floor, &mut integrand)
 }
 
-/// As [`integrate_adaptive`], over pieces between ascending `edges` where the integrand is known to bend.
+/// As [`integrate_adaptive`], over pieces between ascending `edges` where the integrand is known to have kinks.
 pub fn integrate_pieces<const N: usize>(
     edges: &[f64],
     tolerance: f64,

@@ -4,9 +4,9 @@ use crate::geometry::{EARTH_RADIUS_M, GeoPoint, LocalFrame};
 use glam::DVec3;
 
 /// A source nearer than this counts as at this distance on its own azimuth, metres.
-pub const NEAREST_SOURCE_M: f64 = 250.0;
+pub const MIN_SOURCE_DISTANCE_M: f64 = 250.0;
 /// A source farther than this is left out, metres.
-pub const FARTHEST_SOURCE_M: f64 = 300_000.0;
+pub const MAX_SOURCE_DISTANCE_M: f64 = 300_000.0;
 /// Pixels whose centre is nearer than this are split, metres.
 pub const SPLIT_WITHIN_M: f64 = 5_000.0;
 /// A piece is small enough when its longer side is below max(r, 250 m) times this.
@@ -37,7 +37,7 @@ pub struct SourcePixel {
 pub struct PointSource {
     /// Azimuth at the observer, radians clockwise from north, 0..2π.
     pub azimuth_rad: f64,
-    /// Great-circle distance, metres, `NEAREST_SOURCE_M..=FARTHEST_SOURCE_M`.
+    /// Great-circle distance, metres, `MIN_SOURCE_DISTANCE_M..=MAX_SOURCE_DISTANCE_M`.
     pub distance_m: f64,
     /// Altitude, metres above the sphere.
     pub altitude_m: f64,
@@ -53,17 +53,17 @@ impl SourcePixel {
 
     /// Calls `visit` with the point sources of this pixel for an observer: one at its centre, or, when
     /// the centre is nearer than [`SPLIT_WITHIN_M`], pieces each smaller than [`SPLIT_RATIO`] of its
-    /// distance. Nothing where the centre is farther than [`FARTHEST_SOURCE_M`].
+    /// distance. Nothing where the centre is farther than [`MAX_SOURCE_DISTANCE_M`].
     /// The flux of the pieces sums to the pixel's. The same rule serves the reference solution and the fast path.
     pub fn for_each_point_source(&self, observer: &LocalFrame, visit: &mut impl FnMut(PointSource)) {
         let bearing = observer.bearing_to(self.center());
-        if bearing.distance_m > FARTHEST_SOURCE_M {
+        if bearing.distance_m > MAX_SOURCE_DISTANCE_M {
             return;
         }
         if bearing.distance_m >= SPLIT_WITHIN_M {
             visit(PointSource {
                 azimuth_rad: bearing.azimuth_rad,
-                distance_m: bearing.distance_m.max(NEAREST_SOURCE_M),
+                distance_m: bearing.distance_m.max(MIN_SOURCE_DISTANCE_M),
                 altitude_m: self.altitude_m,
                 flux_dnb_w: self.flux_dnb_w,
             });
@@ -84,10 +84,10 @@ fn split(
     let center = (a + b + c + d) * 0.25;
     let bearing = observer.bearing_to(center);
     let side_m = EARTH_RADIUS_M * (b - a).length().max((c - b).length());
-    if side_m <= bearing.distance_m.max(NEAREST_SOURCE_M) * SPLIT_RATIO {
+    if side_m <= bearing.distance_m.max(MIN_SOURCE_DISTANCE_M) * SPLIT_RATIO {
         visit(PointSource {
             azimuth_rad: bearing.azimuth_rad,
-            distance_m: bearing.distance_m.max(NEAREST_SOURCE_M),
+            distance_m: bearing.distance_m.max(MIN_SOURCE_DISTANCE_M),
             altitude_m,
             flux_dnb_w,
         });
@@ -132,7 +132,7 @@ mod tests {
             let sources = point_sources(here, &[pixel]);
             let flux: f64 = sources.iter().map(|s| s.flux_dnb_w).sum();
             assert!((flux - 7.0).abs() < 1e-9);
-            assert!(sources.iter().all(|s| s.distance_m >= NEAREST_SOURCE_M));
+            assert!(sources.iter().all(|s| s.distance_m >= MIN_SOURCE_DISTANCE_M));
             if distance_m <= 1_000.0 {
                 assert!(sources.len() >= 16, "{distance_m}: {}", sources.len());
             }

@@ -35,7 +35,7 @@ mod worker;
 pub use config::EngineConfig;
 pub use engine::{Engine, EngineInfo};
 pub use error::{DeviceFault, RenderError};
-pub use gpu::rates::{DeviceRates, FastestS, RatesExtent, device_rates};
+pub use gpu::rates::{DeviceRates, RatesExtent, Timer, device_rates};
 pub use near_field::NearFieldCorrection;
 pub use pack_kind::{PackKind, ResidentKind};
 pub use packs::resident_tables;

@@ -83,7 +83,7 @@ fn columns(request: &Prepared, tables: &ResidentTables, basis_count: usize) -> V
 pub struct ExactNode {
     /// ln of the scale, m⁻² sr⁻¹ per watt.
     pub log_scale: f64,
-    /// How that bends over the offset: [`skyglow_tables::curvature`].
+    /// How that curves over the offset: [`skyglow_tables::curvature`].
     pub curvature: f64,
     /// Shape coefficients.
     pub shape: Vec<f64>,

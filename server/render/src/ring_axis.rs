@@ -1,15 +1,15 @@
-//! The offset axes of a table in f32, ring by ring: asinh spacing on both sides of a bend.
+//! The offset axes of a table in f32, ring by ring: asinh spacing on both sides of a kink.
 
 use crate::twin::natural_log;
 use skyglow_physics::simd_dispatch;
 use skyglow_tables::OffsetAxis;
 
-/// The offset axis of a ring as f32 needs it: position = bend node + asinh((Δ − Δ₀)/L)/step, L and step of the
-/// side of the bend.
+/// The offset axis of a ring as f32 needs it: position = kink node + asinh((Δ − Δ₀)/L)/step, L and step of the
+/// side of the kink.
 #[derive(Clone, Copy, Debug)]
 pub struct RingAxis {
-    bend_m: f32,
-    bend_node: f32,
+    kink_m: f32,
+    kink_node: f32,
     last_node: f32,
     per_scale_below_m: f32,
     per_scale_above_m: f32,
@@ -21,8 +21,8 @@ impl RingAxis {
     /// An axis of a pack.
     pub(crate) fn of(axis: &OffsetAxis) -> Self {
         Self {
-            bend_m: axis.bend_m as f32,
-            bend_node: axis.bend_node as f32,
+            kink_m: axis.kink_m as f32,
+            kink_node: axis.kink_node as f32,
             last_node: (axis.count - 1) as f32,
             per_scale_below_m: (1.0 / axis.scale_below_m) as f32,
             per_scale_above_m: (1.0 / axis.scale_above_m) as f32,
@@ -33,8 +33,8 @@ impl RingAxis {
 
     /// [`OffsetAxis::position`] in f32: fast, and right to about 2e-6 nodes.
     pub(crate) fn position(&self, offset_m: f32) -> f32 {
-        let (size, per_step) = self.seen_from_bend(offset_m);
-        position(size, per_step, self.bend_node, self.last_node)
+        let (size, per_step) = self.seen_from_kink(offset_m);
+        position(size, per_step, self.kink_node, self.last_node)
     }
 
     /// d(position)/dΔ, m⁻¹; 0 where the axis holds the position at one of its ends.
@@ -43,15 +43,15 @@ impl RingAxis {
         if position <= 0.0 || position >= self.last_node {
             return 0.0;
         }
-        let (size, per_step) = self.seen_from_bend(offset_m);
+        let (size, per_step) = self.seen_from_kink(offset_m);
         let per_scale_m = if per_step < 0.0 { -self.per_scale_below_m } else { self.per_scale_above_m };
         per_step * per_scale_m / (size * size + 1.0).sqrt()
     }
 
-    /// |Δ − Δ₀|/L and ±1/step, negative below the bend.
+    /// |Δ − Δ₀|/L and ±1/step, negative below the kink.
     #[inline(always)]
-    fn seen_from_bend(&self, offset_m: f32) -> (f32, f32) {
-        let above_m = offset_m - self.bend_m;
+    fn seen_from_kink(&self, offset_m: f32) -> (f32, f32) {
+        let above_m = offset_m - self.kink_m;
         let (per_scale_m, per_step) = if above_m < 0.0 {
             (self.per_scale_below_m, -self.per_step_below)
         } else {
@@ -61,12 +61,12 @@ impl RingAxis {
     }
 }
 
-/// bend node + asinh(size)/step, held on the axis.
+/// kink node + asinh(size)/step, held on the axis.
 #[inline(always)]
-fn position(size: f32, per_step: f32, bend_node: f32, last_node: f32) -> f32 {
-    let from_bend = per_step * natural_log(size + (size * size + 1.0).sqrt());
+fn position(size: f32, per_step: f32, kink_node: f32, last_node: f32) -> f32 {
+    let from_kink = per_step * natural_log(size + (size * size + 1.0).sqrt());
     // No `clamp`: its check of the ends would keep loops from vectors.
-    (bend_node + from_bend).max(0.0).min(last_node)
+    (kink_node + from_kink).max(0.0).min(last_node)
 }
 
 /// Offsets that are placed on their axes together: enough that the compiler makes a loop of vectors of the arithmetic.
@@ -76,14 +76,14 @@ pub(crate) const OFFSETS_AT_ONCE: usize = 64;
 pub(crate) struct Offsets {
     size: [f32; OFFSETS_AT_ONCE],
     per_step: [f32; OFFSETS_AT_ONCE],
-    bend_node: [f32; OFFSETS_AT_ONCE],
+    kink_node: [f32; OFFSETS_AT_ONCE],
     last_node: [f32; OFFSETS_AT_ONCE],
 }
 
 impl Default for Offsets {
     fn default() -> Self {
         let none = [0.0; OFFSETS_AT_ONCE];
-        Self { size: none, per_step: none, bend_node: none, last_node: none }
+        Self { size: none, per_step: none, kink_node: none, last_node: none }
     }
 }
 
@@ -91,8 +91,8 @@ impl Offsets {
     /// Puts an offset, metres, in a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, axis: &RingAxis, offset_m: f32) {
-        (self.size[lane], self.per_step[lane]) = axis.seen_from_bend(offset_m);
-        self.bend_node[lane] = axis.bend_node;
+        (self.size[lane], self.per_step[lane]) = axis.seen_from_kink(offset_m);
+        self.kink_node[lane] = axis.kink_node;
         self.last_node[lane] = axis.last_node;
     }
 }
@@ -108,7 +108,7 @@ fn positions_body(offsets: &Offsets, positions: &mut [f32; OFFSETS_AT_ONCE]) {
         *target = position(
             offsets.size[lane],
             offsets.per_step[lane],
-            offsets.bend_node[lane],
+            offsets.kink_node[lane],
             offsets.last_node[lane],
         );
     }
@@ -145,12 +145,15 @@ mod tests {
             let mut compared = 0;
             for offset_m in (-6_000..6_000).step_by(97).map(|offset_m| offset_m as f32) {
                 let ends = [offset_m - 5.0, offset_m + 5.0].map(|offset_m| axis.position(offset_m));
-                // Where the axis ends or bends in between, the difference says less.
-                let bends = (offset_m - axis.bend_m).abs() < 5.0
+                // Where the axis ends or has its kink in between, the difference says less.
+                let is_edge = (offset_m - axis.kink_m).abs() < 5.0
                     || ends.iter().any(|position| *position <= 0.0 || *position >= axis.last_node);
                 let (apart, slope) = (ends[1] - ends[0], axis.position_per_m(offset_m));
-                compared += usize::from(!bends);
-                assert!(bends || (10.0 * slope - apart).abs() < 0.02 * apart.abs() + 2e-5, "{slope} {apart}");
+                compared += usize::from(!is_edge);
+                assert!(
+                    is_edge || (10.0 * slope - apart).abs() < 0.02 * apart.abs() + 2e-5,
+                    "{slope} {apart}"
+                );
             }
             assert!(compared > 60, "{compared}");
             assert_eq!(axis.position_per_m(1e6), 0.0);

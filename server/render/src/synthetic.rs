@@ -173,7 +173,7 @@ fn blocked_tables(open: &ResidentTables) -> ResidentBlocked {
     let basis_count = (open.basis_count / 2).next_multiple_of(4);
     let axis = |angle_index: usize, distance_m: &f64| {
         let mut axis = OffsetAxis::at_distance(*distance_m, BLOCKED_OFFSET_COUNT);
-        axis.bend_m -= 40.0 * (angle_index + 1) as f64;
+        axis.kink_m -= 40.0 * (angle_index + 1) as f64;
         axis
     };
     let angles = 0..ResidentBlocked::ANGLE_COUNT;

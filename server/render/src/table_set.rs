@@ -200,7 +200,7 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
         || !pack.offset_axis.iter().all(|axis| is_alike(axis, &pack.offset_axis[0], pack.offset_count))
     {
         return Err(format!(
-            "{} rings do not have {} offsets each, three or more with one bend,",
+            "{} rings do not have {} offsets each, three or more with one kink,",
             pack.offset_axis.len(),
             pack.offset_count
         ));
@@ -230,9 +230,9 @@ fn check_lengths(pack: &ResidentTables) -> Result<(), String> {
     pack.blocked.as_ref().map_or(Ok(()), |blocked| check_blocked(pack, blocked))
 }
 
-/// Whether an axis has `count` nodes, enough for a curvature, and bends where another does.
+/// Whether an axis has `count` nodes, enough for a curvature, and its kink where another has it.
 fn is_alike(axis: &OffsetAxis, other: &OffsetAxis, count: usize) -> bool {
-    axis.count == count && count >= 3 && axis.bend_node == other.bend_node
+    axis.count == count && count >= 3 && axis.kink_node == other.kink_node
 }
 
 fn check_blocked(pack: &ResidentTables, blocked: &ResidentBlocked) -> Result<(), String> {
@@ -323,7 +323,7 @@ mod tests {
             refusal(|pack| pack.observer_altitude_m[1] += 1.0)
                 .contains("observer altitudes differ from those of its kind")
         );
-        assert!(refusal(|pack| pack.offset_axis[1].bend_m += 1.0).contains("offset axes differ"));
+        assert!(refusal(|pack| pack.offset_axis[1].kink_m += 1.0).contains("offset axes differ"));
         assert!(refusal(|pack| pack.log_scale.truncate(5)).contains("log_scale has"));
         assert!(refusal(|pack| pack.basis_spectrum[3] = f32::NAN).contains("not finite"));
         assert!(refusal(|pack| pack.basis_count = 7).contains("multiple of 4"));
@@ -332,7 +332,7 @@ mod tests {
             change(Arc::make_mut(&mut tables[1]).blocked.as_mut().unwrap());
             TableSet::new(tables).unwrap_err().to_string()
         };
-        assert!(blocked(|tables| tables.offset_axis[2][1].bend_m += 1.0).contains("behind skylines differ"));
+        assert!(blocked(|tables| tables.offset_axis[2][1].kink_m += 1.0).contains("behind skylines differ"));
         assert!(blocked(|tables| tables.log_scale.truncate(5)).contains("another length"));
         assert!(blocked(|tables| tables.log_scale[7] = f32::INFINITY).contains("not finite"));
         assert!(blocked(|tables| tables.basis_count = 12).contains("12 basis functions"));

@@ -4,7 +4,7 @@
 use crate::grid::Grid;
 use crate::mask::ValidMask;
 use skyglow_physics::geometry::LocalFrame;
-use skyglow_physics::source_pixel::FARTHEST_SOURCE_M;
+use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 use std::sync::OnceLock;
 
@@ -26,7 +26,7 @@ fn samples() -> &'static [Sample] {
     static SAMPLES: OnceLock<Vec<Sample>> = OnceLock::new();
     SAMPLES.get_or_init(|| {
         // Equal steps in 1 − cos(arc) are equal areas of the cap.
-        let cap = 1.0 - (FARTHEST_SOURCE_M / EARTH_RADIUS_M).cos();
+        let cap = 1.0 - (MAX_SOURCE_DISTANCE_M / EARTH_RADIUS_M).cos();
         let sample = |index: u32| {
             let drop = cap * (f64::from(index) + 0.5) / f64::from(SAMPLE_COUNT);
             let (sin_azimuth, cos_azimuth) = (f64::from(index) * GOLDEN_ANGLE_RAD).sin_cos();

@@ -95,7 +95,7 @@ impl GeographicGrid {
         let turn = 360.0 / self.axes.longitude_step_deg;
         let east = place.longitude_deg() - self.axes.first_longitude_deg;
         let mut column = (east / self.axes.longitude_step_deg).rem_euclid(turn);
-        // A grid that starts a hair east of the place by rounding, as at the antimeridian.
+        // A grid that starts a little east of the place by rounding, as at the antimeridian.
         if column >= width && column > turn - 1e-6 {
             column = 0.0;
         }

@@ -28,7 +28,7 @@ use crate::removed_lights::RemovedLights;
 use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::geometry::{Bearing, LocalFrame};
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
+use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, SPLIT_WITHIN_M};
 use skyglow_physics::{EARTH_RADIUS_M, PointSource, SourcePixel};
 use std::{f64::consts::TAU, ops::Range};
 
@@ -188,7 +188,7 @@ impl<'a> LightTree<'a> {
     /// gathered; larger ones where all their light counts as one.
     pub(crate) fn subtrees(&self, frame: &LocalFrame, max_pixels: usize) -> Vec<Subtree> {
         let mut subtrees = Vec::new();
-        let reach_m = reach_m(FARTHEST_SOURCE_M);
+        let reach_m = reach_m(MAX_SOURCE_DISTANCE_M);
         let mut stack = Vec::from_iter(self.root());
         while let Some(from) = stack.pop() {
             let BlockIndex { level, index } = from;
@@ -225,7 +225,8 @@ impl<'a> LightTree<'a> {
         far_block_ratio: f64,
         sink: &mut impl LightSink,
     ) {
-        let (nearest_m, farthest_m) = (chord_m(NO_BLOCKS_WITHIN_M) + 1.0, chord_m(FARTHEST_SOURCE_M) - 1.0);
+        let (nearest_m, farthest_m) =
+            (chord_m(NO_BLOCKS_WITHIN_M) + 1.0, chord_m(MAX_SOURCE_DISTANCE_M) - 1.0);
         let shared = std::cell::RefCell::new(sink);
         let take_block = |number: usize, index: usize, distance_m: f64| {
             let level = self.pyramid.level(number);
@@ -255,7 +256,7 @@ impl<'a> LightTree<'a> {
             let (column, row) = morton::decode(self.pixels.codes[index]);
             let center = self.grid.center(column, row);
             let bearing = near_bearing(frame, center);
-            if bearing.distance_m > FARTHEST_SOURCE_M || center.dot(frame.up) <= 0.0 {
+            if bearing.distance_m > MAX_SOURCE_DISTANCE_M || center.dot(frame.up) <= 0.0 {
                 return;
             }
             let mut sink = shared.borrow_mut();
@@ -287,7 +288,7 @@ impl<'a> LightTree<'a> {
                 sink.take(numbers, light);
             }
         };
-        self.traverse(from, frame.up, FARTHEST_SOURCE_M, take_block, visit);
+        self.traverse(from, frame.up, MAX_SOURCE_DISTANCE_M, take_block, visit);
     }
 
     /// Calls `visit` with index and centre of every light whose centre may be within `radius_m` of a place; a few more may come.

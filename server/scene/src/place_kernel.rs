@@ -3,7 +3,7 @@
 
 use crate::polar_grid::{RING_COUNT, log_distance};
 use skyglow_physics::blocking::BLOCKING_COUNT;
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
+use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, MIN_SOURCE_DISTANCE_M};
 
 /// Evenly spaced nodes, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,18 +64,19 @@ impl RingPosition {
     /// Of a squared distance, m²: nearer than 250 m counts as there. None beyond 300 km, and for no number.
     #[inline(always)]
     pub(crate) fn of_square(square_m2: f32) -> Option<Self> {
-        const MAX_DISTANCE_M2: f32 = (FARTHEST_SOURCE_M * FARTHEST_SOURCE_M) as f32;
+        const MAX_DISTANCE_M2: f32 = (MAX_SOURCE_DISTANCE_M * MAX_SOURCE_DISTANCE_M) as f32;
         if square_m2.is_nan() || square_m2 > MAX_DISTANCE_M2 {
             return None;
         }
-        const PER_NEAREST_M2: f32 = (1.0 / (NEAREST_SOURCE_M * NEAREST_SOURCE_M)) as f32;
+        const PER_NEAREST_M2: f32 = (1.0 / (MIN_SOURCE_DISTANCE_M * MIN_SOURCE_DISTANCE_M)) as f32;
         Some(Self::of_log(0.5 * (square_m2 * PER_NEAREST_M2).max(1.0).ln()))
     }
 
     /// Of ln(distance/250 m), at least 0.
     #[inline(always)]
     fn of_log(log: f32) -> Self {
-        let rings_per_log = (RING_COUNT - 1) as f32 / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln() as f32;
+        let rings_per_log =
+            (RING_COUNT - 1) as f32 / (MAX_SOURCE_DISTANCE_M / MIN_SOURCE_DISTANCE_M).ln() as f32;
         let place = (log * rings_per_log).min((RING_COUNT - 1) as f32);
         let ring = (place as usize).min(RING_COUNT - 2);
         Self { ring, out: place - ring as f32 }
@@ -84,7 +85,7 @@ impl RingPosition {
     /// ln(distance/250 m).
     #[inline(always)]
     pub(crate) fn log_distance(self) -> f64 {
-        let log_step = log_distance(FARTHEST_SOURCE_M) / (RING_COUNT - 1) as f64;
+        let log_step = log_distance(MAX_SOURCE_DISTANCE_M) / (RING_COUNT - 1) as f64;
         (self.ring as f64 + f64::from(self.out)) * log_step
     }
 }

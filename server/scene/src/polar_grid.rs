@@ -2,7 +2,7 @@
 //! its nodes (cloud-in-cell). A sky is rendered from it (`docs/model.md#polar-grid`).
 
 use skyglow_physics::blocking::BLOCKING_COUNT;
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M};
+use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, MIN_SOURCE_DISTANCE_M};
 use skyglow_physics::{GeoPoint, PointSource};
 use std::ops::Range;
 
@@ -14,12 +14,12 @@ pub const RING_COUNT: usize = 192;
 /// Distance of a ring, metres: 250·1200^(ring/191).
 pub fn ring_distance_m(ring: usize) -> f64 {
     let fraction = ring as f64 / (RING_COUNT - 1) as f64;
-    NEAREST_SOURCE_M * (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).powf(fraction)
+    MIN_SOURCE_DISTANCE_M * (MAX_SOURCE_DISTANCE_M / MIN_SOURCE_DISTANCE_M).powf(fraction)
 }
 
 /// ln of a distance [m] over 250 m, the nearest that a source counts as.
 pub(crate) fn log_distance(distance_m: f64) -> f64 {
-    (distance_m / NEAREST_SOURCE_M).ln()
+    (distance_m / MIN_SOURCE_DISTANCE_M).ln()
 }
 
 /// Light by azimuth and distance around an observer; only lit cells are stored.
@@ -67,7 +67,7 @@ impl NearLight {
             number: numbers.start,
             pixel_count: numbers.end - numbers.start,
             azimuth_rad: light.azimuth_rad as f32,
-            distance_m: (NEAREST_SOURCE_M * light.log_distance.max(0.0).exp()) as f32,
+            distance_m: (MIN_SOURCE_DISTANCE_M * light.log_distance.max(0.0).exp()) as f32,
             altitude_m: light.altitude_m as f32,
             flux_dnb_w: (light.flux_dnb_w * open) as f32,
         })
@@ -103,7 +103,7 @@ impl PolarGrid {
     /// counts as there, beyond 300 km is left out. For measuring: a scene makes its own.
     pub fn from_sources(observer: GeoPoint, sources: impl IntoIterator<Item = (PointSource, f64)>) -> Self {
         let mut accumulator = PolarAccumulator::new();
-        let sources = sources.into_iter().filter(|(s, _)| s.distance_m <= FARTHEST_SOURCE_M);
+        let sources = sources.into_iter().filter(|(s, _)| s.distance_m <= MAX_SOURCE_DISTANCE_M);
         for (number, (source, blocking)) in (0..).zip(sources) {
             let light = PlacedLight {
                 azimuth_rad: source.azimuth_rad,
@@ -194,7 +194,7 @@ impl PolarAxes {
     pub(crate) fn new() -> Self {
         Self {
             columns_per_rad: AZIMUTH_COLUMN_COUNT as f64 / std::f64::consts::TAU,
-            rings_per_log: (RING_COUNT - 1) as f64 / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln(),
+            rings_per_log: (RING_COUNT - 1) as f64 / (MAX_SOURCE_DISTANCE_M / MIN_SOURCE_DISTANCE_M).ln(),
         }
     }
 

@@ -22,7 +22,7 @@ use crate::polar_grid::PolarGrid;
 use crate::terrain::Terrain;
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, upward_flux_dnb_w};
+use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w};
 use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, SourcePixel};
 use std::sync::Arc;
 
@@ -287,7 +287,7 @@ impl Scene {
 
     /// The same for each kind of fixture, that of the raster's own lights first.
     pub fn blocked_sources_by_fixture(&self, place: GeoPoint) -> Vec<(Fixture, Vec<BlockedSource>)> {
-        let pixels = self.source_pixels_by_fixture(place, FARTHEST_SOURCE_M).into_iter();
+        let pixels = self.source_pixels_by_fixture(place, MAX_SOURCE_DISTANCE_M).into_iter();
         pixels
             .map(|(fixture, pixels)| (fixture, blocked_sources::of_pixels(&self.terrain, &pixels, place)))
             .collect()

@@ -18,7 +18,7 @@ use std::{borrow::Cow, ops::Range};
 /// Azimuths of the horizon profile of a light; number i is at i·360/32 degrees clockwise from north.
 pub const SKYLINE_AZIMUTH_COUNT: usize = 32;
 /// Within these distances of the light the highest terrain is known, metres. Each is twice the one before, and the
-/// first is twice [`NEAREST_SOURCE_M`](skyglow_physics::source_pixel::NEAREST_SOURCE_M).
+/// first is twice [`MIN_SOURCE_DISTANCE_M`](skyglow_physics::source_pixel::MIN_SOURCE_DISTANCE_M).
 pub const SKYLINE_DISTANCES_M: [f64; DISTANCE_COUNT] =
     [500.0, 1_000.0, 2_000.0, 4_000.0, 8_000.0, 16_000.0, 32_000.0, 64_000.0, 128_000.0];
 const DISTANCE_COUNT: usize = 9;

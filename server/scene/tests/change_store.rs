@@ -18,7 +18,7 @@ fn scenario(factor: f64, base: Option<ChangeId>) -> Scenario {
     let lamp = LampChange {
         from: Some(LampPreset::Hps),
         to: LampPreset::Led3000k.lamp(),
-        kept: PreservedFlux::LuminousFlux,
+        preserved: PreservedFlux::LuminousFlux,
     };
     let change = Change::Alter { factor, lamp: Some(lamp), emission: Some(EmissionMix::garstang()) };
     let area = Area::Brush { points: vec![[7.1, 46.3], [0.1 + 0.2, 1.0 / 3.0]], radius_m: 250.0 };

@@ -167,7 +167,7 @@ fn replaced_lamps_are_separate_lights() {
     let (_, scene) = world();
     let area = rectangle([20, 90], [30, 100]);
     let to_led =
-        LampChange { from: None, to: LampPreset::Led4000k.lamp(), kept: PreservedFlux::LuminousFlux };
+        LampChange { from: None, to: LampPreset::Led4000k.lamp(), preserved: PreservedFlux::LuminousFlux };
     let lamps = Edit {
         area: area.clone(),
         change: Change::Alter { factor: 1.0, lamp: Some(to_led), emission: None },
@@ -257,7 +257,7 @@ fn bad_edits_are_refused_by_number() {
 fn too_many_fixtures_are_refused() {
     let (_, scene) = world();
     let with = |lamp: LampPreset, area: Area| {
-        let lamp = LampChange { from: None, to: lamp.lamp(), kept: PreservedFlux::LuminousFlux };
+        let lamp = LampChange { from: None, to: lamp.lamp(), preserved: PreservedFlux::LuminousFlux };
         Edit { area, change: Change::Alter { factor: 1.0, lamp: Some(lamp), emission: None } }
     };
     // Over each other, in turns.

@@ -7,7 +7,7 @@ mod common;
 use common::{STEP, TestRaster, TestStore, place};
 use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, point_sources};
+use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources};
 use skyglow_scene::{
     Area, Change, ChangeStep, Edit, PlaceKernel, PlaceLattice, RING_COUNT, Scene, UniformAxis,
     ring_distance_m,
@@ -53,7 +53,7 @@ fn on_rings(altitude_m: f64, distance_m: f64, offset_m: f64) -> f64 {
 
 /// The direct sum, pixels near by split as the reference does.
 fn direct_sum(scene: &Scene, place: GeoPoint, altitude_m: f64) -> f64 {
-    let pixels = scene.source_pixels_within(place, FARTHEST_SOURCE_M);
+    let pixels = scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M);
     let one = |source: &skyglow_physics::PointSource| {
         source.flux_dnb_w * on_rings(altitude_m, source.distance_m, source.altitude_m - altitude_m)
     };
@@ -141,7 +141,7 @@ fn a_distant_town_lights_a_dark_place() {
     // At 300 km it ends: what a place just there has of it hangs on which of its pixels are nearer.
     let nearer = |scene: &Scene, place: GeoPoint, altitude_m: f64| {
         let all = direct_sum(scene, place, altitude_m);
-        let reach_m = FARTHEST_SOURCE_M - 10_000.0;
+        let reach_m = MAX_SOURCE_DISTANCE_M - 10_000.0;
         if scene.source_pixels_within(place, reach_m).len() == 12 * 9 { all } else { f64::NAN }
     };
     let errors: Vec<f64> =

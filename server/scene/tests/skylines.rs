@@ -8,7 +8,7 @@ use common::{STEP, TestRaster, TestStore, place};
 use proptest::prelude::*;
 use skyglow_physics::blocking::{BLOCKING_ANGLES_DEG, blocking_position};
 use skyglow_physics::geometry::LocalFrame;
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M, point_sources};
+use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, SPLIT_WITHIN_M, point_sources};
 use skyglow_physics::{BlockedSource, EARTH_RADIUS_M, GeoPoint, PointSource};
 use skyglow_scene::{PolarGrid, Scene, SceneMetadata};
 use std::sync::OnceLock;
@@ -221,7 +221,7 @@ fn blocked_sources_have_exact_angles() {
     let observer = place(-1.5, 37.9);
     let lights = scene.blocked_sources(observer);
     let alone: Vec<PointSource> = lights.iter().map(|light| light.source).collect();
-    let pixels = scene.source_pixels_within(observer, FARTHEST_SOURCE_M);
+    let pixels = scene.source_pixels_within(observer, MAX_SOURCE_DISTANCE_M);
     assert_eq!(alone, point_sources(observer, &pixels));
     // Far lights are their pixels, in the same order.
     let angles = |lights: &[BlockedSource]| -> Vec<f64> {

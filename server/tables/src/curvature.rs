@@ -15,9 +15,9 @@ pub const MAX_CURVATURE: f64 = 1.0;
 
 impl OffsetAxis {
     /// The middle one of the three nodes that give the curvature at a node: the node itself, but at either end the next one
-    /// inside, and at the bend the next one above, for a difference across it would be that of two curves.
+    /// inside, and at the kink the next one above, for a difference across it would be that of two curves.
     pub fn curvature_node(&self, node: usize) -> usize {
-        let inside = if node == self.bend_node { node + 1 } else { node };
+        let inside = if node == self.kink_node { node + 1 } else { node };
         inside.clamp(1, self.count - 2)
     }
 }
@@ -69,7 +69,7 @@ mod tests {
     }
 
     proptest! {
-        /// A parabola is reproduced everywhere, and a cubic away from the ends and the bend.
+        /// A parabola is reproduced everywhere, and a cubic away from the ends and the kink.
         #[test]
         fn parabolas_and_inner_cubics_are_reproduced(
             position in 0.0..22.0f64, slope in -2.0..2.0f64, curved in -0.4..0.4f64, cubic in -0.01..0.01f64,
@@ -103,11 +103,11 @@ mod tests {
     }
 
     #[test]
-    fn a_bend_stays_a_bend() {
-        // Two lines that meet at the bend: no curvature on either side of it.
+    fn a_kink_stays_a_kink() {
+        // Two lines that meet at the kink: no curvature on either side of it.
         let axis = OffsetAxis::at_distance(20_000.0, COUNT);
         let stretched =
-            |x: f64| -30.0 + (x - axis.bend_node as f64) * if x < axis.bend_node as f64 { 1.2 } else { 0.1 };
+            |x: f64| -30.0 + (x - axis.kink_node as f64) * if x < axis.kink_node as f64 { 1.2 } else { 0.1 };
         for position in [12.0, 13.0, 13.5, 14.5, 21.9] {
             assert!((between(&axis, &stretched, position) - stretched(position)).abs() < 1e-12, "{position}");
         }

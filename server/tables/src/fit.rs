@@ -3,7 +3,7 @@
 //!
 //! Plain PCA (the paper's Eq. 4) minimises absolute error and is wrong by 70–700 % for a dark place near a
 //! city. Here image n at direction p weighs w = max(x, δ)^−q, x the image over its mean, δ a thousandth of
-//! its zenith or more ([`dim_factor`]): nearly relative error, without wasting functions on what is too dim to see. Elementwise
+//! its zenith or more ([`floor_factor`]): nearly relative error, without wasting functions on what is too dim to see. Elementwise
 //! weights have no closed form; alternating least squares starts from a PCA of pixel-weighted images and solves
 //! coefficients and functions in turn. One basis serves all bands, lobes and altitudes.
 //!
@@ -13,8 +13,8 @@
 use crate::{
     error::TablesError,
     fit_constants::{
-        DIM_OVER_MEAN, DIM_OVER_ZENITH, NEAR_SOURCE_OF_COEFFICIENTS, NEAR_SOURCE_OF_FUNCTIONS, RAISED_DEG,
-        RAISED_DIM_FACTOR, ROUNDING_VARIANCE, SHADOW_DEPTH_M, SHADOW_DIM_FACTOR, WEIGHT_EXPONENT,
+        ELEVATED_DEG, ELEVATED_FLOOR_FACTOR, FLOOR_OVER_MEAN, FLOOR_OVER_ZENITH, NEAR_SOURCE_OF_COEFFICIENTS,
+        NEAR_SOURCE_OF_FUNCTIONS, ROUNDING_VARIANCE, SHADOW_DEPTH_M, SHADOW_FLOOR_FACTOR, WEIGHT_EXPONENT,
         ZENITH_BOOST, ZENITH_ROW_COUNT,
     },
     layout::{HALF_COLUMN_COUNT, PIXEL_COUNT},
@@ -63,46 +63,51 @@ fn place_weights([boost, row_count, column_count]: [f64; 3]) -> Vec<f64> {
 
 /// How far a source stands above the observer's horizontal plane, as a share 0..1 that is ½ at 6°; 0 for one that does
 /// not. `offset_m` is source altitude − observer altitude.
-fn raised_share(offset_m: f64, distance_m: f64) -> f64 {
-    let raised = (offset_m.max(0.0) / distance_m).atan().to_degrees() / RAISED_DEG;
-    raised * raised / (1.0 + raised * raised)
+fn elevated_share(offset_m: f64, distance_m: f64) -> f64 {
+    let elevated = (offset_m.max(0.0) / distance_m).atan().to_degrees() / ELEVATED_DEG;
+    elevated * elevated / (1.0 + elevated * elevated)
 }
 
 /// How much δ grows for a source: where `scattering` and geometry leave low rows black, they must not decide the fit.
-pub fn dim_factor(scattering: Scattering, offset_m: f64, distance_m: f64) -> f64 {
-    cut_dim_factor(scattering, offset_m, distance_m, 0.0)
+pub fn floor_factor(scattering: Scattering, offset_m: f64, distance_m: f64) -> f64 {
+    blocked_floor_factor(scattering, offset_m, distance_m, 0.0)
 }
 
-/// As [`dim_factor`] for a source behind a skyline of `blocking_deg`, whose cone leaves more in the shadow.
-pub fn cut_dim_factor(scattering: Scattering, offset_m: f64, distance_m: f64, blocking_deg: f64) -> f64 {
-    let raised = 1.0 + RAISED_DIM_FACTOR * raised_share(offset_m, distance_m);
+/// As [`floor_factor`] for a source behind a skyline of `blocking_deg`, whose cone leaves more in the shadow.
+pub fn blocked_floor_factor(
+    scattering: Scattering,
+    offset_m: f64,
+    distance_m: f64,
+    blocking_deg: f64,
+) -> f64 {
+    let elevated = 1.0 + ELEVATED_FLOOR_FACTOR * elevated_share(offset_m, distance_m);
     match scattering {
-        Scattering::Multiple => raised,
+        Scattering::Multiple => elevated,
         Scattering::Single => {
             // Height of the source's horizontal plane, or of its skyline's cone, above the observer.
             let lift_m = distance_m * blocking_deg.to_radians().tan();
             let depth_m = (offset_m + 0.5 * distance_m * distance_m / EARTH_RADIUS_M + lift_m).max(0.0);
             let depth = depth_m / SHADOW_DEPTH_M;
-            raised + SHADOW_DIM_FACTOR * depth * depth / (1.0 + depth * depth)
+            elevated + SHADOW_FLOOR_FACTOR * depth * depth / (1.0 + depth * depth)
         }
     }
 }
 
-/// Weights w of one image (over its mean), one a sample, for a source of that [`dim_factor`], when its coefficients are
+/// Weights w of one image (over its mean), one a sample, for a source of that [`floor_factor`], when its coefficients are
 /// sought.
-pub fn sample_weights(shape: &[f32], dim_factor: f64) -> Vec<f32> {
-    weights(shape, dim_factor, &COEFFICIENT_WEIGHTS)
+pub fn sample_weights(shape: &[f32], floor_factor: f64) -> Vec<f32> {
+    weights(shape, floor_factor, &COEFFICIENT_WEIGHTS)
 }
 
-fn weights(shape: &[f32], dim_factor: f64, place_weights: &[f64]) -> Vec<f32> {
+fn weights(shape: &[f32], floor_factor: f64, place_weights: &[f64]) -> Vec<f32> {
     let zenith_row = &shape[(ELEVATION_COUNT - 1) * HALF_COLUMN_COUNT..];
     let zenith = zenith_row.iter().sum::<f32>() / zenith_row.len() as f32;
-    let dim_over_zenith = DIM_OVER_ZENITH * dim_factor as f32;
-    let dim = (dim_over_zenith * zenith).max(DIM_OVER_MEAN);
+    let floor_over_zenith = FLOOR_OVER_ZENITH * floor_factor as f32;
+    let floor = (floor_over_zenith * zenith).max(FLOOR_OVER_MEAN);
     shape
         .iter()
         .zip(place_weights)
-        .map(|(&x, &place)| (f64::from(x.max(dim)).powf(-WEIGHT_EXPONENT) * place) as f32)
+        .map(|(&x, &place)| (f64::from(x.max(floor)).powf(-WEIGHT_EXPONENT) * place) as f32)
         .collect()
 }
 
@@ -202,8 +207,8 @@ fn solve_normal_equations(
 pub struct TrainingImage {
     /// Image over its mean, [`PIXEL_COUNT`] samples.
     pub shape: Vec<f32>,
-    /// [`dim_factor`] of its source.
-    pub dim_factor: f64,
+    /// [`floor_factor`] of its source.
+    pub floor_factor: f64,
     /// Factor on w.
     pub importance: f64,
 }
@@ -222,7 +227,7 @@ pub fn fit_basis(
     faer::set_global_parallelism(Par::Seq);
     let shapes: Vec<&[f32]> = images.iter().map(|image| image.shape.as_slice()).collect();
     let weights: Vec<Vec<f32>> =
-        images.par_iter().map(|image| weights(&image.shape, image.dim_factor, &FUNCTION_WEIGHTS)).collect();
+        images.par_iter().map(|image| weights(&image.shape, image.floor_factor, &FUNCTION_WEIGHTS)).collect();
     let rms = pixel_rms(&shapes);
     let mut basis = orthonormal(start_by_pca(&shapes, &rms, count), &rms)?;
     advance();

@@ -6,19 +6,19 @@ use serde::{Deserialize, Serialize};
 /// row opposite a city 40 km away, 300 times dimmer than towards it, was twice as wrong; at 1 lights on ridges are.
 pub const WEIGHT_EXPONENT: f64 = 0.93;
 /// δ over the image's zenith value.
-pub(crate) const DIM_OVER_ZENITH: f32 = 1e-3;
-/// A steeply raised source leaves low rows in the Earth's shadow: black to a thousandth of the zenith, which no
+pub(crate) const FLOOR_OVER_ZENITH: f32 = 1e-3;
+/// A steeply elevated source leaves low rows in the Earth's shadow: black to a thousandth of the zenith, which no
 /// smooth basis is. δ grows by up to this factor, or the fit would sacrifice the whole image to keep them black.
-pub(crate) const RAISED_DIM_FACTOR: f64 = 100.0;
+pub(crate) const ELEVATED_FLOOR_FACTOR: f64 = 100.0;
 /// Elevation of the source at which half of that factor counts, degrees.
-pub(crate) const RAISED_DEG: f64 = 6.0;
+pub(crate) const ELEVATED_DEG: f64 = 6.0;
 /// In the first order alone, a far source leaves the haze over a low observer in the Earth's shadow: low rows are
 /// black there too, and δ grows by up to this factor. All orders fill them.
-pub(crate) const SHADOW_DIM_FACTOR: f64 = 9.0;
+pub(crate) const SHADOW_FLOOR_FACTOR: f64 = 9.0;
 /// Depth of the observer in the shadow at which half of that factor counts, metres.
 pub(crate) const SHADOW_DEPTH_M: f64 = 400.0;
 /// δ over the image's mean at the least, for images that are dark overhead.
-pub(crate) const DIM_OVER_MEAN: f32 = 1e-4;
+pub(crate) const FLOOR_OVER_MEAN: f32 = 1e-4;
 
 /// Variance of a coefficient's rounding error relative to its square, about that of half precision
 /// ((2⁻¹¹)²/3). Rounding c_k adds Σ_p w_p² B_k(p)² c_k² · variance to the expected squared error: a ridge in
@@ -36,13 +36,13 @@ pub(crate) const ZENITH_BOOST: f64 = 3.0;
 /// Rows from the zenith at which that is 1/e.
 pub(crate) const ZENITH_ROW_COUNT: f64 = 6.0;
 
-/// Highest observer and source of the everyday part of the training set, metres.
-pub(crate) const EVERYDAY_ALTITUDE_M: f64 = 1_500.0;
-/// Share of its anywhere part below the plane where the sky bends: the axis has more of its nodes there, for the sake of the
+/// Highest observer and source of the low part of the training set, metres.
+pub(crate) const LOW_ALTITUDE_M: f64 = 1_500.0;
+/// Share of its uniform part below the plane where the sky has its kink: the axis has more of its nodes there, for the sake of the
 /// line between two of them, and as many training images would take functions from the rest.
-pub(crate) const ANYWHERE_SHARE_BELOW: f64 = 9.0 / 23.0;
-/// Of its raised part: highest observer, nearest and farthest source [m], steepest source [degrees].
-pub(crate) const RAISED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
+pub(crate) const UNIFORM_SHARE_BELOW: f64 = 9.0 / 23.0;
+/// Of its elevated part: highest observer, nearest and farthest source [m], steepest source [degrees].
+pub(crate) const ELEVATED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
 
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
 pub(crate) const OBLIQUE_IMPORTANCE: f64 = 1.6;
@@ -54,13 +54,17 @@ pub struct FitConstants {
     /// Exponent q of the weights.
     pub weight_exponent: f64,
     /// δ over the image's zenith value.
-    pub dim_over_zenith: f64,
+    #[serde(rename = "dim_over_zenith")]
+    pub floor_over_zenith: f64,
     /// δ over the image's mean at the least.
-    pub dim_over_mean: f64,
-    /// Largest growth of δ for a steeply raised source, and the elevation of half of it, degrees.
-    pub raised_dim: [f64; 2],
+    #[serde(rename = "dim_over_mean")]
+    pub floor_over_mean: f64,
+    /// Largest growth of δ for a steeply elevated source, and the elevation of half of it, degrees.
+    #[serde(rename = "raised_dim")]
+    pub floor_elevated: [f64; 2],
     /// Largest growth of δ in the Earth's shadow, and the depth of half of it, metres.
-    pub shadow_dim: [f64; 2],
+    #[serde(rename = "shadow_dim")]
+    pub floor_in_shadow: [f64; 2],
     /// Relative variance of a coefficient's rounding.
     pub rounding_variance: f64,
     /// Extra weight next to the source's azimuth, and the rows and columns at which it is 1/e.
@@ -69,15 +73,17 @@ pub struct FitConstants {
     pub near_source_of_coefficients: [f64; 3],
     /// Extra weight overhead, and the rows from the zenith at which it is 1/e.
     pub zenith: [f64; 2],
-    /// Share of the anywhere part of the training set with a source below the plane where the sky bends.
-    #[serde(default)]
-    pub anywhere_share_below: f64,
-    /// Of the raised part of the training set: highest observer, nearest and farthest source [m], steepest source [degrees].
-    pub raised_training: [f64; 4],
+    /// Share of the uniform part of the training set with a source below the plane where the sky has its kink.
+    #[serde(rename = "anywhere_share_below", default)]
+    pub uniform_share_below: f64,
+    /// Of the elevated part of the training set: highest observer, nearest and farthest source [m], steepest source [degrees].
+    #[serde(rename = "raised_training")]
+    pub elevated_training: [f64; 4],
     /// Weight of the `oblique` lobe's images.
     pub oblique_importance: f64,
-    /// Highest observer and source of the everyday part of the training set, metres.
-    pub everyday_altitude_m: f64,
+    /// Highest observer and source of the low part of the training set, metres.
+    #[serde(rename = "everyday_altitude_m")]
+    pub low_altitude_m: f64,
 }
 
 impl FitConstants {
@@ -85,18 +91,18 @@ impl FitConstants {
     pub fn current() -> Self {
         Self {
             weight_exponent: WEIGHT_EXPONENT,
-            dim_over_zenith: f64::from(DIM_OVER_ZENITH),
-            dim_over_mean: f64::from(DIM_OVER_MEAN),
-            raised_dim: [RAISED_DIM_FACTOR, RAISED_DEG],
-            shadow_dim: [SHADOW_DIM_FACTOR, SHADOW_DEPTH_M],
+            floor_over_zenith: f64::from(FLOOR_OVER_ZENITH),
+            floor_over_mean: f64::from(FLOOR_OVER_MEAN),
+            floor_elevated: [ELEVATED_FLOOR_FACTOR, ELEVATED_DEG],
+            floor_in_shadow: [SHADOW_FLOOR_FACTOR, SHADOW_DEPTH_M],
             rounding_variance: ROUNDING_VARIANCE,
             near_source: NEAR_SOURCE_OF_FUNCTIONS,
             near_source_of_coefficients: NEAR_SOURCE_OF_COEFFICIENTS,
             zenith: [ZENITH_BOOST, ZENITH_ROW_COUNT],
-            anywhere_share_below: ANYWHERE_SHARE_BELOW,
-            raised_training: RAISED_TRAINING,
+            uniform_share_below: UNIFORM_SHARE_BELOW,
+            elevated_training: ELEVATED_TRAINING,
             oblique_importance: OBLIQUE_IMPORTANCE,
-            everyday_altitude_m: EVERYDAY_ALTITUDE_M,
+            low_altitude_m: LOW_ALTITUDE_M,
         }
     }
 }

@@ -34,5 +34,5 @@ pub use multiple::{MultipleAxes, MultipleTable};
 pub use options::{BasisCount, PrecomputeOptions};
 pub use pack::{Pack, packs_in};
 pub use precompute::{precompute, precompute_together};
-pub use progress::{Progress, Silent};
+pub use progress::{NoProgress, Progress};
 pub use resident::{ResidentBlocked, ResidentTables};

@@ -10,9 +10,9 @@ pub trait Progress: Sync {
 
 /// Ignores it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Silent;
+pub struct NoProgress;
 
-impl Progress for Silent {
+impl Progress for NoProgress {
     fn begin(&self, _stage: &str, _steps: u64) {}
     fn advance(&self, _steps: u64) {}
 }

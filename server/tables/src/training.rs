@@ -3,8 +3,8 @@
 use crate::{
     axes::{OffsetAxis, TableAxes, clamped_node},
     clouds::clamped_geometry,
-    fit::{TrainingImage, dim_factor},
-    fit_constants::{ANYWHERE_SHARE_BELOW, EVERYDAY_ALTITUDE_M, OBLIQUE_IMPORTANCE, RAISED_TRAINING},
+    fit::{TrainingImage, floor_factor},
+    fit_constants::{ELEVATED_TRAINING, LOW_ALTITUDE_M, OBLIQUE_IMPORTANCE, UNIFORM_SHARE_BELOW},
     images::{SourceImages, images_of},
     layout::PIXEL_COUNT,
     multiple::MultipleTable,
@@ -13,7 +13,7 @@ use crate::{
 use rayon::prelude::*;
 use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, single_source::SourceGeometry};
 
-/// Geometries of the training set, in turn from anywhere on the axes, from everyday places, and raised. Sources
+/// Geometries of the training set, in turn uniform over the axes, at low altitudes, and elevated. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
 /// are sources at clouds and above.
 pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeometry> {
@@ -23,9 +23,9 @@ pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeom
         // Powers of 1/1.2207…, the three-dimensional golden ratio: R₃, an additive recurrence.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
         let node = match geometries.len() % 3 {
-            0 => node_anywhere(axes, spread),
-            1 => everyday_node(axes, spread),
-            _ => raised_node(axes, spread),
+            0 => uniform_node(axes, spread),
+            1 => low_node(axes, spread),
+            _ => elevated_node(axes, spread),
         };
         let geometry = geometry_of(axes, node);
         let (offset_m, distance_m) = offset_and_distance_m(&geometry);
@@ -51,28 +51,28 @@ fn geometry_of(axes: &TableAxes, (observer, distance, offset): (usize, usize, us
     clamped_node(distance_m, axes.observer_altitude_m[observer], offset_m)
 }
 
-/// A node from numbers 0..1, all observers and distances alike, and offsets alike on each side of the bend.
-fn node_anywhere(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+/// A node from numbers 0..1, all observers and distances alike, and offsets alike on each side of the kink.
+fn uniform_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
     let counts = [axes.observer_altitude_m.len(), axes.distance_m.len()];
     let [observer, distance] = std::array::from_fn(|k| (spread[k] * counts[k] as f64) as usize);
-    let bend = OffsetAxis::about_shadow_edge(axes.distance_m[distance], axes.offset_count).bend_node as f64;
-    let share = spread[2] / ANYWHERE_SHARE_BELOW;
+    let kink = OffsetAxis::about_shadow_edge(axes.distance_m[distance], axes.offset_count).kink_node as f64;
+    let share = spread[2] / UNIFORM_SHARE_BELOW;
     let offset = if share < 1.0 {
-        share * bend
+        share * kink
     } else {
-        let above = (spread[2] - ANYWHERE_SHARE_BELOW) / (1.0 - ANYWHERE_SHARE_BELOW);
-        bend + above * (axes.offset_count as f64 - bend)
+        let above = (spread[2] - UNIFORM_SHARE_BELOW) / (1.0 - UNIFORM_SHARE_BELOW);
+        kink + above * (axes.offset_count as f64 - kink)
     };
     (observer, distance, offset as usize)
 }
 
 /// A node where people and lights are, observer and source between the sea and 1 500 m, low ones more often: few
 /// nodes have both low, and in haze a far light seen from the coast is a sky of its own.
-fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
-    let observers = axes.observer_altitude_m.partition_point(|&z| z <= EVERYDAY_ALTITUDE_M);
+fn low_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let observers = axes.observer_altitude_m.partition_point(|&z| z <= LOW_ALTITUDE_M);
     let observer = (spread[0].powf(1.5) * observers as f64) as usize;
     let distance = (spread[1].sqrt() * axes.distance_m.len() as f64) as usize;
-    let source_m = EVERYDAY_ALTITUDE_M * spread[2] * spread[2];
+    let source_m = LOW_ALTITUDE_M * spread[2] * spread[2];
     let axis = OffsetAxis::about_shadow_edge(axes.distance_m[distance], axes.offset_count);
     let offset = axis.position(source_m - axes.observer_altitude_m[observer]).round() as usize;
     (observer, distance, offset)
@@ -80,8 +80,8 @@ fn everyday_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
 
 /// A node whose source stands above the observer, as lights on the slopes of a valley do: the bright spot around each is at
 /// another place, which takes many functions.
-fn raised_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
-    let [highest_m, nearest_m, farthest_m, steepest_deg] = RAISED_TRAINING;
+fn elevated_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let [highest_m, nearest_m, farthest_m, steepest_deg] = ELEVATED_TRAINING;
     let observers = axes.observer_altitude_m.partition_point(|&z| z <= highest_m);
     let observer = (spread[0] * observers as f64) as usize;
     let wanted_m = nearest_m * (farthest_m / nearest_m).powf(spread[1]);
@@ -122,14 +122,14 @@ pub(crate) fn training_set(
     let mut set = Vec::with_capacity(geometries.len() * LOBE_COUNT * 2);
     for (geometry, images) in geometries.iter().zip(images) {
         let (offset_m, distance_m) = offset_and_distance_m(geometry);
-        let dim_factor = dim_factor(options.scattering, offset_m, distance_m);
+        let floor_factor = floor_factor(options.scattering, offset_m, distance_m);
         for (lobe, shapes) in
             Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
         {
             let importance = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
             set.extend(shapes.chunks_exact(PIXEL_COUNT).step_by(2).map(|shape| TrainingImage {
                 shape: shape.to_vec(),
-                dim_factor,
+                floor_factor,
                 importance,
             }));
         }

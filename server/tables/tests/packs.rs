@@ -4,7 +4,7 @@
 
 use skyglow_physics::{Atmosphere, Turbidity};
 use skyglow_tables::{
-    BasisCount, Clouds, MultipleAxes, Pack, PrecomputeOptions, Progress, Scattering, Silent, TablesError,
+    BasisCount, Clouds, MultipleAxes, NoProgress, Pack, PrecomputeOptions, Progress, Scattering, TablesError,
     images::images_of, layout::image_index, packs_in, precompute, precompute_together,
 };
 use std::{
@@ -38,7 +38,7 @@ struct Made {
 impl Made {
     fn by(options: &PrecomputeOptions) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let path = precompute(options, folder.path(), &Silent).unwrap();
+        let path = precompute(options, folder.path(), &NoProgress).unwrap();
         let manifest = std::fs::read(path.with_extension("json")).unwrap();
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         Self { name, pack: std::fs::read(&path).unwrap(), manifest }
@@ -122,7 +122,7 @@ fn a_killed_run_resumes_with_the_same_bytes() {
         .unwrap();
     std::fs::write(&damaged, b"damaged").unwrap();
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let path = single.install(|| precompute(&options(), folder.path(), &Silent)).unwrap();
+    let path = single.install(|| precompute(&options(), folder.path(), &NoProgress)).unwrap();
     assert!(std::fs::read(&path).unwrap() == FIRST_ORDER.pack, "the packs differ");
     assert!(!partial.exists());
 }
@@ -134,13 +134,14 @@ fn packs_made_together_equal_those_made_alone() {
         PrecomputeOptions { basis_count: BasisCount { clean: 16, hazy: 12 }, error_sources: 1, ..options() };
     let [clean, hazy] = [2.0, 2.5].map(|turbidity| Turbidity::new(turbidity).unwrap());
     let [together, alone] = std::array::from_fn(|_| tempfile::tempdir().unwrap());
-    let paths = precompute_together(&[hazy, clean], &options, together.path(), &Silent).unwrap();
+    let paths = precompute_together(&[hazy, clean], &options, together.path(), &NoProgress).unwrap();
     let counts: Vec<usize> =
         paths.iter().map(|path| Pack::open(path).unwrap().manifest().basis_count).collect();
     assert_eq!(counts, [16, 12]);
     for (path, turbidity) in paths.iter().zip([clean, hazy]) {
         let other =
-            precompute(&PrecomputeOptions { turbidity, ..options.clone() }, alone.path(), &Silent).unwrap();
+            precompute(&PrecomputeOptions { turbidity, ..options.clone() }, alone.path(), &NoProgress)
+                .unwrap();
         assert!(std::fs::read(path).unwrap() == std::fs::read(other).unwrap(), "{turbidity:?} differs");
     }
 }
@@ -151,7 +152,7 @@ fn too_small_a_training_set_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let options =
         PrecomputeOptions { basis_count: BasisCount::same(64), training_geometries: 11, ..options() };
-    let refused = precompute(&options, folder.path(), &Silent).unwrap_err();
+    let refused = precompute(&options, folder.path(), &NoProgress).unwrap_err();
     assert!(refused.to_string().contains("beyond half precision"), "{refused}");
     assert_eq!(packs_in(folder.path()).unwrap(), Vec::<PathBuf>::new());
 }
@@ -223,7 +224,7 @@ fn a_manifest_of_another_pack_is_refused() {
 fn turbidities_of_three_decimals_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let error =
-        precompute(&PrecomputeOptions::coarse(Turbidity::new(2.004).unwrap()), folder.path(), &Silent)
+        precompute(&PrecomputeOptions::coarse(Turbidity::new(2.004).unwrap()), folder.path(), &NoProgress)
             .unwrap_err()
             .to_string();
     assert!(error.contains("2.004") && error.contains("two decimals"), "{error}");
@@ -270,7 +271,7 @@ fn a_killed_run_goes_on_among_the_skylines_too() {
             .count()
     };
     assert!(kept("later-") >= 4, "{} parts kept", kept("later-"));
-    let path = precompute(&all_orders(), folder.path(), &Silent).unwrap();
+    let path = precompute(&all_orders(), folder.path(), &NoProgress).unwrap();
     assert!(std::fs::read(path).unwrap() == ALL_ORDERS.pack, "the packs differ");
 }
 
@@ -282,7 +283,7 @@ fn a_cloud_pack_ends_below_its_clouds() {
     let folder = tempfile::tempdir().unwrap();
     let clear = Pack::open(&WITHOUT_SKYLINES.place(folder.path())).unwrap();
     let overcast = without_skylines().under(clouds);
-    let path = precompute(&overcast, folder.path(), &Silent).unwrap();
+    let path = precompute(&overcast, folder.path(), &NoProgress).unwrap();
     assert_eq!(path.file_name().unwrap(), "turbidity-2.00-single-clouds-1500.skyglow");
     let pack = Pack::open(&path).unwrap();
     assert_eq!((pack.manifest().clouds, clear.manifest().clouds), (Some(clouds), None));

@@ -95,7 +95,7 @@ impl EditAnswer {
                 factor: Some(*factor),
                 lamp: lamp.map(|change| lamp_value(&change.to)),
                 lamp_from: lamp.and_then(|change| change.from).map(|from| from.name().to_owned()),
-                keep: lamp.map(|change| change.kept.name().to_owned()),
+                keep: lamp.map(|change| change.preserved.name().to_owned()),
                 emission: emission.map(|mix| mix.weights()),
                 ..empty
             },

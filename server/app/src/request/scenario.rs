@@ -277,7 +277,7 @@ fn read_alteration(
         let allowed = "`factor`, `lamp`, `emission` or `add_radiance_nw_cm2_sr`";
         reader.fail_part(&name("factor"), "the edit changes nothing", allowed, ValidationCode::Missing);
     }
-    let all = |to| LampChange { from: None, to, kept: PreservedFlux::LuminousFlux };
+    let all = |to| LampChange { from: None, to, preserved: PreservedFlux::LuminousFlux };
     let lamp = match &body.lamp {
         None => None,
         Some(LampBody::All(lamp)) => Some(all(read_lamp(reader, &name("lamp"), lamp)?)),
@@ -304,7 +304,7 @@ fn read_alteration(
                 reader.fail_part(&name("lamp.keep"), "is not allowed", &allowed, ValidationCode::NotAllowed);
                 return None;
             };
-            Some(LampChange { from, to, kept })
+            Some(LampChange { from, to, preserved: kept })
         }
     };
     Some(Change::Alter { factor, lamp, emission })
@@ -353,7 +353,7 @@ mod tests {
         let change = LampChange {
             from: Some(LampPreset::Hps),
             to: LampPreset::Led4000k.lamp(),
-            kept: PreservedFlux::LuminousFlux,
+            preserved: PreservedFlux::LuminousFlux,
         };
         assert_eq!(lamps[2], Change::Alter { factor: 1.0, lamp: Some(change), emission: None });
         assert!(matches!(lamps[4], Change::Add { radiance_nw_cm2_sr: 20.0, lamp: Some(_), emission: None }));

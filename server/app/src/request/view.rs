@@ -3,7 +3,7 @@
 use super::sky::read_light;
 use crate::{parameters as p, reader::Reader, validation::ValidationCode};
 use serde::Serialize;
-use skyglow_display::options::LARGEST_PICTURE_PX;
+use skyglow_display::options::MAX_PICTURE_PX;
 use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Style};
 
 /// How a panorama is to be shown.
@@ -40,10 +40,10 @@ pub(super) fn read_view(reader: &mut Reader) -> PictureRequest {
 
 /// Notes a picture of more pixels than one may ask for, though each side is in its range.
 fn check_pixels(reader: &mut Reader, (width_px, height_px): (u32, u32)) {
-    if u64::from(width_px) * u64::from(height_px) > u64::from(LARGEST_PICTURE_PX) {
+    if u64::from(width_px) * u64::from(height_px) > u64::from(MAX_PICTURE_PX) {
         let parameter = if reader.text(&p::HEIGHT_PX).is_some() { &p::HEIGHT_PX } else { &p::WIDTH };
         let message = Some(format!("makes a picture of {width_px} x {height_px} pixels"));
-        let allowed = Some(format!("at most {LARGEST_PICTURE_PX} pixels in all"));
+        let allowed = Some(format!("at most {MAX_PICTURE_PX} pixels in all"));
         reader.fail(parameter, ValidationCode::NotAllowed, message, allowed);
     }
 }

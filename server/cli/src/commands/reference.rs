@@ -22,7 +22,7 @@ use skyglow_physics::{
     SkyCover, SkyQuantities, SourcePixel,
     direct_sum::{GridSample, cut_direct_sum, grid_direction, panorama_between, stratified_samples},
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_scene::{ChangeLimits, ChangeStore, Scene, SceneId, SceneMetadata, SceneStore};
 use skyglow_tables::{Clouds, Scattering};
@@ -253,7 +253,7 @@ fn lights(scene: &Scene, request: &SkyRequest) -> Vec<(Fixture, Vec<BlockedSourc
     let open = |pixels: Vec<SourcePixel>| {
         point_sources(request.place, &pixels).into_iter().map(BlockedSource::open).collect()
     };
-    let pixels = scene.source_pixels_by_fixture(request.place, FARTHEST_SOURCE_M);
+    let pixels = scene.source_pixels_by_fixture(request.place, MAX_SOURCE_DISTANCE_M);
     pixels.into_iter().map(|(fixture, pixels)| (fixture, open(pixels))).collect()
 }
 

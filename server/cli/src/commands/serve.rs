@@ -55,7 +55,7 @@ fn more_files() {
 }
 
 async fn run(settings: Settings) -> Result<(), Failure> {
-    let mut ending = std::pin::pin!(told_to_end()?);
+    let mut shutdown = std::pin::pin!(shutdown_signal()?);
     more_files();
     // The port comes first: a taken one shows at once.
     let address = settings.listen;
@@ -66,7 +66,7 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     let started = tokio::task::spawn_blocking(move || start(&settings));
     let source = tokio::select! {
         source = started => source.map_err(Failure::work)??,
-        () = &mut ending => return Ok(()),
+        () = &mut shutdown => return Ok(()),
     };
     let address = listener.local_addr().map_err(Failure::work)?;
     let facts = source.facts();
@@ -83,7 +83,7 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     let mut serving = std::pin::pin!(serving);
     let result = tokio::select! {
         result = &mut serving => result,
-        () = ending => {
+        () = shutdown => {
             tracing::info!("ending: no more connections, answers under way finish");
             let _ = end.send(());
             serving.await
@@ -105,7 +105,7 @@ fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
 }
 
 /// Ready at the first SIGTERM or SIGINT.
-fn told_to_end() -> Result<impl Future<Output = ()>, Failure> {
+fn shutdown_signal() -> Result<impl Future<Output = ()>, Failure> {
     let mut terminate = signal(SignalKind::terminate()).map_err(Failure::work)?;
     let mut interrupt = signal(SignalKind::interrupt()).map_err(Failure::work)?;
     Ok(async move {

@@ -11,7 +11,7 @@ use common::{
 };
 use serde_json::Value;
 use skyglow_physics::Turbidity;
-use skyglow_tables::{PrecomputeOptions, Silent, precompute};
+use skyglow_tables::{NoProgress, PrecomputeOptions, precompute};
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex, OnceLock, PoisonError, Weak},
@@ -33,7 +33,7 @@ impl Ground {
             let _ = std::fs::remove_dir_all(&folder);
             for turbidity in [2.0, 3.0] {
                 let options = PrecomputeOptions::coarse(Turbidity::new(turbidity).unwrap());
-                precompute(&options, &folder.join("packs"), &Silent).unwrap();
+                precompute(&options, &folder.join("packs"), &NoProgress).unwrap();
             }
             Ground { folder }
         })

@@ -15,7 +15,7 @@ const ALTITUDE_STEP_M: f64 = 250.0;
 /// Smallest step of the heights of lights over places, metres: a fifth of the nearest distance.
 const OFFSET_STEP_M: f64 = 50.0;
 /// Most heights of lights over places: each has a column of a grid.
-const MOST_OFFSETS: usize = AZIMUTH_COUNT;
+const MAX_OFFSETS: usize = AZIMUTH_COUNT;
 
 /// Places and lights that a table is to be for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ impl KernelRange {
     fn offsets(&self) -> UniformAxis {
         let first_m = self.lights_m[0] - self.observers_m[1];
         let last_m = self.lights_m[1] - self.observers_m[0];
-        UniformAxis::between(first_m, last_m, OFFSET_STEP_M, MOST_OFFSETS - 1)
+        UniformAxis::between(first_m, last_m, OFFSET_STEP_M, MAX_OFFSETS - 1)
     }
 }
 

@@ -11,7 +11,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 use std::time::{Duration, Instant};
 
 /// Lights that are solved for at first.
-const FEW: usize = 6_000;
+const INITIAL_LIGHTS: usize = 6_000;
 /// A light is held wrongly if its worth differs from its flux by more than this part of the flux.
 const WRONG: f64 = 1e-7;
 /// Solving over; the few at least double each time, so this is never met.
@@ -37,9 +37,11 @@ pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>,
     let useful: Vec<usize> = (0..lights).filter(can_help).collect();
     let mut cut = vec![0.0; lights];
     let mut prices = first_prices(problem, &useful, deadline);
-    let mut is_free = vec![useful.len() <= FEW; lights];
-    if useful.len() > FEW {
-        nearest(problem, &useful, &prices, FEW).into_iter().for_each(|light| is_free[light] = true);
+    let mut is_free = vec![useful.len() <= INITIAL_LIGHTS; lights];
+    if useful.len() > INITIAL_LIGHTS {
+        nearest(problem, &useful, &prices, INITIAL_LIGHTS)
+            .into_iter()
+            .for_each(|light| is_free[light] = true);
     }
     for _ in 0..MAX_ROUNDS {
         if Instant::now() >= deadline {
@@ -64,7 +66,7 @@ pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>,
         let solved = (!is_short).then(|| solve_few(problem, &free, &left, deadline)).flatten();
         let Some((of_free, new_prices)) = solved else {
             // The few cannot do it by themselves: twice as many.
-            let more = nearest(problem, &held, &prices, free.len().max(FEW));
+            let more = nearest(problem, &held, &prices, free.len().max(INITIAL_LIGHTS));
             if more.is_empty() {
                 break;
             }
@@ -86,7 +88,7 @@ pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>,
         let count = wrong.len();
         wrong.into_iter().for_each(|light| is_free[light] = true);
         // Their neighbours are likely to be next.
-        nearest(problem, &held, &prices, count.max(FEW / 4))
+        nearest(problem, &held, &prices, count.max(INITIAL_LIGHTS / 4))
             .into_iter()
             .for_each(|light| is_free[light] = true);
     }
@@ -96,7 +98,7 @@ pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>,
 
 /// Prices by a sample of the lights, each standing for its share.
 fn first_prices(problem: &Reduction, useful: &[usize], deadline: Instant) -> Vec<f64> {
-    let step = useful.len().div_ceil(FEW).max(1);
+    let step = useful.len().div_ceil(INITIAL_LIGHTS).max(1);
     let sample: Vec<usize> = useful.iter().copied().step_by(step).collect();
     if step == 1 {
         return vec![0.0; problem.need.len()];

@@ -2,7 +2,7 @@
 //!
 //! At a place P the directions form a polar grid about the direction to the source: the radiance grows like
 //! 1/θ towards the source, and the factor sin θ of the solid angle takes that away. PathSum each direction the
-//! variable is the angle at the source (as in `single_source`), cut where the integrand bends. What the base of a
+//! variable is the angle at the source (as in `single_source`), cut where the integrand has a kink. What the base of a
 //! cloud reflects is added by [`super::reflected`].
 
 use super::{
@@ -26,7 +26,7 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// Places nearer to the source than this are moved up and out to it: its light is infinite at the source.
-const NEAREST_PLACE_M: f64 = 25.0;
+const MIN_PLACE_DISTANCE_M: f64 = 25.0;
 
 /// Size of the bright part of the sky around a source, metres: it fills this over the distance, in radians.
 const BRIGHT_SIZE_M: f64 = 5_000.0;
@@ -70,9 +70,9 @@ impl<'a> FirstOrder<'a> {
     /// The light at place `point` of the grid, moments up to `degree`.
     pub(super) fn at(&self, grid: &FieldGrid, point: usize, degree: usize) -> FirstOrderPlace {
         let (mut distance_m, mut altitude_m) = grid.place_m(point);
-        if distance_m.hypot(altitude_m - self.setting.source_altitude_m) < NEAREST_PLACE_M {
-            distance_m = distance_m.max(0.7 * NEAREST_PLACE_M);
-            altitude_m = altitude_m.max(self.setting.source_altitude_m + 0.7 * NEAREST_PLACE_M);
+        if distance_m.hypot(altitude_m - self.setting.source_altitude_m) < MIN_PLACE_DISTANCE_M {
+            distance_m = distance_m.max(0.7 * MIN_PLACE_DISTANCE_M);
+            altitude_m = altitude_m.max(self.setting.source_altitude_m + 0.7 * MIN_PLACE_DISTANCE_M);
         }
         let place = Place::new(distance_m, altitude_m);
         let to_source = (self.source - place.position).normalize();
@@ -145,7 +145,7 @@ impl<'a> FirstOrder<'a> {
         Some(sum)
     }
 
-    /// Where the integrand bends: nearest to the source, at the layer of the haze, after one and four mean
+    /// Where the integrand has a kink: nearest to the source, at the layer of the haze, after one and four mean
     /// free paths of green light, and nearest to the source's vertical.
     fn cuts_m(&self, place: &Place, path: &SlantPath, nearest_m: f64) -> Vec<f64> {
         let density = relative_densities(place.altitude_m);
@@ -153,8 +153,8 @@ impl<'a> FirstOrder<'a> {
             / (self.setting.atmosphere.molecule_extinction_per_m()[1] * density[0]
                 + self.setting.atmosphere.aerosol_extinction_per_m()[1] * density[1]);
         let mut cuts = vec![nearest_m, free_path_m, 4.0 * free_path_m];
-        for climb_m in [3_000.0, 20_000.0] {
-            let altitude_m = self.setting.source_altitude_m + climb_m;
+        for height_m in [3_000.0, 20_000.0] {
+            let altitude_m = self.setting.source_altitude_m + height_m;
             cuts.push(path.path_up_to_m(altitude_m));
             cuts.extend(path.path_down_to_m(altitude_m));
         }

@@ -1,6 +1,6 @@
 //! The grid of places around a source: rings of distance from its vertical by layers of altitude.
 
-use super::lanes::{LANES, Lanes, quick_ln};
+use super::lanes::{LANES, Lanes, fast_ln};
 use crate::{cloud::CloudBase, geometry::EARTH_RADIUS_M};
 
 /// Top of the grid above the sphere under a clear sky, metres: 4e-4 of the molecules lie above.
@@ -24,7 +24,7 @@ const LAYER_OFFSETS_M: [f64; 26] = [
 const OWN_SHARE: f64 = 0.5;
 
 /// Second differences of a logarithm over rings above this are edges (of the disc that a lobe lights on a cloud), not curves.
-const EDGE_BEND: f32 = 0.2;
+const EDGE_CURVATURE: f32 = 0.2;
 
 /// Places (ρ, z): rings about the source's vertical by layers of altitude. Index `layer · rings + ring`.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +67,7 @@ fn ring_coordinate(distance_m: f64) -> f64 {
 /// As [`ring_coordinate`], to 1e-6, for every step of every ray.
 #[inline(always)]
 fn quick_ring_coordinate(distance_m: f64) -> f64 {
-    f64::from(quick_ln((1.0 + distance_m / RING_NEAR_M) as f32)) + distance_m / RING_FAR_M
+    f64::from(fast_ln((1.0 + distance_m / RING_NEAR_M) as f32)) + distance_m / RING_FAR_M
 }
 
 /// dx/dρ, m⁻¹.
@@ -96,8 +96,9 @@ pub(super) fn set_lines_to_mean(ln_by_ring: &mut [Lanes]) {
         let here = ln_by_ring[ring];
         let (near, far) = (before.unwrap_or(ln_by_ring[ring - 1]), ln_by_ring[ring + 1]);
         for lane in 0..LANES {
-            let bend = near[lane] - 2.0 * here[lane] + far[lane];
-            ln_by_ring[ring][lane] = here[lane] - bend / (12.0 * (1.0 + (bend / EDGE_BEND).powi(4)));
+            let curvature = near[lane] - 2.0 * here[lane] + far[lane];
+            ln_by_ring[ring][lane] =
+                here[lane] - curvature / (12.0 * (1.0 + (curvature / EDGE_CURVATURE).powi(4)));
         }
         before = Some(here);
     }
@@ -311,7 +312,7 @@ mod tests {
         }
     }
 
-    /// Lines along a curve that bends have its mean, and edges stay.
+    /// Lines along a curve have its mean, and edges stay.
     #[test]
     fn lines_at_mean_keep_the_mean() {
         let curve = |x: f64| -1.3 * x - 0.03 * x * x;

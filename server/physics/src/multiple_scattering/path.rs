@@ -137,10 +137,10 @@ impl SteppedPath {
             if let Some(cloud) = cloud {
                 height_m = height_m.min((cloud.altitude_m() - here.altitude_m).max(0.0));
             }
-            let climb_m = 0.4 * height_m + 120.0;
+            let rise_m = 0.4 * height_m + 120.0;
             let step_m = (stride.growth * from_m + stride.first_m)
                 .min(MAX_DEPTH / extinction)
-                .min(climb_m / here.cos_zenith.abs().max(1e-6));
+                .min(rise_m / here.cos_zenith.abs().max(1e-6));
             // No tiny step at the end.
             let to_m = if from_m + 1.3 * step_m >= end_m { end_m } else { from_m + step_m };
             let next = path.point(to_m);

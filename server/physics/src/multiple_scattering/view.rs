@@ -216,8 +216,8 @@ mod tests {
             })
             .collect();
         for (step, three) in logs.windows(3).enumerate() {
-            let bend = three[0] - 2.0 * three[1] + three[2];
-            assert!(three[2] < three[1] && bend.abs() < 0.02, "step {step}: {three:?}");
+            let curvature = three[0] - 2.0 * three[1] + three[2];
+            assert!(three[2] < three[1] && curvature.abs() < 0.02, "step {step}: {three:?}");
         }
     }
 

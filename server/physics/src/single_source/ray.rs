@@ -1,7 +1,7 @@
 //! A view ray past a source on the spherical Earth, and integrals along its lit part in the equiangular variable
 //! (Kulla and Fajardo 2012).
 //!
-//! The ray is cut where the integrand bends or jumps: at the Earth's shadow (the source's horizon plane, where the
+//! The ray is cut where the integrand has a kink or a jump: at the Earth's shadow (the source's horizon plane, where the
 //! `horizon` lobe jumps to zero) or the cone of the skyline that cuts the source's light, at the ray's nearest points to
 //! the source and to the vertical above it, at the 60° cone where the `oblique` lobe ends, and at a few scale heights.
 //! Between cuts the variable is the angle α at the source, u = u_c + D·tan α, which absorbs 1/d².
@@ -16,8 +16,8 @@ use glam::DVec3;
 
 /// Rays end at this altitude: 30 scale heights of the molecules, beyond which less than 1e-12 is left.
 const TOP_ALTITUDE_M: f64 = 240_000.0;
-/// Rays are cut at these climbs above the observer, metres: some scale heights of each species.
-const CUT_CLIMBS_M: [f64; 2] = [4_000.0, 25_000.0];
+/// Rays are cut at these heights above the observer, metres: some scale heights of each species.
+const CUT_HEIGHTS_M: [f64; 2] = [4_000.0, 25_000.0];
 
 /// Where the source is, seen from the observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,14 +143,14 @@ impl SourceRay {
             + path_m * (2.0 * observer_radius * self.view.z + path_m))
             .sqrt();
         // r − r_o = (2 r_o u sin φ + u²)/(r + r_o): no cancellation.
-        let climb = path_m * (2.0 * observer_radius * self.view.z + path_m) / (radius + observer_radius);
+        let height_m = path_m * (2.0 * observer_radius * self.view.z + path_m) / (radius + observer_radius);
         let from_source = self.view * path_m - self.source;
         let distance2 = from_source.length_squared();
         let distance = distance2.sqrt();
         let from_center = self.view * path_m + DVec3::new(0.0, 0.0, observer_radius);
         RayPoint {
             path_m,
-            altitude_m: observer_radius - self.radius_m + climb,
+            altitude_m: observer_radius - self.radius_m + height_m,
             source_distance_m2: distance2,
             cos_zenith_at_source: self.source_up.dot(from_source) / distance,
             cos_zenith_of_light: from_center.dot(from_source) / (distance * radius),
@@ -161,13 +161,13 @@ impl SourceRay {
 
     /// Path at which the ray reaches an altitude above its start, metres; 0 if it starts above it.
     pub(super) fn path_to_altitude_m(&self, altitude_m: f64) -> f64 {
-        let climb = altitude_m - (self.observer_radius_m - self.radius_m);
-        if climb <= 0.0 {
+        let height_m = altitude_m - (self.observer_radius_m - self.radius_m);
+        if height_m <= 0.0 {
             return 0.0;
         }
-        // u² + 2 r_o sin φ u − climb(2r_o + climb) = 0, the positive root without cancellation.
+        // u² + 2 r_o sin φ u − height_m(2r_o + height_m) = 0, the positive root without cancellation.
         let b = self.observer_radius_m * self.view.z;
-        let c = climb * (2.0 * self.observer_radius_m + climb);
+        let c = height_m * (2.0 * self.observer_radius_m + height_m);
         c / (b + (b * b + c).sqrt())
     }
 
@@ -198,7 +198,7 @@ impl SourceRay {
         floor: f64,
         mut integrand: impl FnMut(&RayPoint) -> [f64; N],
     ) -> [f64; N] {
-        let Some(variable) = self.equiangular(&CUT_CLIMBS_M) else {
+        let Some(variable) = self.equiangular(&CUT_HEIGHTS_M) else {
             return [0.0; N];
         };
         integrate_pieces(&variable.edges, tolerance, floor, &mut |alpha| {
@@ -215,7 +215,7 @@ impl SourceRay {
         mut integrand: impl FnMut(&RayPoint) -> [f64; N],
     ) -> [f64; N] {
         let mut sum = [0.0; N];
-        let Some(variable) = self.equiangular(&CUT_CLIMBS_M) else { return sum };
+        let Some(variable) = self.equiangular(&CUT_HEIGHTS_M) else { return sum };
         for pair in variable.edges.windows(2) {
             let width = pair[1] - pair[0];
             for &(x, weight) in nodes {
@@ -230,15 +230,15 @@ impl SourceRay {
         sum
     }
 
-    /// The lit part of the ray in the equiangular variable, cut where the integrand bends and at the given
-    /// climbs [m] above the observer. None where nothing is lit.
-    fn equiangular(&self, climbs_m: &[f64]) -> Option<Equiangular> {
+    /// The lit part of the ray in the equiangular variable, cut where the integrand has a kink and at the given
+    /// heights [m] above the observer. None where nothing is lit.
+    fn equiangular(&self, heights_m: &[f64]) -> Option<Equiangular> {
         let (start_m, end_m) = self.lit_range_m()?;
         let nearest_m = self.source.dot(self.view);
         let miss_m = (self.source - self.view * nearest_m).length().max(1e-3);
         let mut cuts = vec![start_m, end_m, nearest_m];
         let observer_altitude = (self.observer_radius_m - self.radius_m).max(0.0);
-        cuts.extend(climbs_m.iter().map(|climb_m| self.path_to_altitude_m(observer_altitude + climb_m)));
+        cuts.extend(heights_m.iter().map(|height_m| self.path_to_altitude_m(observer_altitude + height_m)));
         self.push_axis_and_cone_cuts(&mut cuts);
         cuts.retain(|&u| u.is_finite() && u >= start_m && u <= end_m);
         cuts.sort_by(f64::total_cmp);

@@ -46,7 +46,7 @@ pub struct RatesExtent {
 }
 
 /// Tries some work over and over and answers the seconds of the fastest try.
-pub type FastestS<'a> = &'a dyn Fn(&mut dyn FnMut()) -> f64;
+pub type Timer<'a> = &'a dyn Fn(&mut dyn FnMut()) -> f64;
 
 /// Measures the device that an executor renders on.
 ///
@@ -55,20 +55,16 @@ pub type FastestS<'a> = &'a dyn Fn(&mut dyn FnMut()) -> f64;
 pub fn device_rates(
     executor: ExecutorKind,
     extent: RatesExtent,
-    fastest_s: FastestS<'_>,
+    timer: Timer<'_>,
 ) -> Result<DeviceRates, RenderError> {
     let context = Context::open(executor)?;
-    let bandwidth_bytes_s = bandwidth_bytes_s(&context, extent, fastest_s)?;
-    let multiply_adds_s = multiply_adds_s(&context, extent, fastest_s)?;
-    let read_back_s = read_back_s(&context, fastest_s)?;
+    let bandwidth_bytes_s = bandwidth_bytes_s(&context, extent, timer)?;
+    let multiply_adds_s = multiply_adds_s(&context, extent, timer)?;
+    let read_back_s = read_back_s(&context, timer)?;
     Ok(DeviceRates { bandwidth_bytes_s, multiply_adds_s, read_back_s })
 }
 
-fn bandwidth_bytes_s(
-    context: &Context,
-    extent: RatesExtent,
-    fastest_s: FastestS<'_>,
-) -> Result<f64, RenderError> {
+fn bandwidth_bytes_s(context: &Context, extent: RatesExtent, timer: Timer<'_>) -> Result<f64, RenderError> {
     let limits = context.device.limits();
     let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let bytes = (extent.stream_bytes as u64).clamp(COPIED * WORKGROUP, most) / (COPIED * WORKGROUP)
@@ -81,7 +77,7 @@ fn bandwidth_bytes_s(
     context.queue.write_buffer(&from, 0, bytemuck::cast_slice(&first));
     let to = buffer(context, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let work = Work::new(context, "stream", STREAM, [&from, &to], [columns, rows]);
-    let seconds = work.timed(fastest_s)?;
+    let seconds = work.timed(timer)?;
     let copied = read(context, &to, first.len())?;
     if copied != first {
         return Err(DeviceFault::Other("a copy of a buffer is none".into()).into());
@@ -89,11 +85,7 @@ fn bandwidth_bytes_s(
     Ok((2 * bytes) as f64 / seconds)
 }
 
-fn multiply_adds_s(
-    context: &Context,
-    extent: RatesExtent,
-    fastest_s: FastestS<'_>,
-) -> Result<f64, RenderError> {
+fn multiply_adds_s(context: &Context, extent: RatesExtent, timer: Timer<'_>) -> Result<f64, RenderError> {
     let of_group = WORKGROUP * CHAINED * u64::from(ROUNDS);
     let most = u64::from(context.device.limits().max_compute_workgroups_per_dimension);
     let groups = (extent.multiply_adds as u64 / of_group).clamp(1, most);
@@ -106,7 +98,7 @@ fn multiply_adds_s(
     let results =
         buffer(context, groups * WORKGROUP * COPIED, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let work = Work::new(context, "multiply", MULTIPLY, [&chain, &results], [groups as u32, 1]);
-    let seconds = work.timed(fastest_s)?;
+    let seconds = work.timed(timer)?;
     let first = read(context, &results, 1)?[0];
     // Four chains from 5, 6, 7 and 8.
     let mean = 1.0 + 5.5 * f64::from(FACTOR).powi(ROUNDS as i32);
@@ -116,11 +108,11 @@ fn multiply_adds_s(
     Ok((groups * of_group) as f64 / seconds)
 }
 
-fn read_back_s(context: &Context, fastest_s: FastestS<'_>) -> Result<f64, RenderError> {
+fn read_back_s(context: &Context, timer: Timer<'_>) -> Result<f64, RenderError> {
     let bytes = (skyglow_physics::Panorama::LEN * size_of::<f32>()) as u64;
     let panorama = buffer(context, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let host = buffer(context, bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-    timed(fastest_s, || read_through(context, &panorama, &host).map(drop))
+    timed(timer, || read_through(context, &panorama, &host).map(drop))
 }
 
 fn buffer(context: &Context, size: u64, usage: BufferUsages) -> wgpu::Buffer {
@@ -158,12 +150,9 @@ fn read_through(
 }
 
 /// Seconds of the fastest try.
-fn timed(
-    fastest_s: FastestS<'_>,
-    mut work: impl FnMut() -> Result<(), RenderError>,
-) -> Result<f64, RenderError> {
+fn timed(timer: Timer<'_>, mut work: impl FnMut() -> Result<(), RenderError>) -> Result<f64, RenderError> {
     let mut done = Ok(());
-    let seconds = fastest_s(&mut || {
+    let seconds = timer(&mut || {
         if done.is_ok() {
             done = work();
         }
@@ -222,7 +211,7 @@ impl<'a> Work<'a> {
     }
 
     /// Seconds of a dispatch among so many that submitting and waiting weigh little.
-    fn timed(&self, fastest_s: FastestS<'_>) -> Result<f64, RenderError> {
+    fn timed(&self, timer: Timer<'_>) -> Result<f64, RenderError> {
         self.run(1)?;
         let mut dispatches = 1;
         loop {
@@ -233,7 +222,7 @@ impl<'a> Work<'a> {
             }
             dispatches *= 2;
         }
-        Ok(timed(fastest_s, || self.run(dispatches))? / f64::from(dispatches))
+        Ok(timed(timer, || self.run(dispatches))? / f64::from(dispatches))
     }
 }
 

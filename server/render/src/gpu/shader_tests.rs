@@ -180,8 +180,8 @@ fn structures_lie_alike_on_both_sides() {
             pack_count,
             blocked_octet_count,
             blocked_offset_count,
-            bend_node,
-            blocked_bend_node
+            kink_node,
+            blocked_kink_node
         ]
     );
     assert_layout!(

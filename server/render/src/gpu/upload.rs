@@ -104,7 +104,7 @@ pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
     let tables = pack.map(|pack| &set.tables()[pack.index]);
     let blocked = tables.and_then(|tables| tables.blocked.as_ref());
     // The same on every ring, and behind every skyline.
-    let bend_node = |axis: Option<&OffsetAxis>| axis.map_or(0, |axis| axis.bend_node) as u32;
+    let kink_node = |axis: Option<&OffsetAxis>| axis.map_or(0, |axis| axis.kink_node) as u32;
     Frame {
         request_count: plan.request_count as u32,
         node_count: plan.node_count as u32,
@@ -118,7 +118,7 @@ pub(crate) fn frame(plan: &RenderPlan, set: &TableSet, slot: usize) -> Frame {
         pack_count: plan.packs.len() as u32,
         blocked_octet_count: blocked.map_or(0, |blocked| blocked.basis_count.div_ceil(8)) as u32,
         blocked_offset_count: blocked.map_or(0, |blocked| blocked.offset_count) as u32,
-        bend_node: bend_node(tables.and_then(|tables| tables.offset_axis.first())),
-        blocked_bend_node: bend_node(blocked.and_then(|blocked| blocked.offset_axis.first()?.first())),
+        kink_node: kink_node(tables.and_then(|tables| tables.offset_axis.first())),
+        blocked_kink_node: kink_node(blocked.and_then(|blocked| blocked.offset_axis.first()?.first())),
     }
 }

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::cpu::lanes::LANES;
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, near_light::whole_part, panorama::azimuth_rad,
-    simd_dispatch, source_pixel::FARTHEST_SOURCE_M,
+    AZIMUTH_COUNT, BAND_COUNT, EARTH_RADIUS_M, Panorama, near_light::trunc_to_u32, panorama::azimuth_rad,
+    simd_dispatch, source_pixel::MAX_SOURCE_DISTANCE_M,
 };
 use skyglow_scene::NearLight;
 use std::ops::RangeInclusive;
@@ -102,17 +102,17 @@ impl Culling {
 }
 
 /// Row up to the one above a light `offset_m` above the observer: the tangent is larger than the angle. Both distances are the
-/// light's own; bounds on many lights take one for the climb and another for the Earth's curve.
+/// light's own; bounds on many lights take one for the height and another for the Earth's curve.
 #[inline(always)]
 fn row_above(offset_m: f32, distance_m: f32, curved_m: f32) -> u32 {
     let slope = offset_m / distance_m - curved_m * (0.5 / EARTH_RADIUS_M as f32);
-    whole_part((slope * (1.0 / azimuth_rad(1) as f32) + 0.5).min((LOW_ROWS - 1) as f32))
+    trunc_to_u32((slope * (1.0 / azimuth_rad(1) as f32) + 0.5).min((LOW_ROWS - 1) as f32))
 }
 
 /// Column of an azimuth, up to 256 where it is the whole circle.
 #[inline(always)]
 fn column_of(azimuth_rad: f32) -> u32 {
-    whole_part(azimuth_rad * PER_COLUMN)
+    trunc_to_u32(azimuth_rad * PER_COLUMN)
 }
 
 simd_dispatch! {
@@ -190,7 +190,7 @@ struct PeakBounds {
 /// Steps of the altitude and of the distance of lights, metres.
 const ALTITUDE_STEP_M: f32 = 500.0;
 const DISTANCE_STEP_M: f32 = 5_000.0;
-const DISTANCE_STEPS: u32 = (FARTHEST_SOURCE_M / DISTANCE_STEP_M as f64) as u32 + 1;
+const DISTANCE_STEPS: u32 = (MAX_SOURCE_DISTANCE_M / DISTANCE_STEP_M as f64) as u32 + 1;
 
 impl PeakBounds {
     fn new(air: &Air, [lowest_m, highest_m]: [f32; 2], flux_per_dnb_flux: [f32; BAND_COUNT]) -> Self {
@@ -220,7 +220,7 @@ impl PeakBounds {
 
     #[inline(always)]
     fn altitude_step(&self, altitude_m: f32) -> u32 {
-        whole_part((altitude_m - self.lowest_m) * (1.0 / ALTITUDE_STEP_M)).min(self.altitude_steps - 1)
+        trunc_to_u32((altitude_m - self.lowest_m) * (1.0 / ALTITUDE_STEP_M)).min(self.altitude_steps - 1)
     }
 
     /// Steps of altitude and distance that a block reaches over.
@@ -234,7 +234,7 @@ impl PeakBounds {
 
 #[inline(always)]
 fn distance_step(distance_m: f32) -> u32 {
-    whole_part(distance_m * (1.0 / DISTANCE_STEP_M)).min(DISTANCE_STEPS - 1)
+    trunc_to_u32(distance_m * (1.0 / DISTANCE_STEP_M)).min(DISTANCE_STEPS - 1)
 }
 
 #[cfg(test)]

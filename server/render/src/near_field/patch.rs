@@ -11,7 +11,7 @@ use skyglow_physics::{
     panorama::azimuth_rad,
     simd::multiply_add,
     simd_dispatch,
-    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, MIN_SOURCE_DISTANCE_M},
 };
 use skyglow_scene::{RING_COUNT, ring_distance_m};
 use skyglow_tables::images::{ACROSS_COLUMN, NEAR_COLUMN_COUNT as AVERAGED};
@@ -55,7 +55,8 @@ pub(crate) struct PatchNodes {
 
 /// Place of a distance among the rings.
 fn ring_position(distance_m: f32) -> f32 {
-    let log = (f64::from(distance_m) / NEAREST_SOURCE_M).ln() / (FARTHEST_SOURCE_M / NEAREST_SOURCE_M).ln();
+    let log = (f64::from(distance_m) / MIN_SOURCE_DISTANCE_M).ln()
+        / (MAX_SOURCE_DISTANCE_M / MIN_SOURCE_DISTANCE_M).ln();
     ((RING_COUNT - 1) as f64 * log).clamp(0.0, (RING_COUNT - 1) as f64) as f32
 }
 

@@ -11,7 +11,7 @@ use super::{
 use crate::{cpu::lanes::LANES, table_set::TableSet};
 use rayon::prelude::*;
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Panorama, near_light::whole_part, panorama::azimuth_rad, simd_dispatch,
+    AZIMUTH_COUNT, BAND_COUNT, Panorama, near_light::trunc_to_u32, panorama::azimuth_rad, simd_dispatch,
 };
 use skyglow_scene::NearLight;
 use std::sync::LazyLock;
@@ -148,7 +148,7 @@ fn peak_body<const FUSED: bool>(air: &Air, lights: &[NearLight; LANES], peaks: &
     for (lane, elevation_rad) in sight_lines.elevations_rad().into_iter().enumerate() {
         let row = elevation_rad / step - 0.5;
         peaks.row[lane] = row;
-        nearest[lane] = whole_part((row + 0.5).min((LOW_ROWS - 1) as f32));
+        nearest[lane] = trunc_to_u32((row + 0.5).min((LOW_ROWS - 1) as f32));
         // Half a row above it, or in the row above it where that is higher.
         is_row[lane] = row + 0.5 <= nearest[lane] as i32 as f32;
         let (sin, cos) = (sines[lane], cosines[lane]);

@@ -319,8 +319,8 @@ pub(crate) mod tests {
                 let farthest_m = 3.0 / (atmosphere.aerosol_extinction_per_m()[1] + 1e-5);
                 for distance_m in [400.0, 2_000.0, 9_000.0, 25_000.0].into_iter().filter(|m| *m < farthest_m)
                 {
-                    for climb in [-0.003, 0.0, 0.05, 0.2] {
-                        let offset_m = climb * distance_m;
+                    for slope in [-0.003, 0.0, 0.05, 0.2] {
+                        let offset_m = slope * distance_m;
                         let sight_line = SightLine::new(&air, distance_m, offset_m);
                         let geometry = SourceGeometry {
                             distance_m,

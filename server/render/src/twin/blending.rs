@@ -58,11 +58,11 @@ impl<R: Real, const N: usize> Blend<R, N> {
         let (mut largest, mut brighter) = ([floor; N], [floor; N]);
         for (samples, linear) in radiance_w_m2_sr.iter().zip(linear) {
             for lane in 0..N {
-                largest[lane] = samples[lane].larger(largest[lane]);
+                largest[lane] = samples[lane].maximum(largest[lane]);
             }
             if linear > zero {
                 for lane in 0..N {
-                    brighter[lane] = samples[lane].larger(brighter[lane]);
+                    brighter[lane] = samples[lane].maximum(brighter[lane]);
                 }
             }
         }
@@ -71,13 +71,13 @@ impl<R: Real, const N: usize> Blend<R, N> {
         let (mut low, mut high) = ([zero; N], [R::from(-1e30); N]);
         for ((log_ratio, samples), linear) in log_ratio.iter_mut().zip(radiance_w_m2_sr).zip(linear) {
             for lane in 0..N {
-                let floored = samples[lane].larger(floor).larger(R::from(MIN_PACK_RATIO) * brighter[lane]);
+                let floored = samples[lane].maximum(floor).maximum(R::from(MIN_PACK_RATIO) * brighter[lane]);
                 log_ratio[lane] = (floored / largest[lane]).natural_log();
             }
             if linear > zero {
                 for lane in 0..N {
-                    low[lane] = log_ratio[lane].smaller(low[lane]);
-                    high[lane] = log_ratio[lane].larger(high[lane]);
+                    low[lane] = log_ratio[lane].minimum(low[lane]);
+                    high[lane] = log_ratio[lane].maximum(high[lane]);
                 }
             }
         }
@@ -100,7 +100,7 @@ impl<R: Real, const N: usize> Blend<R, N> {
     #[inline(always)]
     pub fn deviation(&self, lane: usize) -> R {
         let limit = self.max_deviation[lane];
-        (self.cubic[lane] - self.line[lane]).larger(-limit).smaller(limit)
+        (self.cubic[lane] - self.line[lane]).maximum(-limit).minimum(limit)
     }
 
     /// A sample between the packs, before what is at the floor counts as 0.

@@ -22,13 +22,13 @@ pub trait Real:
 
     /// The larger of two numbers. Unlike `max` it says nothing of NaN, so that loops become vectors.
     #[inline(always)]
-    fn larger(self, other: Self) -> Self {
+    fn maximum(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
 
     /// The smaller of two numbers.
     #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
+    fn minimum(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
 }

@@ -13,7 +13,7 @@ use skyglow_tables::curvature::MAX_CURVATURE;
 pub fn lobe_shares<R: Real>(emission: [R; LOBE_COUNT], log_scale: [R; LOBE_COUNT]) -> [R; 4] {
     let zero = R::from(0.0);
     let in_use = |lobe: usize| if emission[lobe] > zero { log_scale[lobe] } else { R::from(-1.0e30) };
-    let largest = in_use(0).larger(in_use(1)).larger(in_use(2));
+    let largest = in_use(0).maximum(in_use(1)).maximum(in_use(2));
     let amount = |lobe: usize| {
         if emission[lobe] > zero { emission[lobe] * (log_scale[lobe] - largest).natural_exp() } else { zero }
     };
@@ -33,7 +33,7 @@ pub fn mixed_curvature<R: Real>(shares: [R; LOBE_COUNT], log_scale: [[R; LOBE_CO
         shares[lobe] * ((below[lobe] - at[lobe]) + (above[lobe] - at[lobe]) + apart * apart)
     };
     let limit = R::from(MAX_CURVATURE as f32);
-    (curved(0) + curved(1) + curved(2)).larger(-limit).smaller(limit)
+    (curved(0) + curved(1) + curved(2)).maximum(-limit).minimum(limit)
 }
 
 /// [`skyglow_tables::curvature::log_scale_between`] of a cell's nodes.

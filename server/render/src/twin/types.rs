@@ -18,8 +18,8 @@ pub(crate) struct Frame {
     pub(crate) pack_count: u32,
     pub(crate) blocked_octet_count: u32,
     pub(crate) blocked_offset_count: u32,
-    pub(crate) bend_node: u32,
-    pub(crate) blocked_bend_node: u32,
+    pub(crate) kink_node: u32,
+    pub(crate) blocked_kink_node: u32,
 }
 
 /// One request of a batch.

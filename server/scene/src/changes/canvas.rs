@@ -151,7 +151,7 @@ impl<'a> Canvas<'a> {
                 codes.len()
             }
             Change::Add { radiance_nw_cm2_sr, lamp, emission } => {
-                let lamps = lamp.map(|to| LampChange { from: None, to, kept: PreservedFlux::DnbFlux });
+                let lamps = lamp.map(|to| LampChange { from: None, to, preserved: PreservedFlux::DnbFlux });
                 let fixture = Fixture { lamps: lamps.into_iter().collect(), emission: *emission };
                 let of = self.fixture(number, fixture)?;
                 let mut lit = 0;

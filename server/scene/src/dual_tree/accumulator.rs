@@ -8,7 +8,7 @@ use super::sources::{Candidate, Cluster, Sources};
 use crate::light_tree::turns_from_light;
 use crate::place_kernel::RingPosition;
 use skyglow_physics::EARTH_RADIUS_M;
-use skyglow_physics::source_pixel::{FARTHEST_SOURCE_M, SPLIT_WITHIN_M};
+use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, SPLIT_WITHIN_M};
 
 /// Largest radius (half-diagonal) of a patch relative to the distance of lights whose sum is interpolated over it.
 const FAR_GROUND_RATIO: f64 = 0.22;
@@ -120,7 +120,7 @@ impl Accumulator<'_> {
             let cluster = self.sources.cluster(candidate);
             let distance_m = EARTH_RADIUS_M * cluster.direction.distance(ground.middle);
             if self.sources.is_removed(candidate)
-                || distance_m - ground.radius_m - cluster.radius_m > FARTHEST_SOURCE_M
+                || distance_m - ground.radius_m - cluster.radius_m > MAX_SOURCE_DISTANCE_M
             {
                 continue;
             }
@@ -131,7 +131,7 @@ impl Accumulator<'_> {
             let is_near = (!ground_is_small || nearest_m - cluster.radius_m < SPLIT_WITHIN_M)
                 && (cluster.radius_m <= 0.5 * ground.radius_m || candidate.level == 0);
             // Lights that only a part of the ground has within 300 km are no smooth sum over all of it.
-            let is_at_the_end = light_is_small && distance_m + ground.radius_m > FARTHEST_SOURCE_M;
+            let is_at_the_end = light_is_small && distance_m + ground.radius_m > MAX_SOURCE_DISTANCE_M;
             if is_near || is_at_the_end {
                 left.push(candidate);
             } else if ground_is_small && light_is_small && !self.sources.is_touched(candidate) {
@@ -151,7 +151,7 @@ impl Accumulator<'_> {
             let cluster = self.sources.cluster(candidate);
             let distance_m = EARTH_RADIUS_M * cluster.direction.distance(ground.middle);
             if self.sources.is_removed(candidate)
-                || distance_m - ground.radius_m - cluster.radius_m > FARTHEST_SOURCE_M
+                || distance_m - ground.radius_m - cluster.radius_m > MAX_SOURCE_DISTANCE_M
             {
                 continue;
             }

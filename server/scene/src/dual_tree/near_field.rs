@@ -6,7 +6,7 @@ use crate::morton;
 use crate::place_kernel::RingPosition;
 use glam::{DVec3, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
-use skyglow_physics::source_pixel::{NEAREST_SOURCE_M, SPLIT_WITHIN_M};
+use skyglow_physics::source_pixel::{MIN_SOURCE_DISTANCE_M, SPLIT_WITHIN_M};
 
 /// The two Gauss–Legendre points of −1..=1 are ± this, 1/√3.
 const GAUSS: f32 = 0.577_350_26;
@@ -107,7 +107,7 @@ impl NearSource {
 /// are small relative to their distance (to 250 m where they are nearer).
 fn mean_over_ground(away_m: Vec3, [east, south]: [Vec3; 2], of_point: &impl Fn(Vec3) -> f32) -> f32 {
     let longest_m2 = 4.0 * east.length_squared().max(south.length_squared());
-    let ratio = (longest_m2 / away_m.length_squared().max(NEAREST_SOURCE_M.powi(2) as f32)).sqrt();
+    let ratio = (longest_m2 / away_m.length_squared().max(MIN_SOURCE_DISTANCE_M.powi(2) as f32)).sqrt();
     if ratio <= 1.0 / 6.0 {
         return of_point(away_m);
     }

@@ -104,10 +104,10 @@ impl<'a> CellCrossing<'a> {
         };
         let (a_m, middle_m, b_m) = (above_m(0.0)?, above_m(0.5)?, above_m(1.0)?);
         let length_m = self.segment.end_m - self.segment.start_m;
-        let bend_m = 2.0 * (a_m + b_m - 2.0 * middle_m);
-        let slope_m = b_m - a_m - bend_m;
+        let curvature_m = 2.0 * (a_m + b_m - 2.0 * middle_m);
+        let slope_m = b_m - a_m - curvature_m;
         let back = self.segment.start_m / length_m;
-        let (p, r) = (a_m - slope_m * back + bend_m * back * back, bend_m / (length_m * length_m));
+        let (p, r) = (a_m - slope_m * back + curvature_m * back * back, curvature_m / (length_m * length_m));
         let t = (p < 0.0 && r < 0.0).then(|| ((p / r).sqrt() - self.segment.start_m) / length_m)?;
         (0.0..1.0).contains(&t).then_some(t)
     }

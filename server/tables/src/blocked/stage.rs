@@ -6,7 +6,7 @@ use crate::{
     checkpoint::Checkpoint,
     clouds::clamped_geometry,
     error::TablesError,
-    fit::{Basis, Projector, check_half_precision, cut_dim_factor, sample_weights},
+    fit::{Basis, Projector, blocked_floor_factor, check_half_precision, sample_weights},
     images::{SourceImages, cloud_over, images_with},
     layout::{IMAGE_COUNT, PIXEL_COUNT, image_index},
     manifest::Scattering,
@@ -151,10 +151,10 @@ fn make_part(
                 _ => images_with(job.atmospheres, &geometry, blocking_deg(angle).to_radians(), &add_later),
             };
             let clamped_offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
-            let dim_factor =
-                cut_dim_factor(job.scattering, clamped_offset_m, distance_m, blocking_deg(angle));
+            let floor_factor =
+                blocked_floor_factor(job.scattering, clamped_offset_m, distance_m, blocking_deg(angle));
             for ((part, open), images) in parts.iter_mut().zip(open).zip(&images) {
-                push_differences(part, job, open, images, dim_factor, observer_m, distance, offset_m)?;
+                push_differences(part, job, open, images, floor_factor, observer_m, distance, offset_m)?;
             }
             last = Some((geometry, images));
         }
@@ -168,7 +168,7 @@ fn push_differences(
     job: &BlockedJob<'_>,
     open: &OpenTables,
     images: &SourceImages,
-    dim_factor: f64,
+    floor_factor: f64,
     observer_m: f64,
     distance: usize,
     offset_m: f64,
@@ -179,7 +179,7 @@ fn push_differences(
         let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
         let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
         // As in the open tables, the green image's weights serve all three bands.
-        let rows = open.projector.project(&sample_weights(shapes[1], dim_factor), &shapes)?;
+        let rows = open.projector.project(&sample_weights(shapes[1], floor_factor), &shapes)?;
         for (band, row) in rows.into_iter().enumerate() {
             let image = image_index(lobe, band);
             let open_log = open_sample(&open.tables, observers, image, distance, offset_m, &mut open_shape);
@@ -221,7 +221,7 @@ fn arrange(axes: &BlockedAxes, parts: &[Vec<Vec<f32>>], turbidity: usize) -> Blo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PrecomputeOptions, Silent, precompute};
+    use crate::{NoProgress, PrecomputeOptions, precompute};
     use skyglow_physics::Turbidity;
 
     /// At the nodes scales are those of the cut images, and higher skylines leave less.
@@ -231,7 +231,7 @@ mod tests {
         let turbidity = Turbidity::new(2.0).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let options = PrecomputeOptions::coarse(turbidity);
-        let path = precompute(&options, folder.path(), &Silent).unwrap();
+        let path = precompute(&options, folder.path(), &NoProgress).unwrap();
         let axes = options.blocked.unwrap();
         let tables = Pack::open(&path).unwrap().resident(&axes.distance_m);
         let blocked = tables.blocked.as_ref().unwrap();
@@ -270,7 +270,7 @@ mod tests {
     fn every_image_of_a_pack_is_where_its_index_says() {
         let folder = tempfile::tempdir().unwrap();
         let options = PrecomputeOptions::coarse(Turbidity::new(2.0).unwrap());
-        let pack = Pack::open(&precompute(&options, folder.path(), &Silent).unwrap()).unwrap();
+        let pack = Pack::open(&precompute(&options, folder.path(), &NoProgress).unwrap()).unwrap();
         // On a pack's own distances nothing is interpolated.
         let (axes, count) = (&pack.manifest().axes, pack.manifest().basis_count);
         let tables = pack.resident(&axes.distance_m);

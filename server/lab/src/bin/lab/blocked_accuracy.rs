@@ -17,7 +17,7 @@ use std::{error::Error, path::PathBuf};
 /// Luminance of the natural sky, cd m⁻².
 const NATURAL_CD_M2: f64 = 1.7e-4;
 /// Largest upward flux of a city, W.
-const LARGEST_FLUX_W: f64 = 1e8;
+const MAX_FLUX_W: f64 = 1e8;
 const DIRECTION_COUNT: usize = 40;
 
 /// One radiance a band, W m⁻² sr⁻¹ per watt.
@@ -116,7 +116,7 @@ pub(crate) fn run(Arguments { pack, sources, nodes }: &Arguments) -> Outcome {
         };
         let (open_field, cut_field) = (open_field?, cut_field?);
         let zenith = luminance_cd_m2(reference(&open_field, 0.0, ELEVATION_COUNT - 1, 64)?);
-        let flux_w = (NATURAL_CD_M2 / zenith).min(LARGEST_FLUX_W);
+        let flux_w = (NATURAL_CD_M2 / zenith).min(MAX_FLUX_W);
         let watts = |bands: Bands| bands.map(|value| value * flux_w);
         let (mut errors, mut open_errors, mut signed) = (Vec::new(), Vec::new(), 0.0);
         for d in 0..DIRECTION_COUNT {

@@ -9,7 +9,7 @@ use skyglow_physics::{
     error_metric::{ErrorStatistics, relative_error},
     hidden_sum::{SkySum, cut_sum, hidden_sum},
     photometry::{luminance_cd_m2, natural_sky_luminance_cd_m2},
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_render::{DeviceChoice, Engine, resident_tables};
 use skyglow_scene::{PolarGrid, Scene};
@@ -17,7 +17,7 @@ use skyglow_tables::{Scattering, packs_in};
 use std::{error::Error, path::PathBuf, time::Instant};
 
 const MAX_LIGHTS: usize = 400;
-const FARTHEST_M: f64 = 80_000.0;
+const MAX_DISTANCE_M: f64 = 80_000.0;
 const DIRECTIONS: usize = 120;
 
 type Bands = [f64; BAND_COUNT];
@@ -64,7 +64,7 @@ fn lights(scene: &Scene, place: GeoPoint) -> Lights {
         let light = place.destination(source.azimuth_rad, source.distance_m);
         scene.blocking_angle_rad(light, source.altitude_m, pixel_m, place)
     };
-    let whole = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
+    let whole = point_sources(place, &scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M));
     if whole.len() <= MAX_LIGHTS {
         let angles_rad = whole.iter().map(angle).collect();
         return Lights {
@@ -74,7 +74,8 @@ fn lights(scene: &Scene, place: GeoPoint) -> Lights {
             angles_rad,
         };
     }
-    let near: Vec<PointSource> = whole.into_iter().filter(|source| source.distance_m < FARTHEST_M).collect();
+    let near: Vec<PointSource> =
+        whole.into_iter().filter(|source| source.distance_m < MAX_DISTANCE_M).collect();
     let sources: Vec<PointSource> = near.iter().copied().step_by(near.len().div_ceil(MAX_LIGHTS)).collect();
     let angles_rad: Vec<f64> = sources.iter().map(angle).collect();
     let behind = |angle_rad: &f64| {

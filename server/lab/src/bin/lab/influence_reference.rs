@@ -8,7 +8,7 @@ use skyglow_physics::{
     SkyCurve,
     direct_sum::{direct_sum, grid_direction},
     panorama::solid_angle_sr,
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use std::{error::Error, time::Instant};
 
@@ -54,7 +54,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
     let (_, _, zenith) = &maps[0];
     let chosen = draw(zenith.influence(), *count);
     let scene = asked.open()?;
-    let pixels = scene.source_pixels_within(place, FARTHEST_SOURCE_M);
+    let pixels = scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M);
     if pixels.len() != zenith.pixels().len() {
         return Err("the maps hold other pixels than the scene".into());
     }

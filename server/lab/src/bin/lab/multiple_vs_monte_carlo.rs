@@ -247,7 +247,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             );
         }
         if arguments.speed {
-            tell_speed(&field, arguments.observer_m)?;
+            report_speed(&field, arguments.observer_m)?;
         }
         let setup = Setup {
             arguments,
@@ -375,7 +375,7 @@ impl Setup<'_> {
                             100.0 * noise
                         );
                         if let (true, Some(traced)) = (self.arguments.orders, &traced) {
-                            tell_orders(traced, f, first[b][f]);
+                            report_orders(traced, f, first[b][f]);
                         }
                         let turbidity = self.turbidity;
                         let (name, reach) =
@@ -396,7 +396,7 @@ impl Setup<'_> {
 }
 
 /// The tracer's orders of one lobe, and its first beside that by quadrature.
-fn tell_orders(traced: &Estimate, lobe: usize, first: f64) {
+fn report_orders(traced: &Estimate, lobe: usize, first: f64) {
     println!(
         "#   first order of the tracer: {:+.2} %",
         100.0 * (traced.by_order_per_m2_sr[0][lobe] / first - 1.0)
@@ -407,7 +407,7 @@ fn tell_orders(traced: &Estimate, lobe: usize, first: f64) {
 }
 
 /// Times rows and rays.
-fn tell_speed(field: &SourceField, observer_altitude_m: f64) -> Result<(), Box<dyn Error>> {
+fn report_speed(field: &SourceField, observer_altitude_m: f64) -> Result<(), Box<dyn Error>> {
     let (rows, rays) = (16, 4_000);
     let (mut row_s, mut ray_s, mut sum) = (0.0, 0.0, 0.0);
     for row in 0..rows {

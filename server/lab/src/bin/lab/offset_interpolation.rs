@@ -152,7 +152,7 @@ fn judge(observer_m: f64, distance_m: f64, axes: &TableAxes, air: Atmosphere, mu
         for lobe in 0..2 {
             let counted: Vec<(f64, f64)> = tried
                 .iter()
-                .filter(|(offset_m, _)| what < 2 || *offset_m <= axis.bend_m)
+                .filter(|(offset_m, _)| what < 2 || *offset_m <= axis.kink_m)
                 .map(|(offset_m, errors)| (*offset_m, errors[lobe][what]))
                 .collect();
             let mean = counted.iter().map(|(_, error)| error.abs()).sum::<f64>() / counted.len() as f64;

@@ -10,7 +10,7 @@ use skyglow_lab::{
 use skyglow_physics::{
     GeoPoint, PointSource, Turbidity,
     direct_sum::stratified_samples,
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_scene::Scene;
 use std::path::PathBuf;
@@ -77,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 
 /// The sources of a place, merged, and their flux [DNB W].
 fn sources_at(scene: &Scene, place: GeoPoint, share: f64) -> (Vec<PointSource>, f64) {
-    let every = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
+    let every = point_sources(place, &scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M));
     let flux_dnb_w = every.iter().map(|source| source.flux_dnb_w).sum();
     let sources = if share > 0.0 { merged(&every, share) } else { every };
     (sources, flux_dnb_w)

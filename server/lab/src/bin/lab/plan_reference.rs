@@ -8,7 +8,7 @@ use skyglow_physics::{
     direct_sum::{direct_sum, grid_direction},
     multiple_scattering::MultipleSum,
     panorama::{elevation_rad, solid_angle_sr},
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_scene::Scene;
 use std::{collections::HashMap, error::Error, time::Instant};
@@ -91,7 +91,7 @@ pub(crate) fn run(Arguments { place: asked, reduce_by }: &Arguments) -> Outcome 
     let mut values = Vec::new();
     for is_dimmed in [false, true] {
         let start = Instant::now();
-        let mut pixels = scene.source_pixels_within(place, FARTHEST_SOURCE_M);
+        let mut pixels = scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M);
         for pixel in pixels.iter_mut().filter(|_| is_dimmed) {
             let (column, row) = scene
                 .column_and_row_at(GeoPoint::from_vector(pixel.center()))

@@ -5,7 +5,7 @@ use skyglow_lab::{lobe_reference::seven_digits, places::places};
 use skyglow_physics::{
     Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_scene::Scene;
 use std::{error::Error, path::PathBuf, time::Instant};
@@ -72,7 +72,7 @@ fn reference<const SLOTS: usize>(turbidities: &[f64], arguments: &Arguments) -> 
         }
         let start = Instant::now();
         let observer_altitude_m = scene.ground(place).altitude_m() + 2.0;
-        let pixels = scene.source_pixels_within(place, FARTHEST_SOURCE_M);
+        let pixels = scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M);
         let sources = point_sources(place, &pixels);
         let view: Vec<_> = samples.iter().map(|&sample| grid_direction(sample)).collect();
         let radiance: Vec<[f64; SLOTS]> = direct_sum(

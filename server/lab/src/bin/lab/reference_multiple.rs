@@ -6,7 +6,7 @@ use skyglow_physics::{
     GeoPoint, LampPreset, Turbidity,
     direct_sum::grid_direction,
     multiple_scattering::DEFAULT_GROUND_ALBEDO,
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_scene::{SceneId, SceneStore};
 use std::{path::PathBuf, time::Instant};
@@ -42,7 +42,7 @@ pub(crate) fn run(Arguments { data, turbidities: wanted, out, files }: &Argument
         let observer_altitude_m = number("observer_altitude_m")?;
         let id = json["scene"].as_str().ok_or("scene is missing")?;
         let scene = store.open(&SceneId::parse(id)?)?;
-        let sources = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
+        let sources = point_sources(place, &scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M));
         let samples: Vec<(usize, usize)> = serde_json::from_value(json["samples"].clone())?;
         let directions: Vec<_> = samples.iter().map(|&sample| grid_direction(sample)).collect();
         let first: Vec<Vec<f64>> = serde_json::from_value(json["radiance"].clone())?;

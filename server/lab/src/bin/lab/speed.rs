@@ -5,7 +5,7 @@ use skyglow_lab::setup::{clear_sky, engine_of};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, EmissionMix, LampPreset,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
-    source_pixel::{FARTHEST_SOURCE_M, point_sources},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
 use skyglow_render::{DeviceChoice, RenderError, resident_tables};
 use skyglow_tables::{Scattering, packs_in};
@@ -33,7 +33,7 @@ pub(crate) fn run(Arguments { place: asked }: &Arguments) -> Outcome {
     let start = Instant::now();
     let polar = Arc::new(scene.polar_grid(place, false));
     println!("polar grid: {:.1} ms, {} lit cells", 1e3 * start.elapsed().as_secs_f64(), polar.cells.len());
-    let mut fastest_s = f64::INFINITY;
+    let mut best_time_s = f64::INFINITY;
     for device in [DeviceChoice::Gpu, DeviceChoice::Lavapipe, DeviceChoice::Cpu] {
         let started = engine_of(tables.clone(), device);
         if let Err(RenderError::NoAdapter { .. }) = started {
@@ -55,10 +55,10 @@ pub(crate) fn run(Arguments { place: asked }: &Arguments) -> Outcome {
             print!(" {} {:.2}", pass.name, pass.microseconds / 1e3);
         }
         println!();
-        fastest_s = fastest_s.min(*median_s);
+        best_time_s = best_time_s.min(*median_s);
     }
 
-    let sources = point_sources(place, &scene.source_pixels_within(place, FARTHEST_SOURCE_M));
+    let sources = point_sources(place, &scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M));
     let directions: Vec<_> = stratified_samples(DIRECTIONS).into_iter().map(grid_direction).collect();
     let start = Instant::now();
     let sum: Vec<[f64; 3]> = direct_sum(
@@ -78,7 +78,7 @@ pub(crate) fn run(Arguments { place: asked }: &Arguments) -> Outcome {
         sources.len(),
         sum.len(),
         whole_s / 3600.0,
-        whole_s / fastest_s
+        whole_s / best_time_s
     );
     Ok(())
 }

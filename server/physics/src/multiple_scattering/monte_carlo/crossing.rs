@@ -1,4 +1,4 @@
-//! Where a flight of light crosses the surface that a view ray sweeps out about the source's vertical.
+//! Where a photon path crosses the surface that a view ray sweeps out about the source's vertical.
 
 use super::super::{
     optics::{SlantPath, optical_depths},
@@ -66,11 +66,11 @@ impl BaseRing {
     }
 }
 
-/// A flight crossing the surface.
+/// A photon path crossing the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
-    /// Path from the flight's start, metres.
-    pub(super) flight_m: f64,
+    /// Path from the photon path's start, metres.
+    pub(super) photon_m: f64,
     /// Path from the observer, metres.
     pub(super) view_m: f64,
     /// Cosine of the angle by which light turns here towards the observer.
@@ -107,7 +107,7 @@ impl Ray {
         ring.map_or(0.0, |ring| ring.radiance_per_w)
     }
 
-    /// Where a flight of length `end_m` from `start` along the unit vector `direction` crosses the surface.
+    /// Where a photon path of length `end_m` from `start` along the unit vector `direction` crosses the surface.
     pub(super) fn crossings(&self, start: DVec3, direction: DVec3, end_m: f64) -> [Option<Crossing>; 2] {
         let (x, w, o, v) = (start, direction, self.observer, self.view);
         if v.z.abs() < 1e-4 {
@@ -131,8 +131,8 @@ impl Ray {
         })
     }
 
-    fn crossing(&self, start: DVec3, direction: DVec3, flight_m: f64, view_m: f64) -> Option<Crossing> {
-        let (here, there) = (start + direction * flight_m, self.observer + self.view * view_m);
+    fn crossing(&self, start: DVec3, direction: DVec3, photon_m: f64, view_m: f64) -> Option<Crossing> {
+        let (here, there) = (start + direction * photon_m, self.observer + self.view * view_m);
         let rho = here.x.hypot(here.y);
         if rho < 1e-6 {
             return None;
@@ -144,6 +144,6 @@ impl Ray {
         let view = DVec3::new(across.x, across.y, self.view.z);
         let tangent = DVec3::new(-around.y, around.x, 0.0);
         let facing_m = rho * direction.dot(view.cross(tangent)).abs().max(1e-12);
-        Some(Crossing { flight_m, view_m, cos_gamma: -direction.dot(view), facing_m })
+        Some(Crossing { photon_m, view_m, cos_gamma: -direction.dot(view), facing_m })
     }
 }

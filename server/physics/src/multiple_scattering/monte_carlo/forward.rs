@@ -1,16 +1,16 @@
 //! Forward Monte Carlo with expected-value scoring: paths from the source, counted where they cross view rays.
 //!
 //! A view ray turned about the source's vertical sweeps out a hyperboloid; all its copies see the same sky. By
-//! that symmetry the radiance of the ray is, over all crossings of flights with the surface,
+//! that symmetry the radiance of the ray is, over all crossings of photon paths with the surface,
 //!
 //!   L = (1/2π) Σ w·e^{−τ(X,P)}·Σβp(γ)·e^{−τ(P,O)} / (ρ·|ω·(v × φ̂)|)
 //!
-//! with w the flight's weight and ω its direction, ρ the distance of the crossing P from the vertical, v the
+//! with w the photon path's weight and ω its direction, ρ the distance of the crossing P from the vertical, v the
 //! copy of the view direction through P and φ̂ the horizontal around the vertical: ρ·|v × φ̂| du dφ is the
-//! element of the surface, and |ω·n| what of it a flight sees. Flights are counted along their whole length,
+//! element of the surface, and |ω·n| what of it a photon path sees. Photon paths are counted along their whole length,
 //! whether or not the light is scattered before.
 //!
-//! Under a cloud the flights that arrive at the base are counted too, in a narrow ring about the source's vertical
+//! Under a cloud the photon paths that arrive at the base are counted too, in a narrow ring about the source's vertical
 //! through the point where the view ray meets the base: E = Σ w·e^{−τ}/ring's area, L = E·A/π·e^{−τ(P,O)}.
 
 use super::{
@@ -34,9 +34,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Top of the atmosphere for flights, metres.
+/// Top of the atmosphere for photon paths, metres.
 const TOP_ALTITUDE_M: f64 = 100_000.0;
-/// Russian roulette: flights of a smaller weight survive by chance only.
+/// Russian roulette: photon paths of a smaller weight survive by chance only.
 const MIN_WEIGHT: f64 = 0.05;
 /// Paths of one random stream; streams are summed in order, whatever thread ran them.
 const STREAM_PATHS: u64 = 4_096;
@@ -51,8 +51,8 @@ pub struct ForwardTracer {
     lamp_radius_m: f64,
 }
 
-/// A flight of light: start, direction, weight per lobe, and how often it was scattered before.
-struct Flight {
+/// A photon path at its last event: place, direction, weight per lobe, and how often it was scattered before.
+struct PhotonPath {
     start: DVec3,
     direction: DVec3,
     weight: [f64; LOBE_COUNT],
@@ -146,7 +146,7 @@ impl ForwardTracer {
         let (sine, cosine) = psi.sin_cos();
         let density = 0.5 / (FRAC_PI_2 * TAU * sine.max(1e-12)) + 0.5 * cosine / (0.5 * TAU);
         let (turn_y, turn_x) = (TAU * random.unit()).sin_cos();
-        let mut flight = Flight {
+        let mut photon = PhotonPath {
             start: self.start(random),
             direction: DVec3::new(sine * turn_x, sine * turn_y, cosine),
             weight: if cosine > sin_blocking(self.setting.blocking_rad) {
@@ -158,25 +158,25 @@ impl ForwardTracer {
         };
         let center = DVec3::new(0.0, 0.0, -EARTH_RADIUS_M - self.setting.source_altitude_m);
         loop {
-            let from_center = flight.start - center;
+            let from_center = photon.start - center;
             let radius = from_center.length();
-            let path = SlantPath::new(radius - EARTH_RADIUS_M, flight.direction.dot(from_center) / radius);
+            let path = SlantPath::new(radius - EARTH_RADIUS_M, photon.direction.dot(from_center) / radius);
             let ground_m = path.path_down_to_m(self.setting.ground_altitude_m);
             let cloud = self.setting.atmosphere.cloud();
             let top_m = cloud.map_or(TOP_ALTITUDE_M, CloudBase::altitude_m);
             let end_m = ground_m.unwrap_or_else(|| path.path_up_to_m(top_m));
             for (index, ray) in rays.iter().enumerate() {
-                self.catch(ray, &flight, &path, end_m, &mut tallies[index], &mut caught[index]);
+                self.catch(ray, &photon, &path, end_m, &mut tallies[index], &mut caught[index]);
             }
             let depth_at =
                 |u: f64| optical_depths(&self.setting.atmosphere, path.point(u).columns_m)[self.band];
             let (drawn, whole) = (-random.unit().ln(), depth_at(end_m));
             let at_base = cloud.filter(|_| ground_m.is_none());
             if at_base.is_some() {
-                let arrival = flight.start + flight.direction * end_m;
+                let arrival = photon.start + photon.direction * end_m;
                 for (index, ray) in rays.iter().enumerate() {
                     let reflected_per_w = ray.base_radiance_per_w(arrival) * (-whole).exp();
-                    Self::count(&flight, reflected_per_w, &mut tallies[index], &mut caught[index]);
+                    Self::count(&photon, reflected_per_w, &mut tallies[index], &mut caught[index]);
                 }
             }
             if drawn >= whole {
@@ -185,43 +185,43 @@ impl ForwardTracer {
                     (None, Some(cloud)) => (-1.0, cloud.albedo()),
                     (None, None) => return,
                 };
-                flight.start += flight.direction * end_m;
-                let normal = (flight.start - center).normalize() * side;
+                photon.start += photon.direction * end_m;
+                let normal = (photon.start - center).normalize() * side;
                 // Off the surface, lest rounding puts the start behind it.
-                flight.start += normal * 1e-4;
-                flight.direction = lambertian_direction(normal, random);
-                flight.weight = flight.weight.map(|w| w * albedo);
+                photon.start += normal * 1e-4;
+                photon.direction = lambertian_direction(normal, random);
+                photon.weight = photon.weight.map(|w| w * albedo);
             } else {
                 let path_m = path_of_depth_m(drawn, whole, end_m, depth_at);
                 let density = path.point(path_m).density;
                 let (m, a) = (self.molecules_per_m * density[0], self.aerosol_per_m * density[1]);
-                flight.start += flight.direction * path_m;
-                flight.direction = scattered_direction(flight.direction, [m, AEROSOL_ALBEDO * a], random);
-                flight.weight = flight.weight.map(|w| w * (m + AEROSOL_ALBEDO * a) / (m + a));
+                photon.start += photon.direction * path_m;
+                photon.direction = scattered_direction(photon.direction, [m, AEROSOL_ALBEDO * a], random);
+                photon.weight = photon.weight.map(|w| w * (m + AEROSOL_ALBEDO * a) / (m + a));
             }
-            flight.order += 1;
-            let most = flight.weight.iter().fold(0.0f64, |a, &b| a.max(b));
+            photon.order += 1;
+            let most = photon.weight.iter().fold(0.0f64, |a, &b| a.max(b));
             if most < MIN_WEIGHT {
                 if random.unit() * MIN_WEIGHT >= most {
                     return;
                 }
-                flight.weight = flight.weight.map(|w| w * MIN_WEIGHT / most);
+                photon.weight = photon.weight.map(|w| w * MIN_WEIGHT / most);
             }
         }
     }
 
-    /// Counts where a flight crosses the surface that a view ray sweeps out.
+    /// Counts where a photon path crosses the surface that a view ray sweeps out.
     fn catch(
         &self,
         ray: &Ray,
-        flight: &Flight,
+        photon: &PhotonPath,
         path: &SlantPath,
         end_m: f64,
         tally: &mut Tally,
         caught: &mut [f64; LOBE_COUNT],
     ) {
-        for crossing in ray.crossings(flight.start, flight.direction, end_m).into_iter().flatten() {
-            let point = path.point(crossing.flight_m);
+        for crossing in ray.crossings(photon.start, photon.direction, end_m).into_iter().flatten() {
+            let point = path.point(crossing.photon_m);
             let seen = ray.path.point(crossing.view_m);
             let columns_m = [point.columns_m[0] + seen.columns_m[0], point.columns_m[1] + seen.columns_m[1]];
             let through = (-optical_depths(&self.setting.atmosphere, columns_m)[self.band]).exp();
@@ -230,19 +230,19 @@ impl ForwardTracer {
                 AEROSOL_ALBEDO * self.aerosol_per_m * point.density[1],
             ];
             let value = through * mixed_phase(scatterers, crossing.cos_gamma) / (TAU * crossing.facing_m);
-            Self::count(flight, value, tally, caught);
+            Self::count(photon, value, tally, caught);
         }
     }
 
-    /// Counts light of a flight that continues to the observer, `per_weight` of it.
-    fn count(flight: &Flight, per_weight: f64, tally: &mut Tally, caught: &mut [f64; LOBE_COUNT]) {
+    /// Counts light of a photon path that continues to the observer, `per_weight` of it.
+    fn count(photon: &PhotonPath, per_weight: f64, tally: &mut Tally, caught: &mut [f64; LOBE_COUNT]) {
         if per_weight <= 0.0 {
             return;
         }
         for lobe in 0..LOBE_COUNT {
-            let value = per_weight * flight.weight[lobe];
-            tally[flight.order.min(SEPARATE_ORDERS - 1)][lobe] += value;
-            if flight.order > 0 {
+            let value = per_weight * photon.weight[lobe];
+            tally[photon.order.min(SEPARATE_ORDERS - 1)][lobe] += value;
+            if photon.order > 0 {
                 caught[lobe] += value;
             }
         }

@@ -8,7 +8,7 @@ use crate::{
     error::PhysicsError,
     interpolation::Stencil,
     single_source::RadiancePerWatt,
-    source_pixel::{FARTHEST_SOURCE_M, NEAREST_SOURCE_M, PointSource},
+    source_pixel::{MAX_SOURCE_DISTANCE_M, MIN_SOURCE_DISTANCE_M, PointSource},
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -29,10 +29,10 @@ pub(super) struct SampleAxes {
 
 impl SampleAxes {
     pub(super) fn new(density: &SumDensity) -> Self {
-        let ratio = FARTHEST_SOURCE_M / NEAREST_SOURCE_M;
+        let ratio = MAX_SOURCE_DISTANCE_M / MIN_SOURCE_DISTANCE_M;
         let share = |k: usize, count: usize| k as f64 / (count - 1) as f64;
         let distance_m: Vec<f64> = (0..density.distances)
-            .map(|k| NEAREST_SOURCE_M * ratio.powf(share(k, density.distances)))
+            .map(|k| MIN_SOURCE_DISTANCE_M * ratio.powf(share(k, density.distances)))
             .collect();
         let azimuth_rad =
             (0..density.azimuths).map(|k| PI * share(k, density.azimuths).powf(AZIMUTH_CROWDING)).collect();

@@ -1,4 +1,4 @@
-//! Circles of imports between the files of a crate: the strongly connected components of its import graph.
+//! Import cycles between the files of a crate: the strongly connected components of its import graph.
 //!
 //! An edge goes from a file to the file that defines what it names: by `use`, by a path in its code, within macros too.
 //! Names are followed through re-exports to their definition, so importing `crate::Panorama` points to `panorama.rs`, not
@@ -12,30 +12,30 @@ use crate::{
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Groups of files that import each other, of each crate among `files` (`…/src/lib.rs` or `…/src/main.rs` with the files
-/// beside and below), by the folder of its root file. Crates without circles have an empty list.
+/// beside and below), by the folder of its root file. Crates without cycles have an empty list.
 ///
 /// # Panics
 /// Where a file is not Rust.
-pub fn circles(files: &[SourceFile]) -> BTreeMap<String, Vec<Vec<String>>> {
+pub fn cycles(files: &[SourceFile]) -> BTreeMap<String, Vec<Vec<String>>> {
     let is_root = |file: &&SourceFile| ["/lib.rs", "/main.rs"].iter().any(|end| file.path.ends_with(end));
     let folder_of = |file: &SourceFile| file.path[..file.path.rfind('/').unwrap_or(0)].to_owned();
     let crates: BTreeSet<String> = files.iter().filter(is_root).map(folder_of).collect();
-    crates.into_iter().map(|folder| (folder.clone(), circles_of(&folder, files))).collect()
+    crates.into_iter().map(|folder| (folder.clone(), cycles_of(&folder, files))).collect()
 }
 
 /// What goes beyond the number of groups that a crate may have, each as one line; 0 for crates that are not listed.
 pub fn violations(files: &[SourceFile], allowed: &[(&str, usize)]) -> Vec<String> {
     let mut found = Vec::new();
-    for (folder, groups) in circles(files) {
+    for (folder, groups) in cycles(files) {
         let limit = allowed.iter().find(|(name, _)| *name == folder).map_or(0, |(_, limit)| *limit);
         if groups.len() > limit {
-            found.push(format!("{folder}: {} circles, {limit} allowed: {groups:?}", groups.len()));
+            found.push(format!("{folder}: {} cycles, {limit} allowed: {groups:?}", groups.len()));
         }
     }
     found
 }
 
-fn circles_of(folder: &str, files: &[SourceFile]) -> Vec<Vec<String>> {
+fn cycles_of(folder: &str, files: &[SourceFile]) -> Vec<Vec<String>> {
     let prefix = format!("{folder}/");
     let modules: Vec<Module> = files
         .iter()
@@ -105,10 +105,10 @@ fn components(edges: &BTreeMap<&str, BTreeSet<&str>>) -> Vec<Vec<String>> {
         seen
     };
     let reach: BTreeMap<&str, BTreeSet<&str>> = edges.keys().map(|&node| (node, reached(node))).collect();
-    let circle_of = |node: &str| -> Vec<String> {
+    let cycle_of = |node: &str| -> Vec<String> {
         let mutual = |other: &&&str| reach[**other].contains(node);
         reach[node].iter().filter(mutual).map(|&other| other.to_owned()).collect()
     };
-    let circles: BTreeSet<Vec<String>> = edges.keys().map(|node| circle_of(node)).collect();
-    circles.into_iter().filter(|circle| circle.len() > 1).collect()
+    let cycles: BTreeSet<Vec<String>> = edges.keys().map(|node| cycle_of(node)).collect();
+    cycles.into_iter().filter(|cycle| cycle.len() > 1).collect()
 }

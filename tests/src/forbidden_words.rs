@@ -4,7 +4,7 @@ use crate::tree::SourceFile;
 
 /// A word and where it must not be written.
 #[derive(Clone, Copy, Debug)]
-pub struct Absence {
+pub struct ForbiddenWord {
     /// The word, matched literally.
     pub word: &'static str,
     /// Files that are looked at: their path starts with one of these.
@@ -19,39 +19,39 @@ pub struct Absence {
 const WGSL_IN_TESTS: &[&str] =
     &["server/render/src/gpu/twin_tests.rs", "server/render/src/gpu/shader_tests.rs"];
 
-/// The absences of ARCHITECTURE.md that are words in Rust or WGSL files.
-pub const ABSENCES: &[Absence] = &[
-    Absence {
+/// What ARCHITECTURE.md forbids, as words in Rust or WGSL files.
+pub const FORBIDDEN_WORDS: &[ForbiddenWord] = &[
+    ForbiddenWord {
         word: "@compute",
         within: &["server/"],
         except: WGSL_IN_TESTS,
         reason: "WGSL text lives in shaders/, where it is validated and has its Rust twin",
     },
-    Absence {
+    ForbiddenWord {
         word: "@group(",
         within: &["server/", "shaders/lib/"],
         except: WGSL_IN_TESTS,
         reason: "bindings live in shaders/passes/",
     },
-    Absence {
+    ForbiddenWord {
         word: "wgpu::",
         within: &["server/"],
         except: &["server/render/"],
         reason: "only render names the device",
     },
-    Absence {
+    ForbiddenWord {
         word: "StatusCode",
         within: &["server/"],
         except: &["server/http/"],
         reason: "only http knows status codes",
     },
-    Absence {
+    ForbiddenWord {
         word: "axum::",
         within: &["server/"],
         except: &["server/http/"],
         reason: "only http names its framework",
     },
-    Absence {
+    ForbiddenWord {
         word: "skyglow_http",
         within: &["server/cli/src/"],
         except: &[
@@ -62,20 +62,20 @@ pub const ABSENCES: &[Absence] = &[
         ],
         reason: "commands other than serve and config answer without the interface",
     },
-    Absence {
+    ForbiddenWord {
         word: "gdal::",
         within: &["server/"],
         except: &["server/scene/", "server/observatory/tests/"],
         reason: "only scene reads rasters (tests may write some)",
     },
-    Absence {
+    ForbiddenWord {
         word: "std::fs",
         within: &["server/physics/src/"],
         except: &[],
         reason: "physics has no input or output",
     },
-    Absence { word: "static mut", within: &["server/"], except: &[], reason: "no global state" },
-    Absence {
+    ForbiddenWord { word: "static mut", within: &["server/"], except: &[], reason: "no global state" },
+    ForbiddenWord {
         word: "std::env",
         within: &["server/physics/src/", "server/display/src/"],
         except: &[],
@@ -83,20 +83,20 @@ pub const ABSENCES: &[Absence] = &[
     },
 ];
 
-/// Where `absences` do not hold: path, line and reason.
-pub fn violations(files: &[SourceFile], absences: &[Absence]) -> Vec<String> {
+/// Where they occur all the same: path, line and reason.
+pub fn violations(files: &[SourceFile], forbidden_words: &[ForbiddenWord]) -> Vec<String> {
     let mut found = Vec::new();
-    for absence in absences {
+    for forbidden in forbidden_words {
         let starts = |file: &SourceFile, list: &[&str]| list.iter().any(|start| file.path.starts_with(start));
-        for file in files.iter().filter(|f| starts(f, absence.within) && !starts(f, absence.except)) {
+        for file in files.iter().filter(|f| starts(f, forbidden.within) && !starts(f, forbidden.except)) {
             for (index, line) in file.text.lines().enumerate() {
-                if line.contains(absence.word) {
+                if line.contains(forbidden.word) {
                     found.push(format!(
                         "{}:{}: {:?}: {}",
                         file.path,
                         index + 1,
-                        absence.word,
-                        absence.reason
+                        forbidden.word,
+                        forbidden.reason
                     ));
                 }
             }

@@ -4,8 +4,8 @@
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// The arrows, as drawn in ARCHITECTURE.md.
-const ARROWS: &[(&str, &[&str])] = &[
+/// The layering of crates, as drawn in ARCHITECTURE.md.
+const LAYERING: &[(&str, &[&str])] = &[
     ("skyglow-physics", &[]),
     ("skyglow-tables", &["skyglow-physics"]),
     ("skyglow-scene", &["skyglow-physics"]),
@@ -84,9 +84,9 @@ pub fn workspace_dependencies() -> Dependencies {
         .collect()
 }
 
-/// Everything below `package` along the arrows.
+/// Everything below `package` along the layering.
 fn below(package: &str) -> Vec<&'static str> {
-    let direct = ARROWS.iter().find(|(from, _)| *from == package).map_or(&[][..], |(_, to)| to);
+    let direct = LAYERING.iter().find(|(from, _)| *from == package).map_or(&[][..], |(_, to)| to);
     let mut all = direct.to_vec();
     for next in direct {
         all.extend(below(next));
@@ -94,17 +94,17 @@ fn below(package: &str) -> Vec<&'static str> {
     all
 }
 
-/// What breaks the arrows or lives outside its home.
+/// What breaks the layering or lives outside its home.
 pub fn violations(dependencies: &Dependencies) -> Vec<String> {
     let mut found = Vec::new();
     for (package, wanted) in dependencies {
         let crosses_crates = package == "skyglow-tests";
-        if !crosses_crates && !ARROWS.iter().any(|(known, _)| known == package) {
-            found.push(format!("{package} has no place in the arrows"));
+        if !crosses_crates && !LAYERING.iter().any(|(known, _)| known == package) {
+            found.push(format!("{package} has no place in the layering"));
         }
         let allowed = below(package);
         for Dependency { name: dependency, for_tests } in wanted {
-            let ours = ARROWS.iter().any(|(known, _)| known == dependency);
+            let ours = LAYERING.iter().any(|(known, _)| known == dependency);
             if ours && !crosses_crates && dependency != package && !allowed.contains(&dependency.as_str()) {
                 found.push(format!("{package} must not use {dependency}"));
             }
@@ -117,7 +117,7 @@ pub fn violations(dependencies: &Dependencies) -> Vec<String> {
             }
         }
     }
-    for (package, _) in ARROWS {
+    for (package, _) in LAYERING {
         if !dependencies.contains_key(*package) {
             found.push(format!("{package} is missing from the workspace"));
         }
