@@ -59,9 +59,16 @@ edits = ScenarioBody.from_dict({"edits": [{"brush": brush, "factor": 0.5}]})
 scenario = call(by_id["post_scenario"], scene=scene, body=edits).parsed.id
 cut = {"lat": place.latitude_deg, "lon": place.longitude_deg, "reduce_by": 0.2}
 plan = call(by_id["post_plan"], scene=scene, body=PlanBody.from_dict({"method": "target", "sites": [cut]})).parsed.id
+job = client.get_httpx_client().post(
+    f"/api/v1/scenes/{scene}/plans",
+    headers={"Prefer": "respond-async"},
+    json={"method": "target", "sites": [cut]},
+).json()["id"]
+while call(by_id["get_job"], job=job).parsed.state in ("queued", "running"):
+    time.sleep(0.2)
 region = InfluenceBody.from_dict({"region": [[0, 20], [90, 20], [45, 60]]})
 
-given = {**sites, "plan": plan, "scenario": scenario, "kind": "busy", "z": 7, "x": 67, "y": "45"}
+given = {**sites, "plan": plan, "job": job, "scenario": scenario, "kind": "busy", "z": 7, "x": 67, "y": "45"}
 count = 0
 for path, operation in operations(("get",)):
     arguments = dict(given)

@@ -11,7 +11,7 @@ use crate::{
 };
 use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, MAX_PLACES, Observatory,
-    ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyRequest,
+    ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyRequest, Watch,
 };
 use skyglow_render::{EngineStats, PackKind, ResidentKind};
 use skyglow_scene::{
@@ -164,8 +164,13 @@ impl SkySource for ObservatorySource {
         self.observatory.view(id, scenario).map_err(AppError::in_scenario)
     }
 
-    fn influence(&self, request: &InfluenceRequest, view: &SceneView) -> Result<InfluenceMap, AppError> {
-        let map = self.observatory.influence_in(view, request);
+    fn influence(
+        &self,
+        request: &InfluenceRequest,
+        view: &SceneView,
+        watch: &Watch<'_>,
+    ) -> Result<InfluenceMap, AppError> {
+        let map = self.observatory.influence_in(view, request, watch);
         map.map_err(|error| AppError::of_sky(error, &request.sky))
     }
 
@@ -186,8 +191,13 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.scenario(id)?)
     }
 
-    fn plan(&self, request: &PlanRequest, view: &SceneView) -> Result<PlanOutcome, AppError> {
-        self.observatory.plan_in(view, request).map_err(|error| match request.sites().as_slice() {
+    fn plan(
+        &self,
+        request: &PlanRequest,
+        view: &SceneView,
+        watch: &Watch<'_>,
+    ) -> Result<PlanOutcome, AppError> {
+        self.observatory.plan_in(view, request, watch).map_err(|error| match request.sites().as_slice() {
             [site] => AppError::of_sky(error, &site.sky),
             _ => error.into(),
         })

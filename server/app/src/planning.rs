@@ -8,7 +8,7 @@ use crate::{
     request::PlanStoreRequest,
     source::SkySource,
 };
-use skyglow_observatory::{InfluenceRequest, SceneView};
+use skyglow_observatory::{InfluenceRequest, SceneView, Watch};
 use skyglow_scene::{ChangeId, Posting, Scene, StoredPlan};
 use std::sync::Arc;
 
@@ -66,6 +66,7 @@ pub fn prepare_plan(source: &dyn SkySource, request: &PlanStoreRequest) -> Resul
 ///
 /// * `view`: of the scene that is dimmed, changes of its scenario included.
 /// * `posting`: how it is stored, and whose it then is.
+/// * `watch`: as in [`SkySource::plan`].
 ///
 /// # Errors
 /// As [`SkySource::plan`] and [`SkySource::store_plan`].
@@ -74,6 +75,7 @@ pub fn make_plan(
     request: &PlanStoreRequest,
     view: &SceneView,
     posting: &Posting,
+    watch: &Watch<'_>,
 ) -> Result<(PlanRecord, bool), AppError> {
     if request.store
         && let Some(base) = &request.scenario
@@ -84,7 +86,7 @@ pub fn make_plan(
     let is_new = match source.plan_by_id(&id) {
         Ok(_) if !request.store || source.is_stored(&id) && !posting.pinned => false,
         known => {
-            let plan = known.map_or_else(|_| new_plan(source, request, view), |(held, _)| Ok(held))?;
+            let plan = known.map_or_else(|_| new_plan(source, request, view, watch), |(held, _)| Ok(held))?;
             if request.store {
                 source.store_plan(&id, &plan, posting)?
             } else {
@@ -101,8 +103,9 @@ fn new_plan(
     source: &dyn SkySource,
     request: &PlanStoreRequest,
     view: &SceneView,
+    watch: &Watch<'_>,
 ) -> Result<StoredPlan, AppError> {
-    let outcome = source.plan(&request.request, view)?;
+    let outcome = source.plan(&request.request, view, watch)?;
     let facts = plan_facts(&request.request, &outcome, source.facts());
     Ok(StoredPlan {
         scene: request.scene.clone(),

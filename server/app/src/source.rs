@@ -9,7 +9,7 @@ use crate::{
 };
 use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, ObservatoryError, PlanOutcome,
-    PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest,
+    PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest, Watch,
 };
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;
@@ -84,11 +84,17 @@ pub trait SkySource: Send + Sync + 'static {
     ) -> Result<RasterTile, AppError> {
         Ok(view.scene().tile(layer, z, x, y, size_px).map_err(ObservatoryError::from)?)
     }
-    /// Finds what each light does to a sky; takes up to a second of all cores.
+    /// Finds what each light does to a sky; takes up to a second of all cores. `watch` is told how far it is, and may end it.
     ///
     /// # Errors
-    /// As [`Self::site`], an altitude out of range, and a region without a visible direction.
-    fn influence(&self, request: &InfluenceRequest, view: &SceneView) -> Result<InfluenceMap, AppError>;
+    /// As [`Self::site`], an altitude out of range, and a region without a visible direction; [`AppError::EngineDown`] where it
+    /// was ended.
+    fn influence(
+        &self,
+        request: &InfluenceRequest,
+        view: &SceneView,
+        watch: &Watch<'_>,
+    ) -> Result<InfluenceMap, AppError>;
     /// Finds the zenith's brightness at every place of a scene; takes seconds to a minute of all cores. `store` is given every
     /// patch that is done, and may cancel the computation.
     ///
@@ -110,11 +116,16 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// As [`Self::store_scenario`].
     fn scenario(&self, id: &ChangeId) -> Result<ScenarioRecord, AppError>;
-    /// Makes a plan; takes seconds of all cores.
+    /// Makes a plan; takes seconds of all cores. `watch` as in [`Self::influence`].
     ///
     /// # Errors
     /// As [`Self::influence`] of any site, and a plan that cannot be made.
-    fn plan(&self, request: &PlanRequest, view: &SceneView) -> Result<PlanOutcome, AppError>;
+    fn plan(
+        &self,
+        request: &PlanRequest,
+        view: &SceneView,
+        watch: &Watch<'_>,
+    ) -> Result<PlanOutcome, AppError>;
     /// The id of a plan with this content, which must include all of its inputs.
     ///
     /// # Errors

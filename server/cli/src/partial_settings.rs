@@ -63,6 +63,13 @@ pub(crate) struct PartialSettings {
     /// Scenarios and plans, counted by 16 kB, that one client may have kept in a day; 0 for no limit [default: 500]
     #[arg(long, env = "SKYGLOW_KEPT_PER_DAY", value_name = "N", help_heading = "Limits")]
     pub(crate) kept_per_day: Option<u32>,
+    /// Seconds of long work (influences, plans, rasters of layers) a minute that one client may have on average; 0 for no limit
+    /// [default: 60]
+    #[arg(long, env = "SKYGLOW_WORK_PER_MINUTE_S", value_name = "SECONDS", help_heading = "Limits")]
+    pub(crate) work_per_minute_s: Option<f64>,
+    /// Seconds of long work that one client may have at once [default: 600]
+    #[arg(long, env = "SKYGLOW_WORK_BURST_S", value_name = "SECONDS", help_heading = "Limits")]
+    pub(crate) work_burst_s: Option<f64>,
     /// Longest time for the answers under way when the server is told to end, seconds [default: 10]
     #[arg(long, env = "SKYGLOW_DRAIN_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) drain_timeout_s: Option<f64>,
@@ -78,6 +85,10 @@ pub(crate) struct PartialSettings {
     /// Bytes of maps of the zenith's brightness that are kept for map tiles [default: 67108864]
     #[arg(long, env = "SKYGLOW_BRIGHTNESS_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) brightness_cache_bytes: Option<u64>,
+    /// Bytes of memory for what is under way: pictures, answers until they are sent, plans, bodies of requests; 0 for a fourth of
+    /// what the control group or the machine has [default: 0]
+    #[arg(long, env = "SKYGLOW_MEMORY_BUDGET_BYTES", value_name = "BYTES", help_heading = "Limits")]
+    pub(crate) memory_budget_bytes: Option<u64>,
     /// Places in a map of the zenith's brightness at most; in larger scenes pixels share one by blocks [default: 1200000]
     #[arg(long, env = "SKYGLOW_BRIGHTNESS_PLACES", value_name = "N", help_heading = "Limits")]
     pub(crate) brightness_places: Option<usize>,

@@ -93,11 +93,18 @@ impl Settings {
             "requests_per_second",
             "a number of 0 or more; 0 is no limit",
         );
+        let is_share = |seconds: f64| seconds.is_finite() && seconds >= 0.0;
+        let allowed = "a number of 0 or more; 0 is no limit";
+        require(is_share(http.work_per_minute_s), "work_per_minute_s", allowed);
+        require(is_time(http.work_burst_s), "work_burst_s", "above 0 and at most 86400");
         require(is_time(http.idle_timeout_s), "idle_timeout_s", "above 0 and at most 86400");
         require(http.connections >= 4, "connections", "4 or more");
         require(http.request_burst > 0, "request_burst", "1 or more");
         require(http.concurrent_requests > 0, "concurrent_requests", "1 or more");
         require(http.body_limit_bytes >= 1024, "body_limit_bytes", "1024 or more");
+        let budget = http.memory_budget_bytes;
+        let allowed = "0, which is a fourth of what there is, or 67108864 or more";
+        require(budget == 0 || budget >= 64 << 20, "memory_budget_bytes", allowed);
         require(http.upload_pixels > 0, "upload_pixels", "1 or more");
         require(self.brightness_places > 0, "brightness_places", "1 or more");
         require(self.kept_plans > 0, "kept_plans", "1 or more");

@@ -6,13 +6,13 @@ use crate::{
     document::{self, Document},
     error::ApiError,
     middleware::{
-        ConcurrencyLimit, RateLimiter, StorageQuota, answer_ranges, catch_panic, find_public_address,
-        limit_concurrency, limit_rate, limit_storage, observe, problems_only, read_body,
-        share_across_origins, tag_encodings,
+        RateLimiter, StorageQuota, answer_ranges, catch_panic, find_public_address, limit_rate,
+        limit_sending, limit_storage, limit_time, observe, problems_only, read_body, refuse_stray_bodies,
+        require_host, respond_async, share_across_origins, tag_encodings,
     },
     routes::{
-        atmospheres, docs, health, influence, layers, panorama, plans, problems, scenarios, scenes, site,
-        sky, tilejson, tiles, uploads, viewer,
+        atmospheres, docs, health, influence, jobs, layers, panorama, plans, problems, scenarios, scenes,
+        site, sky, tilejson, tiles, uploads, viewer,
     },
     state::AppState,
 };
@@ -58,6 +58,8 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(influence::get_influence_csv, influence::post_influence_csv))
         .routes(routes!(plans::list_plans, plans::post_plan))
         .routes(routes!(plans::get_plan, plans::delete_plan))
+        .routes(routes!(jobs::get_job, jobs::delete_job))
+        .routes(routes!(jobs::get_job_result))
         .routes(routes!(scenarios::list_scenarios, scenarios::post_scenario))
         .routes(routes!(scenarios::get_scenario, scenarios::delete_scenario))
         .routes(routes!(tilejson::get_tilejson))
@@ -111,8 +113,9 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))
         .route("/api/docs/page.js", get(docs::get_docs_script))
         .route("/api/docs/page.css", get(docs::get_docs_style))
-        .layer(from_fn_with_state(ConcurrencyLimit::new(state.clone()), limit_concurrency))
+        .layer(from_fn_with_state(state.clone(), limit_time))
         .layer(from_fn_with_state((state.clone(), quota), limit_storage))
+        .layer(from_fn_with_state(state.clone(), respond_async))
         .layer(from_fn_with_state(state.clone(), read_body))
         .layer(from_fn_with_state((state.clone(), limiter.clone()), limit_rate))
         .layer(RequestBodyLimitLayer::new(config.body_limit_bytes));
@@ -131,8 +134,11 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         .route("/assets/{*file}", get(viewer::get_viewer))
         .fallback(not_found);
     all.layer(from_fn(answer_ranges))
+        .layer(from_fn_with_state(state.clone(), limit_sending))
         .layer(CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(worth_compressing()))
         .layer(from_fn(tag_encodings))
+        .layer(from_fn_with_state(state.clone(), refuse_stray_bodies))
+        .layer(from_fn(require_host))
         .layer(from_fn_with_state(state.clone(), problems_only))
         .layer(from_fn_with_state(state.clone(), catch_panic))
         .layer(from_fn(secure))

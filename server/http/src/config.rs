@@ -1,5 +1,6 @@
 //! What the interface can be told.
 
+use crate::memory::limit_bytes;
 use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -14,6 +15,9 @@ pub struct HttpConfig {
     pub request_timeout_s: f64,
     /// Longest request body, bytes; then 413.
     pub body_limit_bytes: usize,
+    /// Bytes of memory for what is under way: pictures and answers until they are sent, plans, and, of that, a sixteenth for bodies
+    /// of requests. 0 for a fourth of what the control group or the machine has.
+    pub memory_budget_bytes: u64,
     /// Longest upload of a scene's rasters together, bytes; then 413.
     pub upload_limit_bytes: usize,
     /// Longest time for an upload to arrive and be checked, seconds.
@@ -24,6 +28,11 @@ pub struct HttpConfig {
     pub requests_per_second: f64,
     /// Requests that one client address may send at once.
     pub request_burst: u32,
+    /// Seconds of long work (influences, plans, rasters of layers) a minute that one client may have on average; 0 for no limit. More
+    /// are answered 429.
+    pub work_per_minute_s: f64,
+    /// Seconds of long work that one client may have at once.
+    pub work_burst_s: f64,
     /// Scenarios and plans, counted by 16 kB, that one client address may have kept in a day. 0 for no limit; more are answered 429.
     pub kept_per_day: u32,
     /// Longest time for the answers under way when the server is told to end, seconds.
@@ -56,11 +65,14 @@ impl Default for HttpConfig {
             concurrent_requests: 128,
             request_timeout_s: 30.0,
             body_limit_bytes: 2 * 1024 * 1024,
+            memory_budget_bytes: 0,
             upload_limit_bytes: 2 * 1024 * 1024 * 1024,
             upload_timeout_s: 1800.0,
             upload_pixels: 400_000_000,
             requests_per_second: 100.0,
             request_burst: 1000,
+            work_per_minute_s: 60.0,
+            work_burst_s: 600.0,
             kept_per_day: 500,
             drain_timeout_s: 10.0,
             cache_bytes: 64 * 1024 * 1024,
@@ -76,7 +88,28 @@ impl Default for HttpConfig {
     }
 }
 
+/// Part of the memory that there is for what is under way.
+const PART_OF_MEMORY: u64 = 4;
+/// Part of that for bodies of requests.
+const PART_FOR_BODIES: u64 = 16;
+/// The least and the most that is taken for it unasked.
+const MEMORY_BUDGET_BYTES: std::ops::RangeInclusive<u64> = 128 << 20..=16 << 30;
+
 impl HttpConfig {
+    /// Bytes for what is under way.
+    pub fn memory_budget(&self) -> u64 {
+        match self.memory_budget_bytes {
+            0 => (limit_bytes() / PART_OF_MEMORY)
+                .clamp(*MEMORY_BUDGET_BYTES.start(), *MEMORY_BUDGET_BYTES.end()),
+            bytes => bytes,
+        }
+    }
+
+    /// Bytes of that for bodies of requests: one at least.
+    pub fn body_budget(&self) -> u64 {
+        (self.memory_budget() / PART_FOR_BODIES).max(self.body_limit_bytes as u64)
+    }
+
     /// The longest time for one answer.
     pub fn request_timeout(&self) -> Duration {
         seconds(self.request_timeout_s)

@@ -6,13 +6,19 @@
 
 pub mod access;
 pub mod app;
+mod asker;
+mod budget;
 pub mod config;
 mod document;
 pub mod error;
 pub mod etag;
+mod fair;
+mod jobs;
 pub mod listener;
+mod memory;
 pub mod metrics;
 pub mod middleware;
+pub mod party;
 mod poster;
 pub mod problem;
 mod progress;
@@ -22,6 +28,8 @@ pub mod routes;
 pub mod serve;
 pub mod state;
 pub mod trust;
+mod work_places;
+mod work_shares;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_with_access};

@@ -29,6 +29,12 @@ pub struct Metrics {
     brightness_maps: Counter,
     cache: Family<Labels, Counter>,
     in_flight: Gauge,
+    /// Bytes of request bodies in memory.
+    pub(crate) body_bytes: Gauge,
+    /// Bytes taken for work under way and its answers, cached ones included.
+    pub(crate) work_bytes: Gauge,
+    /// Bytes of answers that are being sent.
+    pub(crate) sending_bytes: Gauge,
 }
 
 /// Upper ends of the duration buckets, seconds.
@@ -69,8 +75,29 @@ impl Metrics {
         registry.register("http_refused", "Requests turned away: busy, rate limit, timeout", refused.clone());
         registry.register("http_panics", "Requests that ran into a defect", panics.clone());
         registry.register("http_in_flight", "Requests under way", in_flight.clone());
+        let [body_bytes, work_bytes, sending_bytes] = std::array::from_fn(|_| Gauge::default());
+        for (name, words, gauge) in [
+            ("http_body", "Bodies of requests in memory", &body_bytes),
+            ("http_work", "Memory for work under way and its answers, cached ones included", &work_bytes),
+            ("http_sending", "Answers that are being sent", &sending_bytes),
+        ] {
+            registry.register_with_unit(name, words, Unit::Bytes, Gauge::clone(gauge));
+        }
         registry.register_collector(Box::new(SourceCollector(source)));
-        Self { registry, requests, durations, refused, panics, influences, brightness_maps, cache, in_flight }
+        Self {
+            registry,
+            requests,
+            durations,
+            refused,
+            panics,
+            influences,
+            brightness_maps,
+            cache,
+            in_flight,
+            body_bytes,
+            work_bytes,
+            sending_bytes,
+        }
     }
 
     /// Counts an answered request.

@@ -13,6 +13,19 @@ pub(crate) fn refusal(description: &str) -> RefOr<Response> {
     ResponseBuilder::new().description(description).content(PROBLEM_JSON, problem).build().into()
 }
 
+/// Of what can be a job.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accepted;
+
+impl IntoResponses for Accepted {
+    fn responses() -> BTreeMap<String, RefOr<Response>> {
+        let words = "With `Prefer: respond-async`: it is begun, and Location is the address of the job";
+        let job = ContentBuilder::new().schema(Some(Ref::from_schema_name("JobAnswer"))).build();
+        let accepted = ResponseBuilder::new().description(words).content("application/json", job);
+        BTreeMap::from([("202".to_owned(), accepted.build().into())])
+    }
+}
+
 macro_rules! refusals {
     ($($(#[$doc:meta])* $name:ident = [$($status:literal: $description:literal),* $(,)?];)*) => {$(
         $(#[$doc])*

@@ -1,6 +1,6 @@
 //! Answers with their caching headers.
 
-use crate::{error::ApiError, etag::ETag};
+use crate::{error::ApiError, etag::ETag, state::EncodedAnswer};
 use axum::{
     body::Body,
     http::{HeaderMap, HeaderValue, Response, StatusCode, header},
@@ -81,6 +81,19 @@ impl Caching {
             Some(other) => other,
         };
         headers.insert(header::VARY, HeaderValue::from_static(vary));
+    }
+}
+
+/// Marks an answer whose bytes count in the memory for work for as long as anybody has them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Counted;
+
+impl EncodedAnswer {
+    /// 200 with it.
+    pub(crate) fn response(&self, caching: &Caching, media_type: &'static str) -> Response<Body> {
+        let mut response = caching.ok(media_type, self.bytes.clone());
+        response.extensions_mut().insert(Counted);
+        response
     }
 }
 

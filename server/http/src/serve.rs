@@ -26,6 +26,11 @@ use tower::ServiceExt;
 
 /// How long nothing is accepted after the system had no room for a connection.
 const PAUSE: Duration = Duration::from_millis(200);
+/// What a connection may buffer of what comes in, bytes: the longest head.
+const MAX_BUFFER_BYTES: usize = 128 * 1024;
+/// What the system may hold of an answer unsent, bytes: a connection is writable again when half of it went out, so that a slow
+/// client is seen to take some of it long before it is taken for a stalled one.
+const MAX_UNSENT_BYTES: u32 = 32 * 1024;
 /// Part of all connections that one address may hold.
 const SHARE_OF_A_CLIENT: usize = 4;
 
@@ -48,7 +53,7 @@ pub async fn serve(
     drop(tokio::task::spawn_blocking(compress_viewer));
     let idle = config.idle_timeout();
     let mut http = http1::Builder::new();
-    http.timer(TokioTimer::new()).header_read_timeout(idle);
+    http.timer(TokioTimer::new()).header_read_timeout(idle).max_buf_size(MAX_BUFFER_BYTES);
     let places = Arc::new(Semaphore::new(config.connections.clamp(1, Semaphore::MAX_PERMITS)));
     let share = Arc::new(Share::new((config.connections / SHARE_OF_A_CLIENT).max(1)));
     let graceful = GracefulShutdown::new();
@@ -81,6 +86,8 @@ pub async fn serve(
         };
         // Small answers go out at once.
         let _best_effort = stream.set_nodelay(true);
+        #[cfg(target_os = "linux")]
+        let _best_effort = socket2::SockRef::from(&stream).set_tcp_notsent_lowat(MAX_UNSENT_BYTES);
         let ends = Ends { client, server: stream.local_addr().ok() };
         let router = router.clone();
         let service = service_fn(move |request: hyper::Request<hyper::body::Incoming>| {

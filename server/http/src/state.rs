@@ -1,7 +1,16 @@
 //! What every handler shares.
 
 use crate::{
-    access::Access, config::HttpConfig, error::ApiError, etag::ETag, metrics::Metrics, progress::Progress,
+    access::Access,
+    asker::{self, Asker},
+    budget::Budget,
+    config::HttpConfig,
+    error::ApiError,
+    etag::ETag,
+    jobs::Jobs,
+    metrics::Metrics,
+    progress::Progress,
+    work_places::{Lane, PART_FOR_CACHED_ANSWERS, WorkPlaces},
 };
 use axum::body::Bytes;
 use moka::{future::Cache, policy::EvictionPolicy};
@@ -30,6 +39,14 @@ pub struct AppState {
     pub upload_permits: Arc<Semaphore>,
     /// What the interface was told.
     pub config: Arc<HttpConfig>,
+    /// Bytes of bodies of requests.
+    pub(crate) bodies: Arc<Budget>,
+    /// Bytes of answers that are sent: of those that count in the memory of work, and of others.
+    pub(crate) sending: [Arc<Budget>; 2],
+    /// Where work is done.
+    pub(crate) work: Arc<WorkPlaces>,
+    /// Work that clients ask about later.
+    pub(crate) jobs: Arc<Jobs>,
     /// Counters.
     pub metrics: Arc<Metrics>,
     /// Skies rendered lately, by what decides them.
@@ -42,14 +59,6 @@ pub struct AppState {
     brightnesses: Cache<String, Arc<BrightnessMap>>,
     /// How far those are that are being found.
     brightness_progress: Progress,
-    /// The permit for finding one, which takes all cores for seconds.
-    brightness_permits: Arc<Semaphore>,
-    /// Permits for that and the queue before it: more is not begun.
-    brightness_queue_permits: Arc<Semaphore>,
-    /// Permits for finding influences, which takes all cores, and memory with the scene's lights.
-    influence_permits: Arc<Semaphore>,
-    /// Permits for heavy work.
-    core_permits: Arc<Semaphore>,
     /// The OpenAPI document, set once when the routes are known.
     pub openapi: Arc<OnceLock<String>>,
 }
@@ -65,9 +74,9 @@ pub struct EncodedAnswer {
     pub times: String,
 }
 
-impl From<Vec<u8>> for EncodedAnswer {
-    fn from(bytes: Vec<u8>) -> Self {
-        Self { bytes: bytes.into(), ..Self::default() }
+impl From<Bytes> for EncodedAnswer {
+    fn from(bytes: Bytes) -> Self {
+        Self { bytes, ..Self::default() }
     }
 }
 
@@ -76,18 +85,27 @@ const ANSWER_BYTES: usize = 512;
 
 /// How long a map of influences is stored that nobody asks for.
 const INFLUENCE_TIME_TO_IDLE: Duration = Duration::from_secs(600);
-/// Maps of the zenith's brightness that are found or wait for it: nobody can have more begun, whether they wait for them or not.
-const MAX_QUEUED_BRIGHTNESS_MAPS: usize = 4;
 /// How long a map of the zenith's brightness is stored that nobody asks for: it holds its scene, which may be gone from disk.
 const BRIGHTNESS_TIME_TO_IDLE: Duration = Duration::from_secs(3600);
 /// How long an answer is stored at most.
 const ANSWER_TIME_TO_LIVE: Duration = Duration::from_secs(600);
 /// Part of the longest time for an answer that a map which is being found is waited for.
 const PART_WAITED_FOR: f64 = 0.8;
-/// Maps of influences that are found at a time; the others wait.
-const MAX_INFLUENCE_MAPS_AT_ONCE: usize = 2;
+/// Bytes that finding a map of the zenith's brightness takes, about.
+const BRIGHTNESS_BYTES: usize = 32 << 20;
+/// Bytes that finding influences takes for each lit pixel of a scene, about.
+const BYTES_PER_INFLUENCE: usize = 64;
+/// Part of the memory for work that answers may take while they are sent which were not counted when they were made.
+const SHARE_OF_SENDING: u64 = 4;
+/// Part of a budget of bytes that one party may hold.
+const SHARE_OF_A_PARTY: u64 = 8;
 /// Bytes that a cached sky takes, about.
 const SKY_BYTES: u64 = 4 * Panorama::LEN as u64 + 2048;
+
+/// Bytes that finding the influences of all lights of a scene takes, about.
+pub(crate) fn influence_bytes(view: &SceneView) -> usize {
+    usize::try_from(view.metadata().lit_pixels).unwrap_or(usize::MAX).saturating_mul(BYTES_PER_INFLUENCE)
+}
 
 impl AppState {
     /// The state over a source.
@@ -97,7 +115,7 @@ impl AppState {
             u32::try_from(answer.bytes.len() + ANSWER_BYTES).unwrap_or(u32::MAX)
         };
         let answers = Cache::builder()
-            .max_capacity(config.answer_cache_bytes)
+            .max_capacity(config.answer_cache_bytes.min(config.memory_budget() / PART_FOR_CACHED_ANSWERS))
             .weigher(weigh)
             .time_to_live(ANSWER_TIME_TO_LIVE)
             .build();
@@ -118,11 +136,21 @@ impl AppState {
             .time_to_idle(BRIGHTNESS_TIME_TO_IDLE)
             .build();
         let metrics = Arc::new(Metrics::new(source.clone()));
-        let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
+        let share = (config.body_budget() / SHARE_OF_A_PARTY).max(config.body_limit_bytes as u64);
+        let bodies = Budget::new(config.body_budget(), share, metrics.body_bytes.clone());
+        let share = config.memory_budget() / SHARE_OF_A_PARTY;
+        // Those of the first kind are counted where they were made.
+        let sending = [u64::MAX, config.memory_budget() / SHARE_OF_SENDING]
+            .map(|bytes| Budget::new(bytes, share, metrics.sending_bytes.clone()));
+        let work = Arc::new(WorkPlaces::new(source.clone(), metrics.clone(), &config));
         Self {
             source,
             access: Arc::new(access),
             upload_permits: Arc::new(Semaphore::new(1)),
+            bodies,
+            sending,
+            work,
+            jobs: Arc::default(),
             config: Arc::new(config),
             metrics,
             skies,
@@ -130,10 +158,6 @@ impl AppState {
             influences,
             brightnesses,
             brightness_progress: Progress::default(),
-            brightness_permits: Arc::new(Semaphore::new(1)),
-            brightness_queue_permits: Arc::new(Semaphore::new(MAX_QUEUED_BRIGHTNESS_MAPS)),
-            influence_permits: Arc::new(Semaphore::new(MAX_INFLUENCE_MAPS_AT_ONCE)),
-            core_permits: Arc::new(Semaphore::new(2 * cores)),
             openapi: Arc::default(),
         }
     }
@@ -146,32 +170,19 @@ impl AppState {
         &self,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<T, ApiError> {
-        let source = self.source.clone();
-        let span = tracing::info_span!("work");
-        match tokio::task::spawn_blocking(move || span.in_scope(|| work(source.as_ref()))).await {
-            Ok(result) => result,
-            Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
-        }
+        self.work.blocking(work).await
     }
 
-    /// The same for work that takes a core and much memory for a while, such as drawing: at most two pieces a
-    /// core at a time, the others wait.
+    /// The same for work that takes a core and some memory for a while, such as making a document: the request has a place, and
+    /// waits for both.
     ///
     /// # Errors
-    /// As [`Self::blocking`].
+    /// As [`Self::blocking`], and [`AppError::Busy`].
     pub async fn heavy<T: Send + 'static>(
         &self,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<T, ApiError> {
-        let waiting =
-            self.core_permits.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
-        let permit = waiting.await.map_err(ApiError::internal)?;
-        self.blocking(move |source| {
-            let result = work(source);
-            drop(permit);
-            result
-        })
-        .await
+        self.work.heavy(work).await
     }
 
     /// A scene as it is now, with the changes of a scenario or plan.
@@ -180,7 +191,7 @@ impl AppState {
     /// As [`SkySource::view`].
     pub async fn view(&self, id: &SceneId, scenario: Option<&ChangeId>) -> Result<SceneView, ApiError> {
         let (id, scenario) = (id.clone(), scenario.cloned());
-        self.blocking(move |source| Ok(source.view(&id, scenario.as_ref())?)).await
+        self.work.resolve(scenario.is_some(), move |source| Ok(source.view(&id, scenario.as_ref())?)).await
     }
 
     /// The sky of a request, rendered once for all who ask at the same time, stored for a while.
@@ -193,9 +204,12 @@ impl AppState {
         request: Arc<SkyRequest>,
         view: SceneView,
     ) -> Result<Arc<RenderedSky>, AppError> {
-        let source = self.source.clone();
+        let (source, work) = (self.source.clone(), self.work.clone());
         let entry = self.skies.entry_by_ref(key);
-        let render = async move { source.sky(request, view).await.map(Arc::new) };
+        let render = async move {
+            work.place()?;
+            source.sky(request, view).await.map(Arc::new)
+        };
         let found = entry.or_try_insert_with(render.instrument(tracing::info_span!("sky"))).await;
         self.metrics.count_cache("sky", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
         found.map(moka::Entry::into_value).map_err(|error| AppError::clone(&error))
@@ -214,23 +228,6 @@ impl AppState {
         let found = self.answers.entry(etag.header()).or_try_insert_with(make).await;
         self.metrics.count_cache("answer", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
         found.map(moka::Entry::into_value).map_err(|error| ApiError::clone(&error))
-    }
-
-    /// Runs something that finds influences: few at a time, the others wait.
-    ///
-    /// # Errors
-    /// As [`Self::blocking`].
-    pub async fn with_influence_permit<T: Send + 'static>(
-        &self,
-        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
-    ) -> Result<T, ApiError> {
-        let permit = self.influence_permits.clone().acquire_owned().await.map_err(ApiError::internal)?;
-        self.blocking(move |source| {
-            let found = work(source);
-            drop(permit);
-            found
-        })
-        .await
     }
 
     /// Whether a map of the zenith's brightness is found.
@@ -259,32 +256,26 @@ impl AppState {
         let find = async move {
             let (inner, found_by) = (state.clone(), key.clone());
             let find = async move {
-                let Ok(_in_queue) = inner.brightness_queue_permits.clone().try_acquire_owned() else {
-                    inner.metrics.count_refused("busy");
-                    return Err(ApiError::App(AppError::Busy { retry_after_s: 20 }));
-                };
-                let waiting = inner.brightness_permits.clone().acquire_owned();
-                let waiting = waiting.instrument(tracing::info_span!("wait for another map"));
-                let permit = waiting.await.map_err(ApiError::internal)?;
                 let metrics = inner.metrics.clone();
-                let work = inner.brightness_progress.begin(&found_by);
-                let map = inner.blocking(move |source| {
+                let all = inner.brightness_progress.clone();
+                let map = inner.work.long(Lane::Map, BRIGHTNESS_BYTES, move |source, _| {
                     metrics.count_brightness_map();
+                    let work = all.begin(&found_by);
                     let note = |done: f64| {
                         work.set(done);
                         true
                     };
                     Ok(Arc::new(source.brightness(&request, &view, &note)?))
                 });
-                let map = map.await;
-                drop(permit);
-                map
+                map.await.map(|(map, _)| map)
             };
             state.brightnesses.try_get_with(key, find).await
         };
+        // It goes on when its client has gone.
+        let detached = Asker::new(asker::party(), Arc::default());
         // An answer says that it goes on before it is cut off.
         let patience = self.config.request_timeout().mul_f64(PART_WAITED_FOR);
-        match tokio::time::timeout(patience, tokio::spawn(find.in_current_span())).await {
+        match tokio::time::timeout(patience, tokio::spawn(detached.scope(find.in_current_span()))).await {
             Ok(Ok(found)) => found.map_err(|error| ApiError::clone(&error)),
             Ok(Err(error)) => Err(ApiError::internal(format!("a worker failed: {error}"))),
             Err(_) => {
@@ -311,11 +302,12 @@ impl AppState {
     ) -> Result<Arc<InfluenceMap>, ApiError> {
         let find = async move {
             let metrics = self.metrics.clone();
-            self.with_influence_permit(move |source| {
+            let bytes = influence_bytes(&view);
+            let found = self.work.long(Lane::Influence, bytes, move |source, work| {
                 metrics.count_influences();
-                Ok(Arc::new(source.influence(&request, &view)?))
-            })
-            .await
+                Ok(Arc::new(source.influence(&request, &view, &|done| work.note(done))?))
+            });
+            found.await.map(|(map, _)| map)
         };
         let found = self.influences.entry_by_ref(key).or_try_insert_with(find).await;
         self.metrics.count_cache("influence", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));

@@ -8,11 +8,12 @@ use crate::{
     observatory::Observatory,
     scene_view::SceneView,
     sky::{RenderContext, SkyRequest},
+    watch::{Watch, note},
 };
 use rayon::prelude::*;
 use serde::Serialize;
 use skyglow_physics::{Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M};
-use skyglow_render::request::RenderRequest;
+use skyglow_render::{RenderError, request::RenderRequest};
 use skyglow_scene::{LightShares, LitPixel, NearLight, PixelValues, RasterTile, Scene, SceneMetadata};
 use std::{
     sync::{Arc, OnceLock},
@@ -132,19 +133,21 @@ impl Observatory {
     /// # Errors
     /// As [`Self::view`] and [`Self::influence_in`].
     pub fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceMap, ObservatoryError> {
-        self.influence_in(&self.view(&request.sky.scene, request.sky.scenario.as_ref())?, request)
+        self.influence_in(&self.view(&request.sky.scene, request.sky.scenario.as_ref())?, request, &|_| true)
     }
 
     /// What every lit pixel does to a measure of a sky: found on the processor, without the engine's queue. Takes
     /// milliseconds to a second. Not for asynchronous threads.
     ///
     /// # Errors
-    /// As [`Self::sky`], and [`ObservatoryError::EmptyRegion`].
+    /// As [`Self::sky`], [`ObservatoryError::EmptyRegion`], and [`skyglow_render::RenderError::Stopped`] where `watch` ended it.
     pub fn influence_in(
         &self,
         view: &SceneView,
         request: &InfluenceRequest,
+        watch: &Watch<'_>,
     ) -> Result<InfluenceMap, ObservatoryError> {
+        note(watch, 0.0)?;
         let sky = &request.sky;
         let mut steps = Vec::new();
         let mut clock = Instant::now();
@@ -170,8 +173,11 @@ impl Observatory {
         }
         let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
         let mut parts = Vec::new();
+        let part_count = of_sky.len() as f64;
         let (mut before_scaling, mut after_scaling) = (0.0, 0.0);
         for (of_sky, lights) in of_sky.iter().zip(shares.iter()) {
+            let done = parts.len() as f64 / part_count;
+            note(watch, done)?;
             // The sky takes far light by blocks; here every pixel is by itself, so that those of a cell are what it was made of.
             let of_pixels = RenderRequest { polar: Arc::clone(&lights.polar), ..of_sky.clone() };
             let found = solver.cells_in_sky(&of_pixels, of_sky, of_cells)?;
@@ -179,7 +185,7 @@ impl Observatory {
             let (mut influence, scale) = influence_of_pixels(lights, &found.cells, found.of_sky);
             step("pixels");
             if request.measure == Measure::Norm {
-                near_norms(solver, of_sky, lights, &mut influence)?;
+                near_norms(solver, of_sky, lights, &mut influence, &|| watch(done))?;
                 step("near pixels");
             }
             let value = found.of_sky.unwrap_or(0.0);
@@ -253,12 +259,16 @@ fn near_norms(
     sky: &RenderRequest,
     lights: &LightShares,
     influence: &mut [f32],
+    goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<(), ObservatoryError> {
     let near: Vec<usize> = (lights.pixels().iter().enumerate())
         .filter(|(_, pixel)| f64::from(pixel.distance_m) <= SPLIT_WITHIN_M)
         .map(|(position, _)| position)
         .collect();
     let norm = |&position: &usize| {
+        if !goes_on() {
+            return Err(RenderError::Stopped.into());
+        }
         solver.norm(&RenderRequest { polar: Arc::new(lights.alone(position)), ..sky.clone() })
     };
     let norms: Vec<f64> = near.par_iter().map(norm).collect::<Result<_, _>>()?;

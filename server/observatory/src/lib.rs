@@ -17,6 +17,7 @@ mod scene_cache;
 mod scene_view;
 mod sky;
 mod surroundings;
+mod watch;
 
 pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
 pub use change::{ScenarioRecord, store_scenario};
@@ -32,3 +33,4 @@ pub use plan_request::{
 };
 pub use scene_view::{SceneView, Site};
 pub use sky::{ObserverHeight, RenderContext, RenderedSky, SkyRequest};
+pub use watch::Watch;

@@ -12,7 +12,9 @@ use crate::{
     reduction::{LeastCut, least_cut, percentile, threshold_cuts},
     scene_view::SceneView,
     surroundings::Surroundings,
+    watch::{Watch, note},
 };
+use skyglow_render::RenderError;
 use skyglow_scene::{ChangeStep, Scene};
 use std::sync::Arc;
 
@@ -21,6 +23,9 @@ const MAX_INFLUENCES: usize = 40_000_000;
 /// Times that a target is aimed at anew after a look at the sky: what lights do is linear but for what between packs is not,
 /// and far lights that the sky takes by blocks.
 const MAX_LOOKS: usize = 5;
+/// About the part of a plan's time that finding influences takes, and that which is over before it is aimed.
+const PART_OF_INFLUENCES: f64 = 0.4;
+const PART_BEFORE_LOOKS: f64 = 0.5;
 
 impl Observatory {
     /// [`Self::plan_in`] of the scene of the first site as it is now.
@@ -30,23 +35,30 @@ impl Observatory {
     pub fn plan(&self, request: &PlanRequest) -> Result<PlanOutcome, ObservatoryError> {
         let sites = request.sites();
         let first = sites.first().ok_or_else(no_site)?;
-        self.plan_in(&self.view(&first.sky.scene, first.sky.scenario.as_ref())?, request)
+        self.plan_in(&self.view(&first.sky.scene, first.sky.scenario.as_ref())?, request, &|_| true)
     }
 
     /// Makes a plan: influences of every site, cuts, and the sky before and after by the forward model. Takes a second a site and
     /// more; not for asynchronous threads.
     ///
     /// # Errors
-    /// As [`Self::influence`] of any site.
-    pub fn plan_in(&self, view: &SceneView, request: &PlanRequest) -> Result<PlanOutcome, ObservatoryError> {
+    /// As [`Self::influence_in`] of any site.
+    pub fn plan_in(
+        &self,
+        view: &SceneView,
+        request: &PlanRequest,
+        watch: &Watch<'_>,
+    ) -> Result<PlanOutcome, ObservatoryError> {
         let asked = request.sites();
         let first = asked.first().ok_or_else(no_site)?;
         let scene_of = |site: &InfluenceRequest| (site.sky.scene.clone(), site.sky.scenario.clone());
         if asked.iter().any(|site| scene_of(site) != scene_of(first)) {
             return Err(ObservatoryError::BadPlan { reason: "its sites are in different scenes".to_owned() });
         }
+        let part = |site: usize| PART_OF_INFLUENCES * site as f64 / asked.len() as f64;
+        let of_site = |(number, site)| self.influence_in(view, site, &|_| watch(part(number)));
         let maps: Vec<InfluenceMap> =
-            asked.iter().map(|site| self.influence_in(view, site)).collect::<Result<_, _>>()?;
+            asked.iter().copied().enumerate().map(of_site).collect::<Result<_, _>>()?;
         let scene = Arc::clone(view.scene());
         // Pixels that several sites see count for each here: the true number may be less.
         let influences = maps.len() * maps.iter().map(|map| map.pixels().len()).sum::<usize>();
@@ -57,8 +69,7 @@ impl Observatory {
             );
             return Err(ObservatoryError::BadPlan { reason });
         }
-        let before: Vec<SkyState> =
-            asked.iter().map(|site| self.state(&scene, site)).collect::<Result<_, _>>()?;
+        let before = self.states_in(&scene, &asked, &|| watch(PART_OF_INFLUENCES))?;
         let reach = Reach::of(&maps);
         drop(maps);
         let mut outcome = PlanOutcome {
@@ -85,11 +96,11 @@ impl Observatory {
                 }
                 outcome.thresholds = Some([from, to]);
                 outcome.pixels = reach.dimmed(&threshold_cuts(influence, from, to, *gamma));
-                (self.states(view, &asked, &outcome.pixels)?, vec![None])
+                (self.states(view, &asked, &outcome.pixels, &|| watch(PART_BEFORE_LOOKS))?, vec![None])
             }
             PlanMethod::Target { sites, max_cut, protect } => {
                 let target = Target::new(&outcome.scene, &reach, sites, &before, *max_cut, protect.as_ref());
-                let (least, after) = self.reach_target(view, &asked, &reach, &target)?;
+                let (least, after) = self.reach_target(view, &asked, &reach, &target, watch)?;
                 outcome.pixels = reach.dimmed(&least.cut);
                 outcome.protected_pixels =
                     protect.as_ref().map(|_| target.is_protected.iter().filter(|is| **is).count());
@@ -117,13 +128,16 @@ impl Observatory {
         asked: &[&InfluenceRequest],
         reach: &Reach,
         target: &Target,
+        watch: &Watch<'_>,
     ) -> Result<(LeastCut, Vec<SkyState>), ObservatoryError> {
         let mut problem = target.problem.clone();
         let mut looks = 0;
         loop {
+            let done = PART_BEFORE_LOOKS + (1.0 - PART_BEFORE_LOOKS) * looks as f64 / MAX_LOOKS as f64;
+            note(watch, done)?;
             looks += 1;
             let least = least_cut(&problem);
-            let after = self.states(view, asked, &reach.dimmed(&least.cut))?;
+            let after = self.states(view, asked, &reach.dimmed(&least.cut), &|| watch(done))?;
             let excess: Vec<f64> =
                 after.iter().zip(&target.wanted).map(|(after, wanted)| after.value - wanted).collect();
             // Half of what counts as met.
@@ -150,11 +164,25 @@ impl Observatory {
         view: &SceneView,
         asked: &[&InfluenceRequest],
         pixels: &[DimmedPixel],
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<Vec<SkyState>, ObservatoryError> {
         let Some(first) = asked.first() else { return Ok(Vec::new()) };
         let step = ChangeStep::Dimmed(factors(pixels));
         let dimmed = self.scenes.with_step(view.base(), first.sky.scenario.as_ref(), step, "plan")?;
-        asked.iter().map(|site| self.state(&dimmed, site)).collect()
+        self.states_in(&dimmed, asked, goes_on)
+    }
+
+    /// The skies of sites in a scene, as long as somebody waits for them.
+    fn states_in(
+        &self,
+        scene: &Scene,
+        asked: &[&InfluenceRequest],
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Vec<SkyState>, ObservatoryError> {
+        let state = |site: &&InfluenceRequest| {
+            if goes_on() { self.state(scene, site) } else { Err(RenderError::Stopped.into()) }
+        };
+        asked.iter().map(state).collect()
     }
 
     fn state(&self, scene: &Scene, site: &InfluenceRequest) -> Result<SkyState, ObservatoryError> {

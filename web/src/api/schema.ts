@@ -41,6 +41,41 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/jobs/{job}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** How a job stands: the work that a post with `Prefer: respond-async` began. Jobs are known for ten minutes after their end, for one where the result is longer than a megabyte. */
+        get: operations["get_job"];
+        put?: never;
+        post?: never;
+        /** Ends a job and forgets it, with what came of it; a plan that is made stays. */
+        delete: operations["delete_job"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/jobs/{job}/result": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What came of a job: the answer that the post would have had, problems included. */
+        get: operations["get_job_result"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/openapi.json": {
         parameters: {
             query?: never;
@@ -1016,6 +1051,30 @@ export interface components {
              */
             share: number;
         };
+        /** @description A job. */
+        JobAnswer: {
+            /** @description Its id. */
+            id: string;
+            /**
+             * Format: double
+             * @description The part that is done, 0 to 1.
+             */
+            progress: number;
+            /** @description Where its result is: the plan that was made, or the answer itself. */
+            result?: string | null;
+            /** @description How it stands. */
+            state: components["schemas"]["JobState"];
+            /**
+             * Format: int32
+             * @description The status that the answer has.
+             */
+            status?: number | null;
+        };
+        /**
+         * @description How a job stands.
+         * @enum {string}
+         */
+        JobState: "queued" | "running" | "done" | "failed";
         /** @description A lamp. */
         LampAnswer: {
             /**
@@ -1841,6 +1900,8 @@ export type HealthAnswer = components['schemas']['HealthAnswer'];
 export type InfluenceAnswer = components['schemas']['InfluenceAnswer'];
 export type InfluenceBody = components['schemas']['InfluenceBody'];
 export type InfluentialPixel = components['schemas']['InfluentialPixel'];
+export type JobAnswer = components['schemas']['JobAnswer'];
+export type JobState = components['schemas']['JobState'];
 export type LampAnswer = components['schemas']['LampAnswer'];
 export type LampBody = components['schemas']['LampBody'];
 export type LevelBody = components['schemas']['LevelBody'];
@@ -1966,6 +2027,172 @@ export interface operations {
             };
             /** @description Too many requests; Retry-After says when to try again */
             429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_job: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The job's id */
+                job: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The job */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such job, or it was not kept so long */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_job: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The job's id */
+                job: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is gone */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such job, or it was not kept so long */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_job_result: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The job's id */
+                job: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The answer, with the media type that it has */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": Record<string, unknown>;
+                };
+            };
+            /** @description The answer to what made a plan */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": Record<string, unknown>;
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such job, or it was not kept so long */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is not done; Retry-After says when to try again */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2895,6 +3122,15 @@ export interface operations {
                     "text/csv": string;
                 };
             };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
+                };
+            };
             /** @description Bad parameters, or a body that cannot be meant */
             400: {
                 headers: {
@@ -3170,6 +3406,15 @@ export interface operations {
                     "text/csv": string;
                 };
             };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
+                };
+            };
             /** @description Bad parameters, or a body that cannot be meant */
             400: {
                 headers: {
@@ -3436,6 +3681,15 @@ export interface operations {
                     "application/geo+json": unknown;
                 };
             };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
+                };
+            };
             /** @description Bad parameters, or a body that cannot be meant */
             400: {
                 headers: {
@@ -3700,6 +3954,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["InfluenceAnswer"];
+                };
+            };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
                 };
             };
             /** @description Bad parameters, or a body that cannot be meant */
@@ -3980,6 +4243,15 @@ export interface operations {
                 };
                 content: {
                     "image/tiff": string;
+                };
+            };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
                 };
             };
             /** @description Bad parameters, or a body that cannot be meant */
@@ -5520,6 +5792,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PlanAnswer"];
+                };
+            };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
                 };
             };
             /** @description Bad parameters, or a body that cannot be meant */

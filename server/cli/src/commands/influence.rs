@@ -71,7 +71,7 @@ impl Influence {
         if let Some(area) = &request.boundary {
             area.check_within(view.metadata().bounds).map_err(failure)?;
         }
-        let map = source.influence(&request.request, &view).map_err(failure)?;
+        let map = source.influence(&request.request, &view, &|_| true).map_err(failure)?;
         let assumptions = Assumptions::of_influences(&request.request, &map, source.facts());
         // A raster or a table is not read for them.
         for warning in &assumptions.warnings {

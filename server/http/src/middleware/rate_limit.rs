@@ -1,8 +1,17 @@
 //! A token bucket for each client address: the connection's own or, behind trusted proxies, the one that they name.
 
-use crate::{access::Client, error::ApiError, state::AppState, trust::client_address};
+use crate::{
+    access::Client,
+    asker::Asker,
+    error::ApiError,
+    party::Party,
+    state::AppState,
+    trust::client_address,
+    work_shares::{Left, header_values},
+};
 use axum::{
     extract::{Request, State},
+    http::HeaderValue,
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -42,6 +51,19 @@ impl RateLimiter {
     /// Seconds until there is one.
     pub fn take(&self, client: IpAddr, now: Instant) -> Result<(), f64> {
         self.take_some(client, 1.0, now)
+    }
+
+    /// What is left for a client; None where there is no limit.
+    fn left(&self, client: IpAddr, now: Instant) -> Option<Left> {
+        if self.tokens_per_second.is_nan() || self.tokens_per_second <= 0.0 {
+            return None;
+        }
+        let buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = buckets.get(&group(client)).map_or(self.burst, |bucket| {
+            bucket.tokens + now.saturating_duration_since(bucket.seen).as_secs_f64() * self.tokens_per_second
+        });
+        let window_s = self.burst / self.tokens_per_second;
+        Some(Left { name: "requests", quota: self.burst, window_s, left })
     }
 
     /// Gives tokens back that were taken.
@@ -118,17 +140,22 @@ pub async fn limit_rate(
             _ => Ok(()),
         };
     let mut known = None;
+    let mut party = Party::of_address(address);
     let allowed = match state.access.client(request.headers()) {
-        Ok(Client::Operator) => Ok(()),
+        Ok(Client::Operator) => {
+            party = Party::Operator;
+            Ok(())
+        }
         Ok(Client::Key(name)) => {
             known = Some(KnownClient(name.to_owned()));
+            party = Party::of_key(name);
             state.access.count(name)
         }
         Ok(Client::Anyone) => of_address(address),
         Err(error) => of_address(address).and(Err(error)),
     };
     let mut response = match allowed {
-        Ok(()) => next.run(request).await,
+        Ok(()) => Asker::new(party, Arc::default()).scope(next.run(request)).await,
         Err(error) => {
             let reason = match error {
                 ApiError::Unauthorized => "secret",
@@ -141,6 +168,19 @@ pub async fn limit_rate(
     };
     if let Some(known) = known {
         response.extensions_mut().insert(known);
+    }
+    response.extensions_mut().insert(party);
+    let now = Instant::now();
+    let requests = address.filter(|_| matches!(party, Party::V4(_) | Party::V6(_)));
+    let requests = requests.and_then(|address| limiter.left(address, now));
+    let shares: Vec<Left> = requests.into_iter().chain(state.work.shares.left(party, now)).collect();
+    if !shares.is_empty() {
+        let (policy, left) = header_values(&shares);
+        for (name, value) in [("ratelimit-policy", policy), ("ratelimit", left)] {
+            if let Ok(value) = HeaderValue::from_str(&value) {
+                response.headers_mut().insert(name, value);
+            }
+        }
     }
     response
 }

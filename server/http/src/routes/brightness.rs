@@ -1,6 +1,10 @@
 //! How bright the zenith is at every place of a scene.
 
-use crate::{error::ApiError, state::AppState};
+use crate::{
+    asker::{self, Asker},
+    error::ApiError,
+    state::AppState,
+};
 use skyglow_app::fingerprint::brightness_key;
 use skyglow_observatory::{BrightnessMap, BrightnessRequest, SceneView};
 use std::sync::Arc;
@@ -44,7 +48,8 @@ impl PreparedBrightness {
         let progress = state.brightness_progress(&self.key).map_or(0.0, |(progress, _)| progress);
         let state = state.clone();
         // What is wrong with it the first tile says.
-        tokio::spawn(async move { self.find(&state).await }.in_current_span());
+        let asker = Asker::new(asker::party(), Arc::default());
+        tokio::spawn(asker.scope(async move { self.find(&state).await }.in_current_span()));
         Some(progress)
     }
 

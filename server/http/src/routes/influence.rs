@@ -5,7 +5,7 @@ use crate::{
     error::ApiError,
     etag::ETag,
     problem::Problem,
-    refusals::{BodyTooLong, NotAcceptable, OfSky},
+    refusals::{Accepted, BodyTooLong, NotAcceptable, OfSky},
     respond::{CachePolicy, Caching},
     state::{AppState, EncodedAnswer},
 };
@@ -25,6 +25,10 @@ use skyglow_app::{
 };
 use skyglow_observatory::{InfluenceMap, InfluenceRequest, SceneView};
 use std::sync::Arc;
+
+/// Bytes that a raster of influences takes for each pixel while it is written, and a list of them, about.
+const RASTER_BYTES_PER_PIXEL: usize = 12;
+const LIST_BYTES: usize = 8 << 20;
 
 /// Influences that may be found: the place is in the scene, which is resolved.
 #[derive(Clone, Debug)]
@@ -101,6 +105,7 @@ macro_rules! formats {
                 )),
                 OfSky,
                 BodyTooLong,
+                Accepted,
                 (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
                 $($refusal)*
             )
@@ -186,11 +191,11 @@ async fn answer(
         let warnings = assumptions.warnings.clone();
         let times = server_timing(&map);
         let bytes = encoded(&state, assumptions, map, request, format).await?;
-        Ok(EncodedAnswer { bytes: bytes.into(), warnings, times })
+        Ok(EncodedAnswer { bytes, warnings, times })
     };
     // A client that reads a raster in ranges has it made once.
     let made = state.answer(&caching.etag, make).await?;
-    let mut response = caching.ok(format.media_type(), made.bytes.clone());
+    let mut response = made.response(&caching, format.media_type());
     put_warnings(&mut response, &made.warnings);
     if let Ok(times) = HeaderValue::from_str(&made.times) {
         response.headers_mut().insert("server-timing", times);
@@ -204,10 +209,17 @@ async fn encoded(
     map: Arc<InfluenceMap>,
     request: InfluenceListRequest,
     format: InfluenceFormat,
-) -> Result<Vec<u8>, ApiError> {
+) -> Result<Bytes, ApiError> {
+    let bytes = match format {
+        InfluenceFormat::Tiff => {
+            let grid = &map.scene().grid;
+            RASTER_BYTES_PER_PIXEL * grid.width as usize * grid.height as usize
+        }
+        _ => LIST_BYTES,
+    };
     let encode =
         move |_: &_| encode_influences(assumptions, &map, &request, format).map_err(ApiError::internal);
-    state.heavy(encode).await
+    state.work.drawn(bytes, encode).await
 }
 
 /// How long finding a map took, step by step.

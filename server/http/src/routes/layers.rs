@@ -2,12 +2,14 @@
 
 use super::{brightness::PreparedBrightness, sky::put_warnings, tiles::scenario_of};
 use crate::{
+    asker::Work,
     error::ApiError,
     etag::ETag,
     problem::Problem,
     refusals::BadParameters,
     respond::{CachePolicy, Caching},
     state::{AppState, EncodedAnswer},
+    work_places::Lane,
 };
 use axum::{
     body::Body,
@@ -26,6 +28,13 @@ use skyglow_scene::{PlaceValues, RasterMetadata, Scene, TileLayer};
 /// Pixels of a raster at most, which is more than a tile of Black Marble has by far; beyond, pixels of the scene share one by
 /// blocks, and the band's description says so.
 const MAX_PIXELS: usize = 32_000_000;
+
+/// Bytes that a raster takes for each pixel while it is written.
+const BYTES_PER_PIXEL: usize = 16;
+
+fn layer_bytes(pixels: usize) -> usize {
+    pixels.min(MAX_PIXELS) * BYTES_PER_PIXEL
+}
 
 macro_rules! layers {
     ($($get:ident, $name:literal, $parameters:ident, $layer:expr, $answer:ident, $doc:literal;)*) => {$(
@@ -83,7 +92,8 @@ async fn scene_layer(
     if let Some(response) = caching.not_modified(headers) {
         return Ok(response);
     }
-    let make = state.with_influence_permit(move |_| {
+    let bytes = layer_bytes(view.metadata().grid.width as usize * view.metadata().grid.height as usize);
+    let make = state.work.long(Lane::Plan, bytes, move |_, _| {
         let scene = view.scene();
         let places = scene.layer_at_places(layer, scene.place_lattice(MAX_PIXELS));
         let places = places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
@@ -107,8 +117,9 @@ async fn scene_layer(
             .places_geotiff(&places, &RasterMetadata { description: &description, unit, notes: &notes })
             .map_err(ApiError::internal)
     });
-    let made = state.answer(&caching.etag, async { make.await.map(EncodedAnswer::from) }).await?;
-    Ok(caching.ok("image/tiff", made.bytes.clone()))
+    let make = async { make.await.map(|(made, held)| held.keep(made).into()) };
+    let made = state.answer(&caching.etag, make).await?;
+    Ok(made.response(&caching, "image/tiff"))
 }
 
 async fn brightness_layer(
@@ -129,7 +140,9 @@ async fn brightness_layer(
         let map = prepared.find(state).await?;
         let assumptions = BrightnessAssumptions::new(prepared.request(), &map, state.source.facts());
         let warnings = assumptions.warnings.clone();
-        let write = move |_: &dyn SkySource| {
+        let grid = &map.scene().grid;
+        let bytes = layer_bytes(grid.width as usize * grid.height as usize);
+        let write = move |_: &dyn SkySource, _: &Work| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
             let shows = match map.places().lattice().step {
@@ -145,11 +158,11 @@ async fn brightness_layer(
             let words = RasterMetadata { description: &description, unit: "cd m-2", notes: &notes };
             map.open_scene().places_geotiff(&pixels, &words).map_err(ApiError::internal)
         };
-        let bytes = state.with_influence_permit(write).await?;
-        Ok(EncodedAnswer { bytes: bytes.into(), warnings, ..EncodedAnswer::default() })
+        let (made, held) = state.work.long(Lane::Plan, bytes, write).await?;
+        Ok(EncodedAnswer { bytes: held.keep(made), warnings, ..EncodedAnswer::default() })
     };
     let made = state.answer(&caching.etag, make).await?;
-    let mut response = caching.ok("image/tiff", made.bytes.clone());
+    let mut response = made.response(&caching, "image/tiff");
     put_warnings(&mut response, &made.warnings);
     Ok(response)
 }

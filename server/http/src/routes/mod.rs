@@ -6,6 +6,7 @@ pub mod docs;
 mod frame;
 pub mod health;
 pub mod influence;
+pub mod jobs;
 mod kept;
 pub mod layers;
 pub mod panorama;

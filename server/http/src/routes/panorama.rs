@@ -18,7 +18,7 @@ use skyglow_app::{
     answers::PanoramaAnswer,
     drawing::draw,
     parameters::{GridParameters, NegotiatedPanoramaParameters, PanoramaParameters, RasterParameters},
-    request::{panorama, scene_id},
+    request::{PictureRequest, panorama, scene_id},
     source::SkySource,
 };
 
@@ -97,6 +97,19 @@ formats! {
         "The raw grid with its numbers; it has no projection and no style.";
 }
 
+/// Bytes that drawing takes for each pixel, measured on the largest (40 for rasters), with their files; and of any.
+const BYTES_PER_PIXEL: usize = 40;
+const BASE_BYTES: usize = 4 << 20;
+
+fn drawing_bytes(picture: &PictureRequest, format: Format) -> usize {
+    let (width_px, height_px) = match format {
+        Format::Png | Format::WebP => (picture.options.width_px, picture.options.height_px),
+        Format::Exr | Format::Tiff => picture.raster_size_px,
+        Format::Json => (0, 0),
+    };
+    BASE_BYTES + BYTES_PER_PIXEL * width_px as usize * height_px as usize
+}
+
 async fn answer(
     state: AppState,
     scene: &str,
@@ -117,14 +130,14 @@ async fn answer(
         let assumptions = prepared.assumptions(&state, &rendered);
         let warnings = assumptions.warnings.clone();
         let times = times_of(&rendered);
+        let bytes = drawing_bytes(&picture, format);
         let draw = move |_: &dyn SkySource| {
             draw(assumptions, &rendered, &picture, format).map_err(ApiError::internal)
         };
-        let bytes = state.heavy(draw).await?;
-        Ok(EncodedAnswer { bytes: bytes.into(), warnings, times })
+        Ok(EncodedAnswer { bytes: state.work.drawn(bytes, draw).await?, warnings, times })
     };
     let made = state.answer(&caching.etag, make).await?;
-    let mut response = caching.ok(format.media_type(), made.bytes.clone());
+    let mut response = made.response(&caching, format.media_type());
     put_times(&mut response, &made.times);
     put_warnings(&mut response, &made.warnings);
     Ok(response)

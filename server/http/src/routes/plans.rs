@@ -6,15 +6,17 @@ use super::{
     kept::{list, remove},
 };
 use crate::{
+    asker::Work,
     error::ApiError,
     etag::ETag,
     middleware::StoredLength,
     poster::{Poster, hand_out},
     problem::Problem,
-    refusals::{BadParameters, BodyTooLong, Busy, NotAcceptable, NotOwner, OfScene, StorageRefused},
+    refusals::{Accepted, BadParameters, BodyTooLong, Busy, NotAcceptable, NotOwner, OfScene, StorageRefused},
     respond::{CachePolicy, Caching, created},
-    state::{AppState, EncodedAnswer},
+    state::{AppState, EncodedAnswer, influence_bytes},
     trust::PublicAddress,
+    work_places::Lane,
 };
 use axum::{
     body::{Body, Bytes},
@@ -31,6 +33,9 @@ use skyglow_app::{
     request::{PlanBody, change_id, plan, plan_limit, scene_id},
     source::SkySource,
 };
+
+/// Bytes that writing a plan takes, about.
+const PLAN_FILE_BYTES: usize = 16 << 20;
 
 /// Makes a reduction plan: what to dim, by how influential lights are on a site (`threshold`), or the least flux such that sites
 /// meet limits (`target`). Values before and after come from the forward model. The plan is kept, unless `keep=off` only tries
@@ -51,6 +56,7 @@ use skyglow_app::{
         )),
         StorageRefused,
         BodyTooLong,
+        Accepted,
         (status = 400, description = "Bad parameters, or a body that cannot be meant", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such scene or scenario, or a site lies outside: then with the scene's bounds", body = Problem, content_type = "application/problem+json"),
         (status = 403, description = "What is pinned is for clients with a key", body = Problem, content_type = "application/problem+json"),
@@ -75,12 +81,13 @@ pub async fn post_plan(
     let (request, view) = state.blocking(read).await?;
     let (posting, secret) = poster.posting(request.keeping)?;
     let is_private = !posting.listed;
-    let make = move |source: &dyn SkySource| {
-        let (plan, is_new) = make_plan(source, &request, &view, &posting)?;
+    let bytes = influence_bytes(&view).saturating_mul(request.request.sites().len());
+    let make = move |source: &dyn SkySource, work: &Work| {
+        let (plan, is_new) = make_plan(source, &request, &view, &posting, &|done| work.note(done))?;
         let stored_bytes = if is_new { plan.stored_bytes() } else { 0 };
         Ok((plan_answer(&plan, request.limit), stored_bytes, is_new))
     };
-    let (answer, stored_bytes, is_new) = state.with_influence_permit(make).await?;
+    let ((answer, stored_bytes, is_new), _) = state.work.long(Lane::Plan, bytes, make).await?;
     let mut response = created(&format!("/api/v1/plans/{}", answer.id), &answer)?;
     response.extensions_mut().insert(StoredLength(stored_bytes));
     hand_out(&mut response, secret.filter(|_| is_new || is_private));
@@ -196,7 +203,10 @@ pub async fn get_plan(
         return Ok(response);
     }
     let encode = move |_: &dyn SkySource| encode_plan(&record, limit, format).map_err(ApiError::internal);
-    let made =
-        state.answer(&caching.etag, async { state.heavy(encode).await.map(EncodedAnswer::from) }).await?;
-    Ok(caching.ok(format.media_type(), made.bytes.clone()))
+    let made = state
+        .answer(&caching.etag, async {
+            state.work.drawn(PLAN_FILE_BYTES, encode).await.map(EncodedAnswer::from)
+        })
+        .await?;
+    Ok(made.response(&caching, format.media_type()))
 }

@@ -87,7 +87,7 @@ impl PreparedSky {
             check_altitude(&wanted, site.ground, source.facts().altitude_range_m)?;
             Ok(view)
         };
-        let view = state.blocking(resolve).await?;
+        let view = state.work.resolve(request.scenario.is_some(), resolve).await?;
         let key = sky_key(&request, view.version(), state.source.facts())?;
         Ok(Self { request, view, key })
     }

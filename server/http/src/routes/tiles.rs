@@ -10,7 +10,7 @@ use crate::{
     state::{AppState, EncodedAnswer},
 };
 use axum::{
-    body::Body,
+    body::{Body, Bytes},
     extract::{Path, RawQuery, State},
     http::{HeaderMap, Response},
 };
@@ -180,7 +180,7 @@ async fn scene_tile(
         return Ok(response);
     }
     let notes = Notes::new(&description(layer, view.metadata().illustrative), "");
-    let draw = state.heavy(move |source| {
+    let draw = state.work.drawn(tile_bytes(address), move |source| {
         let Address { place, size_px } = address;
         let tile = source.tile(&view, layer, place, size_px)?;
         match layer {
@@ -196,14 +196,21 @@ async fn scene_tile(
     drawn_once(state, &caching, draw).await
 }
 
+/// Bytes that a tile takes for each pixel while it is drawn.
+const BYTES_PER_PIXEL: usize = 24;
+
+fn tile_bytes(address: Address) -> usize {
+    (address.size_px as usize).pow(2) * BYTES_PER_PIXEL
+}
+
 /// A tile, drawn once for all who ask at the same time and stored for a while.
 async fn drawn_once(
     state: &AppState,
     caching: &Caching,
-    draw: impl Future<Output = Result<Vec<u8>, ApiError>>,
+    draw: impl Future<Output = Result<Bytes, ApiError>>,
 ) -> Result<Response<Body>, ApiError> {
     let made = state.answer(&caching.etag, async { draw.await.map(EncodedAnswer::from) }).await?;
-    Ok(caching.ok("image/png", made.bytes.clone()))
+    Ok(made.response(caching, "image/png"))
 }
 
 /// The scenario that a layer is shown of: terrain has none.
@@ -240,7 +247,7 @@ async fn influence_tile(
             influence_tile_png(&tile.values, &tile.has_data, size_px, map.brightest_colour(), &notes)
                 .map_err(ApiError::internal)
         };
-        state.heavy(draw).await
+        state.work.drawn(tile_bytes(address), draw).await
     };
     drawn_once(state, &caching, draw).await
 }
@@ -269,7 +276,7 @@ async fn brightness_tile(
             let tile = map.tile(place, size_px).map_err(AppError::from)?;
             brightness_tile_png(&tile.values, &tile.has_data, size_px, &notes).map_err(ApiError::internal)
         };
-        state.heavy(draw).await
+        state.work.drawn(tile_bytes(address), draw).await
     };
     drawn_once(state, &caching, draw).await
 }

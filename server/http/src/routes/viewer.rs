@@ -3,7 +3,7 @@
 use crate::{
     error::ApiError,
     etag::ETag,
-    respond::{CachePolicy, Caching},
+    respond::{CachePolicy, Caching, Counted},
 };
 use axum::{
     body::{Body, Bytes},
@@ -12,6 +12,7 @@ use axum::{
 use brotli::enc::BrotliEncoderParams;
 use rust_embed::{EmbeddedFile, RustEmbed};
 use std::{
+    borrow::Cow,
     collections::HashMap,
     sync::{Mutex, OnceLock, PoisonError},
 };
@@ -127,11 +128,21 @@ fn answer(
         return Ok(response);
     }
     let Some(short) = takes_brotli(headers).then(|| compressed(path, &file.data)).flatten() else {
-        return Ok(caching.ok(media_type(path), file.data.to_vec()));
+        let data = match &file.data {
+            Cow::Borrowed(data) => Bytes::from_static(data),
+            Cow::Owned(data) => Bytes::from(data.clone()),
+        };
+        return Ok(counted(caching.ok(media_type(path), data)));
     };
-    let mut response = caching.ok(media_type(path), short);
+    let mut response = counted(caching.ok(media_type(path), short));
     response.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("br"));
     Ok(response)
+}
+
+/// Files of the program take no memory of their own.
+fn counted(mut response: Response<Body>) -> Response<Body> {
+    response.extensions_mut().insert(Counted);
+    response
 }
 
 fn media_type(path: &str) -> &'static str {

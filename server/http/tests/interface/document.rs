@@ -33,7 +33,7 @@ async fn document_and_routes_are_the_same() {
         // The made-up program knows no influences, no brightness and has no plans; `end_to_end` asks a real one.
         let status = match path {
             path if path.contains("/influence") || path.contains("/layers/brightness") => 503,
-            path if path.contains("{plan}") || path.contains("{scenario}") => 404,
+            path if ["{plan}", "{scenario}", "{job}"].iter().any(|id| path.contains(id)) => 404,
             _ => 200,
         };
         assert_eq!(server.answer(&format!("{real}{query}")).await.status(), status, "{path}");

@@ -11,7 +11,7 @@ use skyglow_app::{
 };
 use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, PlanOutcome, PlanRequest,
-    RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest,
+    RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest, Watch,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
@@ -50,6 +50,8 @@ pub(crate) struct Fake {
     facts: SourceFacts,
     pub(crate) mood: Mutex<Mood>,
     pub(crate) rendered: AtomicUsize,
+    /// Plans and influences that are being found.
+    pub(crate) long_work: AtomicUsize,
     pub(crate) ready: AtomicBool,
     pub(crate) version: Mutex<String>,
     pub(crate) ground: Mutex<Ground>,
@@ -81,6 +83,7 @@ impl Default for Fake {
             },
             mood: Mutex::default(),
             rendered: AtomicUsize::new(0),
+            long_work: AtomicUsize::new(0),
             ready: AtomicBool::new(true),
             version: Mutex::new("v1".into()),
             ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
@@ -136,6 +139,18 @@ impl Fake {
             why_open: Some("in this test"),
         });
         fake
+    }
+
+    /// Works for as long as it is slow and somebody waits, and fails then.
+    fn work_long(&self, watch: &Watch<'_>) -> AppError {
+        let Mood::Slow(time) = self.mood.lock().unwrap().clone() else { return AppError::EngineDown };
+        self.long_work.fetch_add(1, Ordering::SeqCst);
+        let start = std::time::Instant::now();
+        while start.elapsed() < time && watch(start.elapsed().as_secs_f64() / time.as_secs_f64()) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        self.long_work.fetch_sub(1, Ordering::SeqCst);
+        AppError::EngineDown
     }
 
     fn ground(&self) -> Ground {
@@ -325,8 +340,13 @@ impl SkySource for Fake {
     }
 
     /// Influences need the light of a real scene: `end_to_end` asks for them.
-    fn influence(&self, _: &InfluenceRequest, _: &SceneView) -> Result<InfluenceMap, AppError> {
-        Err(AppError::EngineDown)
+    fn influence(
+        &self,
+        _: &InfluenceRequest,
+        _: &SceneView,
+        watch: &Watch<'_>,
+    ) -> Result<InfluenceMap, AppError> {
+        Err(self.work_long(watch))
     }
 
     fn brightness(
@@ -371,8 +391,8 @@ impl SkySource for Fake {
         })
     }
 
-    fn plan(&self, _: &PlanRequest, _: &SceneView) -> Result<PlanOutcome, AppError> {
-        Err(AppError::EngineDown)
+    fn plan(&self, _: &PlanRequest, _: &SceneView, watch: &Watch<'_>) -> Result<PlanOutcome, AppError> {
+        Err(self.work_long(watch))
     }
 
     fn plan_id(&self, content: Vec<u8>, _: &Posting) -> Result<ChangeId, AppError> {

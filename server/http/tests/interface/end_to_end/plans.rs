@@ -217,3 +217,34 @@ async fn bad_scenarios_and_plans_are_refused() {
         .await;
     assert_eq!(status, 404);
 }
+
+/// A plan that is made as a job is the plan that the job names.
+#[tokio::test]
+async fn a_plan_can_be_a_job() {
+    let server = EndToEnd::shared().await;
+    let town = server.town().await;
+    let body =
+        json!({ "method": "target", "sites": [site(&town, &json!({ "reduce_by": 0.07 }))], "max_cut": 1.0 });
+    let posted = server.client.post(format!("{}/api/v1/scenes/demo/plans", server.base));
+    let posted = posted.header("prefer", "respond-async").body(body.to_string()).send().await.unwrap();
+    assert_eq!(posted.status(), 202);
+    let job = posted.headers()["location"].to_str().unwrap().to_owned();
+    let mut standing = Value::Null;
+    for _ in 0..2000 {
+        standing =
+            server.client.get(format!("{}{job}", server.base)).send().await.unwrap().json().await.unwrap();
+        if standing["state"] != "queued" && standing["state"] != "running" {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    assert_eq!(
+        (&standing["state"], &standing["progress"], &standing["status"]),
+        (&"done".into(), &1.0.into(), &201.into())
+    );
+    let plan = server.client.get(format!("{}{}", server.base, standing["result"].as_str().unwrap()));
+    let plan: Value = plan.header("accept", "application/json").send().await.unwrap().json().await.unwrap();
+    let result = server.client.get(format!("{}{job}/result", server.base)).send().await.unwrap();
+    assert_eq!(result.status(), 201);
+    assert_eq!(result.json::<Value>().await.unwrap()["id"], plan["id"]);
+}

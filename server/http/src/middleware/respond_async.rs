@@ -1,0 +1,107 @@
+//! `Prefer: respond-async` (RFC 7240): long work is answered 202 at once, with the address of a job.
+
+use crate::{
+    asker::{self, Asker, Work},
+    error::ApiError,
+    jobs::{Jobs, Outcome, TooMany},
+    state::AppState,
+};
+use axum::{
+    Json,
+    body::to_bytes,
+    extract::{Request, State},
+    http::{HeaderMap, HeaderValue, Method, StatusCode, header},
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+use skyglow_app::AppError;
+use std::sync::Arc;
+
+/// Longest answer that is kept for a job, bytes.
+const MAX_OUTCOME_BYTES: usize = 256 << 20;
+
+/// Marks a request that nobody waits for on a connection.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unhurried;
+
+/// Ends a job that no answer came of.
+struct Ending {
+    jobs: Arc<Jobs>,
+    id: String,
+}
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        let (parts, _) = ApiError::internal("a job ended without an answer").into_response().into_parts();
+        self.jobs
+            .end(&self.id, Outcome { status: parts.status, headers: parts.headers, ..Outcome::default() });
+    }
+}
+
+/// Makes jobs of posts of plans and influences whose clients prefer that.
+pub async fn respond_async(State(state): State<AppState>, mut request: Request, next: Next) -> Response {
+    let path = request.uri().path();
+    let is_long = path.ends_with("/plans") || path.contains("/influence");
+    if *request.method() != Method::POST || !is_long || !prefers_async(request.headers()) {
+        return next.run(request).await;
+    }
+    let (party, work) = (asker::party(), Arc::<Work>::default());
+    let id = match state.jobs.begin(party, Arc::clone(&work)) {
+        Ok(id) => id,
+        Err(TooMany) => {
+            state.metrics.count_refused("jobs");
+            return ApiError::App(AppError::Busy { retry_after_s: 30 }).into_response();
+        }
+    };
+    request.extensions_mut().insert(Unhurried);
+    let ending = Ending { jobs: Arc::clone(&state.jobs), id: id.clone() };
+    let job = async move {
+        let (parts, body) = next.run(request).await.into_parts();
+        if let Ok(body) = to_bytes(body, MAX_OUTCOME_BYTES).await {
+            ending.jobs.end(&ending.id, Outcome { status: parts.status, headers: parts.headers, body });
+        }
+    };
+    let task = tokio::spawn(Asker::new(party, work).scope(job));
+    state.jobs.set_task(&id, task.abort_handle());
+    accepted(&id)
+}
+
+fn accepted(id: &str) -> Response {
+    let mut response =
+        (StatusCode::ACCEPTED, Json(serde_json::json!({ "id": id, "state": "queued", "progress": 0.0 })))
+            .into_response();
+    let headers = response.headers_mut();
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert("preference-applied", HeaderValue::from_static("respond-async"));
+    if let Ok(location) = HeaderValue::from_str(&format!("/api/v1/jobs/{id}")) {
+        headers.insert(header::LOCATION, location);
+    }
+    response
+}
+
+fn prefers_async(headers: &HeaderMap) -> bool {
+    let values = headers.get_all("prefer").iter().filter_map(|value| value.to_str().ok());
+    let preferences = values.flat_map(|value| value.split(','));
+    preferences
+        .map(|text| text.split(';').next().unwrap_or_default().trim())
+        .any(|name| name.eq_ignore_ascii_case("respond-async"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn preferences_are_a_list_in_any_case() {
+        let prefers = |value: &'static str| {
+            prefers_async(&HeaderMap::from_iter([(
+                "prefer".parse().unwrap(),
+                HeaderValue::from_static(value),
+            )]))
+        };
+        assert!(prefers("respond-async") && prefers("wait=10, Respond-Async; x=1"));
+        assert!(
+            !prefers("return=minimal") && !prefers("respond-async-not") && !prefers_async(&HeaderMap::new())
+        );
+    }
+}

@@ -1,0 +1,230 @@
+//! Where work is done for requests: places, cores, memory, and queues before what takes long. Answers that are there already need
+//! none of it.
+
+use crate::{
+    asker::{self, Work},
+    budget::{Budget, Full, Held},
+    config::HttpConfig,
+    error::ApiError,
+    fair::{Crowded, FairQueue},
+    metrics::Metrics,
+    work_shares::WorkShares,
+};
+use axum::body::Bytes;
+use prometheus_client::metrics::gauge::Gauge;
+use skyglow_app::{error::AppError, source::SkySource};
+use std::{sync::Arc, time::Instant};
+use tokio::sync::Semaphore;
+use tracing::Instrument;
+
+/// What a place counts in the budget of them.
+const PLACE_BYTES: usize = 1024;
+/// Part of the places that one party may have.
+const PART_OF_PLACES: u64 = 2;
+/// Part of all memory that answers in the cache may take.
+pub(crate) const PART_FOR_CACHED_ANSWERS: u64 = 4;
+/// What takes more memory than this has a half of it of its own: small pictures do not wait for large ones.
+const LARGE_BYTES: usize = 16 << 20;
+/// What a document takes that is made of what is kept, about.
+const DOCUMENT_BYTES: usize = 4 << 20;
+/// Maps of influences, plans and rasters that are found at a time; the others wait.
+const AT_ONCE: usize = 2;
+/// Scenes with changes that are resolved at a time.
+const PAINTINGS: usize = 4;
+/// Part of all places that may wait for one of those.
+const PART_THAT_WAITS: usize = 4;
+/// Maps of the zenith's brightness that wait for the one that is found.
+const WAITING_MAPS: usize = 3;
+
+/// What takes long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lane {
+    /// Influences: up to a second each.
+    Influence,
+    /// Plans, and rasters of whole layers: seconds each.
+    Plan,
+    /// Maps of the zenith's brightness: up to a minute of all cores each.
+    Map,
+}
+
+/// The places for work.
+pub(crate) struct WorkPlaces {
+    source: Arc<dyn SkySource>,
+    metrics: Arc<Metrics>,
+    places: Arc<Budget>,
+    /// Memory for what is small, and for what is large.
+    memory: [Arc<Budget>; 2],
+    large_at_most: usize,
+    cores: Arc<Semaphore>,
+    influences: Arc<FairQueue>,
+    plans: Arc<FairQueue>,
+    maps: Arc<FairQueue>,
+    paintings: Arc<FairQueue>,
+    /// Time for long work by client.
+    pub(crate) shares: Arc<WorkShares>,
+}
+
+impl WorkPlaces {
+    pub(crate) fn new(source: Arc<dyn SkySource>, metrics: Arc<Metrics>, config: &HttpConfig) -> Self {
+        let count = config.concurrent_requests as u64;
+        let share = (count / PART_OF_PLACES).max(2);
+        let places = Budget::new(count * PLACE_BYTES as u64, share * PLACE_BYTES as u64, Gauge::default());
+        let half = config.memory_budget() / 2;
+        let memory = [half, half].map(|bytes| Budget::new(bytes, bytes, metrics.work_bytes.clone()));
+        let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
+        let shares = Arc::new(WorkShares::new(config.work_per_minute_s, config.work_burst_s));
+        let waiting = (config.concurrent_requests / PART_THAT_WAITS).max(1);
+        let queue = |places, waiting| FairQueue::new(places, waiting, Arc::clone(&shares));
+        Self {
+            source,
+            metrics,
+            places,
+            memory,
+            large_at_most: usize::try_from(half / 2).unwrap_or(usize::MAX),
+            cores: Arc::new(Semaphore::new(2 * cores)),
+            influences: queue(AT_ONCE, waiting),
+            plans: queue(AT_ONCE, waiting),
+            maps: queue(1, WAITING_MAPS),
+            paintings: queue(PAINTINGS, config.concurrent_requests),
+            shares,
+        }
+    }
+
+    /// A place for the request that this is done for, unless it has one.
+    ///
+    /// # Errors
+    /// [`AppError::Busy`] at once where there is none.
+    pub(crate) fn place(&self) -> Result<(), AppError> {
+        let taken = asker::current().take_place(|party| self.places.try_hold(party, PLACE_BYTES));
+        taken.map_err(|_: Full| self.busy(1))
+    }
+
+    fn busy(&self, retry_after_s: u64) -> AppError {
+        self.metrics.count_refused("busy");
+        AppError::Busy { retry_after_s }
+    }
+
+    /// Memory for work, in the order of asking.
+    async fn memory(&self, bytes: usize) -> Result<Held, ApiError> {
+        let [small, large] = &self.memory;
+        let held = match bytes > LARGE_BYTES {
+            true => large.hold(bytes.min(self.large_at_most)),
+            false => small.hold(bytes),
+        };
+        let held = held.instrument(tracing::info_span!("wait for memory")).await;
+        held.ok_or_else(|| ApiError::internal("the budget of memory is closed"))
+    }
+
+    /// Runs something that may read files or compute for long, off the async threads.
+    ///
+    /// # Errors
+    /// Its own, and [`AppError::Internal`] where it panics.
+    pub(crate) async fn blocking<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<T, ApiError> {
+        let source = self.source.clone();
+        let span = tracing::info_span!("work");
+        match tokio::task::spawn_blocking(move || span.in_scope(|| work(source.as_ref()))).await {
+            Ok(result) => result,
+            Err(error) => Err(ApiError::internal(format!("a worker failed: {error}"))),
+        }
+    }
+
+    /// Resolves a scene; one with changes may have to be painted, few at a time.
+    ///
+    /// # Errors
+    /// As [`Self::blocking`], and [`AppError::Busy`].
+    pub(crate) async fn resolve<T: Send + 'static>(
+        &self,
+        is_changed: bool,
+        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<T, ApiError> {
+        if !is_changed {
+            return self.blocking(work).await;
+        }
+        let turn = self.paintings.turn(asker::party()).await.map_err(|_: Crowded| self.busy(1))?;
+        self.blocking(move |source| {
+            let resolved = work(source);
+            drop(turn);
+            resolved
+        })
+        .await
+    }
+
+    /// The same for work that takes a core and so many bytes for a while: the request has a place, and waits for both.
+    async fn with_core<T: Send + 'static>(
+        &self,
+        bytes: usize,
+        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<(T, Held), ApiError> {
+        self.place()?;
+        let held = self.memory(bytes).await?;
+        let waiting = self.cores.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
+        let core = waiting.await.map_err(ApiError::internal)?;
+        self.blocking(move |source| {
+            let result = work(source);
+            drop(core);
+            result.map(|made| (made, held))
+        })
+        .await
+    }
+
+    /// Makes a document.
+    ///
+    /// # Errors
+    /// As [`Self::blocking`], and [`AppError::Busy`].
+    pub(crate) async fn heavy<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<T, ApiError> {
+        self.with_core(DOCUMENT_BYTES, work).await.map(|(made, _)| made)
+    }
+
+    /// Makes a file within so many bytes of memory, of which it keeps its own for as long as somebody has it.
+    ///
+    /// # Errors
+    /// As [`Self::heavy`].
+    pub(crate) async fn drawn(
+        &self,
+        bytes: usize,
+        work: impl FnOnce(&dyn SkySource) -> Result<Vec<u8>, ApiError> + Send + 'static,
+    ) -> Result<Bytes, ApiError> {
+        self.with_core(bytes, work).await.map(|(made, held)| held.keep(made))
+    }
+
+    /// Runs what takes long, within so many bytes of memory, in its turn; it is given up when nobody waits for it any more.
+    ///
+    /// # Errors
+    /// As [`Self::blocking`], [`AppError::Busy`] where too many wait, and [`ApiError::TooManyRequests`] for a client that had more
+    /// than its time.
+    pub(crate) async fn long<T: Send + 'static>(
+        &self,
+        lane: Lane,
+        bytes: usize,
+        work: impl FnOnce(&dyn SkySource, &Work) -> Result<T, ApiError> + Send + 'static,
+    ) -> Result<(T, Held), ApiError> {
+        let party = asker::party();
+        self.shares.check(party, Instant::now()).map_err(|wait_s| {
+            self.metrics.count_refused("work");
+            ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }
+        })?;
+        let (queue, retry_after_s) = match lane {
+            Lane::Influence => (&self.influences, 2),
+            Lane::Plan => (&self.plans, 10),
+            Lane::Map => (&self.maps, 20),
+        };
+        let waiting = queue.turn(party).instrument(tracing::info_span!("wait for its turn"));
+        let turn = waiting.await.map_err(|_: Crowded| self.busy(retry_after_s))?;
+        let held = self.memory(bytes).await?;
+        let progress = asker::current().work();
+        self.blocking(move |source| {
+            // Whoever waited may have gone in the meantime.
+            let made =
+                if progress.note(0.0) { work(source, &progress) } else { Err(AppError::EngineDown.into()) };
+            drop(turn);
+            made.map(|made| (made, held))
+        })
+        .await
+    }
+}
