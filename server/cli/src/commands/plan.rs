@@ -53,7 +53,8 @@ impl Plan {
         let request = self.request(&body, source.facts())?;
         let failure = |error| query::failure(&error);
         let view = prepare_plan(source, &request).map_err(failure)?;
-        let (plan, _) = make_plan(source, &request, &view, &Posting::default(), &|_| true).map_err(failure)?;
+        let (plan, _) =
+            make_plan(source, &request, &view, &Posting::default(), &|_| true).map_err(failure)?;
         let bytes = encode_plan(&plan, request.limit, self.output.format).map_err(Failure::work)?;
         let path = &self.output.path;
         std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))?;

@@ -12,7 +12,9 @@ use crate::{
     middleware::StoredLength,
     poster::{Poster, hand_out},
     problem::Problem,
-    refusals::{Accepted, BadParameters, BodyTooLong, Busy, NotAcceptable, NotOwner, OfScene, StorageRefused},
+    refusals::{
+        Accepted, BadParameters, BodyTooLong, Busy, NotAcceptable, NotOwner, OfScene, StorageRefused,
+    },
     respond::{CachePolicy, Caching, created},
     state::{AppState, EncodedAnswer, influence_bytes},
     trust::PublicAddress,
