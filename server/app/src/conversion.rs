@@ -149,6 +149,7 @@ impl From<ObservatoryError> for AppError {
                 SceneError::UnknownScene { id } | SceneError::InvalidId { id } => {
                     Self::UnknownScene { id: echo(&id) }
                 }
+                SceneError::Damaged { scene, .. } => Self::DamagedScene { id: scene },
                 SceneError::InvalidTile { .. } => Self::UnknownTile { reason: error.to_string() },
                 other => Self::internal(other),
             },

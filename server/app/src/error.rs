@@ -15,6 +15,14 @@ pub enum AppError {
         /// The id asked for, shortened.
         id: String,
     },
+    /// A scene that cannot be read any more.
+    #[error(
+        "the files of scene \"{id}\" are damaged, and so it is left out; the operator can store it again"
+    )]
+    DamagedScene {
+        /// The scene's id.
+        id: String,
+    },
     /// No scenario or plan of that id.
     #[error("there is no scenario or plan \"{id}\"; those that are old or too many are not kept")]
     UnknownScenario {

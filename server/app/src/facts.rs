@@ -12,6 +12,8 @@ pub struct KindFacts {
     pub scattering: Scattering,
     /// Smallest and largest turbidity resident.
     pub turbidity_range: (f64, f64),
+    /// Spans in between, without their ends, that are not served for want of a pack that is left out.
+    pub unserved: Vec<(f64, f64)>,
     /// Most basis functions resident.
     pub basis_count: usize,
     /// Lambertian albedo of the ground that light is scattered back from; None where scattering is single.
@@ -21,10 +23,44 @@ pub struct KindFacts {
 }
 
 impl KindFacts {
+    /// Whether a turbidity is served.
+    pub fn serves(&self, turbidity: f64) -> bool {
+        let (least, most) = self.turbidity_range;
+        let is_inside = |&(from, to): &(f64, f64)| from < turbidity && turbidity < to;
+        (least..=most).contains(&turbidity) && !self.unserved.iter().any(is_inside)
+    }
+
+    /// The turbidities that are served, in words.
+    pub fn turbidities(&self) -> String {
+        let (mut from, most) = self.turbidity_range;
+        let mut spans = Vec::new();
+        let ends = self.unserved.iter().copied().chain([(most, most)]);
+        for (to, next) in ends {
+            spans.push(if from < to || self.unserved.is_empty() {
+                format!("{from} to {to}")
+            } else {
+                to.to_string()
+            });
+            from = next;
+        }
+        spans.join(", ")
+    }
+
     /// Base of the layer of cloud above sea level, metres; None under a clear sky.
     pub fn cloud_base_m(&self) -> Option<u32> {
         self.clouds.map(Clouds::base_m)
     }
+}
+
+/// What is left out because it is damaged.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// File names of packs.
+    pub packs: Vec<String>,
+    /// Ids of scenes.
+    pub scenes: Vec<String>,
+    /// Whether no scene is left.
+    pub no_scene_left: bool,
 }
 
 /// What is fixed after the start.

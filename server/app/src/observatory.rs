@@ -3,7 +3,7 @@
 use crate::{
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     error::AppError,
-    facts::{KindFacts, SourceFacts},
+    facts::{KindFacts, LeftOut, SourceFacts},
     request::ListRequest,
     source::{BoxFuture, SkySource},
     stored::{stored_plans, stored_scenarios},
@@ -13,7 +13,7 @@ use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, MAX_PLACES, Observatory,
     ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyRequest, Watch,
 };
-use skyglow_render::{EngineStats, PackKind, ResidentKind};
+use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind};
 use skyglow_scene::{
     ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario, SceneError,
     SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer,
@@ -26,6 +26,7 @@ use std::sync::Arc;
 pub struct ObservatorySource {
     observatory: Arc<Observatory>,
     facts: SourceFacts,
+    left_out_packs: Vec<String>,
     upload_reader: Option<UploadReader>,
 }
 
@@ -48,7 +49,18 @@ impl ObservatorySource {
                 .collect::<Vec<_>>()
                 .join(" "),
         };
-        Self { observatory, facts, upload_reader: None }
+        Self { observatory, facts, left_out_packs: Vec::new(), upload_reader: None }
+    }
+
+    /// The same where packs were left out: what they alone could serve is refused.
+    #[must_use]
+    pub fn without_packs(mut self, left_out: &[LeftOutPack]) -> Self {
+        let kinds = &self.observatory.engine().info().kinds;
+        for (facts, kind) in self.facts.kinds.iter_mut().zip(kinds) {
+            facts.unserved = LeftOutPack::unserved(kind, left_out);
+        }
+        self.left_out_packs = left_out.iter().map(|pack| pack.name.clone()).collect();
+        self
     }
 
     /// The same with uploads read by a process of their own.
@@ -78,6 +90,7 @@ fn kind_facts(resident: &ResidentKind, manifests: &[Manifest]) -> KindFacts {
         clouds: pack.and_then(|pack| pack.clouds),
         scattering: resident.kind.scattering,
         turbidity_range: ends(&resident.turbidities),
+        unserved: Vec::new(),
         basis_count: resident.basis_count,
         ground_albedo: pack.and_then(|pack| pack.ground_albedo),
         why_open: (!resident.hides_lights).then_some(
@@ -117,6 +130,19 @@ impl SkySource for ObservatorySource {
 
     fn is_ready(&self) -> bool {
         self.observatory.engine().is_ready()
+    }
+
+    fn left_out(&self) -> LeftOut {
+        let (damaged, others) = self.observatory.damaged_scenes();
+        LeftOut {
+            packs: self.left_out_packs.clone(),
+            no_scene_left: others == 0 && !damaged.is_empty(),
+            scenes: damaged.iter().map(SceneId::to_string).collect(),
+        }
+    }
+
+    fn check_scenes(&self) -> Result<(), AppError> {
+        Ok(self.observatory.check_scenes()?)
     }
 
     fn stats(&self) -> EngineStats {

@@ -4,7 +4,7 @@
 use crate::{
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     error::AppError,
-    facts::SourceFacts,
+    facts::{LeftOut, SourceFacts},
     request::ListRequest,
 };
 use skyglow_observatory::{
@@ -28,6 +28,17 @@ pub trait SkySource: Send + Sync + 'static {
     fn facts(&self) -> &SourceFacts;
     /// Whether tables are resident and the device answers. Cheap.
     fn is_ready(&self) -> bool;
+    /// What is left out because it is damaged. Cheap.
+    fn left_out(&self) -> LeftOut {
+        LeftOut::default()
+    }
+    /// Reads every scene through that was not yet, to find those that are damaged. Takes as long as the disk does.
+    ///
+    /// # Errors
+    /// [`AppError::Internal`].
+    fn check_scenes(&self) -> Result<(), AppError> {
+        Ok(())
+    }
     /// Counters of the engine. Cheap.
     fn stats(&self) -> EngineStats;
     /// Number of scenes open. Cheap.

@@ -71,6 +71,7 @@ impl ProgramFlags {
     /// Scenes, packs and engine, ready to answer.
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
         let device = self.device.unwrap_or_default();
-        program::open(&self.data.folder(), &self.packs.folder(), device, ChangeLimits::none(), MAX_PLACES)
+        let (data, packs) = (self.data.folder(), self.packs.folder());
+        program::open(&data, &packs, device, false, ChangeLimits::none(), MAX_PLACES)
     }
 }

@@ -119,6 +119,9 @@ pub(crate) struct PartialSettings {
     /// Networks of proxies that are believed in X-Forwarded-* and Forwarded, as 10.0.0.0/8,fd00::/8 [default: none]
     #[arg(long, env = "SKYGLOW_TRUSTED_PROXIES", value_name = "NETWORKS", value_delimiter = ',')]
     pub(crate) trusted_proxies: Option<Vec<String>>,
+    /// How much of a client's address the log has: nothing, its network (/24 of IPv4, /48 of IPv6), or all of it [default: off]
+    #[arg(long, env = "SKYGLOW_LOG_CLIENT_ADDRESS", value_name = "HOW", value_parser = ["off", "truncated", "full"])]
+    pub(crate) log_client_address: Option<String>,
     /// Where clients reach the server, for links in answers [default: as trusted proxies and the Host header say]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,

@@ -7,7 +7,7 @@ use crate::{
 };
 use skyglow_app::{SkySource, UploadReader};
 use skyglow_observatory::{OPEN_SCENE_COUNT, Observatory};
-use skyglow_render::{Engine, EngineConfig, resident_tables};
+use skyglow_render::{Engine, EngineConfig, resident_tables, undamaged_tables};
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
 use skyglow_tables::packs_in;
 use std::{
@@ -19,6 +19,7 @@ use std::{
 
 /// An engine over the packs of a folder, before the scenes of another.
 ///
+/// * `degrade`: whether to do without packs that are damaged, as a server does, or to refuse them.
 /// * `limits`: what is kept of scenarios and plans.
 /// * `max_places`: of a map of the zenith's brightness.
 ///
@@ -28,6 +29,7 @@ pub(crate) fn open(
     data: &Path,
     packs: &Path,
     device: Device,
+    degrade: bool,
     limits: ChangeLimits,
     max_places: usize,
 ) -> Result<Arc<dyn SkySource>, Failure> {
@@ -38,7 +40,14 @@ pub(crate) fn open(
             packs.display()
         )));
     }
-    let (tables, manifests) = resident_tables(&paths).map_err(Failure::work)?;
+    let (tables, manifests, left_out) = match degrade {
+        true => undamaged_tables(&paths),
+        false => resident_tables(&paths).map(|(tables, manifests)| (tables, manifests, Vec::new())),
+    }
+    .map_err(Failure::work)?;
+    for pack in &left_out {
+        tracing::warn!(pack = pack.name, "a damaged pack is left out: {}", pack.reason);
+    }
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
     let observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits);
@@ -46,7 +55,8 @@ pub(crate) fn open(
         let changes = observatory.changes().clone();
         std::thread::spawn(move || skyglow_app::stored::read_index(&changes));
     }
-    let source = skyglow_app::ObservatorySource::new(Arc::new(observatory)).with_max_places(max_places);
+    let source = skyglow_app::ObservatorySource::new(Arc::new(observatory));
+    let source = source.with_max_places(max_places).without_packs(&left_out);
     // The program that runs, also where its file was replaced meanwhile.
     let program = PathBuf::from("/proc/self/exe");
     if !program.exists() {

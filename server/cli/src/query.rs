@@ -78,6 +78,7 @@ fn widest_facts() -> SourceFacts {
         clouds: None,
         scattering,
         turbidity_range: (Turbidity::MINIMUM, Turbidity::MAXIMUM),
+        unserved: Vec::new(),
         basis_count: MAX_BASIS_FUNCTIONS as usize,
         ground_albedo: None,
         why_open: None,
@@ -141,6 +142,7 @@ fn kind_facts(manifests: &[Manifest], sky: Option<u32>, scattering: Scattering) 
         clouds: first.clouds,
         scattering,
         turbidity_range: (first.turbidity, first.turbidity),
+        unserved: Vec::new(),
         basis_count: first.basis_count,
         ground_albedo: first.ground_albedo,
         // No parameter asks for it; a sky says what the packs really know.
@@ -239,6 +241,7 @@ mod tests {
             clouds: None,
             scattering,
             turbidity_range,
+            unserved: Vec::new(),
             basis_count,
             ground_albedo,
             why_open: None,

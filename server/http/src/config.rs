@@ -3,7 +3,33 @@
 use crate::memory::limit_bytes;
 use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
-use std::time::Duration;
+use std::{net::IpAddr, time::Duration};
+
+/// How much of a client's address the log has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LoggedAddress {
+    /// Nothing.
+    #[default]
+    Off,
+    /// Its network: /24 of IPv4, /48 of IPv6.
+    Truncated,
+    /// All of it.
+    Full,
+}
+
+impl LoggedAddress {
+    /// What the log has of an address.
+    pub fn of(self, address: IpAddr) -> Option<String> {
+        let address = address.to_canonical();
+        let bits = if address.is_ipv4() { 24 } else { 48 };
+        match self {
+            Self::Off => None,
+            Self::Truncated => IpNet::new(address, bits).ok().map(|net| net.trunc().to_string()),
+            Self::Full => Some(address.to_string()),
+        }
+    }
+}
 
 /// Limits and addresses of the interface. Everything is on by default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,6 +77,8 @@ pub struct HttpConfig {
     pub idle_timeout_s: f64,
     /// Networks of proxies that are believed in `X-Forwarded-For`, `-Proto`, `-Host` and `-Prefix`, and in `Forwarded`.
     pub trusted_proxies: Vec<IpNet>,
+    /// How much of a client's address is in the log.
+    pub log_client_address: LoggedAddress,
     /// Where clients reach the server, such as `https://sky.example.org/skyglow`, for the links inside answers;
     /// without it trusted proxies and the request's Host header say so.
     pub public_url: Option<String>,
@@ -82,6 +110,7 @@ impl Default for HttpConfig {
             connections: 2048,
             idle_timeout_s: 30.0,
             trusted_proxies: Vec::new(),
+            log_client_address: LoggedAddress::Off,
             public_url: None,
             cors_origins: Vec::new(),
         }
@@ -134,4 +163,24 @@ impl HttpConfig {
 /// A duration from seconds; 0 for what is no duration, a day at most.
 fn seconds(seconds: f64) -> Duration {
     Duration::from_secs_f64(if seconds.is_finite() { seconds.clamp(0.0, 86_400.0) } else { 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The log has the network of a client, its address, or nothing.
+    #[test]
+    fn the_log_has_as_much_of_an_address_as_told() {
+        let of = |how: LoggedAddress, address: &str| how.of(address.parse().unwrap());
+        assert_eq!(of(LoggedAddress::Off, "203.0.113.77"), None);
+        for (address, net) in [
+            ("203.0.113.77", "203.0.113.0/24"),
+            ("::ffff:203.0.113.77", "203.0.113.0/24"),
+            ("2001:db8:1:2::77", "2001:db8:1::/48"),
+        ] {
+            assert_eq!(of(LoggedAddress::Truncated, address).as_deref(), Some(net));
+        }
+        assert_eq!(of(LoggedAddress::Full, "::ffff:203.0.113.77").as_deref(), Some("203.0.113.77"));
+    }
 }

@@ -140,6 +140,9 @@ impl ApiError {
             ApiError::App(AppError::UnknownScene { .. }) => {
                 (StatusCode::NOT_FOUND, "unknown-scene", "There is no such scene")
             }
+            ApiError::App(AppError::DamagedScene { .. }) => {
+                (StatusCode::SERVICE_UNAVAILABLE, "damaged-scene", "The scene is damaged and left out")
+            }
             ApiError::App(AppError::UnknownScenario { .. }) => {
                 (StatusCode::NOT_FOUND, "unknown-scenario", "There is no such scenario or plan")
             }

@@ -33,5 +33,5 @@ mod work_shares;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_with_access};
-pub use config::HttpConfig;
+pub use config::{HttpConfig, LoggedAddress};
 pub use serve::serve;

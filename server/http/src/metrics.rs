@@ -37,6 +37,11 @@ pub struct Metrics {
     pub(crate) sending_bytes: Gauge,
 }
 
+/// Why requests are turned away. Each is counted from 0 on: a sum over what is not there is nothing, and no alert.
+pub const REFUSAL_REASONS: [&str; 7] = ["busy", "timeout", "rate", "quota", "secret", "body", "keeping"];
+/// The caches in memory.
+const CACHES: [&str; 4] = ["sky", "answer", "influence", "brightness"];
+
 /// Upper ends of the duration buckets, seconds.
 const BUCKETS_S: [f64; 13] = [0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0];
 
@@ -84,6 +89,12 @@ impl Metrics {
             registry.register_with_unit(name, words, Unit::Bytes, Gauge::clone(gauge));
         }
         registry.register_collector(Box::new(SourceCollector(source)));
+        for reason in REFUSAL_REASONS {
+            drop(refused.get_or_create(&vec![("reason", reason.to_owned())]));
+        }
+        for (cache_name, result) in CACHES.into_iter().flat_map(|name| [(name, "hit"), (name, "miss")]) {
+            drop(cache.get_or_create(&vec![("cache", cache_name.to_owned()), ("result", result.to_owned())]));
+        }
         Self {
             registry,
             requests,
@@ -113,6 +124,8 @@ impl Metrics {
     }
 
     /// Counts a request that was turned away.
+    ///
+    /// * `reason`: of [`REFUSAL_REASONS`].
     pub fn count_refused(&self, reason: &'static str) {
         self.refused.get_or_create(&vec![("reason", reason.to_owned())]).inc();
     }
@@ -177,12 +190,15 @@ impl std::fmt::Debug for SourceCollector {
 impl Collector for SourceCollector {
     fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
         let stats = self.0.stats();
+        let left_out = self.0.left_out();
         for (name, help, value) in [
             ("engine_queue_length", "Requests that wait for the engine", stats.queue_length as i64),
             ("engine_queue_capacity", "Requests that may wait", stats.queue_capacity as i64),
             ("engine_largest_batch", "Requests in the largest batch so far", stats.largest_batch as i64),
             ("engine_ready", "Whether the engine answers", i64::from(self.0.is_ready())),
             ("scenes_open", "Scenes in memory", self.0.open_scenes() as i64),
+            ("packs_left_out", "Table packs left out because they are damaged", left_out.packs.len() as i64),
+            ("scenes_left_out", "Scenes left out because they are damaged", left_out.scenes.len() as i64),
         ] {
             let gauge = ConstGauge::new(value);
             gauge.encode(encoder.encode_descriptor(name, help, None, gauge.metric_type())?)?;
@@ -201,6 +217,16 @@ impl Collector for SourceCollector {
         ] {
             let counter = ConstCounter::new(value);
             counter.encode(encoder.encode_descriptor(name, help, None, counter.metric_type())?)?;
+        }
+        for (name, help, label, names) in [
+            ("pack_left_out", "1 for each table pack that is left out", "pack", &left_out.packs),
+            ("scene_left_out", "1 for each scene that is left out", "scene", &left_out.scenes),
+        ] {
+            let gauge = ConstGauge::new(1i64);
+            let mut family = encoder.encode_descriptor(name, help, None, gauge.metric_type())?;
+            for name in names {
+                gauge.encode(family.encode_family(&[(label, name.as_str())])?)?;
+            }
         }
         let passes = ConstCounter::new(0.0f64);
         let mut family = encoder.encode_descriptor(

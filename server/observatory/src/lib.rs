@@ -14,6 +14,7 @@ mod plan_target;
 pub mod reduction;
 mod reduction_plan;
 mod scene_cache;
+mod scene_health;
 mod scene_view;
 mod sky;
 mod surroundings;

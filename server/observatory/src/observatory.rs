@@ -64,16 +64,27 @@ impl Observatory {
         self.scenes.len()
     }
 
-    /// All scenes that can be read, by id; what is wrong with others is logged. Reads files.
+    /// All scenes but those known to be damaged, by id. Reads files.
     ///
     /// # Errors
     /// [`ObservatoryError::Scene`].
     pub fn scenes(&self) -> Result<Vec<SceneMetadata>, ObservatoryError> {
-        let list = self.scenes.store().list()?;
-        for error in &list.damaged {
-            tracing::error!(%error, "a scene is left out of the list");
-        }
-        Ok(list.scenes)
+        let mut scenes = self.scenes.store().list()?.scenes;
+        scenes.retain(|scene| !self.scenes.is_damaged(&scene.id));
+        Ok(scenes)
+    }
+
+    /// Reads every scene through that was not yet, and logs which are damaged: those are left out. Takes as long as the disk does.
+    ///
+    /// # Errors
+    /// [`ObservatoryError::Scene`] where the folder cannot be read.
+    pub fn check_scenes(&self) -> Result<(), ObservatoryError> {
+        Ok(self.scenes.check_all()?)
+    }
+
+    /// The scenes known to be damaged, and the number of the others that [`Self::check_scenes`] saw.
+    pub fn damaged_scenes(&self) -> (Vec<SceneId>, usize) {
+        self.scenes.damaged()
     }
 
     /// A scene as it is on disk now, with the changes of a scenario or plan. May read files.

@@ -1,6 +1,10 @@
 //! Open scenes, with and without changes, least recently used out first.
 
-use crate::{error::ObservatoryError, scene_view::SceneView};
+use crate::{
+    error::ObservatoryError,
+    scene_health::{SceneHealth, Stamp},
+    scene_view::SceneView,
+};
 use moka::{policy::EvictionPolicy, sync::Cache};
 use skyglow_scene::{
     ChangeError, ChangeId, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH, Scene,
@@ -11,11 +15,8 @@ use std::{
         Arc,
         atomic::{AtomicUsize, Ordering},
     },
-    time::{Duration, SystemTime},
+    time::Duration,
 };
-
-/// Tells one state of a scene's folder from the next without reading it.
-type Stamp = (SystemTime, u64);
 
 /// Bytes of changed scenes that are stored, beside what they share with the scene itself.
 const MAX_CHANGED_BYTES: u64 = 512 << 20;
@@ -34,6 +35,8 @@ pub(crate) struct SceneCache {
     changed: Cache<(ChangeId, String), Changed>,
     /// Scenes as they are, by id and the state of their folder; each is opened once for all who ask.
     open: Cache<(SceneId, Stamp), Arc<Scene>>,
+    /// Which of them are damaged.
+    health: SceneHealth,
     /// How often a scene was read from disk.
     opened: AtomicUsize,
 }
@@ -56,6 +59,7 @@ impl SceneCache {
                 .max_capacity(capacity.max(1) as u64)
                 .eviction_policy(EvictionPolicy::lru())
                 .build(),
+            health: SceneHealth::default(),
             opened: AtomicUsize::new(0),
         }
     }
@@ -162,6 +166,9 @@ impl SceneCache {
     /// As [`SceneStore::open`].
     pub(crate) fn scene(&self, id: &SceneId) -> Result<Arc<Scene>, ObservatoryError> {
         let stamp = self.stamp(id).inspect_err(|_| self.forget_all_but(id, None))?;
+        if let Some(damage) = self.health.damage(id, stamp) {
+            return Err(damage.into());
+        }
         let open = || {
             self.opened.fetch_add(1, Ordering::Relaxed);
             self.store.open(id).map(Arc::new)
@@ -170,12 +177,49 @@ impl SceneCache {
             Ok(entry) => {
                 if entry.is_fresh() {
                     self.forget_all_but(id, Some(stamp));
+                    self.health.note(id, stamp, Ok(()));
                 }
                 Ok(entry.into_value())
             }
-            // All who asked share the error, which has one owner: each sees for itself.
-            Err(_) => Ok(Arc::new(self.store.open(id)?)),
+            Err(error) => {
+                self.health.note::<()>(id, stamp, Err(&error));
+                match self.health.damage(id, stamp) {
+                    Some(damage) => Err(damage.into()),
+                    // All who asked share the error, which has one owner: each sees for itself.
+                    None => Ok(Arc::new(self.store.open(id)?)),
+                }
+            }
         }
+    }
+
+    /// Reads every scene through that was not yet, or is damaged, and notes which are.
+    pub(crate) fn check_all(&self) -> Result<(), SceneError> {
+        let list = self.store.list()?;
+        let damaged = list.damaged.iter().filter_map(|error| match error {
+            SceneError::Damaged { scene, .. } => SceneId::parse(scene).ok(),
+            _ => None,
+        });
+        let ids = list.scenes.into_iter().map(|scene| scene.id).chain(damaged);
+        let there: Vec<_> = ids.filter_map(|id| self.stamp(&id).ok().map(|stamp| (id, stamp))).collect();
+        self.health.begin(&there);
+        for (id, stamp) in there {
+            if !self.health.is_sound(&id, stamp) {
+                self.health.note(&id, stamp, self.store.verify(&id).as_ref());
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a scene is known to be damaged as it is now.
+    pub(crate) fn is_damaged(&self, id: &SceneId) -> bool {
+        self.stamp(id).is_ok_and(|stamp| self.health.damage(id, stamp).is_some())
+    }
+
+    /// The damaged scenes that are there, and the number of the others.
+    pub(crate) fn damaged(&self) -> (Vec<SceneId>, usize) {
+        let (mut damaged, others) = self.health.damaged();
+        damaged.retain(|id| self.is_damaged(id));
+        (damaged, others)
     }
 
     /// Forgets a scene as it was in other states of its folder.
@@ -204,6 +248,37 @@ mod tests {
     use super::*;
     use skyglow_scene::{ChangeLimits, IngestOptions, ingest};
     use std::path::Path;
+
+    /// A scene that is damaged is found without being asked for, left out, and back when it is whole.
+    #[test]
+    fn a_damaged_scene_is_left_out_until_whole() {
+        let data = tempfile::tempdir().unwrap();
+        let (store, id) = store_lights(data.path());
+        let cache = SceneCache::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+        cache.check_all().unwrap();
+        assert_eq!(cache.damaged(), (vec![], 1));
+        let light = cache.store().scenes_dir().join(id.as_str()).join("light.bin");
+        let whole = std::fs::read(&light).unwrap();
+        let mut altered = whole.clone();
+        altered[whole.len() / 2] ^= 1;
+        std::fs::write(&light, &altered).unwrap();
+        // What was sound stays so until it is opened: another cache sees it at its first look.
+        let error = cache.scene(&id).unwrap_err().to_string();
+        assert!(error.contains("light.bin"), "{error}");
+        let later =
+            SceneCache::new(cache.store().clone(), ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+        later.check_all().unwrap();
+        for cache in [&cache, &later] {
+            assert_eq!(cache.damaged(), (vec![id.clone()], 0));
+            let opened = cache.opened.load(Ordering::Relaxed);
+            assert!(cache.scene(&id).is_err());
+            assert_eq!(cache.opened.load(Ordering::Relaxed), opened, "a damaged scene is not read again");
+        }
+        std::fs::write(&light, &whole).unwrap();
+        later.check_all().unwrap();
+        assert!(later.scene(&id).is_ok());
+        assert_eq!(later.damaged(), (vec![], 1));
+    }
 
     /// Stores a scene of two lights.
     fn store_lights(data: &Path) -> (SceneStore, SceneId) {

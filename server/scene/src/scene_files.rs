@@ -43,10 +43,15 @@ impl StoredFile {
 
     /// Whether `content` is what was written.
     pub(crate) fn check(&self, content: &[u8]) -> Result<(), Flaw> {
-        if content.len() as u64 != self.bytes {
-            return Err(format!("has {} bytes where {} were written", content.len(), self.bytes));
+        self.check_hash(content.len() as u64, blake3::hash(content))
+    }
+
+    /// The same of content of this length and hash.
+    pub(crate) fn check_hash(&self, bytes: u64, hash: blake3::Hash) -> Result<(), Flaw> {
+        if bytes != self.bytes {
+            return Err(format!("has {bytes} bytes where {} were written", self.bytes));
         }
-        if blake3::hash(content).to_hex().as_str() != self.blake3 {
+        if hash.to_hex().as_str() != self.blake3 {
             return Err("was altered (its checksum is wrong)".to_owned());
         }
         Ok(())

@@ -150,6 +150,38 @@ impl SceneStore {
         }
     }
 
+    /// Reads every file of a scene and checks it against its hash, in little memory.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn verify(&self, id: &SceneId) -> Result<(), SceneError> {
+        let stored = self.read_metadata(id)?;
+        let Err(error) = self.verify_stored(id, &stored) else { return Ok(()) };
+        // One that was replaced meanwhile is another scene.
+        match self.read_metadata(id)?.metadata.version == stored.metadata.version {
+            true => Err(error),
+            false => self.verify(id),
+        }
+    }
+
+    fn verify_stored(&self, id: &SceneId, stored: &StoredScene) -> Result<(), SceneError> {
+        for stored in &stored.files {
+            let path = self.scene_dir(id).join(&stored.name);
+            let flaw = damaged(id, &stored.name);
+            let file = match std::fs::File::open(&path) {
+                Ok(file) => file,
+                Err(error) if error.kind() == ErrorKind::NotFound => {
+                    return Err(flaw("is missing".to_owned()));
+                }
+                Err(error) => return Err(SceneError::io(path)(error)),
+            };
+            let mut hasher = blake3::Hasher::new();
+            hasher.update_reader(file).map_err(SceneError::io(path))?;
+            stored.check_hash(hasher.count(), hasher.finalize()).map_err(flaw)?;
+        }
+        Ok(())
+    }
+
     fn open_stored(&self, id: &SceneId, stored: StoredScene) -> Result<Scene, SceneError> {
         let dir = self.scene_dir(id);
         let read = |name: &str| -> Result<Option<Vec<u8>>, SceneError> {

@@ -81,4 +81,10 @@ pub struct HealthAnswer {
     /// What renders: `gpu`, `lavapipe` or `cpu`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub executor: Option<String>,
+    /// File names of table packs that are left out because they are damaged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub packs_left_out: Vec<String>,
+    /// Ids of scenes that are left out because they are damaged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scenes_left_out: Vec<String>,
 }

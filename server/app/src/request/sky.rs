@@ -222,11 +222,13 @@ fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFa
     }
     let value = given.unwrap_or(Turbidity::default().value());
     if let Some(kind) = kind
-        && let (minimum, maximum) = kind.turbidity_range
-        && !(minimum..=maximum).contains(&value)
+        && !kind.serves(value)
     {
-        let allowed = facts.allowed_with(kind, format!("{minimum} to {maximum}"));
-        reader.fail(&p::TURBIDITY, ValidationCode::OutOfRange, None, Some(allowed));
+        let (minimum, maximum) = kind.turbidity_range;
+        let is_hole = (minimum..=maximum).contains(&value);
+        let message = is_hole.then(|| "a table pack for this is damaged and left out".to_owned());
+        let allowed = facts.allowed_with(kind, kind.turbidities());
+        reader.fail(&p::TURBIDITY, ValidationCode::OutOfRange, message, Some(allowed));
         return None;
     }
     match Turbidity::new(value) {

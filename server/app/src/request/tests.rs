@@ -23,7 +23,16 @@ pub(super) fn facts() -> SourceFacts {
 }
 
 fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize) -> KindFacts {
-    KindFacts { clouds: None, scattering, turbidity_range, basis_count, ground_albedo: None, why_open: None }
+    let unserved = Vec::new();
+    KindFacts {
+        clouds: None,
+        scattering,
+        turbidity_range,
+        unserved,
+        basis_count,
+        ground_albedo: None,
+        why_open: None,
+    }
 }
 
 fn read(query: &str) -> Result<(SkyRequest, PictureRequest), AppError> {
@@ -51,6 +60,24 @@ fn the_defaults_are_those_of_the_interface() {
     assert!(sky.terrain_hides && !read("lat=-1&lon=36&terrain=off").unwrap().0.terrain_hides);
     assert_eq!(view.options, PictureOptions::new(Projection::Equirectangular));
     assert_eq!(view.raster_size_px, (256, 64));
+}
+
+/// Where a pack is left out, what it alone could serve is refused with what is there.
+#[test]
+fn a_hole_in_turbidity_is_refused() {
+    let mut facts = facts();
+    facts.kinds[0].unserved = vec![(2.0, 4.75)];
+    let read = |turbidity: &str| {
+        let query = format!("lat=-1&lon=36&turbidity={turbidity}");
+        panorama(Some(&query), SceneId::parse("demo").unwrap(), &facts, Format::Png)
+    };
+    assert!(["1.5", "2", "4.75", "6"].iter().all(|turbidity| read(turbidity).is_ok()));
+    let error = read("2.5").unwrap_err();
+    let error = &error.field_errors()[0];
+    assert_eq!((error.allowed.as_str(), error.code), ("1.5 to 2, 4.75 to 6", ValidationCode::OutOfRange));
+    assert!(error.message.contains("damaged"), "{}", error.message);
+    facts.kinds[0].unserved = vec![(1.5, 4.75), (4.75, 6.0)];
+    assert_eq!(facts.kinds[0].turbidities(), "1.5, 4.75, 6");
 }
 
 /// Turbidity 0 and 100 and altitude 9000 are out of range with the range.

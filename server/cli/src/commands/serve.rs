@@ -5,7 +5,7 @@ use clap::Args;
 use skyglow_app::SkySource;
 use skyglow_http::{router_with_access, serve};
 use skyglow_scene::SceneStore;
-use std::{future::Future, path::PathBuf, sync::Arc};
+use std::{future::Future, path::PathBuf, sync::Arc, time::Duration};
 use tokio::{
     net::TcpListener,
     signal::unix::{SignalKind, signal},
@@ -68,11 +68,11 @@ async fn run(settings: Settings) -> Result<(), Failure> {
         source = started => source.map_err(Failure::work)??,
         () = &mut shutdown => return Ok(()),
     };
+    watch_scenes(&source);
     let address = listener.local_addr().map_err(Failure::work)?;
     let facts = source.facts();
     for kind in &facts.kinds {
-        let (least, most) = kind.turbidity_range;
-        tracing::info!("packs with {} scattering, turbidity {least} to {most}", kind.scattering.name());
+        tracing::info!("packs with {} scattering, turbidity {}", kind.scattering.name(), kind.turbidities());
     }
     tracing::info!(executor = facts.executor, adapter = facts.adapter, "serving http://{address}");
     let (end, ended) = tokio::sync::oneshot::channel::<()>();
@@ -92,6 +92,23 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     result.map_err(Failure::work)
 }
 
+/// How often it is looked for scenes that came, changed, or were damaged and are whole again.
+const LOOK_FOR_DAMAGE_EVERY: Duration = Duration::from_secs(60);
+
+/// Reads every scene through, on a thread of its own, to find those that are damaged before somebody asks for them.
+fn watch_scenes(source: &Arc<dyn SkySource>) {
+    let source = Arc::downgrade(source);
+    std::thread::spawn(move || {
+        while let Some(source) = source.upgrade() {
+            if let Err(error) = source.check_scenes() {
+                tracing::warn!(%error, "the scenes cannot be looked through");
+            }
+            drop(source);
+            std::thread::sleep(LOOK_FOR_DAMAGE_EVERY);
+        }
+    });
+}
+
 fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
     let cleared = SceneStore::new(&settings.data).clear_stale();
     if cleared > 0 {
@@ -101,7 +118,8 @@ fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
         program::make_demo_if_missing(&settings.data)?;
     }
     let max_places = settings.brightness_places.max(1);
-    program::open(&settings.data, &settings.packs, settings.device, settings.change_limits(), max_places)
+    let (device, limits) = (settings.device, settings.change_limits());
+    program::open(&settings.data, &settings.packs, device, true, limits, max_places)
 }
 
 /// Ready at the first SIGTERM or SIGINT.

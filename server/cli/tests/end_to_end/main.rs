@@ -181,6 +181,67 @@ fn the_server_ends_with_0_when_told_to() {
     assert_eq!(server.terminate(), 0);
 }
 
+/// A damaged pack and a damaged scene are left out, and the server serves the others.
+#[test]
+fn what_is_damaged_is_left_out_of_service() {
+    let ground = Ground::get();
+    let folder = tempfile::tempdir().unwrap();
+    let (packs, data) = (folder.path().join("packs"), folder.path().join("data"));
+    std::fs::create_dir(&packs).unwrap();
+    for entry in std::fs::read_dir(ground.packs()).unwrap() {
+        let file = entry.unwrap();
+        if file.file_type().unwrap().is_file() {
+            std::fs::copy(file.path(), packs.join(file.file_name())).unwrap();
+        }
+    }
+    let raster = folder.path().join("light.tif");
+    std::fs::write(&raster, include_bytes!("../../../../tests/fuzz/seeds/raster/smallest")).unwrap();
+    for id in ["sound", "broken"] {
+        skyglow(&["ingest", text(&raster), "--id", id, "--data", text(&data)]).expect_status(0);
+    }
+    let flip = |path: &std::path::Path| {
+        let mut bytes = std::fs::read(path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(path, bytes).unwrap();
+    };
+    flip(&packs.join("turbidity-3.00-single.skyglow"));
+    flip(&data.join("scenes/broken/light.bin"));
+    let arguments =
+        ["--packs", text(&packs), "--device", "cpu", "--no-demo", "--log-client-address", "truncated"];
+    let server = Server::start(&data, &arguments);
+    let started = std::time::Instant::now();
+    let ready = loop {
+        let ready = server.get("/readyz").json();
+        if ready["scenes_left_out"].is_array() || started.elapsed().as_secs() > 20 {
+            break ready;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    };
+    assert_eq!(ready["packs_left_out"], serde_json::json!(["turbidity-3.00-single.skyglow"]), "{ready}");
+    assert_eq!(ready["scenes_left_out"], serde_json::json!(["broken"]), "{ready}");
+    let scenes = server.get("/api/v1/scenes").json();
+    let ids: Vec<&Value> = scenes.as_array().unwrap().iter().map(|scene| &scene["id"]).collect();
+    assert_eq!(ids, ["sound"]);
+    let bounds = &scenes[0]["bounds"];
+    let centre = |a: usize, b: usize| (bounds[a].as_f64().unwrap() + bounds[b].as_f64().unwrap()) / 2.0;
+    let place = format!("lat={}&lon={}", centre(1, 3), centre(0, 2));
+    let sky = |scene: &str, turbidity: f64| {
+        let answer = server.get(&format!("/api/v1/scenes/{scene}/sky?{place}&turbidity={turbidity}"));
+        (answer.status, answer.text())
+    };
+    assert_eq!(sky("sound", 2.0).0, 200);
+    let (status, problem) = sky("sound", 3.0);
+    assert!(status == 422 && problem.contains("allowed: 2 to 2"), "{status} {problem}");
+    let (status, problem) = sky("broken", 2.0);
+    assert!(status == 503 && problem.contains("/problems/damaged-scene"), "{status} {problem}");
+    let log = server.log();
+    for words in ["turbidity-3.00-single.skyglow", "light.bin", "address=\"127.0.0.0/24\""] {
+        assert!(log.contains(words), "{words} in {log}");
+    }
+    assert!(log.lines().any(|line| line.contains("WARN") && line.contains("turbidity-3.00")), "{log}");
+}
+
 /// A taken port and missing packs are reported at once.
 #[test]
 fn a_taken_port_and_missing_packs_end_the_start() {

@@ -1,7 +1,7 @@
 //! Request ids, counts and the log line of each request.
 
 use super::KnownClient;
-use crate::state::AppState;
+use crate::{state::AppState, trust::client_address};
 use axum::{
     extract::{MatchedPath, Request, State},
     http::{HeaderMap, HeaderName, HeaderValue},
@@ -40,6 +40,8 @@ pub async fn observe(State(state): State<AppState>, request: Request, next: Next
         .get::<MatchedPath>()
         .map_or_else(|| "other".to_owned(), |path| path.as_str().to_owned());
     let id = request_id(&request);
+    let address = client_address(&request, &state.config.trusted_proxies);
+    let address = address.and_then(|address| state.config.log_client_address.of(address));
     let span = match UNTRACED.contains(&route.as_str()) {
         true => Span::none(),
         false => {
@@ -60,7 +62,7 @@ pub async fn observe(State(state): State<AppState>, request: Request, next: Next
     let duration = start.elapsed();
     state.metrics.count(&method, &route, status, duration);
     let client = response.extensions().get::<KnownClient>().map(|known| known.0.as_str());
-    tracing::info!(%method, %route, status, ms = duration.as_secs_f64() * 1e3, id, client, "request");
+    tracing::info!(%method, %route, status, ms = duration.as_secs_f64() * 1e3, id, client, address, "request");
     if let Ok(value) = HeaderValue::from_str(&id) {
         response.headers_mut().insert(REQUEST_ID, value);
     }

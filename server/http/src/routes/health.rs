@@ -31,11 +31,17 @@ fn fresh(media_type: &'static str, body: Vec<u8>) -> Response<Body> {
 )]
 pub async fn get_health(RawQuery(query): RawQuery) -> Result<Response<Body>, ApiError> {
     no_parameters(query.as_deref())?;
-    let answer = HealthAnswer { status: "ok".to_owned(), executor: None };
+    let answer = HealthAnswer {
+        status: "ok".to_owned(),
+        executor: None,
+        packs_left_out: Vec::new(),
+        scenes_left_out: Vec::new(),
+    };
     Ok(fresh("application/json", json_bytes(&answer)?))
 }
 
-/// Answers 200 once tables are resident and the device answers.
+/// Answers 200 once tables are resident and the device answers, unless every scene is damaged. Names what is left out because it
+/// is damaged.
 #[utoipa::path(
     get,
     path = "/readyz",
@@ -43,7 +49,7 @@ pub async fn get_health(RawQuery(query): RawQuery) -> Result<Response<Body>, Api
     responses(
         (status = 200, description = "The server is ready", body = HealthAnswer),
         BadParameters,
-        (status = 503, description = "Tables or device are not ready", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Tables or device are not ready, or every scene is damaged", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_readiness(
@@ -54,8 +60,17 @@ pub async fn get_readiness(
     if !state.source.is_ready() {
         return Err(ApiError::App(AppError::EngineDown));
     }
-    let executor = Some(state.source.facts().executor.clone());
-    Ok(fresh("application/json", json_bytes(&HealthAnswer { status: "ok".to_owned(), executor })?))
+    let left_out = state.source.left_out();
+    if left_out.no_scene_left {
+        return Err(ApiError::App(AppError::DamagedScene { id: left_out.scenes.join("\", \"") }));
+    }
+    let answer = HealthAnswer {
+        status: "ok".to_owned(),
+        executor: Some(state.source.facts().executor.clone()),
+        packs_left_out: left_out.packs,
+        scenes_left_out: left_out.scenes,
+    };
+    Ok(fresh("application/json", json_bytes(&answer)?))
 }
 
 /// Counters for Prometheus, in the OpenMetrics text format.

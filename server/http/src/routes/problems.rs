@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 33] = [
+pub const KINDS: [(&str, &str); 34] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -21,6 +21,10 @@ pub const KINDS: [(&str, &str); 33] = [
     ("out-of-range", "Altitude or turbidity outside the resident tables; `errors` has the range."),
     ("not-resident", "The interface has it, but this server does not hold the tables for it."),
     ("unknown-scene", "No scene has this id."),
+    (
+        "damaged-scene",
+        "The scene's files on the server's disk are damaged, and so it is left out; its operator can store it again.",
+    ),
     ("unknown-scenario", "No scenario or plan has this id, or it was not kept so long."),
     ("stale-plan", "The plan names pixels of a raster that was replaced since; make it again."),
     (
@@ -109,6 +113,7 @@ mod tests {
             wrong(ValidationCode::Malformed),
             wrong(ValidationCode::OutOfRange),
             wrong(ValidationCode::NotResident),
+            ApiError::App(AppError::DamagedScene { id: String::new() }),
             ApiError::App(AppError::UnknownScenario { id: String::new() }),
             ApiError::App(AppError::StalePlan { id: String::new() }),
             ApiError::App(AppError::DraftPlan { id: String::new() }),

@@ -4,7 +4,7 @@ use skyglow_app::{
     AppError, SkySource,
     answers::{AtmosphereAnswer, PlanEntry, ScenarioEntry},
     conversion::check_altitude,
-    facts::{KindFacts, SourceFacts},
+    facts::{KindFacts, LeftOut, SourceFacts},
     format::rounded,
     request::ListRequest,
     source::BoxFuture,
@@ -53,6 +53,7 @@ pub(crate) struct Fake {
     /// Plans and influences that are being found.
     pub(crate) long_work: AtomicUsize,
     pub(crate) ready: AtomicBool,
+    pub(crate) left_out: Mutex<LeftOut>,
     pub(crate) version: Mutex<String>,
     pub(crate) ground: Mutex<Ground>,
     pub(crate) coverage: Mutex<f64>,
@@ -73,6 +74,7 @@ impl Default for Fake {
                     clouds: None,
                     scattering: Scattering::Single,
                     turbidity_range: (1.5, 6.0),
+                    unserved: Vec::new(),
                     basis_count: 64,
                     ground_albedo: None,
                     why_open: None,
@@ -85,6 +87,7 @@ impl Default for Fake {
             rendered: AtomicUsize::new(0),
             long_work: AtomicUsize::new(0),
             ready: AtomicBool::new(true),
+            left_out: Mutex::default(),
             version: Mutex::new("v1".into()),
             ground: Mutex::new(Ground::Here { elevation_m: GROUND_M }),
             coverage: Mutex::new(0.95),
@@ -134,6 +137,7 @@ impl Fake {
             clouds: None,
             scattering: Scattering::Multiple,
             turbidity_range: (2.0, 5.0),
+            unserved: Vec::new(),
             basis_count: 32,
             ground_albedo: Some(0.15),
             why_open: Some("in this test"),
@@ -236,6 +240,10 @@ impl SkySource for Fake {
 
     fn is_ready(&self) -> bool {
         self.ready.load(Ordering::SeqCst)
+    }
+
+    fn left_out(&self) -> LeftOut {
+        self.left_out.lock().unwrap().clone()
     }
 
     fn stats(&self) -> EngineStats {

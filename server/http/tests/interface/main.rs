@@ -12,6 +12,7 @@ mod formats;
 mod fuzz;
 mod limits;
 mod notes;
+mod observing;
 mod problems;
 mod resources;
 mod scattering;

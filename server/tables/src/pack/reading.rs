@@ -71,6 +71,17 @@ impl Pack {
         if pack.is_finite() { Ok(pack) } else { Err("it holds values that are not finite".to_owned()) }
     }
 
+    /// What a pack that is refused was: what the manifest beside it says, or the one inside it. Nothing of it is checked.
+    pub fn manifest_of_refused(path: &Path) -> Option<Manifest> {
+        let beside = std::fs::read(path.with_extension("json")).ok();
+        if let Some(manifest) = beside.and_then(|text| serde_json::from_slice(&text).ok()) {
+            return Some(manifest);
+        }
+        let bytes = std::fs::read(path).ok()?;
+        let mut parts = Parts { rest: bytes.get(MAGIC.len()..)? };
+        serde_json::from_slice(parts.take("the manifest").ok()?).ok()
+    }
+
     fn is_finite(&self) -> bool {
         self.log_scale.iter().chain(&self.basis_spectrum).all(|v| v.is_finite())
             && self.shape.iter().all(|v| v.is_finite())
