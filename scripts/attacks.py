@@ -121,10 +121,13 @@ def memory_group(limit):
         except OSError:
             continue
         try:
-            (group / name).write_text(str(limit))
-            return group
+            # In a folder that is no cgroup writing would make a plain file.
+            if (group / name).exists():
+                (group / name).write_text(str(limit))
+                return group
         except OSError:
-            group.rmdir()
+            pass
+        group.rmdir()
     return None
 
 
@@ -458,6 +461,7 @@ class Part:
                 metrics = ask(self.server.port, "GET", "/metrics")[1].decode()
                 self.check('status="500"' not in metrics, "answers with 500")
             time.sleep(0.2)
+            self.report["limit_enforced"] = self.server.group is not None
             self.report["memory_after_mb"] = round(self.server.resident() / 1e6)
             self.server.stop()
             self.report["memory_peak_mb"] = round(self.server.peak / 1e6)
@@ -626,7 +630,7 @@ def f10(part):
     s.sendall(f"GET {DEMO}/panorama.tif?width=4096&height_px=2048&lat=46.17&lon=8.79 HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n".encode())
     begun, taken = time.monotonic(), 0
     try:
-        while time.monotonic() - begun < max(75, OPTIONS.seconds):
+        while time.monotonic() - begun < max(100, OPTIONS.seconds):
             piece = s.recv(6000)
             if not piece:
                 break
@@ -636,7 +640,7 @@ def f10(part):
         pass
     lasted = time.monotonic() - begun
     print(f"    a reader of 60 kB/s is served {taken / 1e6:.1f} MB in {lasted:.0f} s")
-    part.check(lasted >= max(75, OPTIONS.seconds) or taken > 20e6, f"a reader of 60 kB/s is cut off after {lasted:.0f} s")
+    part.check(lasted >= max(100, OPTIONS.seconds) or taken > 20e6, f"a reader of 60 kB/s is cut off after {lasted:.0f} s")
 
 
 def everything(part):
@@ -653,7 +657,8 @@ PARTS = {"F1": f1, "F2": f2, "F3": f3, "F4": f4, "F5": f5, "F6": f6, "F7": f7, "
 
 def tell(report):
     if "memory_peak_mb" in report:
-        print(f"  memory: {report['memory_peak_mb']} MB at most, {report['memory_after_mb']} MB at the end; limit {OPTIONS.limit / 1e6:.0f} MB")
+        print(f"  memory: {report['memory_peak_mb']} MB at most, {report['memory_after_mb']} MB at the end; limit {OPTIONS.limit / 1e6:.0f} MB"
+              f"{'' if report['limit_enforced'] else ', which nothing enforces here'}")
     for when in ("quiet", "attacked"):
         for kind, a in report.get(when, {}).items():
             print(f"  {when:9}{kind:10}{a['asked']:5} asked {a['refused']:4} refused {a['with'] or ''}  median {a['median_s']} s, worst {a['worst_s']} s")

@@ -122,17 +122,29 @@ fi
 
 # A damaged pack, a damaged scene.
 cp -r precomputed "$work/packs"
-pack="$(ls "$work"/packs/*.skyglow | head -1)"
+pack="$(ls "$work"/packs/*.skyglow | head -2 | tail -1)"
 printf 'x' | dd of="$pack" bs=1 seek=100000 conv=notrunc 2>/dev/null
-if start "$work/data" "$work/packs"; then fail "a damaged pack is taken"; fi
-grep -q "$(basename "$pack")" "$work/log" || fail "the damaged pack is not named"
-say "damaged pack: refused by its name ($(tail -1 "$work/log" | cut -c1-120))"
+"$program" ingest tests/fuzz/seeds/raster/smallest --id two --data "$work/data" >/dev/null
 printf 'x' | dd of="$work/data/scenes/demo/light.bin" bs=1 seek=5000 conv=notrunc 2>/dev/null
-start "$work/data" precomputed --no-demo || fail "one damaged scene keeps the server from starting"
+start "$work/data" "$work/packs" --no-demo || fail "one damaged pack or scene keeps the server from starting"
+grep -q "WARN.*$(basename "$pack")" "$work/log" || fail "the damaged pack is not named in the log"
 code="$(curl -s -o "$work/answer" -w '%{http_code}' "$base/api/v1/scenes/demo/sky?lat=46.17&lon=8.79")"
-[ "$code" = 500 ] || fail "a damaged scene is answered with $code"
-grep -q light.bin "$work/log" || fail "the damaged file is not named in the log"
-curl -fs "$base/readyz" >/dev/null || fail "not ready beside a damaged scene"
-say "damaged scene: the server starts, says in its log which file, and answers its skies with 500"
+[ "$code" = 503 ] || fail "a damaged scene is answered with $code"
+grep -q "WARN.*light.bin" "$work/log" || fail "the damaged file is not named in the log"
+curl -fs "$base/readyz" >"$work/answer" || fail "not ready beside a damaged scene"
+grep -q "$(basename "$pack").*demo" "$work/answer" || fail "not named by /readyz: $(cat "$work/answer")"
+curl -fs "$base/metrics" >"$work/answer"
+grep -q "^skyglow_pack_left_out.*$(basename "$pack")" "$work/answer" || fail "the pack is not among the metrics"
+grep -q '^skyglow_scene_left_out.*demo' "$work/answer" || fail "the scene is not among the metrics"
+curl -fs "$base/api/v1/scenes" | grep -q '"id":"two"' || fail "the other scene is not served"
+[ -z "$(internal)" ] || fail "internal errors: $(internal)"
+rm -r "$work/data/scenes/two"
+tries=0
+until [ "$(curl -s -o "$work/answer" -w '%{http_code}' "$base/readyz")" = 503 ]; do
+    tries=$((tries + 1))
+    [ "$tries" -le 70 ] || fail "ready with its only scene damaged: $(cat "$work/answer")"
+    sleep 1
+done
+say "damaged pack and scene: left out and named in log, /readyz and metrics; with the last scene gone it is not ready"
 stop || fail "SIGTERM does not end it with 0"
 say "passed"

@@ -26,7 +26,7 @@ fail() {
 free_port() { python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'; }
 port="$(free_port)"
 front="$(free_port)"
-"$skyglow" serve --listen "127.0.0.1:$port" --data "$folder/data" --device cpu --trusted-proxies 127.0.0.0/8 2>"$folder/log" &
+"$skyglow" serve --listen "127.0.0.1:$port" --data "$folder/data" --device cpu --trusted-proxies 127.0.0.1/32 2>"$folder/log" &
 server=$!
 tries=0
 until curl -fsS "http://127.0.0.1:$port/readyz" >/dev/null 2>&1; do

@@ -8,16 +8,18 @@ use skyglow_tests::{
 };
 
 /// All but the notebook, which tells of commands and files as they were.
-const DOCUMENTS: [&str; 11] = [
+const DOCUMENTS: [&str; 13] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
+    "SECURITY.md",
     "docs/accuracy.md",
     "docs/data.md",
     "docs/glossary.md",
     "docs/guide.md",
     "docs/measurements.md",
     "docs/model.md",
+    "docs/security.md",
     "deploy/README.md",
     "precomputed/README.md",
 ];

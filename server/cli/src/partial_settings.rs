@@ -116,7 +116,7 @@ pub(crate) struct PartialSettings {
     /// Longest wait for the head of a request, and for a client to take what it is sent, seconds [default: 30]
     #[arg(long, env = "SKYGLOW_IDLE_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) idle_timeout_s: Option<f64>,
-    /// Networks of proxies that are believed in X-Forwarded-* and Forwarded, as 10.0.0.0/8,fd00::/8 [default: none]
+    /// Networks of proxies that are believed in X-Forwarded-* and Forwarded, as 10.0.0.7/32,fd00::7/128 [default: none]
     #[arg(long, env = "SKYGLOW_TRUSTED_PROXIES", value_name = "NETWORKS", value_delimiter = ',')]
     pub(crate) trusted_proxies: Option<Vec<String>>,
     /// How much of a client's address the log has: nothing, its network (/24 of IPv4, /48 of IPv6), or all of it [default: off]

@@ -615,7 +615,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Answers 200 once tables are resident and the device answers. */
+        /**
+         * Answers 200 once tables are resident and the device answers, unless every scene is damaged. Names what is left out because it
+         *     is damaged.
+         */
         get: operations["get_readiness"];
         put?: never;
         post?: never;
@@ -924,6 +927,10 @@ export interface components {
         HealthAnswer: {
             /** @description What renders: `gpu`, `lavapipe` or `cpu`. */
             executor?: string | null;
+            /** @description File names of table packs that are left out because they are damaged. */
+            packs_left_out?: string[];
+            /** @description Ids of scenes that are left out because they are damaged. */
+            scenes_left_out?: string[];
             /** @description `ok`, or `starting` while tables or device are not ready. */
             status: string;
         };
@@ -6665,7 +6672,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Tables or device are not ready */
+            /** @description Tables or device are not ready, or every scene is damaged */
             503: {
                 headers: {
                     [name: string]: unknown;
