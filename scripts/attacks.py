@@ -315,6 +315,7 @@ def held_bodies(port, seconds):
 
 def household(port, seconds):
     """F3: twenty /64 of one /59, as many small scenarios as are taken."""
+    stored = []
     def store(number, until):
         rng = random.Random(number)
         for index in range(OPTIONS.scenarios // 20):
@@ -322,8 +323,9 @@ def household(port, seconds):
                 return
             body = {"title": f"{number} {index}", "edits": [{"brush": {"points": [[8.7 + 0.2 * rng.random(), 46.17]], "radius_m": 50},
                                                             "factor": 0.5}]}
-            ask(port, "POST", f"{DEMO}/scenarios", body, client=f"2001:db8:0:{number:x}::{index % 7 + 1}")
+            stored.append(ask(port, "POST", f"{DEMO}/scenarios", body, client=f"2001:db8:0:{number:x}::{index % 7 + 1}")[0])
     many(20, store, seconds)
+    print(f"    of {len(stored)} scenarios {stored.count(201)} were stored", flush=True)
 
 
 def fill_store(port, seconds):
@@ -451,6 +453,9 @@ class Part:
             if attack.is_alive():
                 attack.kill()
         for kind, answers in self.report["attacked"].items():
+            slow = [f"{name} {answers[name]} s" for name, most in (("median_s", OPTIONS.median), ("worst_s", OPTIONS.worst))
+                    if answers[name] is None or answers[name] > most]
+            self.check(not slow, f"{kind} of another user: {', '.join(slow)}")
             self.check(not answers["refused"], f"{answers['refused']} of {answers['asked']} {kind} of another user got {answers['with']}")
 
     def end(self):
@@ -515,7 +520,8 @@ def f2(part):
 
 
 def f3(part):
-    port = part.start()
+    # Room for less than the household has to store.
+    port = part.start("--kept-plans", str(max(10, OPTIONS.scenarios // 4)))
     paint = {"title": "another user's", "edits": [{"brush": {"points": [[9.0, 45.5]], "radius_m": 3000}, "factor": 0.3}]}
     status, answer, _ = ask(port, "POST", f"{DEMO}/scenarios", paint, client=OTHER_USER)
     identifier = json.loads(answer)["id"]
@@ -684,6 +690,8 @@ def main():
     parser.add_argument("--program", default=ROOT / "target" / "release" / "skyglow")
     parser.add_argument("--seconds", type=float, default=60, help="of each attack (60)")
     parser.add_argument("--limit", type=lambda text: int(float(text) * 2**30), default=4 * 2**30, help="memory limit, GiB (4)")
+    parser.add_argument("--median", type=float, default=2, help="longest median of another user's times, seconds (2)")
+    parser.add_argument("--worst", type=float, default=15, help="longest of another user's times, seconds (15)")
     parser.add_argument("--connections", type=int, default=1960, help="connections of F2 (1960)")
     parser.add_argument("--scenarios", type=int, default=5000, help="scenarios of F3 (5000)")
     parser.add_argument("--household-seconds", type=float, default=120, help="of F3 at least (120)")

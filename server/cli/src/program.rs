@@ -7,7 +7,7 @@ use crate::{
 };
 use skyglow_app::{SkySource, UploadReader};
 use skyglow_observatory::{OPEN_SCENE_COUNT, Observatory};
-use skyglow_render::{Engine, EngineConfig, resident_tables, undamaged_tables};
+use skyglow_render::{Engine, EngineConfig, UndamagedTables, resident_tables, undamaged_tables};
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
 use skyglow_tables::packs_in;
 use std::{
@@ -40,11 +40,15 @@ pub(crate) fn open(
             packs.display()
         )));
     }
-    let (tables, manifests, left_out) = match degrade {
+    let found = match degrade {
         true => undamaged_tables(&paths),
-        false => resident_tables(&paths).map(|(tables, manifests)| (tables, manifests, Vec::new())),
-    }
-    .map_err(Failure::work)?;
+        false => resident_tables(&paths).map(|(tables, manifests)| UndamagedTables {
+            tables,
+            manifests,
+            left_out: Vec::new(),
+        }),
+    };
+    let UndamagedTables { tables, manifests, left_out } = found.map_err(Failure::work)?;
     for pack in &left_out {
         tracing::warn!(pack = pack.name, "a damaged pack is left out: {}", pack.reason);
     }

@@ -38,7 +38,7 @@ pub use error::{DeviceFault, RenderError};
 pub use gpu::rates::{DeviceRates, RatesExtent, Timer, device_rates};
 pub use near_field::NearFieldCorrection;
 pub use pack_kind::{PackKind, ResidentKind};
-pub use packs::{LeftOutPack, resident_tables, undamaged_tables};
+pub use packs::{LeftOutPack, UndamagedTables, resident_tables, undamaged_tables};
 pub use request::{DeviceChoice, ExecutorKind, PassTime, RenderRequest, Rendered, WorkCount};
 pub use stats::EngineStats;
 pub use table_set::TableSet;

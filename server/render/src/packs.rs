@@ -53,13 +53,22 @@ impl LeftOutPack {
     }
 }
 
+/// The packs of a folder that can be served.
+#[derive(Debug)]
+pub struct UndamagedTables {
+    /// On the rings of the scenes' polar grids.
+    pub tables: Vec<Arc<ResidentTables>>,
+    /// What they are, by kind, then turbidity.
+    pub manifests: Vec<Manifest>,
+    /// The others.
+    pub left_out: Vec<LeftOutPack>,
+}
+
 /// As [`resident_tables`], without the packs that are damaged, and what those are.
 ///
 /// # Errors
 /// [`RenderError::Tables`] of the first where all are damaged; [`RenderError::IncompatibleTables`].
-pub fn undamaged_tables(
-    packs: &[PathBuf],
-) -> Result<(Vec<Arc<ResidentTables>>, Vec<Manifest>, Vec<LeftOutPack>), RenderError> {
+pub fn undamaged_tables(packs: &[PathBuf]) -> Result<UndamagedTables, RenderError> {
     let (mut opened, mut left_out, mut first) = (Vec::new(), Vec::new(), None);
     for path in packs {
         match Pack::open(path) {
@@ -74,7 +83,7 @@ pub fn undamaged_tables(
         return Err(error.into());
     }
     let (tables, manifests) = checked(opened)?;
-    Ok((tables, manifests, left_out))
+    Ok(UndamagedTables { tables, manifests, left_out })
 }
 
 /// Opens packs and lays them out on the rings of the scenes' polar grids; the manifests come sorted by kind, then
