@@ -70,12 +70,12 @@ class Server:
             time.sleep(0.1)
 
     def resident(self):
-        """Resident bytes of the program and its children (the reader of uploads)."""
+        """Bytes of the program and its children (the reader of uploads) that are no files: what the system cannot take back."""
         total = 0
         for pid in [self.process.pid, *children(self.process.pid)]:
             try:
                 for line in open(f"/proc/{pid}/status"):
-                    if line.startswith("VmRSS:"):
+                    if line.startswith(("RssAnon:", "RssShmem:")):
                         total += 1024 * int(line.split()[1])
             except OSError:
                 pass
@@ -442,7 +442,7 @@ class Part:
         port = self.server.port
         if "quiet" not in self.report:
             self.report["quiet"] = measured(port, min(8, seconds))
-        running = [multiprocessing.Process(target=attack, args=(port, seconds)) for attack in attacks]
+        running = [multiprocessing.Process(target=quiet, args=(attack, port, seconds)) for attack in attacks]
         for attack in running:
             attack.start()
         # What builds up first is there when the other user asks.
