@@ -38,7 +38,8 @@ pub struct Metrics {
 }
 
 /// Why requests are turned away. Each is counted from 0 on: a sum over what is not there is nothing, and no alert.
-pub const REFUSAL_REASONS: [&str; 7] = ["busy", "timeout", "rate", "quota", "secret", "body", "keeping"];
+pub const REFUSAL_REASONS: [&str; 10] =
+    ["busy", "timeout", "rate", "quota", "secret", "body", "keeping", "work", "sending", "jobs"];
 /// The caches in memory.
 const CACHES: [&str; 4] = ["sky", "answer", "influence", "brightness"];
 
