@@ -13,6 +13,7 @@ use skyglow_tables::Scattering;
 
 fn facts() -> SourceFacts {
     let kind = |scattering, ground_albedo| KindFacts {
+        unserved: Vec::new(),
         clouds: None,
         scattering,
         turbidity_range: (1.5, 6.0),
