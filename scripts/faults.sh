@@ -46,6 +46,7 @@ wait "$server" 2>/dev/null || true
 start "$work/data" precomputed || fail "no start after a kill"
 [ "$(curl -fs "$base/api/v1/scenes")" = "$before" ] || fail "scenes differ after a kill"
 curl -fs "$base/api/v1/scenarios/$id" >/dev/null || fail "scenario $id is lost"
+curl -fs "$scenarios" | grep -q "$id" || fail "scenario $id is in no list after a kill"
 say "killed under load: starts again, scenes and scenario are there"
 
 # Clients that stall.
@@ -73,6 +74,48 @@ wait "$slow"
 [ -z "$(internal)" ] || fail "internal errors: $(internal)"
 say "600 of them with 512 places and two seconds' patience: let go, $held files held where $before were, answers in time"
 stop || fail "SIGTERM does not end it with 0"
+
+# A full store of 864 MB: copies of one large scenario, as the names of documents are not checked against what they hold.
+# seconds COMMAND: runs it, and prints how long it took; fails with it.
+seconds() {
+    began="$(date +%s%N)"
+    "$@" >/dev/null || return 1
+    echo "$(($(date +%s%N) - began))" | awk '{printf "%.3f", $1 / 1e9}'
+}
+# within LIMIT SECONDS WORDS
+within() { awk -v limit="$1" -v took="$2" 'BEGIN {exit !(took != "" && took <= limit)}' || fail "$3 took ${2:-too long}, not $1 s"; }
+lists() { until curl -fs -m 5 "$scenarios?limit=1000" -o "$work/list"; do sleep 0.05; done; }
+start "$work/full" precomputed || fail "no start"
+python3 -c "import json
+points = [[8.5 + 1e-4 * i + 0.123456789012, 46.2] for i in range(985)]
+print(json.dumps({'edits': [{'brush': {'points': points, 'radius_m': 300 + e}, 'factor': 0.5} for e in range(8)]}))" >"$work/large"
+curl -fs -X POST "$scenarios" -d @"$work/large" >/dev/null || fail "a large scenario is not kept"
+stop || fail "SIGTERM does not end it with 0"
+python3 - "$work/full/scenarios" <<'PYTHON' || fail "the store cannot be filled"
+import pathlib, sys
+folder = pathlib.Path(sys.argv[1])
+text = next(folder.glob("s-*.json")).read_bytes()
+for number in range(min(4990, 864_000_000 // len(text))):
+    (folder / f"s-{number:020x}.json").write_bytes(text)
+PYTHON
+rm "$work/full/scenarios/outlines.jsonl"
+start "$work/full" precomputed || fail "no start with a full store"
+first="$(seconds lists)"
+[ "$(grep -o '"id"' "$work/list" | wc -l)" = 1000 ] || fail "a part of a list has not 1000 entries"
+stop || fail "SIGTERM does not end it with 0"
+start "$work/full" precomputed || fail "no start with a full store"
+again="$(seconds lists)"
+within 2 "$again" "the first list after a start"
+listed="$(seconds curl -fs "$scenarios?limit=1000")"
+within 0.5 "$listed" "a list"
+kept="$(seconds curl -fs -X POST "$scenarios" -d "$paint")"
+within 2 "$kept" "keeping a scenario"
+for _ in 1 2 3 4 5 6 7 8; do curl -fs "$scenarios?limit=1000" >/dev/null & done
+beside="$(seconds curl -fs -m 10 "$base/api/v1/scenes/demo/panorama.png?lat=46.19&lon=8.8")"
+within 5 "$beside" "a picture beside eight lists"
+stop || fail "SIGTERM does not end it with 0"
+say "$(du -sm "$work/full/scenarios" | cut -f1) MB kept: first list $first s after the first start, $again s after the next; a list $listed s, keeping $kept s, a picture beside eight lists $beside s"
+rm -r "$work/full"
 
 # A clock that jumps by days and back, under load. (Not the one that never jumps, as no system's does.)
 faketime="$(ls /usr/lib/*/faketime/libfaketime.so.1 2>/dev/null | head -1)"

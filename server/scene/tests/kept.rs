@@ -207,6 +207,23 @@ fn what_is_pinned_stays() {
     assert_eq!(seen(&aged, &Viewer::Anyone).len(), 5);
 }
 
+/// The file of outlines does not grow without end.
+#[test]
+fn outlines_are_written_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = ChangeStore::new(folder.path(), ChangeLimits::default());
+    let base = put(&store, 1, &by("mine"));
+    let mut longest = 0;
+    for _ in 0..2_500 {
+        // The same again renews it.
+        assert_eq!(put(&store, 1, &by("mine")), base);
+        longest = longest.max(std::fs::metadata(outlines(folder.path())).unwrap().len());
+    }
+    assert!(longest < 1_000_000, "{longest}");
+    let again = ChangeStore::new(folder.path(), ChangeLimits::default());
+    assert_eq!(seen(&again, &Viewer::Anyone), [base]);
+}
+
 fn outlines(folder: &Path) -> std::path::PathBuf {
     folder.join("scenarios/outlines.jsonl")
 }

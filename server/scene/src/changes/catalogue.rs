@@ -12,7 +12,7 @@ use std::fs::Metadata;
 use std::io::{ErrorKind, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -22,6 +22,9 @@ const OUTLINES: &str = "outlines.jsonl";
 const STALE_AFTER: Duration = Duration::from_secs(3600);
 /// How often a folder is looked through again at most.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
+
+/// Outdated lines that a file of outlines has before it is written anew.
+const OUTDATED_AT_LEAST: usize = 1_000;
 
 const KINDS: [ChangeKind; 2] = [ChangeKind::Scenario, ChangeKind::Plan];
 
@@ -35,6 +38,8 @@ pub(super) struct Catalogue {
     /// When each folder was looked through, and as of when.
     looked: [Mutex<Option<(Instant, Option<SystemTime>)>>; 2],
     damaged: Mutex<Vec<ChangeStoreError>>,
+    /// Lines added to each file of outlines since it was written.
+    noted: [AtomicUsize; 2],
 }
 
 /// What a folder has.
@@ -53,6 +58,7 @@ impl Catalogue {
             is_reading: AtomicBool::new(false),
             looked: Default::default(),
             damaged: Mutex::default(),
+            noted: Default::default(),
         }
     }
 
@@ -246,9 +252,20 @@ impl Catalogue {
         document::write_beside(path, &lines.collect::<Vec<_>>().concat())?.put()
     }
 
-    /// Adds a document's outline to the file of them.
+    /// Adds a document's outline to the file of them, which is written anew where most of its lines are outdated.
     pub(super) fn note(&self, entry: &Entry) {
-        let path = self.folder(entry.id.kind()).join(OUTLINES);
+        let kind = entry.id.kind();
+        if self.limits.is_none() {
+            return;
+        }
+        let noted = self.noted[kind as usize].fetch_add(1, Ordering::Relaxed);
+        if noted >= OUTDATED_AT_LEAST
+            && noted >= self.with(|index| index.ids(kind).count()).unwrap_or(usize::MAX)
+        {
+            self.noted[kind as usize].store(0, Ordering::Relaxed);
+            let _best_effort = self.with(|index| self.write_outlines(kind, index));
+        }
+        let path = self.folder(kind).join(OUTLINES);
         let file = std::fs::OpenOptions::new().create(true).append(true).mode(FILE_MODE).open(path);
         // It only saves time at the next start.
         let _best_effort = file.and_then(|mut file| file.write_all(&line(entry)));
