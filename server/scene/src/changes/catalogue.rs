@@ -13,7 +13,7 @@ use std::io::{ErrorKind, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 /// Outlines of a folder's documents, one JSON line each. Only saves time: what is not in it is read from the documents.
@@ -35,12 +35,15 @@ pub(super) struct Catalogue {
     limits: ChangeLimits,
     index: Mutex<Option<Index>>,
     is_reading: AtomicBool,
-    /// When each folder was looked through, and as of when.
-    looked: [Mutex<Option<(Instant, Option<SystemTime>)>>; 2],
+    /// When each folder was looked through.
+    looked: [Mutex<Option<Looked>>; 2],
     damaged: Mutex<Vec<ChangeStoreError>>,
     /// Lines added to each file of outlines since it was written.
     noted: [AtomicUsize; 2],
 }
+
+/// When a folder was looked through, and when it had changed last.
+type Looked = (Instant, Option<SystemTime>);
 
 /// What a folder has.
 #[derive(Default)]
@@ -125,7 +128,7 @@ impl Catalogue {
         Ok(index)
     }
 
-    fn looked(&self, kind: ChangeKind) -> std::sync::MutexGuard<'_, Option<(Instant, Option<SystemTime>)>> {
+    fn looked(&self, kind: ChangeKind) -> MutexGuard<'_, Option<Looked>> {
         self.looked[kind as usize].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
