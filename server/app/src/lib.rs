@@ -19,6 +19,7 @@ pub mod plan_file;
 pub mod planning;
 pub mod reader;
 pub mod request;
+pub mod sandbox;
 pub mod source;
 pub mod stored;
 pub mod upload_reader;

@@ -16,7 +16,7 @@ use skyglow_observatory::{
 use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind};
 use skyglow_scene::{
     ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario, SceneError,
-    SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer,
+    SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer, available_bytes,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
@@ -166,14 +166,24 @@ impl SkySource for ObservatorySource {
         folder.map_err(|error| AppError::Storage { reason: error.to_string() })
     }
 
-    fn ingest(&self, options: &IngestOptions) -> Result<(SceneMetadata, bool), AppError> {
-        let scenes = self.observatory.store().scenes_dir();
-        let data = scenes.parent().unwrap_or(scenes).to_owned();
-        let task = UploadTask { data, options: options.clone() };
+    fn ingest(
+        &self,
+        folder: &UploadFolder,
+        options: &IngestOptions,
+    ) -> Result<(SceneMetadata, bool), AppError> {
+        let task = UploadTask {
+            folder: folder.path().to_owned(),
+            data: folder.made(),
+            memory_bytes: available_bytes().unwrap_or(u64::MAX),
+            options: options.clone(),
+        };
         let outcome =
             self.upload_reader.as_ref().map_or_else(|| Ok(task.run()), |reader| task.run_by(reader));
         match outcome? {
-            UploadOutcome::Done { metadata, was_there } => Ok((*metadata, was_there)),
+            UploadOutcome::Done { id } => {
+                let adopted = self.observatory.store().adopt(folder, &id);
+                adopted.map_err(|error| AppError::Storage { reason: error.to_string() })
+            }
             UploadOutcome::Refused(reason) => Err(AppError::BadUpload { reason }),
             UploadOutcome::Storage(reason) => Err(AppError::Storage { reason }),
         }

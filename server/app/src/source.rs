@@ -58,9 +58,15 @@ pub trait SkySource: Send + Sync + 'static {
     /// Checks files and makes a scene of them, in place of the one of that id if there is one, which stays where they are refused;
     /// and whether there was one. Takes seconds to minutes.
     ///
+    /// * `folder`: where the files lie.
+    ///
     /// # Errors
     /// [`AppError::BadUpload`], [`AppError::Storage`].
-    fn ingest(&self, options: &IngestOptions) -> Result<(SceneMetadata, bool), AppError>;
+    fn ingest(
+        &self,
+        folder: &UploadFolder,
+        options: &IngestOptions,
+    ) -> Result<(SceneMetadata, bool), AppError>;
     /// Removes a scene; requests under way keep it.
     ///
     /// # Errors

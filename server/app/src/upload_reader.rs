@@ -2,8 +2,9 @@
 //! takes no server along.
 
 use crate::error::AppError;
+use crate::sandbox;
 use serde::{Deserialize, Serialize};
-use skyglow_scene::{IngestOptions, SceneError, SceneMetadata, SceneStore, ingest};
+use skyglow_scene::{IngestOptions, SceneError, SceneId, SceneStore, ingest};
 use std::{
     io::{Read, Write},
     os::unix::process::{CommandExt, ExitStatusExt},
@@ -15,8 +16,12 @@ use std::{
 /// What a reader is to read, as JSON on its standard input.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct UploadTask {
-    /// The folder of the data, as of [`SceneStore::new`].
+    /// The upload's folder: the only one that a reader may write in.
+    pub folder: PathBuf,
+    /// The folder in it that the scene is made in, as of [`SceneStore::new`].
     pub data: PathBuf,
+    /// Bytes of memory that the reading may take.
+    pub memory_bytes: u64,
     /// The files, and what is said of them.
     pub options: IngestOptions,
 }
@@ -27,9 +32,7 @@ pub enum UploadOutcome {
     /// There is a scene of it.
     Done {
         /// The scene.
-        metadata: Box<SceneMetadata>,
-        /// Whether there was one of that id before.
-        was_there: bool,
+        id: SceneId,
     },
     /// It cannot be meant: why, in one sentence.
     Refused(String),
@@ -40,10 +43,9 @@ pub enum UploadOutcome {
 impl UploadTask {
     /// Reads it, in this process.
     pub fn run(&self) -> UploadOutcome {
-        let store = SceneStore::new(&self.data);
-        let was_there = self.options.id.as_ref().is_some_and(|id| store.exists(id));
-        match ingest(&store, &self.options, &mut |_| {}) {
-            Ok(metadata) => UploadOutcome::Done { metadata: Box::new(metadata), was_there },
+        let options = IngestOptions { memory_bytes: Some(self.memory_bytes), ..self.options.clone() };
+        match ingest(&SceneStore::new(&self.data), &options, &mut |_| {}) {
+            Ok(metadata) => UploadOutcome::Done { id: metadata.id },
             Err(error) => refused(error, &self.options),
         }
     }
@@ -58,6 +60,8 @@ impl UploadTask {
         let task = serde_json::to_vec(self).map_err(AppError::internal)?;
         let mut child = Command::new(&reader.program)
             .args(&reader.arguments)
+            .env_clear()
+            .envs(sandbox::environment(&self.folder))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::inherit())
@@ -80,8 +84,6 @@ impl UploadTask {
         if let Ok(outcome) = serde_json::from_slice(&said.join().unwrap_or_default()) {
             return Ok(outcome);
         }
-        // What it left half done goes.
-        SceneStore::new(&self.data).clear_stale();
         let end = match status.signal() {
             Some(signal) => format!("signal {signal}"),
             None => status.to_string(),
@@ -89,7 +91,9 @@ impl UploadTask {
         tracing::warn!("the process that read an upload broke off: {end}");
         Err(match status.signal() {
             Some(signal) if FAULTS.contains(&signal) => AppError::BadUpload {
-                reason: format!("one of the files breaks the libraries that read rasters off ({end})"),
+                reason: format!(
+                    "one of the files breaks the libraries that read rasters off, or takes more memory than there is ({end})"
+                ),
             },
             _ => storage(format!("the process that read the upload was ended ({end}); try again")),
         })
@@ -134,13 +138,20 @@ pub struct UploadReader {
 
 /// Reads a task from `input`, does it and writes what came of it: what the program of an [`UploadReader`] does.
 ///
+/// * `prepare`: called before any file is read; what it says is the outcome where it fails.
+///
 /// # Errors
 /// Whatever input and output say.
-pub fn read_upload(mut input: impl Read, mut output: impl Write) -> std::io::Result<()> {
+pub fn read_upload(
+    mut input: impl Read,
+    mut output: impl Write,
+    prepare: impl FnOnce(&UploadTask) -> Result<(), String>,
+) -> std::io::Result<()> {
     let mut text = Vec::new();
     input.read_to_end(&mut text)?;
     let task: UploadTask = serde_json::from_slice(&text)?;
-    serde_json::to_writer(&mut output, &task.run())?;
+    let outcome = prepare(&task).map_or_else(UploadOutcome::Storage, |()| task.run());
+    serde_json::to_writer(&mut output, &outcome)?;
     output.flush()
 }
 
@@ -204,12 +215,11 @@ fn refused(error: SceneError, options: &IngestOptions) -> UploadOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_scene::SceneId;
 
     fn task(folder: &Path) -> UploadTask {
         let mut options = IngestOptions::new(folder.join("radiance"));
         options.id = Some(SceneId::parse("town").unwrap());
-        UploadTask { data: folder.to_owned(), options }
+        UploadTask { folder: folder.to_owned(), data: folder.join("made"), memory_bytes: u64::MAX, options }
     }
 
     fn shell(script: &str) -> UploadReader {
@@ -248,9 +258,13 @@ mod tests {
         let task = task(folder.path());
         std::fs::write(&task.options.radiance[0], "no raster").unwrap();
         let mut said = Vec::new();
-        read_upload(&*serde_json::to_vec(&task).unwrap(), &mut said).unwrap();
+        read_upload(&*serde_json::to_vec(&task).unwrap(), &mut said, |_| Ok(())).unwrap();
         let UploadOutcome::Refused(reason) = serde_json::from_slice(&said).unwrap() else { panic!("taken") };
         assert!(reason.starts_with("radiance cannot be read as a raster"), "{reason}");
+        said.clear();
+        let lacking = |_: &UploadTask| Err("no sandbox".to_owned());
+        read_upload(&*serde_json::to_vec(&task).unwrap(), &mut said, lacking).unwrap();
+        assert!(matches!(serde_json::from_slice(&said).unwrap(), UploadOutcome::Storage(_)));
     }
 
     /// A refused upload speaks of fields and of no folder.

@@ -72,6 +72,6 @@ impl ProgramFlags {
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
         let device = self.device.unwrap_or_default();
         let (data, packs) = (self.data.folder(), self.packs.folder());
-        program::open(&data, &packs, device, false, ChangeLimits::none(), MAX_PLACES)
+        program::open(&data, &packs, device, false, ChangeLimits::none(), MAX_PLACES, false)
     }
 }

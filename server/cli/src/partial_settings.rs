@@ -107,6 +107,10 @@ pub(crate) struct PartialSettings {
     /// TOML file of [[key]] tables: name, blake3 of the key, requests_per_second, request_burst, requests_per_day
     #[arg(long, env = "SKYGLOW_API_KEYS_FILE", value_name = "FILE")]
     pub(crate) api_keys_file: Option<PathBuf>,
+    /// Do not start where the kernel lacks Landlock or seccomp, that uploads are read behind [default: a warning]
+    #[arg(long, env = "SKYGLOW_UPLOAD_SANDBOX_REQUIRED", value_parser = BoolishValueParser::new(), value_name = "BOOL",
+          num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub(crate) upload_sandbox_required: Option<bool>,
     /// Collector that spans of requests are sent to, by OTLP over HTTP, as http://HOST:4318; OTEL_* variables hold [default: none]
     #[arg(long, env = "SKYGLOW_OTLP_ENDPOINT", value_name = "URL")]
     pub(crate) otlp_endpoint: Option<String>,

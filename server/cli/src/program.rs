@@ -5,7 +5,7 @@ use crate::{
     failure::Failure,
     progress::{self, Stages},
 };
-use skyglow_app::{SkySource, UploadReader};
+use skyglow_app::{SkySource, UploadReader, sandbox, upload_reader::UploadTask};
 use skyglow_observatory::{OPEN_SCENE_COUNT, Observatory};
 use skyglow_render::{Engine, EngineConfig, UndamagedTables, resident_tables, undamaged_tables};
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
@@ -22,6 +22,7 @@ use std::{
 /// * `degrade`: whether to do without packs that are damaged, as a server does, or to refuse them.
 /// * `limits`: what is kept of scenarios and plans.
 /// * `max_places`: of a map of the zenith's brightness.
+/// * `sandbox_required`: whether no upload is read where the kernel lacks a part of the sandbox.
 ///
 /// # Errors
 /// [`Failure::Work`] where there are no packs, one is refused, or there is no such device.
@@ -32,6 +33,7 @@ pub(crate) fn open(
     degrade: bool,
     limits: ChangeLimits,
     max_places: usize,
+    sandbox_required: bool,
 ) -> Result<Arc<dyn SkySource>, Failure> {
     let paths = packs_in(packs).map_err(Failure::work)?;
     if paths.is_empty() {
@@ -66,12 +68,18 @@ pub(crate) fn open(
     if !program.exists() {
         return Ok(Arc::new(source));
     }
-    let reader = UploadReader { program, arguments: vec![READ_UPLOAD.to_owned()], longest: MAX_UPLOAD_TIME };
+    let mut arguments = vec![READ_UPLOAD.to_owned()];
+    if sandbox_required {
+        arguments.push(SANDBOX_REQUIRED.to_owned());
+    }
+    let reader = UploadReader { program, arguments, longest: MAX_UPLOAD_TIME };
     Ok(Arc::new(source.with_upload_reader(reader)))
 }
 
 /// The argument that makes this program a reader of uploads. No command: nobody but the server calls it.
 pub(crate) const READ_UPLOAD: &str = "--read-upload";
+/// With this it reads none where the kernel lacks a part of the sandbox.
+const SANDBOX_REQUIRED: &str = "--sandbox-required";
 /// Longest time that an upload may take to be read.
 const MAX_UPLOAD_TIME: Duration = Duration::from_secs(1800);
 
@@ -81,7 +89,17 @@ pub(crate) fn read_upload() -> ExitCode {
     // Where memory runs out, this goes and not the server. Where the system has neither, the reading is what it was before.
     let _best_effort = std::fs::write("/proc/self/oom_score_adj", "1000");
     let _best_effort = set_parent_process_death_signal(Some(Signal::KILL));
-    match skyglow_app::read_upload(std::io::stdin().lock(), std::io::stdout().lock()) {
+    let is_required = std::env::args().nth(2).is_some_and(|argument| argument == SANDBOX_REQUIRED);
+    let prepare = |task: &UploadTask| {
+        sandbox::limit_memory(task.memory_bytes);
+        match sandbox::raise(&task.folder) {
+            Err(lacking) if is_required => {
+                Err(format!("uploads are read in a sandbox alone here: {lacking}"))
+            }
+            _ => Ok(()),
+        }
+    };
+    match skyglow_app::read_upload(std::io::stdin().lock(), std::io::stdout().lock(), prepare) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("skyglow: {error}");

@@ -35,6 +35,8 @@ pub(crate) struct Settings {
     pub(crate) operator_token_file: Option<PathBuf>,
     /// File of known clients.
     pub(crate) api_keys_file: Option<PathBuf>,
+    /// Whether no upload is read where the kernel lacks a part of the sandbox.
+    pub(crate) upload_sandbox_required: bool,
     /// Collector of spans.
     pub(crate) otlp_endpoint: Option<String>,
     /// Limits of the interface.
@@ -56,6 +58,7 @@ impl Default for Settings {
             kept_plans_days: 90,
             operator_token_file: None,
             api_keys_file: None,
+            upload_sandbox_required: false,
             otlp_endpoint: None,
             http: HttpConfig::default(),
         }

@@ -24,6 +24,7 @@ mod terrain_files;
 mod units;
 mod unpack;
 
+pub use memory::available_bytes;
 pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
 pub use units::RadianceUnit;
 

@@ -64,6 +64,7 @@ pub use dual_tree::{PatchStore, PlaceLattice, PlaceValues};
 pub use error::SceneError;
 pub use geotiff::{RasterError, RasterMetadata};
 pub use ground::Ground;
+pub use ingest::available_bytes;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, RadianceUnit, ingest};
 pub use light_shares::{CellShare, LightShares, LitPixel};
 pub use light_tree::{FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M};

@@ -12,7 +12,11 @@ use serde::Serialize;
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::Write;
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
+
+/// What others may do with the files of a scene: nothing, and the group may read.
+const FILE_MODE: u32 = 0o640;
 
 /// Writes a scene and moves it to its place. `metadata.version` is filled in.
 pub(crate) fn write(scenes_dir: &Path, scene: &mut Scene, replace: bool) -> Result<(), SceneError> {
@@ -70,13 +74,13 @@ fn light_bytes(scene: &Scene) -> Result<Vec<u8>, std::io::Error> {
 
 fn write_synced(path: &Path, content: &[u8]) -> Result<(), SceneError> {
     let write = || -> std::io::Result<()> {
-        let mut file = File::create(path)?;
+        let mut file = File::options().write(true).create_new(true).mode(FILE_MODE).open(path)?;
         file.write_all(content)?;
         file.sync_all()
     };
     write().map_err(SceneError::io(path))
 }
 
-fn sync_dir(path: &Path) -> Result<(), SceneError> {
+pub(crate) fn sync_dir(path: &Path) -> Result<(), SceneError> {
     File::open(path).and_then(|dir| dir.sync_all()).map_err(SceneError::io(path))
 }

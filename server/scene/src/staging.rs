@@ -4,11 +4,14 @@
 use crate::error::SceneError;
 use crate::scene_files::METADATA_FILE;
 use crate::scene_id::SceneId;
-use std::fs::File;
+use std::fs::{File, Permissions};
 use std::io::ErrorKind;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
+/// What others may do with the folder of a scene: nothing, and its group may read.
+const FOLDER_MODE: u32 = 0o750;
 /// Start of the names of these folders: no scene's id starts with a dot.
 const PREFIX: &str = ".ingest-";
 /// End of the name of a scene that is set aside for its successor.
@@ -25,8 +28,11 @@ impl Staging {
     /// A new folder below `parent`, in use.
     pub(crate) fn below(parent: &Path) -> Result<Self, SceneError> {
         loop {
-            let folder =
-                tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent).map_err(SceneError::io(parent))?;
+            let folder = tempfile::Builder::new()
+                .prefix(PREFIX)
+                .permissions(Permissions::from_mode(FOLDER_MODE))
+                .tempdir_in(parent)
+                .map_err(SceneError::io(parent))?;
             let lock = locked(folder.path())?;
             // Another process may have taken it for a stale one before it was locked.
             if folder.path().is_dir() {
@@ -42,7 +48,24 @@ impl Staging {
     /// Renames the folder to `target`. An older scene there changes places with it and is removed after, so that there is a scene
     /// all the while; where the file system cannot do that, the older one is set aside first.
     pub(crate) fn move_to(self, target: &Path, id: &SceneId, replace: bool) -> Result<(), SceneError> {
-        if replace && exchanged(self.path(), target) {
+        let moved = self.put(self.path(), target, id, replace);
+        if !self.path().exists() {
+            // It is a scene now, nothing to remove.
+            let _moved_away = self.folder.keep();
+        }
+        drop(self.lock);
+        moved
+    }
+
+    /// The same with a folder within this one, or this one itself.
+    pub(crate) fn put(
+        &self,
+        folder: &Path,
+        target: &Path,
+        id: &SceneId,
+        replace: bool,
+    ) -> Result<(), SceneError> {
+        if replace && exchanged(folder, target) {
             // The older scene lies where the newer was written, and goes with that folder.
             return Ok(());
         }
@@ -57,19 +80,17 @@ impl Staging {
         } else {
             None
         };
-        if let Err(error) = std::fs::rename(self.path(), target) {
+        if let Err(error) = std::fs::rename(folder, target) {
             if older.is_some() {
                 // Without its successor the older scene stays.
                 let _best_effort = std::fs::rename(&aside, target);
             }
             return Err(SceneError::io(target)(error));
         }
-        // It is a scene now, nothing to remove.
-        let _moved_away = self.folder.keep();
         if older.is_some() {
             std::fs::remove_dir_all(&aside).map_err(SceneError::io(&aside))?;
         }
-        drop((self.lock, older));
+        drop(older);
         Ok(())
     }
 }

@@ -14,6 +14,7 @@ use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_files::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE};
 use crate::scene_id::SceneId;
+use crate::scene_writer;
 use crate::sections::{Flaw, Sections, unpack_ascending};
 use crate::skylines::Skylines;
 use crate::staging::{self, Staging};
@@ -36,6 +37,11 @@ impl UploadFolder {
     /// Where it is.
     pub fn path(&self) -> &Path {
         self.0.path()
+    }
+
+    /// A data folder within it, as of [`SceneStore::new`], for the scene that is made of the files.
+    pub fn made(&self) -> PathBuf {
+        self.path().join("made")
     }
 }
 
@@ -80,6 +86,34 @@ impl SceneStore {
     pub fn upload_folder(&self) -> Result<UploadFolder, SceneError> {
         std::fs::create_dir_all(&self.scenes_dir).map_err(SceneError::io(&self.scenes_dir))?;
         Ok(UploadFolder(Staging::below(&self.scenes_dir)?))
+    }
+
+    /// Moves the scene that was made in an upload's folder to its place, where it takes that of the one before, and says whether
+    /// there was one. Whoever made it is not trusted: nothing but plain files is taken.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownScene`], [`SceneError::Damaged`], [`SceneError::Io`].
+    pub fn adopt(&self, upload: &UploadFolder, id: &SceneId) -> Result<(SceneMetadata, bool), SceneError> {
+        let made = Self::new(upload.made());
+        let folder = made.scene_dir(id);
+        let known = [METADATA_FILE, LIGHT_FILE, TERRAIN_FILE, SKYLINES_FILE, PLACES_FILE];
+        let is_folder = |path: &Path| std::fs::symlink_metadata(path).is_ok_and(|found| found.is_dir());
+        if ![&made.scenes_dir, &folder].into_iter().all(|path| is_folder(path)) {
+            return Err(SceneError::UnknownScene { id: id.to_string() });
+        }
+        for entry in std::fs::read_dir(&folder).map_err(SceneError::io(&folder))? {
+            let entry = entry.map_err(SceneError::io(&folder))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let kind = entry.file_type().map_err(SceneError::io(&folder))?;
+            if !kind.is_file() || !known.contains(&name.as_str()) {
+                return Err(damaged(id, &name)("is no file of a scene".to_owned()));
+            }
+        }
+        let metadata = made.read_metadata(id)?.metadata;
+        let was_there = self.exists(id);
+        upload.0.put(&folder, &self.scene_dir(id), id, true)?;
+        scene_writer::sync_dir(&self.scenes_dir)?;
+        Ok((metadata, was_there))
     }
 
     /// Removes a scene. Opened scenes stay usable.

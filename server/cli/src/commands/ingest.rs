@@ -140,6 +140,7 @@ impl Ingest {
             calibration: self.calibration,
             replace: self.replace,
             max_pixels: None,
+            memory_bytes: None,
         };
         let stages = Stages::new();
         let scene = ingest(&store, &options, &mut progress::of_ingest(&stages));

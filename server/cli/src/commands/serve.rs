@@ -117,9 +117,30 @@ fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
     if !settings.no_demo {
         program::make_demo_if_missing(&settings.data)?;
     }
+    if settings.operator_token_file.is_some() {
+        check_sandbox(settings.upload_sandbox_required)?;
+    }
     let max_places = settings.brightness_places.max(1);
-    let (device, limits) = (settings.device, settings.change_limits());
-    program::open(&settings.data, &settings.packs, device, true, limits, max_places)
+    let limits = settings.change_limits();
+    let required = settings.upload_sandbox_required;
+    program::open(&settings.data, &settings.packs, settings.device, true, limits, max_places, required)
+}
+
+/// Says once whether uploads are read behind walls.
+fn check_sandbox(is_required: bool) -> Result<(), Failure> {
+    match skyglow_app::sandbox::probe() {
+        Ok(()) => tracing::info!("uploads are read in a sandbox (Landlock and seccomp)"),
+        Err(lacking) if is_required => {
+            return Err(Failure::Work(format!(
+                "upload_sandbox_required is set, and there is none here: {lacking}"
+            )));
+        }
+        Err(lacking) => tracing::warn!(
+            "uploads are read without the whole sandbox ({lacking}): files that refer to others are refused all the same; \
+             upload_sandbox_required = true refuses uploads here"
+        ),
+    }
+    Ok(())
 }
 
 /// Ready at the first SIGTERM or SIGINT.

@@ -193,7 +193,7 @@ async fn upload(
     }
     let (scene, was_there) = state
         .blocking(move |source| {
-            let made = source.ingest(&options)?;
+            let made = source.ingest(&folder, &options)?;
             drop((folder, permit));
             Ok(made)
         })

@@ -294,7 +294,7 @@ impl SkySource for Fake {
         Err(AppError::Storage { reason: "a made-up program has no disk".into() })
     }
 
-    fn ingest(&self, _: &IngestOptions) -> Result<(SceneMetadata, bool), AppError> {
+    fn ingest(&self, _: &UploadFolder, _: &IngestOptions) -> Result<(SceneMetadata, bool), AppError> {
         Err(AppError::Storage { reason: "a made-up program has no disk".into() })
     }
 

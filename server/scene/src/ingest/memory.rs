@@ -14,7 +14,7 @@ pub(super) fn needed_bytes(pixels: u64, lit: u64) -> u64 {
 }
 
 /// Bytes that can be had: of the machine, of the control group, and of the address space; None where nobody says.
-pub(super) fn available_bytes() -> Option<u64> {
+pub fn available_bytes() -> Option<u64> {
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let field = |path: &str, name: &str| {
         let text = std::fs::read_to_string(path).ok()?;

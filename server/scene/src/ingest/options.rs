@@ -87,6 +87,8 @@ pub struct IngestOptions {
     pub replace: bool,
     /// Pixels that a raster may have; None for trusted input.
     pub max_pixels: Option<u64>,
+    /// Bytes of memory that the reading may take; None for what the machine has.
+    pub memory_bytes: Option<u64>,
 }
 
 /// Longest side of an untrusted raster, pixels: five times around the Earth at 15″.

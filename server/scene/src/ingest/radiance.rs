@@ -79,7 +79,7 @@ pub(super) fn read(
 /// Refuses, before work begins, light that does not fit: where every pixel could be lit and would not, those that are get counted.
 fn check_memory(mosaic: &Mosaic, grid: &Grid, options: &IngestOptions) -> Result<(), String> {
     let pixels = u64::from(grid.width) * u64::from(grid.height);
-    let Some(available) = memory::available_bytes() else { return Ok(()) };
+    let Some(available) = options.memory_bytes.or_else(memory::available_bytes) else { return Ok(()) };
     if memory::needed_bytes(pixels, pixels) <= available {
         return Ok(());
     }
