@@ -151,6 +151,7 @@ impl From<ObservatoryError> for AppError {
                 }
                 SceneError::Damaged { scene, .. } => Self::DamagedScene { id: scene },
                 SceneError::InvalidTile { .. } => Self::UnknownTile { reason: error.to_string() },
+                SceneError::TooLarge { .. } => Self::SceneTooLarge { reason: error.to_string() },
                 other => Self::internal(other),
             },
             ObservatoryError::Change(error) => bad_edit(&error),

@@ -58,6 +58,12 @@ pub enum AppError {
         /// What happened, for the log.
         reason: String,
     },
+    /// A scene that takes more memory than this server has for one.
+    #[error("{reason}")]
+    SceneTooLarge {
+        /// How much it needs and how much there is, in one sentence.
+        reason: String,
+    },
     /// The place is not in the scene.
     #[error(
         "latitude {latitude_deg}, longitude {longitude_deg} lies outside the scene, which reaches from west {} south {} to east {} north {}",

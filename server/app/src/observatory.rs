@@ -174,14 +174,17 @@ impl SkySource for ObservatorySource {
         let task = UploadTask {
             folder: folder.path().to_owned(),
             data: folder.made(),
-            memory_bytes: available_bytes().unwrap_or(u64::MAX),
-            options: options.clone(),
+            memory_bytes: available_bytes().map_or(u64::MAX, |bytes| bytes / 4 * 3),
+            options: IngestOptions {
+                max_scene_bytes: Some(self.observatory.max_scene_bytes()),
+                ..options.clone()
+            },
         };
         let outcome =
             self.upload_reader.as_ref().map_or_else(|| Ok(task.run()), |reader| task.run_by(reader));
         match outcome? {
             UploadOutcome::Done { id } => {
-                let adopted = self.observatory.store().adopt(folder, &id);
+                let adopted = self.observatory.adopt_scene(folder, &id);
                 adopted.map_err(|error| AppError::Storage { reason: error.to_string() })
             }
             UploadOutcome::Refused(reason) => Err(AppError::BadUpload { reason }),
@@ -190,7 +193,7 @@ impl SkySource for ObservatorySource {
     }
 
     fn remove_scene(&self, id: &SceneId) -> Result<(), AppError> {
-        self.observatory.store().remove(id).map_err(|error| match error {
+        self.observatory.remove_scene(id).map_err(|error| match error {
             SceneError::Io { .. } => AppError::Storage { reason: error.to_string() },
             other => ObservatoryError::from(other).into(),
         })

@@ -155,6 +155,11 @@ impl ApiError {
             ApiError::App(AppError::Storage { .. }) => {
                 (StatusCode::SERVICE_UNAVAILABLE, "storage", "The server cannot keep this now")
             }
+            ApiError::App(AppError::SceneTooLarge { .. }) => (
+                StatusCode::SERVICE_UNAVAILABLE,
+                "scene-too-large",
+                "The scene takes more memory than there is",
+            ),
             ApiError::App(AppError::OutsideScene { .. }) => {
                 (StatusCode::NOT_FOUND, "outside-scene", "The place lies outside the scene")
             }
@@ -231,7 +236,7 @@ impl ApiError {
             | ApiError::BeingMade { retry_after_s, .. }
             | ApiError::App(AppError::Busy { retry_after_s }) => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::App(AppError::EngineDown) => Some(2),
-            ApiError::App(AppError::Storage { .. }) => Some(60),
+            ApiError::App(AppError::Storage { .. } | AppError::SceneTooLarge { .. }) => Some(60),
             _ => None,
         }
     }
@@ -282,6 +287,9 @@ impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         match &self {
             ApiError::App(AppError::Internal { reason }) => tracing::error!(%reason, "internal error"),
+            ApiError::App(AppError::SceneTooLarge { reason }) => {
+                tracing::error!(%reason, "a scene is not opened")
+            }
             ApiError::App(AppError::Storage { reason }) => tracing::error!(%reason, "nothing can be kept"),
             _ => {}
         }

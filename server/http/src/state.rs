@@ -185,6 +185,20 @@ impl AppState {
         self.work.heavy(work).await
     }
 
+    /// Lets go of the maps of a scene that was removed or replaced, which hold it.
+    pub async fn forget(&self, id: &SceneId) {
+        let influences: Vec<_> = self.influences.iter().filter(|(_, map)| map.scene().id == *id).collect();
+        for (key, _) in influences {
+            self.influences.invalidate(&*key).await;
+        }
+        let maps: Vec<_> = self.brightnesses.iter().filter(|(_, map)| map.scene().id == *id).collect();
+        for (key, _) in maps {
+            self.brightnesses.invalidate(&*key).await;
+        }
+        self.influences.run_pending_tasks().await;
+        self.brightnesses.run_pending_tasks().await;
+    }
+
     /// A scene as it is now, with the changes of a scenario or plan.
     ///
     /// # Errors

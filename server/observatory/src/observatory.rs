@@ -9,7 +9,9 @@ use crate::{
     surroundings::Surroundings,
 };
 use skyglow_render::{RenderError, engine::Engine, pack_kind::PackKind};
-use skyglow_scene::{ChangeId, ChangeLimits, ChangeStore, SceneId, SceneMetadata, SceneStore};
+use skyglow_scene::{
+    ChangeId, ChangeLimits, ChangeStore, SceneError, SceneId, SceneMetadata, SceneStore, UploadFolder,
+};
 use skyglow_tables::Manifest;
 use std::{path::Path, sync::Arc};
 
@@ -57,6 +59,35 @@ impl Observatory {
     /// Where the scenes are stored.
     pub fn store(&self) -> &SceneStore {
         self.scenes.store()
+    }
+
+    /// Removes a scene, and lets go of what is open of it. Requests under way keep it.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownScene`], [`SceneError::Io`].
+    pub fn remove_scene(&self, id: &SceneId) -> Result<(), SceneError> {
+        self.store().remove(id)?;
+        self.scenes.forget(id);
+        Ok(())
+    }
+
+    /// Puts the scene of an upload in its place, and lets go of what is open of the one before, if there was one, which it says.
+    ///
+    /// # Errors
+    /// As [`SceneStore::adopt`].
+    pub fn adopt_scene(
+        &self,
+        upload: &UploadFolder,
+        id: &SceneId,
+    ) -> Result<(SceneMetadata, bool), SceneError> {
+        let adopted = self.store().adopt(upload, id)?;
+        self.scenes.forget(id);
+        Ok(adopted)
+    }
+
+    /// Bytes of memory that one open scene may take.
+    pub fn max_scene_bytes(&self) -> u64 {
+        self.scenes.most_bytes()
     }
 
     /// Number of scenes open.

@@ -8,11 +8,11 @@ use crate::{
 use moka::{policy::EvictionPolicy, sync::Cache};
 use skyglow_scene::{
     ChangeError, ChangeId, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH, Scene,
-    SceneError, SceneId, SceneMetadata, SceneStore,
+    SceneError, SceneId, SceneMetadata, SceneStore, memory_limit_bytes,
 };
 use std::{
     sync::{
-        Arc,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
     time::Duration,
@@ -20,6 +20,14 @@ use std::{
 
 /// Bytes of changed scenes that are stored, beside what they share with the scene itself.
 const MAX_CHANGED_BYTES: u64 = 512 << 20;
+/// Of the memory that there is, open scenes have a third.
+const PART_OF_MEMORY: u64 = 3;
+/// Bytes of open scenes where nobody says how much memory there is.
+const MAX_OPEN_BYTES: u64 = 8 << 30;
+/// Scenes of fewer bytes than this part of those of all are opened beside others; larger ones one after another.
+const SMALL_PART: u64 = 8;
+/// A cache weighs in this many bytes, for weights of 32 bits.
+const WEIGHT_BYTES: u64 = 1 << 10;
 /// How long a changed scene is stored that nobody asks for: it holds the scene, which may be gone from disk.
 const TIME_TO_IDLE: Duration = Duration::from_secs(600);
 
@@ -37,13 +45,29 @@ pub(crate) struct SceneCache {
     open: Cache<(SceneId, Stamp), Arc<Scene>>,
     /// Which of them are damaged.
     health: SceneHealth,
+    /// Bytes that they may take together, and each of them alone.
+    most_bytes: u64,
+    /// Held while a large one is opened.
+    opening_large: Mutex<()>,
     /// How often a scene was read from disk.
     opened: AtomicUsize,
 }
 
 impl SceneCache {
-    /// A cache of at most `capacity` scenes, at least one.
+    /// A cache of at most `capacity` scenes, at least one, in a part of the memory that there is.
     pub(crate) fn new(store: SceneStore, changes: ChangeStore, capacity: usize) -> Self {
+        let most_bytes = memory_limit_bytes().map_or(MAX_OPEN_BYTES, |bytes| bytes / PART_OF_MEMORY);
+        Self::within(store, changes, capacity, most_bytes)
+    }
+
+    /// The same in so many bytes.
+    fn within(store: SceneStore, changes: ChangeStore, capacity: usize, most_bytes: u64) -> Self {
+        let most_weight = most_bytes / WEIGHT_BYTES;
+        // So many of the lightest fill it.
+        let least = most_weight.div_ceil(capacity.max(1) as u64);
+        let weigh_open = move |_: &(SceneId, Stamp), scene: &Arc<Scene>| {
+            u32::try_from((scene.byte_count() / WEIGHT_BYTES).min(most_weight).max(least)).unwrap_or(u32::MAX)
+        };
         let weigh = |_: &(ChangeId, String), changed: &Changed| {
             u32::try_from(4096 + changed.0.unshared_bytes()).unwrap_or(u32::MAX)
         };
@@ -56,10 +80,13 @@ impl SceneCache {
                 .time_to_idle(TIME_TO_IDLE)
                 .build(),
             open: Cache::builder()
-                .max_capacity(capacity.max(1) as u64)
+                .max_capacity(least * capacity.max(1) as u64)
+                .weigher(weigh_open)
                 .eviction_policy(EvictionPolicy::lru())
                 .build(),
             health: SceneHealth::default(),
+            most_bytes,
+            opening_large: Mutex::new(()),
             opened: AtomicUsize::new(0),
         }
     }
@@ -171,12 +198,14 @@ impl SceneCache {
         }
         let open = || {
             self.opened.fetch_add(1, Ordering::Relaxed);
-            self.store.open(id).map(Arc::new)
+            self.open_within(id).map(Arc::new)
         };
         match self.open.entry((id.clone(), stamp)).or_try_insert_with(open) {
             Ok(entry) => {
                 if entry.is_fresh() {
-                    self.forget_all_but(id, Some(stamp));
+                    // It may have been removed or replaced meanwhile.
+                    let now = self.stamp(id).ok();
+                    self.forget_all_but(id, now.filter(|now| *now == stamp));
                     self.health.note(id, stamp, Ok(()));
                 }
                 Ok(entry.into_value())
@@ -186,7 +215,7 @@ impl SceneCache {
                 match self.health.damage(id, stamp) {
                     Some(damage) => Err(damage.into()),
                     // All who asked share the error, which has one owner: each sees for itself.
-                    None => Ok(Arc::new(self.store.open(id)?)),
+                    None => Ok(Arc::new(self.open_within(id)?)),
                 }
             }
         }
@@ -220,6 +249,43 @@ impl SceneCache {
         let (mut damaged, others) = self.health.damaged();
         damaged.retain(|id| self.is_damaged(id));
         (damaged, others)
+    }
+
+    /// Opens a scene where it fits. Before a large one others are let go, so that those that are open and the new one together
+    /// take no more than they may.
+    fn open_within(&self, id: &SceneId) -> Result<Scene, SceneError> {
+        let bytes = self.store.scene_bytes(id)?;
+        let _one_by_one = (bytes > self.most_bytes / SMALL_PART).then(|| {
+            let lock = self.opening_large.lock().unwrap_or_else(PoisonError::into_inner);
+            self.open.run_pending_tasks();
+            let mut taken = self.open.weighted_size() * WEIGHT_BYTES;
+            for (key, scene) in &self.open {
+                if taken + bytes <= self.most_bytes {
+                    break;
+                }
+                self.open.invalidate(&*key);
+                taken = taken.saturating_sub(scene.byte_count());
+            }
+            self.open.run_pending_tasks();
+            lock
+        });
+        self.store.open_within(id, self.most_bytes)
+    }
+
+    /// Bytes that one open scene may take.
+    pub(crate) fn most_bytes(&self) -> u64 {
+        self.most_bytes
+    }
+
+    /// Lets go of a scene and of what was made of it: it was removed or replaced. Requests under way keep it.
+    pub(crate) fn forget(&self, id: &SceneId) {
+        self.forget_all_but(id, None);
+        for (key, changed) in &self.changed {
+            if changed.0.metadata().id == *id {
+                self.changed.invalidate(&*key);
+            }
+        }
+        self.changed.run_pending_tasks();
     }
 
     /// Forgets a scene as it was in other states of its folder.
@@ -287,6 +353,47 @@ mod tests {
         let store = SceneStore::new(data);
         let id = ingest(&store, &IngestOptions::new(raster), &mut |_| {}).unwrap().id;
         (store, id)
+    }
+
+    /// A scene that is removed or replaced is let go at once with what was changed in it, and larger ones than there is memory for
+    /// are not opened.
+    #[test]
+    fn scenes_are_let_go_and_bounded() {
+        let data = tempfile::tempdir().unwrap();
+        let (store, id) = store_lights(data.path());
+        let changes = || ChangeStore::new(data.path(), ChangeLimits::none());
+        let cache = SceneCache::within(store.clone(), changes(), 4, 1 << 30);
+        let scene = Arc::downgrade(&cache.scene(&id).unwrap());
+        assert!(scene.upgrade().is_some() && cache.len() == 1);
+        cache.forget(&id);
+        assert!(scene.upgrade().is_none() && cache.len() == 0);
+        let small = SceneCache::within(store, changes(), 4, 64);
+        let error = small.scene(&id).unwrap_err();
+        assert!(
+            matches!(error, ObservatoryError::Scene(SceneError::TooLarge { limit_bytes: 64, .. })),
+            "{error}"
+        );
+    }
+
+    /// Scenes that together take more than they may leave one another no room.
+    #[test]
+    fn open_scenes_keep_to_their_memory() {
+        let data = tempfile::tempdir().unwrap();
+        let (store, id) = store_lights(data.path());
+        let bytes = store.scene_bytes(&id).unwrap().max(store.open(&id).unwrap().byte_count());
+        let mut options = IngestOptions::new(data.path().join("light.tif"));
+        let ids = ["one", "two", "three"].map(|name| SceneId::parse(name).unwrap());
+        for id in &ids {
+            options.id = Some(id.clone());
+            ingest(&store, &options, &mut |_| {}).unwrap();
+        }
+        let changes = ChangeStore::new(data.path(), ChangeLimits::none());
+        let cache = SceneCache::within(store, changes, 4, 5 * bytes / 2);
+        for id in &ids {
+            cache.scene(id).unwrap();
+            assert!(cache.len() <= 2);
+        }
+        assert_eq!(cache.len(), 2);
     }
 
     #[test]

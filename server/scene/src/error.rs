@@ -47,6 +47,20 @@ pub enum SceneError {
         /// What is wrong.
         reason: String,
     },
+    /// A stored scene that takes more memory than there is for one.
+    #[error(
+        "scene \"{scene}\" needs {} of memory, and there are {} for open scenes; give it more, or ingest less light: a masked product, a \
+         floor, a region",
+        crate::memory::gigabytes(*needed_bytes), crate::memory::gigabytes(*limit_bytes)
+    )]
+    TooLarge {
+        /// The scene's id.
+        scene: String,
+        /// Bytes that it needs.
+        needed_bytes: u64,
+        /// Bytes that it may take.
+        limit_bytes: u64,
+    },
     /// A stored scene that is truncated, altered or of another format.
     #[error("scene \"{scene}\": {file} {reason}; ingest the scene again")]
     Damaged {

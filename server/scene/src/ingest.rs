@@ -8,7 +8,6 @@ mod georeference;
 mod granule_name;
 mod hdf5;
 mod layers;
-mod memory;
 mod mosaic;
 mod no_data;
 mod noise;
@@ -24,13 +23,13 @@ mod terrain_files;
 mod units;
 mod unpack;
 
-pub use memory::available_bytes;
 pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
 pub use units::RadianceUnit;
 
 use self::mosaic::Mosaic;
 use crate::error::SceneError;
 use crate::light_layer::{LightLayer, Lights};
+use crate::memory::LightCount;
 use crate::metadata::{GridMetadata, Recognition, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_id::SceneId;
@@ -94,6 +93,10 @@ pub(crate) fn ingest_as(
     terrain_files::set_altitudes(&terrain, &mut light, progress);
     let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
     let has_skylines = skylines.is_some();
+    let with_skylines = skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
+    let count = LightCount::of_codes(&light.pixels.codes, with_skylines);
+    radiance::check_scene(&count, options)
+        .map_err(|reason| SceneError::Refused { path: mosaic.first().path.clone(), reason })?;
     let lights = Lights::new(&light.grid, light.pixels, skylines, options.calibration);
     let mut report = light.report;
     let pyramid = &lights.pyramid;

@@ -35,6 +35,7 @@ mod light_tree;
 mod lit_pixels;
 mod map_tile;
 mod mask;
+mod memory;
 mod mercator;
 mod metadata;
 mod morton;
@@ -64,11 +65,11 @@ pub use dual_tree::{PatchStore, PlaceLattice, PlaceValues};
 pub use error::SceneError;
 pub use geotiff::{RasterError, RasterMetadata};
 pub use ground::Ground;
-pub use ingest::available_bytes;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, RadianceUnit, ingest};
 pub use light_shares::{CellShare, LightShares, LitPixel};
 pub use light_tree::{FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M};
 pub use map_tile::{PixelValues, RasterTile, TileLayer};
+pub use memory::{available_bytes, memory_limit_bytes};
 pub use mercator::{tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
 pub use metadata::{
     Confidence, ExamplePlace, GridMetadata, IngestReport, NamedPlace, NoiseReport, PixelCount, Recognition,

@@ -5,6 +5,7 @@ use crate::grid::Grid;
 use crate::light_pyramid::{Block, LightPyramid};
 use crate::light_tree::LightTree;
 use crate::lit_pixels::LitPixels;
+use crate::memory::LightCount;
 use crate::morton;
 use crate::removed_lights::RemovedLights;
 use crate::skylines::{Skyline, Skylines};
@@ -21,6 +22,12 @@ pub(crate) struct Lights {
 }
 
 impl Lights {
+    /// Bytes of memory that they take, about.
+    pub(crate) fn byte_count(&self) -> u64 {
+        let skylines = self.skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
+        LightCount::of_codes(&self.pixels.codes, skylines).scene_bytes()
+    }
+
     /// Builds the pyramid.
     pub(crate) fn new(grid: &Grid, pixels: LitPixels, skylines: Option<Skylines>, calibration: f64) -> Self {
         let pyramid = LightPyramid::build(grid, &pixels, skylines.as_ref(), calibration);

@@ -176,6 +176,13 @@ impl Scene {
         })
     }
 
+    /// Bytes of memory that a scene takes as it was ingested, about.
+    pub fn byte_count(&self) -> u64 {
+        let (row_start, runs) = self.mask.parts();
+        let of_mask = 4 * row_start.len() + 8 * runs.len();
+        self.first_layer().lights.byte_count() + of_mask as u64 + self.terrain.byte_count()
+    }
+
     /// Bytes of a changed scene that are not shared, about.
     pub fn unshared_bytes(&self) -> usize {
         self.light_layers.iter().map(LightLayer::unshared_bytes).sum()

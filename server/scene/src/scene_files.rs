@@ -27,7 +27,7 @@ pub(crate) struct StoredScene {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct StoredFile {
     pub(crate) name: String,
-    bytes: u64,
+    pub(crate) bytes: u64,
     blake3: String,
 }
 

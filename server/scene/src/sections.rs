@@ -77,6 +77,11 @@ impl<'a> Sections<'a> {
         Ok(Self { entries })
     }
 
+    /// Bytes of all sections, unpacked.
+    pub(crate) fn unpacked_bytes(&self) -> u64 {
+        self.entries.values().map(|(raw, _)| *raw as u64).sum()
+    }
+
     /// The bytes of a section.
     pub(crate) fn bytes(&self, name: &str) -> Result<Cow<'a, [u8]>, Flaw> {
         let &(raw, stored) = self.entries.get(name).ok_or_else(|| format!("has no part \"{name}\""))?;

@@ -10,6 +10,7 @@ use crate::grid_sections;
 use crate::light_layer::{LightLayer, Lights};
 use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
+use crate::memory::LightCount;
 use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::scene::Scene;
 use crate::scene_files::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE};
@@ -165,15 +166,35 @@ impl SceneStore {
         StoredScene::parse(&text, id).map_err(damaged(id, METADATA_FILE))
     }
 
+    /// Bytes of memory that a scene takes when it is opened, about, by its metadata.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn scene_bytes(&self, id: &SceneId) -> Result<u64, SceneError> {
+        let stored = self.read_metadata(id)?;
+        let of_files: u64 = stored.files.iter().map(|file| file.bytes).sum();
+        // Half as many blocks as lights: more where they lie apart, fewer where they touch.
+        let lit = stored.metadata.lit_pixels;
+        Ok(2 * of_files + LightCount { lit, blocks: lit / 2, skylines: 0 }.scene_bytes())
+    }
+
     /// Opens a scene, every file of it checked against its hash. One that is replaced or removed meanwhile is the new one, or none.
     ///
     /// # Errors
     /// [`SceneError::UnknownScene`]; [`SceneError::Damaged`] naming the file; [`SceneError::Io`].
     pub fn open(&self, id: &SceneId) -> Result<Scene, SceneError> {
+        self.open_within(id, u64::MAX)
+    }
+
+    /// [`Self::open`] of a scene that may take so many bytes of memory.
+    ///
+    /// # Errors
+    /// The same, and [`SceneError::TooLarge`], which is known before the most of them is taken.
+    pub fn open_within(&self, id: &SceneId, limit_bytes: u64) -> Result<Scene, SceneError> {
         let mut stored = self.read_metadata(id)?;
         loop {
             let version = stored.metadata.version.clone();
-            let error = match self.open_stored(id, stored) {
+            let error = match self.open_stored(id, stored, limit_bytes) {
                 Err(error @ (SceneError::Damaged { .. } | SceneError::Io { .. })) => error,
                 opened => return opened,
             };
@@ -216,7 +237,12 @@ impl SceneStore {
         Ok(())
     }
 
-    fn open_stored(&self, id: &SceneId, stored: StoredScene) -> Result<Scene, SceneError> {
+    fn open_stored(&self, id: &SceneId, stored: StoredScene, limit_bytes: u64) -> Result<Scene, SceneError> {
+        let check = |needed_bytes: u64| match needed_bytes <= limit_bytes {
+            true => Ok(()),
+            false => Err(SceneError::TooLarge { scene: id.to_string(), needed_bytes, limit_bytes }),
+        };
+        check(stored.files.iter().map(|file| file.bytes).sum())?;
         let dir = self.scene_dir(id);
         let read = |name: &str| -> Result<Option<Vec<u8>>, SceneError> {
             let Some(file) = stored.files.iter().find(|file| file.name == name) else { return Ok(None) };
@@ -230,18 +256,24 @@ impl SceneStore {
             file.check(&bytes).map_err(damaged(id, name))?;
             Ok(Some(bytes))
         };
-        let light = read(LIGHT_FILE)?.ok_or_else(|| damaged(id, LIGHT_FILE)("is not listed".to_owned()))?;
-        let light = read_light(&light).map_err(damaged(id, LIGHT_FILE))?;
+        let light = {
+            let bytes =
+                read(LIGHT_FILE)?.ok_or_else(|| damaged(id, LIGHT_FILE)("is not listed".to_owned()))?;
+            let parsed = Sections::parse(&bytes).map_err(damaged(id, LIGHT_FILE))?;
+            check(parsed.unpacked_bytes())?;
+            read_light(&parsed).map_err(damaged(id, LIGHT_FILE))?
+        };
         let mut terrain = Terrain::default();
         if let Some(bytes) = read(TERRAIN_FILE)? {
-            let parsed = Sections::parse(&bytes).and_then(|sections| Terrain::from_sections(&sections));
-            terrain = parsed.map_err(damaged(id, TERRAIN_FILE))?;
+            let parsed = Sections::parse(&bytes).map_err(damaged(id, TERRAIN_FILE))?;
+            check(parsed.unpacked_bytes())?;
+            terrain = Terrain::from_sections(&parsed).map_err(damaged(id, TERRAIN_FILE))?;
         }
         let mut skylines = None;
         if let Some(bytes) = read(SKYLINES_FILE)? {
-            let count = light.pixels.len();
-            let parsed =
-                Sections::parse(&bytes).and_then(|sections| Skylines::from_sections(&sections, count));
+            let parsed = Sections::parse(&bytes).map_err(damaged(id, SKYLINES_FILE))?;
+            check(parsed.unpacked_bytes())?;
+            let parsed = Skylines::from_sections(&parsed, light.pixels.len());
             skylines = Some(parsed.map_err(damaged(id, SKYLINES_FILE))?);
         } else if stored.metadata.light_skylines {
             return Err(damaged(id, SKYLINES_FILE)("is not listed".to_owned()));
@@ -252,6 +284,8 @@ impl SceneStore {
             places = parsed.map_err(|error| damaged(id, PLACES_FILE)(format!("is broken ({error})")))?;
         }
         let StoredLight { grid, mask, pixels } = light;
+        let with_skylines = skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
+        check(LightCount::of_codes(&pixels.codes, with_skylines).scene_bytes())?;
         let lights = Lights::new(&grid, pixels, skylines, stored.metadata.calibration);
         Ok(Scene {
             metadata: stored.metadata,
@@ -276,9 +310,8 @@ struct StoredLight {
     pixels: LitPixels,
 }
 
-fn read_light(bytes: &[u8]) -> Result<StoredLight, Flaw> {
-    let sections = Sections::parse(bytes)?;
-    let grid = grid_sections::from_sections(&sections, "")?;
+fn read_light(sections: &Sections<'_>) -> Result<StoredLight, Flaw> {
+    let grid = grid_sections::from_sections(sections, "")?;
     let pixels = LitPixels {
         codes: unpack_ascending(&sections.bytes("codes")?)?,
         radiance_nw_cm2_sr: sections.numbers("radiance")?,

@@ -409,3 +409,35 @@ fn members_of_archives_stay_in_their_folder() {
     let mut outside = test_store.dir.path().ancestors();
     assert!(!outside.any(|folder| folder.join("escaped.tif").exists()));
 }
+
+/// Light that does not fit into memory is refused before work begins, with what it needs and what would help; the few lights of a
+/// raster whose pixels could all be lit are counted first.
+#[test]
+fn light_beyond_the_memory_is_refused() {
+    let test_store = TestStore::new();
+    let (full, few) = (test_store.path("full.tif"), test_store.path("few.tif"));
+    TestRaster::new(1000, 1000, |_, _| 5.0).write_f32(&full);
+    TestRaster::new(1000, 1000, |c, r| if c % 100 == 0 && r % 100 == 0 { 5.0 } else { 0.0 }).write_f32(&few);
+    let options = |path: &std::path::Path| {
+        let mut options = IngestOptions::new(path);
+        options.memory_bytes = Some(280 << 20);
+        options
+    };
+    let told = test_store.refusal(&options(&full));
+    assert!(
+        told.contains("reading its 1000000 lit pixels needs 0.3 GB") && told.contains("--floor"),
+        "{told}"
+    );
+    let mut small = IngestOptions::new(&full);
+    small.max_scene_bytes = Some(10_000_000);
+    let told = test_store.refusal(&small);
+    assert!(told.contains("as a scene its 1000000 lit pixels need 0.0 GB"), "{told}");
+    let mut few = options(&few);
+    few.max_scene_bytes = Some(100_000);
+    assert_eq!(test_store.ingest(&few).unwrap().lit_pixels, 100);
+    let bytes = test_store.store.open(&SceneId::parse("few").unwrap()).unwrap().byte_count();
+    assert!(bytes <= 100_000, "{bytes}");
+    few.max_scene_bytes = Some(10_000);
+    few.replace = true;
+    assert!(test_store.ingest(&few).unwrap_err().to_string().contains("100 lit pixels"));
+}

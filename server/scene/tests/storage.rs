@@ -229,3 +229,68 @@ fn a_million_pixels_keep_their_flux() {
     let cells_w: f64 = polar.cells.iter().map(|cell| f64::from(cell.flux_dnb_w)).sum();
     assert!((cells_w / polar.flux_dnb_w - 1.0).abs() < 1e-3, "{cells_w} of {}", polar.flux_dnb_w);
 }
+
+/// Files of a scene and its folder have one mode: their owner may change them, their group may read.
+#[test]
+fn files_of_scenes_have_one_mode() {
+    use std::os::unix::fs::PermissionsExt;
+    let (test_store, id) = stored();
+    let folder = test_store.store.scenes_dir().join(id.as_str());
+    let mode = |path: &std::path::Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    assert_eq!(mode(&folder) & !0o750, 0);
+    assert_eq!(mode(&folder) & 0o700, 0o700);
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path();
+        assert_eq!((mode(&path) & !0o640, mode(&path) & 0o600), (0, 0o600), "{path:?}");
+    }
+}
+
+/// A scene that takes more memory than there is for one is not opened, and says how much it takes.
+#[test]
+fn a_scene_too_large_is_not_opened() {
+    let (test_store, id) = stored();
+    let bytes = test_store.store.open(&id).unwrap().byte_count();
+    assert!(test_store.store.open_within(&id, bytes).is_ok());
+    for limit in [1, 10_000] {
+        let error = test_store.store.open_within(&id, limit).unwrap_err();
+        let SceneError::TooLarge { needed_bytes, limit_bytes, .. } = error else { panic!("{error}") };
+        assert!(needed_bytes > limit && limit_bytes == limit);
+    }
+}
+
+/// Of what an upload's reader left nothing but plain files of a scene is taken, and an older scene stays where it is refused.
+#[test]
+fn only_plain_files_are_adopted() {
+    let (test_store, id) = stored();
+    let (made, _) = stored();
+    let before = test_store.store.open(&id).unwrap().metadata().version.clone();
+    let upload = test_store.store.upload_folder().unwrap();
+    let from = made.store.scenes_dir().join(id.as_str());
+    let to = upload.made().join("scenes").join(id.as_str());
+    let copy = || {
+        std::fs::create_dir_all(&to).unwrap();
+        for entry in std::fs::read_dir(&from).unwrap() {
+            let path = entry.unwrap().path();
+            std::fs::copy(&path, to.join(path.file_name().unwrap())).unwrap();
+        }
+    };
+    copy();
+    std::fs::remove_file(to.join("places.json")).unwrap();
+    std::os::unix::fs::symlink("/etc/passwd", to.join("places.json")).unwrap();
+    assert!(matches!(test_store.store.adopt(&upload, &id), Err(SceneError::Damaged { .. })));
+    std::fs::remove_dir_all(&to).unwrap();
+    std::os::unix::fs::symlink(&from, &to).unwrap();
+    assert!(matches!(test_store.store.adopt(&upload, &id), Err(SceneError::UnknownScene { .. })));
+    std::fs::remove_file(&to).unwrap();
+    copy();
+    std::fs::write(to.join("more.bin"), "x").unwrap();
+    assert!(matches!(test_store.store.adopt(&upload, &id), Err(SceneError::Damaged { .. })));
+    assert_eq!(test_store.store.open(&id).unwrap().metadata().version, before);
+    std::fs::remove_file(to.join("more.bin")).unwrap();
+    let (metadata, was_there) = test_store.store.adopt(&upload, &id).unwrap();
+    assert!(was_there && metadata.id == id);
+    test_store.store.remove(&id).unwrap();
+    copy();
+    assert!(!test_store.store.adopt(&upload, &id).unwrap().1);
+    assert!(test_store.store.open(&id).is_ok());
+}

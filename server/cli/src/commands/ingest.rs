@@ -141,6 +141,7 @@ impl Ingest {
             replace: self.replace,
             max_pixels: None,
             memory_bytes: None,
+            max_scene_bytes: None,
         };
         let stages = Stages::new();
         let scene = ingest(&store, &options, &mut progress::of_ingest(&stages));

@@ -58,6 +58,7 @@ pub const KINDS: [(&str, &str); 34] = [
         "kept-enough",
         "What is kept of scenarios and plans has an end, so one address has a share of it for a day. Keys have quotas of their own.",
     ),
+    ("scene-too-large", "The server has less memory than the scene takes: the detail says how much."),
     ("uploads-off", "The server was started without an operator's token: nobody may change its scenes."),
     ("operator-only", "A known client asks for what the operator alone may do."),
     ("bad-upload", "What was uploaded is no scene: the detail says why, and what was there before stays."),
@@ -142,6 +143,7 @@ mod tests {
             ApiError::BeingMade { progress: 0.5, retry_after_s: 1 },
             ApiError::Timeout { limit_s: 1.0 },
             ApiError::App(AppError::EngineDown),
+            ApiError::App(AppError::SceneTooLarge { reason: String::new() }),
             ApiError::internal(""),
         ];
         let mut kinds: Vec<&str> = errors.iter().map(|error| error.row().1).collect();

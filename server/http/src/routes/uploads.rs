@@ -149,6 +149,7 @@ pub async fn delete_scene(
     no_parameters(query.as_deref())?;
     let removed = id.clone();
     state.blocking(move |source| Ok(source.remove_scene(&removed)?)).await?;
+    state.forget(&id).await;
     tracing::info!(scene = %id, "a scene was removed by the operator");
     Ok(StatusCode::NO_CONTENT)
 }
@@ -198,6 +199,7 @@ async fn upload(
             Ok(made)
         })
         .await?;
+    state.forget(&id).await;
     tracing::info!(scene = %id, version = scene.version, replaced = was_there, "a scene was uploaded by the operator");
     let etag = ETag::of(&("uploaded", &scene.version))?;
     let caching = Caching { etag, policy: CachePolicy::Revalidate, vary: None };

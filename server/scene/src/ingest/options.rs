@@ -89,6 +89,8 @@ pub struct IngestOptions {
     pub max_pixels: Option<u64>,
     /// Bytes of memory that the reading may take; None for what the machine has.
     pub memory_bytes: Option<u64>,
+    /// Bytes of memory that the scene may take once it is opened; None for any.
+    pub max_scene_bytes: Option<u64>,
 }
 
 /// Longest side of an untrusted raster, pixels: five times around the Earth at 15″.

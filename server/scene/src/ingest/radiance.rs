@@ -1,7 +1,6 @@
 //! Reading the radiance rasters: classifies their pixels and finds noise and codes among them.
 
 use super::georeference;
-use super::memory;
 use super::mosaic::Mosaic;
 use super::noise::Negatives;
 use super::options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
@@ -11,6 +10,7 @@ use crate::error::SceneError;
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
+use crate::memory::{LEVELS, LightCount, available_bytes, gigabytes};
 use crate::metadata::{IngestReport, NoiseReport};
 use crate::morton;
 
@@ -79,43 +79,81 @@ pub(super) fn read(
 /// Refuses, before work begins, light that does not fit: where every pixel could be lit and would not, those that are get counted.
 fn check_memory(mosaic: &Mosaic, grid: &Grid, options: &IngestOptions) -> Result<(), String> {
     let pixels = u64::from(grid.width) * u64::from(grid.height);
-    let Some(available) = options.memory_bytes.or_else(memory::available_bytes) else { return Ok(()) };
-    if memory::needed_bytes(pixels, pixels) <= available {
+    let free = options.memory_bytes.or_else(available_bytes).unwrap_or(u64::MAX);
+    let check = |count: &LightCount| {
+        let needed = count.ingest_bytes(pixels);
+        if needed > free {
+            return Err(format!(
+                "reading its {} lit pixels needs {} of memory, and {} are free: {LESS_LIGHT}",
+                count.lit,
+                gigabytes(needed),
+                gigabytes(free)
+            ));
+        }
+        check_scene(count, options)
+    };
+    match check(&LightCount::worst(grid.width, grid.height)) {
+        Ok(()) => Ok(()),
+        Err(_) => check(&count_lit(mosaic, options).map_err(|error| error.to_string())?),
+    }
+}
+
+/// Refuses light that would take more memory as a scene than those who open it have for one.
+pub(super) fn check_scene(count: &LightCount, options: &IngestOptions) -> Result<(), String> {
+    let (needed, most) = (count.scene_bytes(), options.max_scene_bytes.unwrap_or(u64::MAX));
+    if needed <= most {
         return Ok(());
     }
-    let lit = count_lit(mosaic, options).map_err(|error| error.to_string())?;
-    let needed = memory::needed_bytes(pixels, lit);
-    if needed <= available {
-        return Ok(());
-    }
-    let gigabytes = |bytes: u64| bytes as f64 / 1e9;
     Err(format!(
-        "its {lit} lit pixels need {:.1} GB of memory and {:.1} GB are free: a masked product has far fewer, --floor 0.5 leaves noise \
-         out, and gdal_translate -projwin cuts a region",
+        "as a scene its {} lit pixels need {} of memory, and the server has {} for scenes: {LESS_LIGHT}",
+        count.lit,
         gigabytes(needed),
-        gigabytes(available)
+        gigabytes(most)
     ))
 }
+
+/// What helps against too much light.
+const LESS_LIGHT: &str =
+    "a masked product has far fewer, --floor 0.5 leaves noise out, and gdal_translate -projwin cuts a region";
 
 fn rows_at_once(mosaic: &Mosaic) -> usize {
     let (width, height) = mosaic.size;
     (STRIP_VALUES / width.max(1)).clamp(1, height.clamp(1, 512))
 }
 
-fn count_lit(mosaic: &Mosaic, options: &IngestOptions) -> Result<u64, SceneError> {
+fn count_lit(mosaic: &Mosaic, options: &IngestOptions) -> Result<LightCount, SceneError> {
     let (mut strip, mut part) = (Strip::default(), Strip::default());
-    let height = mosaic.size.1;
+    let (width, height) = mosaic.size;
     let step = rows_at_once(mosaic);
     let floor = options.floor_nw_cm2_sr.unwrap_or(0.0);
-    let mut lit = 0;
+    let mut count = LightCount::default();
+    // Of the row of blocks at each level, those that hold light.
+    let mut lit_blocks: Vec<Vec<bool>> =
+        (1..=LEVELS).map(|level| vec![false; (width >> level) + 1]).collect();
     for first_row in (0..height).step_by(step) {
-        mosaic.read_rows(first_row, step.min(height - first_row), &mut strip, &mut part)?;
-        let is_lit = |(kind, value): (&PixelKind, &f64)| {
-            *kind == PixelKind::Measured && *value > 0.0 && *value >= floor
-        };
-        lit += strip.kinds.iter().zip(&strip.radiance).filter(|pixel| is_lit(*pixel)).count() as u64;
+        let rows = step.min(height - first_row);
+        mosaic.read_rows(first_row, rows, &mut strip, &mut part)?;
+        for offset in 0..rows {
+            let begins = |level: &usize| (first_row + offset).is_multiple_of(2 << level);
+            (0..lit_blocks.len()).take_while(begins).for_each(|level| lit_blocks[level].fill(false));
+            for column in 0..width {
+                let (kind, value) =
+                    (strip.kinds[offset * width + column], strip.radiance[offset * width + column]);
+                if kind != PixelKind::Measured || value <= 0.0 || value < floor {
+                    continue;
+                }
+                count.lit += 1;
+                // Where a block holds light already, so do those that hold it.
+                for (level, blocks) in lit_blocks.iter_mut().enumerate() {
+                    if std::mem::replace(&mut blocks[column >> (level + 1)], true) {
+                        break;
+                    }
+                    count.blocks += 1;
+                }
+            }
+        }
     }
-    Ok(lit)
+    Ok(count)
 }
 
 /// Reads every pixel once.

@@ -23,6 +23,11 @@ impl Terrain {
         Self { rasters }
     }
 
+    /// Bytes of memory that it takes, about.
+    pub(crate) fn byte_count(&self) -> u64 {
+        self.rasters.iter().map(TerrainRaster::byte_count).sum()
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.rasters.is_empty()
     }

@@ -46,6 +46,14 @@ impl TerrainRaster {
         &self.grid
     }
 
+    /// Bytes of memory that it takes, about, once it was asked for horizons: packed and unpacked tiles, and maxima.
+    pub(crate) fn byte_count(&self) -> u64 {
+        let tiles: usize = self.levels.iter().map(|level| level.tiles.len()).sum();
+        let unpacked = tiles.min(MAX_CACHED_TILES) * SAMPLES * size_of::<f32>();
+        let samples = u64::from(self.grid.width) * u64::from(self.grid.height);
+        (self.blob.len() + unpacked) as u64 + samples / 12
+    }
+
     /// Side of a sample in the middle of the raster, metres.
     pub(crate) fn sample_size_m(&self) -> f64 {
         self.sample_size_m
