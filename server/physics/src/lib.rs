@@ -36,6 +36,7 @@ pub mod sky_curve;
 pub mod sky_measure;
 pub mod sky_quantities;
 pub mod source_pixel;
+pub mod spectrum;
 
 pub use atmosphere::{Atmosphere, Turbidity};
 pub use bands::{BAND_COUNT, Band};

@@ -1,0 +1,91 @@
+//! Chromaticity and correlated colour temperature (CIE 015:2018: least distance to Planck's curve in the u′, 2⁄3 v′ diagram).
+
+use super::{
+    Spectrum,
+    response::{PHOTOPIC_LM_W, SCOTOPIC_LM_W, planck},
+    response_tables as tables,
+};
+
+/// The colour of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour {
+    /// Tristimulus values X, Y, Z of the CIE 1931 observer, in units of ∫ ȳ S dλ.
+    pub xyz: [f64; 3],
+    /// Chromaticity x, y.
+    pub chromaticity: [f64; 2],
+    /// Correlated colour temperature, K, 1 000 to 25 000; None farther than 0.05 from Planck's curve, where it has no meaning.
+    pub temperature_k: Option<f64>,
+    /// Scotopic over photopic luminous flux.
+    pub scotopic_photopic_ratio: f64,
+}
+
+impl Colour {
+    /// The colour of a spectrum; None without visible light.
+    pub fn of(spectrum: &Spectrum) -> Option<Self> {
+        let xyz = tristimulus(spectrum);
+        let total: f64 = xyz.iter().sum();
+        if !(total > 0.0 && xyz[1] > 0.0) {
+            return None;
+        }
+        let scotopic = Spectrum::from_samples(&tables::SCOTOPIC).integral_with(spectrum);
+        Some(Self {
+            xyz,
+            chromaticity: [xyz[0] / total, xyz[1] / total],
+            temperature_k: temperature_k(uv(xyz)),
+            scotopic_photopic_ratio: SCOTOPIC_LM_W * scotopic / (PHOTOPIC_LM_W * xyz[1]),
+        })
+    }
+}
+
+/// X, Y, Z.
+fn tristimulus(spectrum: &Spectrum) -> [f64; 3] {
+    [&tables::CIE_X, &tables::PHOTOPIC, &tables::CIE_Z]
+        .map(|curve| Spectrum::from_samples(curve).integral_with(spectrum))
+}
+
+/// Coordinates in the uniform diagram of CIE 1960.
+fn uv([x, y, z]: [f64; 3]) -> [f64; 2] {
+    let total = x + 15.0 * y + 3.0 * z;
+    [4.0 * x / total, 6.0 * y / total]
+}
+
+/// The temperature whose black body is nearest.
+fn temperature_k([u, v]: [f64; 2]) -> Option<f64> {
+    let distance = |mired: f64| {
+        let [own_u, own_v] = uv(tristimulus(&Spectrum::from_fn(|nm| planck(nm, 1e6 / mired))));
+        (own_u - u).hypot(own_v - v)
+    };
+    // Golden-section search over reciprocal megakelvins, in which the curve is even.
+    let (mut low, mut high) = (40.0_f64, 1_000.0_f64);
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    for _ in 0..48 {
+        let [left, right] = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+        if distance(left) < distance(right) {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    let mired = 0.5 * (low + high);
+    (distance(mired) < 0.05).then_some(1e6 / mired)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn black_bodies_have_their_temperature() {
+        for temperature in [1_500.0, 2_856.0, 6_500.0, 12_000.0] {
+            let colour = Colour::of(&Spectrum::from_fn(|nm| planck(nm, temperature))).unwrap();
+            assert!((colour.temperature_k.unwrap() / temperature - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn far_from_white_there_is_no_temperature() {
+        let green = Spectrum::from_fn(|nm| if (510.0..530.0).contains(&nm) { 1.0 } else { 0.0 });
+        assert_eq!(Colour::of(&green).unwrap().temperature_k, None);
+        assert_eq!(Colour::of(&Spectrum::from_fn(|_| 0.0)), None);
+    }
+}
