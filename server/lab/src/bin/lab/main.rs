@@ -12,6 +12,7 @@ mod field_resolution;
 mod hidden_lights;
 mod influence_reference;
 mod influence_times;
+mod lamps;
 mod latency;
 mod multiple_accuracy;
 mod multiple_vs_monte_carlo;
@@ -55,6 +56,7 @@ enum Program {
     FieldResolution(field_resolution::Arguments),
     FieldNoise(field_noise::Arguments),
     MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
+    Lamps(lamps::Arguments),
     Brightness(brightness::Arguments),
     InfluenceReference(influence_reference::Arguments),
     PlanReference(plan_reference::Arguments),
@@ -85,6 +87,7 @@ fn main() -> Outcome {
         Program::FieldResolution(arguments) => field_resolution::run(&arguments),
         Program::FieldNoise(arguments) => field_noise::run(&arguments),
         Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
+        Program::Lamps(arguments) => lamps::run(&arguments),
         Program::Brightness(arguments) => brightness::run(&arguments),
         Program::InfluenceReference(arguments) => influence_reference::run(&arguments),
         Program::PlanReference(arguments) => plan_reference::run(&arguments),
