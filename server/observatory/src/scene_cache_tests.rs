@@ -1,0 +1,112 @@
+//! Scenes that are opened, let go and kept within memory.
+
+use super::*;
+use skyglow_scene::{ChangeLimits, IngestOptions, ingest};
+use std::path::Path;
+
+/// A scene that is damaged is found without being asked for, left out, and back when it is whole.
+#[test]
+fn a_damaged_scene_is_left_out_until_whole() {
+    let data = tempfile::tempdir().unwrap();
+    let (store, id) = store_lights(data.path());
+    let cache = SceneCache::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+    cache.check_all().unwrap();
+    assert_eq!(cache.damaged(), (vec![], 1));
+    let light = cache.store().scenes_dir().join(id.as_str()).join("light.bin");
+    let whole = std::fs::read(&light).unwrap();
+    let mut altered = whole.clone();
+    altered[whole.len() / 2] ^= 1;
+    std::fs::write(&light, &altered).unwrap();
+    // What was sound stays so until it is opened: another cache sees it at its first look.
+    let error = cache.scene(&id).unwrap_err().to_string();
+    assert!(error.contains("light.bin"), "{error}");
+    let later =
+        SceneCache::new(cache.store().clone(), ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+    later.check_all().unwrap();
+    for cache in [&cache, &later] {
+        assert_eq!(cache.damaged(), (vec![id.clone()], 0));
+        let opened = cache.opened.load(Ordering::Relaxed);
+        assert!(cache.scene(&id).is_err());
+        assert_eq!(cache.opened.load(Ordering::Relaxed), opened, "a damaged scene is not read again");
+    }
+    std::fs::write(&light, &whole).unwrap();
+    later.check_all().unwrap();
+    assert!(later.scene(&id).is_ok());
+    assert_eq!(later.damaged(), (vec![], 1));
+}
+
+/// Stores a scene of two lights.
+fn store_lights(data: &Path) -> (SceneStore, SceneId) {
+    let raster = data.join("light.tif");
+    std::fs::write(&raster, include_bytes!("../../../tests/fuzz/seeds/raster/smallest")).unwrap();
+    let store = SceneStore::new(data);
+    let id = ingest(&store, &IngestOptions::new(raster), &mut |_| {}).unwrap().id;
+    (store, id)
+}
+
+/// A scene that is removed or replaced is let go at once with what was changed in it, and larger ones than there is memory for
+/// are not opened.
+#[test]
+fn scenes_are_let_go_and_bounded() {
+    let data = tempfile::tempdir().unwrap();
+    let (store, id) = store_lights(data.path());
+    let changes = || ChangeStore::new(data.path(), ChangeLimits::none());
+    let cache = SceneCache::within(store.clone(), changes(), 4, 1 << 30);
+    let scene = Arc::downgrade(&cache.scene(&id).unwrap());
+    assert!(scene.upgrade().is_some() && cache.len() == 1);
+    cache.forget(&id);
+    assert!(scene.upgrade().is_none() && cache.len() == 0);
+    let small = SceneCache::within(store, changes(), 4, 64);
+    let error = small.scene(&id).unwrap_err();
+    assert!(
+        matches!(error, ObservatoryError::Scene(SceneError::TooLarge { limit_bytes: 64, .. })),
+        "{error}"
+    );
+}
+
+/// Scenes that together take more than they may leave one another no room.
+#[test]
+fn open_scenes_keep_to_their_memory() {
+    let data = tempfile::tempdir().unwrap();
+    let (store, id) = store_lights(data.path());
+    let bytes = store.scene_bytes(&id).unwrap().max(store.open(&id).unwrap().byte_count());
+    let mut options = IngestOptions::new(data.path().join("light.tif"));
+    let ids = ["one", "two", "three"].map(|name| SceneId::parse(name).unwrap());
+    for id in &ids {
+        options.id = Some(id.clone());
+        ingest(&store, &options, &mut |_| {}).unwrap();
+    }
+    let open = |most_bytes: u64| {
+        let changes = ChangeStore::new(data.path(), ChangeLimits::none());
+        let cache = SceneCache::within(store.clone(), changes, 4, most_bytes);
+        ids.iter().for_each(|id| drop(cache.scene(id).unwrap()));
+        cache.len()
+    };
+    assert!((1..=2).contains(&open(5 * bytes / 2)));
+    assert_eq!(open(1 << 30), 3);
+}
+
+#[test]
+fn a_scene_asked_for_at_once_is_opened_once() {
+    let data = tempfile::tempdir().unwrap();
+    let (store, id) = store_lights(data.path());
+    let cache = SceneCache::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+    let start = std::sync::Barrier::new(8);
+    let scenes: Vec<Arc<Scene>> = std::thread::scope(|scope| {
+        let ask = || {
+            start.wait();
+            cache.scene(&id).unwrap()
+        };
+        let asking: Vec<_> = (0..8).map(|_| scope.spawn(ask)).collect();
+        asking.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    assert_eq!(cache.opened.load(Ordering::Relaxed), 1);
+    assert!(scenes.iter().all(|scene| Arc::ptr_eq(scene, &scenes[0])));
+    // What changed on disk is opened again, once.
+    let metadata = cache.store().scenes_dir().join(id.as_str()).join("metadata.json");
+    let later = std::fs::metadata(&metadata).unwrap().modified().unwrap() + Duration::from_secs(5);
+    std::fs::File::options().write(true).open(&metadata).unwrap().set_modified(later).unwrap();
+    assert!(!Arc::ptr_eq(&cache.scene(&id).unwrap(), &scenes[0]));
+    assert!(cache.scene(&id).is_ok());
+    assert_eq!(cache.opened.load(Ordering::Relaxed), 2);
+}
