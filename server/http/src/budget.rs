@@ -76,6 +76,12 @@ impl Budget {
         Some(self.held(None, permit))
     }
 
+    /// Holds bytes of nobody's share, where there is room.
+    pub(crate) fn try_hold_any(self: &Arc<Self>, bytes: usize) -> Option<Held> {
+        let permit = self.free.clone().try_acquire_many_owned(units(bytes)).ok()?;
+        Some(self.held(None, permit))
+    }
+
     fn held(self: &Arc<Self>, party: Option<Party>, permit: OwnedSemaphorePermit) -> Held {
         self.gauge.inc_by((permit.num_permits() * UNIT_BYTES) as i64);
         Held { budget: Arc::clone(self), party, permit }

@@ -23,8 +23,8 @@ const PLACE_BYTES: usize = 1024;
 const PART_OF_PLACES: u64 = 2;
 /// Part of all memory that answers in the cache may take.
 pub(crate) const PART_FOR_CACHED_ANSWERS: u64 = 4;
-/// What takes more memory than this has a half of it of its own: small pictures do not wait for large ones.
-const LARGE_BYTES: usize = 16 << 20;
+/// Pictures that take more memory than this do not share that of others.
+const LARGE_BYTES: usize = 32 << 20;
 /// What a document takes that is made of what is kept, about.
 const DOCUMENT_BYTES: usize = 4 << 20;
 /// Maps of influences, plans and rasters that are found at a time; the others wait.
@@ -47,14 +47,26 @@ pub(crate) enum Lane {
     Map,
 }
 
+/// Memory for work of one kind, which waits for none of another; what takes more than all of it is done alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Room {
+    Small,
+    Large,
+    Plans,
+    Influences,
+    /// For answers that are made, as long as anybody has them.
+    Answers,
+}
+
+/// Eighths of all memory, by kind.
+const EIGHTHS: [u64; 5] = [2, 2, 1, 1, 2];
+
 /// The places for work.
 pub(crate) struct WorkPlaces {
     source: Arc<dyn SkySource>,
     metrics: Arc<Metrics>,
     places: Arc<Budget>,
-    /// Memory for what is small, and for what is large.
-    memory: [Arc<Budget>; 2],
-    large_at_most: usize,
+    memory: [Arc<Budget>; 5],
     cores: Arc<Semaphore>,
     influences: Arc<FairQueue>,
     plans: Arc<FairQueue>,
@@ -69,8 +81,10 @@ impl WorkPlaces {
         let count = config.concurrent_requests as u64;
         let share = (count / PART_OF_PLACES).max(2);
         let places = Budget::new(count * PLACE_BYTES as u64, share * PLACE_BYTES as u64, Gauge::default());
-        let half = config.memory_budget() / 2;
-        let memory = [half, half].map(|bytes| Budget::new(bytes, bytes, metrics.work_bytes.clone()));
+        let memory = EIGHTHS.map(|eighths| {
+            let bytes = config.memory_budget() / 8 * eighths;
+            Budget::new(bytes, bytes, metrics.work_bytes.clone())
+        });
         let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
         let shares = Arc::new(WorkShares::new(config.work_per_minute_s, config.work_burst_s));
         let waiting = (config.concurrent_requests / PART_THAT_WAITS).max(1);
@@ -80,7 +94,6 @@ impl WorkPlaces {
             metrics,
             places,
             memory,
-            large_at_most: usize::try_from(half / 2).unwrap_or(usize::MAX),
             cores: Arc::new(Semaphore::new(2 * cores)),
             influences: queue(AT_ONCE, waiting),
             plans: queue(AT_ONCE, waiting),
@@ -105,13 +118,9 @@ impl WorkPlaces {
     }
 
     /// Memory for work, in the order of asking.
-    async fn memory(&self, bytes: usize) -> Result<Held, ApiError> {
-        let [small, large] = &self.memory;
-        let held = match bytes > LARGE_BYTES {
-            true => large.hold(bytes.min(self.large_at_most)),
-            false => small.hold(bytes),
-        };
-        let held = held.instrument(tracing::info_span!("wait for memory")).await;
+    async fn memory(&self, room: Room, bytes: usize) -> Result<Held, ApiError> {
+        let held =
+            self.memory[room as usize].hold(bytes).instrument(tracing::info_span!("wait for memory")).await;
         held.ok_or_else(|| ApiError::internal("the budget of memory is closed"))
     }
 
@@ -159,7 +168,8 @@ impl WorkPlaces {
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<(T, Held), ApiError> {
         self.place()?;
-        let held = self.memory(bytes).await?;
+        let room = if bytes > LARGE_BYTES { Room::Large } else { Room::Small };
+        let held = self.memory(room, bytes).await?;
         let waiting = self.cores.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
         let core = waiting.await.map_err(ApiError::internal)?;
         self.blocking(move |source| {
@@ -190,7 +200,13 @@ impl WorkPlaces {
         bytes: usize,
         work: impl FnOnce(&dyn SkySource) -> Result<Vec<u8>, ApiError> + Send + 'static,
     ) -> Result<Bytes, ApiError> {
-        self.with_core(bytes, work).await.map(|(made, held)| held.keep(made))
+        self.with_core(bytes, work).await.map(|(made, held)| self.keep(made, held))
+    }
+
+    /// A file that keeps memory for as long as somebody has it: that for answers, or where this is full what it was made in.
+    pub(crate) fn keep(&self, made: Vec<u8>, held: Held) -> Bytes {
+        let of_answers = self.memory[Room::Answers as usize].try_hold_any(made.len());
+        of_answers.unwrap_or(held).keep(made)
     }
 
     /// Runs what takes long, within so many bytes of memory, in its turn; it is given up when nobody waits for it any more.
@@ -209,14 +225,14 @@ impl WorkPlaces {
             self.metrics.count_refused("work");
             ApiError::TooManyRequests { retry_after_s: wait_s.ceil() as u64 }
         })?;
-        let (queue, retry_after_s) = match lane {
-            Lane::Influence => (&self.influences, 2),
-            Lane::Plan => (&self.plans, 10),
-            Lane::Map => (&self.maps, 20),
+        let (queue, room, retry_after_s) = match lane {
+            Lane::Influence => (&self.influences, Room::Influences, 2),
+            Lane::Plan => (&self.plans, Room::Plans, 10),
+            Lane::Map => (&self.maps, Room::Plans, 20),
         };
         let waiting = queue.turn(party).instrument(tracing::info_span!("wait for its turn"));
         let turn = waiting.await.map_err(|_: Crowded| self.busy(retry_after_s))?;
-        let held = self.memory(bytes).await?;
+        let held = self.memory(room, bytes).await?;
         let progress = asker::current().work();
         self.blocking(move |source| {
             // Whoever waited may have gone in the meantime.

@@ -18,6 +18,7 @@ use hyper::body::{Frame, SizeHint};
 use skyglow_app::AppError;
 use std::{
     pin::Pin,
+    sync::Arc,
     task::{Context, Poll},
 };
 
@@ -36,7 +37,7 @@ pub async fn limit_sending(State(state): State<AppState>, request: Request, next
     let [counted, others] = &state.sending;
     let budget = if response.extensions().get::<Counted>().is_some() { counted } else { others };
     let refused = match budget.try_hold(party, usize::try_from(length).unwrap_or(usize::MAX)) {
-        Ok(held) => return response.map(|body| Body::new(Sending { body, _held: held })),
+        Ok(held) => return response.map(|body| Body::new(Sending { body, held: Arc::new(held) })),
         Err(Full::Share) => ApiError::TooManyRequests { retry_after_s: 5 },
         Err(Full::Whole) => ApiError::App(AppError::Busy { retry_after_s: 5 }),
     };
@@ -44,10 +45,19 @@ pub async fn limit_sending(State(state): State<AppState>, request: Request, next
     refused.into_response()
 }
 
-/// A body that counts until it is sent or given up.
+/// A body that counts until it is sent or given up: whoever writes it out takes it whole, and keeps its bytes until then.
 struct Sending {
     body: Body,
-    _held: Held,
+    held: Arc<Held>,
+}
+
+/// Bytes that count in a share.
+struct Counting(Bytes, #[expect(dead_code, reason = "dropped with the bytes")] Arc<Held>);
+
+impl AsRef<[u8]> for Counting {
+    fn as_ref(&self) -> &[u8] {
+        &self.0
+    }
 }
 
 impl HttpBody for Sending {
@@ -58,10 +68,11 @@ impl HttpBody for Sending {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        Pin::new(&mut self.body).poll_frame(context)
+        let held = Arc::clone(&self.held);
+        let count = |bytes| Bytes::from_owner(Counting(bytes, held));
+        Pin::new(&mut self.body).poll_frame(context).map_ok(|frame| frame.map_data(count))
     }
 
-    /// Never before it is asked: whoever sends the last bytes keeps this until then.
     fn is_end_stream(&self) -> bool {
         self.body.is_end_stream()
     }

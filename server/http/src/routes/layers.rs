@@ -117,7 +117,7 @@ async fn scene_layer(
             .places_geotiff(&places, &RasterMetadata { description: &description, unit, notes: &notes })
             .map_err(ApiError::internal)
     });
-    let make = async { make.await.map(|(made, held)| held.keep(made).into()) };
+    let make = async { make.await.map(|(made, held)| state.work.keep(made, held).into()) };
     let made = state.answer(&caching.etag, make).await?;
     Ok(made.response(&caching, "image/tiff"))
 }
@@ -159,7 +159,7 @@ async fn brightness_layer(
             map.open_scene().places_geotiff(&pixels, &words).map_err(ApiError::internal)
         };
         let (made, held) = state.work.long(Lane::Plan, bytes, write).await?;
-        Ok(EncodedAnswer { bytes: held.keep(made), warnings, ..EncodedAnswer::default() })
+        Ok(EncodedAnswer { bytes: state.work.keep(made, held), warnings, ..EncodedAnswer::default() })
     };
     let made = state.answer(&caching.etag, make).await?;
     let mut response = made.response(&caching, "image/tiff");

@@ -241,10 +241,14 @@ async fn long_work_has_a_share_of_time() {
 /// Answers on their way to one client have a share of the memory.
 #[tokio::test]
 async fn answers_on_their_way_have_a_share() {
-    let server = Server::with(HttpConfig { memory_budget_bytes: 8 << 20, ..HttpConfig::default() }).await;
     let raster = |turbidity: u8| {
         format!("/api/v1/scenes/demo/panorama.tif?{PLACE}&width=2048&height_px=1024&turbidity={turbidity}")
     };
+    let length_bytes = Server::start().await.answer(&raster(2)).await.bytes().await.unwrap().len() as u64;
+    // More than systems take from the server at once, and more than an eighth of the memory.
+    assert!(length_bytes > 1 << 20, "{length_bytes}");
+    let config = HttpConfig { memory_budget_bytes: 6 * length_bytes, ..HttpConfig::default() };
+    let server = Server::with(config).await;
     let mut slow = ask_from(&server, 1, &format!("GET {}", raster(2))).await;
     let mut head = [0; 12];
     slow.read_exact(&mut head).await.unwrap();
