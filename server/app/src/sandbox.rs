@@ -3,8 +3,8 @@
 //! others (seccomp); no more memory than it was given.
 
 use landlock::{
-    ABI, Access, AccessFs, AccessNet, BitFlags, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError,
-    RulesetStatus, Scope, path_beneath_rules,
+    ABI, Access, AccessFs, AccessNet, BitFlags, CompatLevel, Compatible, Ruleset, RulesetAttr,
+    RulesetCreatedAttr, RulesetError, RulesetStatus, Scope, path_beneath_rules,
 };
 use rustix::process::{Resource, Rlimit, getpid, setrlimit};
 use seccompiler::{
@@ -95,7 +95,13 @@ fn wall_of_files(folder: &Path) -> Result<RulesetStatus, RulesetError> {
         named.flat_map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>()).collect();
     let libraries =
         LIBRARIES.iter().map(PathBuf::from).chain(named.into_iter().filter(|path| path.is_absolute()));
+    // Without these nothing is walled off. What a kernel before 6.12 lacks beside them (truncation, network, signals) the other
+    // wall refuses.
+    let needed = AccessFs::from_all(ABI::V2);
     let walls = Ruleset::default()
+        .set_compatibility(CompatLevel::HardRequirement)
+        .handle_access(needed)?
+        .set_compatibility(CompatLevel::BestEffort)
         .handle_access(AccessFs::from_all(abi))?
         .handle_access(AccessNet::from_all(abi))?
         .scope(Scope::from_all(abi))?
@@ -146,12 +152,46 @@ const REFUSED_CALLS: &[libc::c_long] = &[
     libc::SYS_finit_module,
     libc::SYS_kexec_load,
     libc::SYS_open_by_handle_at,
+    libc::SYS_truncate,
+    libc::SYS_fchmod,
+    libc::SYS_fchmodat,
+    libc::SYS_fchmodat2,
+    libc::SYS_fchown,
+    libc::SYS_fchownat,
+    libc::SYS_utimensat,
+    libc::SYS_setxattr,
+    libc::SYS_lsetxattr,
+    libc::SYS_fsetxattr,
+    libc::SYS_removexattr,
+    libc::SYS_lremovexattr,
+    libc::SYS_fremovexattr,
+    libc::SYS_sched_setaffinity,
+    libc::SYS_setpriority,
+    libc::SYS_ioprio_set,
+    libc::SYS_migrate_pages,
+    libc::SYS_move_pages,
     #[cfg(target_arch = "x86_64")]
     libc::SYS_symlink,
     #[cfg(target_arch = "x86_64")]
     libc::SYS_link,
     #[cfg(target_arch = "x86_64")]
     libc::SYS_mknod,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_fork,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_vfork,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_chmod,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_chown,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_lchown,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_utime,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_utimes,
+    #[cfg(target_arch = "x86_64")]
+    libc::SYS_futimesat,
 ];
 
 fn wall_of_calls() -> Result<(), Box<dyn std::error::Error>> {
@@ -162,9 +202,21 @@ fn wall_of_calls() -> Result<(), Box<dyn std::error::Error>> {
     let own = getpid().as_raw_nonzero().get() as u64;
     let other = SeccompCondition::new(0, SeccompCmpArgLen::Dword, SeccompCmpOp::Ne, own)?;
     rules.insert(libc::SYS_tgkill, vec![SeccompRule::new(vec![other])?]);
-    let filter =
-        SeccompFilter::new(rules, SeccompAction::Allow, refused, std::env::consts::ARCH.try_into()?)?;
-    Ok(seccompiler::apply_filter(&BpfProgram::try_from(filter)?)?)
+    // Limits of this process, and of no other.
+    let other = SeccompCondition::new(0, SeccompCmpArgLen::Dword, SeccompCmpOp::Ne, 0)?;
+    rules.insert(libc::SYS_prlimit64, vec![SeccompRule::new(vec![other])?]);
+    // Threads, and no processes: limits of memory are of one process.
+    let threads = libc::CLONE_THREAD as u64;
+    let process = SeccompCondition::new(0, SeccompCmpArgLen::Qword, SeccompCmpOp::MaskedEq(threads), 0)?;
+    rules.insert(libc::SYS_clone, vec![SeccompRule::new(vec![process])?]);
+    // Its flags lie in memory, where no filter sees them. Without it the C library takes the call before.
+    let hidden = [(libc::SYS_clone3, Vec::new())].into();
+    for (rules, action) in [(hidden, SeccompAction::Errno(libc::ENOSYS as u32)), (rules, refused)] {
+        let architecture = std::env::consts::ARCH.try_into()?;
+        let filter = SeccompFilter::new(rules, SeccompAction::Allow, action, architecture)?;
+        seccompiler::apply_filter(&BpfProgram::try_from(filter)?)?;
+    }
+    Ok(())
 }
 
 /// Lets this process take so many bytes more than it has, and leave no image of its memory.
@@ -184,6 +236,7 @@ pub fn limit_memory(bytes: u64) {
 mod tests {
     use super::*;
     use std::io::ErrorKind::PermissionDenied;
+    use std::os::unix::fs::PermissionsExt;
 
     /// Set where the kernel has no Landlock and the tests are to pass without it.
     const WITHOUT: &str = "SKYGLOW_TEST_WITHOUT_LANDLOCK";
@@ -212,15 +265,21 @@ mod tests {
                 kind(std::net::TcpStream::connect(address).map(drop)),
                 kind(std::net::UdpSocket::bind("127.0.0.1:0").map(drop)),
                 kind(std::process::Command::new("/bin/true").status().map(drop)),
+                kind(std::fs::set_permissions(other.path(), std::fs::Permissions::from_mode(0o700))),
+                kind(
+                    std::fs::File::open(own)
+                        .and_then(|folder| folder.set_modified(std::time::SystemTime::now())),
+                ),
+                kind(limit_of_parent()),
             ]
         };
-        assert_eq!(tries(own.path(), "before"), [None; 9]);
+        assert_eq!(tries(own.path(), "before"), [None; 12]);
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 if let Err(lacking) = raise(own.path()) {
                     panic!("{lacking}; {WITHOUT}=1 leaves this test out");
                 }
-                assert_eq!(tries(own.path(), "after"), [Some(PermissionDenied); 9]);
+                assert_eq!(tries(own.path(), "after"), [Some(PermissionDenied); 12]);
                 assert_eq!(std::fs::read(own.path().join("in")).unwrap(), b"own");
                 std::fs::create_dir(own.path().join("made")).unwrap();
                 std::fs::write(own.path().join("made/out"), "x").unwrap();
@@ -233,7 +292,15 @@ mod tests {
             });
         });
         // Around nobody else.
-        assert_eq!(tries(own.path(), "beside"), [None; 9]);
+        assert_eq!(tries(own.path(), "beside"), [None; 12]);
+    }
+
+    /// Sets a limit of the process that started this one to what it is.
+    fn limit_of_parent() -> std::io::Result<()> {
+        let parent = rustix::process::getppid();
+        let limit =
+            rustix::process::prlimit(parent, Resource::Core, rustix::process::getrlimit(Resource::Core));
+        Ok(limit.map(drop)?)
     }
 
     /// A reader gets none of the server's variables but those that name libraries.

@@ -64,7 +64,7 @@ impl UploadTask {
             .envs(sandbox::environment(&self.folder))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::inherit())
+            .stderr(Stdio::piped())
             // What a terminal sends to the server is not for it: it ends with its parent.
             .process_group(0)
             .spawn()
@@ -73,14 +73,12 @@ impl UploadTask {
             // One that has ended already says below why.
             let _ = input.write_all(&task);
         }
-        let output = child.stdout.take();
-        let said = std::thread::spawn(move || {
-            let mut said = Vec::new();
-            // What was cut off is no outcome.
-            let _ = output.map(|mut output| output.read_to_end(&mut said));
-            said
-        });
+        let said = read_beside(child.stdout.take());
+        let warned = read_beside(child.stderr.take());
         let status = wait(&mut child, reader.longest).map_err(no_reader)?;
+        for line in String::from_utf8_lossy(&warned.join().unwrap_or_default()).lines() {
+            tracing::warn!("reading an upload: {line}");
+        }
         if let Ok(outcome) = serde_json::from_slice(&said.join().unwrap_or_default()) {
             return Ok(outcome);
         }
@@ -104,21 +102,38 @@ fn storage(reason: String) -> AppError {
     AppError::Storage { reason }
 }
 
-/// Waits for the end of a process, and ends it where that takes too long.
+/// Reads what a process says, as far as it is believed to have something to say.
+fn read_beside(output: Option<impl Read + Send + 'static>) -> std::thread::JoinHandle<Vec<u8>> {
+    std::thread::spawn(move || {
+        let mut said = Vec::new();
+        // What was cut off is no outcome.
+        let _ = output.map(|output| output.take(MAX_SAID_BYTES).read_to_end(&mut said));
+        said
+    })
+}
+
+/// Waits for the end of a process, and ends it where that takes too long, and then whatever it started.
 fn wait(child: &mut Child, longest: Duration) -> std::io::Result<ExitStatus> {
+    let group = rustix::process::Pid::from_raw(child.id().cast_signed());
     let begun = Instant::now();
-    loop {
+    let status = loop {
         if let Some(status) = child.try_wait()? {
-            return Ok(status);
+            break status;
         }
         if begun.elapsed() > longest {
             tracing::warn!("the process that reads an upload takes longer than {longest:?}: it is ended");
             child.kill()?;
-            return child.wait();
+            break child.wait()?;
         }
         std::thread::sleep(LOOK_EVERY);
-    }
+    };
+    // Mostly there is nobody left.
+    let _ = group.map(|group| rustix::process::kill_process_group(group, rustix::process::Signal::KILL));
+    Ok(status)
 }
+
+/// Bytes that are read of what a reader says and of what it warns of.
+const MAX_SAID_BYTES: u64 = 1 << 20;
 
 /// Signals of a process that broke off by itself: illegal instruction, abort, bus error, arithmetic, segmentation.
 const FAULTS: [i32; 5] = [4, 6, 7, 8, 11];
@@ -250,6 +265,18 @@ mod tests {
         }
         let none = UploadReader { program: folder.path().join("none"), ..shell("") };
         assert!(matches!(task.run_by(&none), Err(AppError::Storage { .. })));
+    }
+
+    /// What a reader started ends with it, and what it says is not read without end.
+    #[test]
+    fn a_reader_leaves_nobody_and_says_little() {
+        let folder = tempfile::tempdir().unwrap();
+        let task = task(folder.path());
+        let begun = Instant::now();
+        for script in ["sleep 60 & exit 3", "yes", "yes >&2"] {
+            assert!(matches!(task.run_by(&shell(script)), Err(AppError::Storage { .. })), "{script}");
+        }
+        assert!(begun.elapsed() < Duration::from_secs(30));
     }
 
     #[test]

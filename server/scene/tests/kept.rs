@@ -65,6 +65,36 @@ fn seen(store: &ChangeStore, viewer: &Viewer) -> Vec<ChangeId> {
     pages(store, viewer, 7).concat().into_iter().map(|entry| entry.id).collect()
 }
 
+/// The same content posted by many at once is one's: who is told that it is new has the secret that removes it.
+#[test]
+fn the_same_at_once_has_one_owner() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = ChangeStore::new(folder.path(), ChangeLimits::default());
+    for number in 0..20 {
+        let ready = std::sync::Barrier::new(4);
+        let store_it = &|secret: &str| {
+            ready.wait();
+            store.store_scenario_as(&scenario(number, None), &by(secret)).unwrap()
+        };
+        let stored: Vec<(String, (ChangeId, bool))> = std::thread::scope(|scope| {
+            let secrets = (0..4).map(|client| format!("secret {client}"));
+            let running: Vec<_> = secrets
+                .map(|secret| {
+                    scope.spawn(move || {
+                        let stored = store_it(&secret);
+                        (secret, stored)
+                    })
+                })
+                .collect();
+            running.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        let new: Vec<_> = stored.iter().filter(|(_, (_, is_new))| *is_new).collect();
+        assert_eq!(new.len(), 1);
+        let (secret, (id, _)) = new[0];
+        store.remove(id, Some(&Owner::by_secret(secret))).unwrap();
+    }
+}
+
 /// One household with twenty /64 of a /59 stores far more than there is room for: nobody else loses anything, nor does its
 /// neighbour in the /48.
 #[test]

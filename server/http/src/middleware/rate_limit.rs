@@ -82,6 +82,17 @@ impl RateLimiter {
         }
     }
 
+    /// Forgets the half that has taken least: too many clients to remember, and who took much is remembered.
+    fn forget_the_fullest(&self, buckets: &mut HashMap<IpAddr, Bucket>, now: Instant) {
+        let level = |bucket: &Bucket| {
+            bucket.tokens + now.saturating_duration_since(bucket.seen).as_secs_f64() * self.tokens_per_second
+        };
+        let mut levels: Vec<f64> = buckets.values().map(level).collect();
+        let middle = levels.len() / 2;
+        let (_, median, _) = levels.select_nth_unstable_by(middle, f64::total_cmp);
+        buckets.retain(|_, bucket| level(bucket) < *median);
+    }
+
     /// Takes several tokens at once, all there ever are at most.
     ///
     /// # Errors
@@ -95,8 +106,7 @@ impl RateLimiter {
             let refilled_s = self.burst / self.tokens_per_second;
             buckets.retain(|_, bucket| (now - bucket.seen).as_secs_f64() < refilled_s);
             if buckets.len() >= MAX_BUCKETS {
-                // Too many clients to tell apart: the room and the queue still hold.
-                buckets.clear();
+                self.forget_the_fullest(&mut buckets, now);
             }
         }
         let bucket = buckets.entry(group(client)).or_insert(Bucket { tokens: self.burst, seen: now });
@@ -204,6 +214,20 @@ mod tests {
         assert!(limiter.take(b, start).is_ok());
         assert!(limiter.take(a, start + Duration::from_millis(600)).is_ok());
         assert!(limiter.take(a, start + Duration::from_millis(700)).is_err());
+    }
+
+    /// More clients than are remembered do not give back what one of them took.
+    #[test]
+    fn who_took_much_is_not_forgotten() {
+        let limiter = RateLimiter::new(1e-6, 10);
+        let start = Instant::now();
+        let heavy: IpAddr = "192.0.2.1".parse().unwrap();
+        assert!(limiter.take_some(heavy, 10.0, start).is_ok());
+        for number in 0..3 * MAX_BUCKETS as u32 {
+            let other = IpAddr::from(Ipv6Addr::from(u128::from(number) << 64));
+            assert!(limiter.take(other, start).is_ok());
+        }
+        assert!(limiter.take(heavy, start).is_err());
     }
 
     /// A rate of 0 is no limit and addresses of one network are one client.

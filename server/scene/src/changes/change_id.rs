@@ -62,6 +62,11 @@ impl ChangeId {
         if self.is_plan() { ChangeKind::Plan } else { ChangeKind::Scenario }
     }
 
+    /// A number for it: its first 16 digits.
+    pub(super) fn number(&self) -> u64 {
+        u64::from_str_radix(&self.0[2..18], 16).unwrap_or_default()
+    }
+
     /// The id as text.
     pub fn as_str(&self) -> &str {
         &self.0

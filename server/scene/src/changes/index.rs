@@ -3,7 +3,7 @@
 
 use super::change_id::{ChangeId, ChangeKind};
 use super::listing::{Cursor, Listed, Outline, Outlined, Page, Viewer};
-use super::posting::Posted;
+use super::posting::{NETWORK_TIERS, Networks, Posted};
 use super::shares::{Aged, Share};
 use super::stored::ChangeLimits;
 use crate::scene_id::SceneId;
@@ -38,6 +38,14 @@ impl Entry {
 
     fn age(&self) -> Aged {
         (self.modified_unix_ns, self.id.clone())
+    }
+
+    /// Whom it counts for. What programs beside a server or earlier versions stored counts for itself alone.
+    fn networks(&self) -> Networks {
+        match self.posted.networks == Networks::default() {
+            true => [self.id.number(); NETWORK_TIERS.len()],
+            false => self.posted.networks,
+        }
     }
 
     fn place(&self) -> Cursor {
@@ -107,7 +115,7 @@ impl Index {
         } else {
             of_kind.by_age.insert(entry.age());
         }
-        of_kind.shares.weigh(&entry.posted.networks, weight);
+        of_kind.shares.weigh(&entry.networks(), weight);
         if let Some((scene, _)) = &entry.listed {
             of_kind.by_scene.entry(scene.clone()).or_default().insert(entry.place());
         }
@@ -133,7 +141,7 @@ impl Index {
             of_kind.pinned.bytes -= entry.bytes;
         }
         of_kind.by_age.remove(&entry.age());
-        of_kind.shares.weigh(&entry.posted.networks, -weight);
+        of_kind.shares.weigh(&entry.networks(), -weight);
         if let Some((scene, _)) = &entry.listed
             && let Some(list) = of_kind.by_scene.get_mut(scene)
         {
@@ -162,14 +170,14 @@ impl Index {
     pub(super) fn offer(&mut self, id: &ChangeId) {
         let Some(entry) = self.entries.get(id) else { return };
         if !entry.posted.pinned && !self.bases.contains_key(id) {
-            self.kinds[id.kind() as usize].shares.offer(&entry.posted.networks, entry.age());
+            self.kinds[id.kind() as usize].shares.offer(&entry.networks(), entry.age());
         }
     }
 
     /// Has a document stay however much is stored.
     pub(super) fn withdraw(&mut self, id: &ChangeId) {
         let Some(entry) = self.entries.get(id) else { return };
-        self.kinds[id.kind() as usize].shares.withdraw(&entry.posted.networks, &entry.age());
+        self.kinds[id.kind() as usize].shares.withdraw(&entry.networks(), &entry.age());
     }
 
     /// Whether there is room for what is pinned.
@@ -182,8 +190,9 @@ impl Index {
     /// What must go beside the newest: what is past its age and what is too much, the oldest of the heaviest networks first.
     pub(super) fn next_to_go(&self, newest: &ChangeId, now_unix_s: u64) -> Option<ChangeId> {
         let of_kind = &self.kinds[newest.kind() as usize];
-        let oldest = of_kind.by_age.first().filter(|(_, id)| id != newest);
-        if let Some((_, id)) = oldest.filter(|(modified_ns, _)| self.is_past_age(*modified_ns, now_unix_s)) {
+        // What others are based on goes after them: of those only what is pinned gets older than its base.
+        let past_age = of_kind.by_age.iter().take_while(|(ns, _)| self.is_past_age(*ns, now_unix_s));
+        if let Some((_, id)) = { past_age }.find(|(_, id)| id != newest && !self.is_base(id)) {
             return Some(id.clone());
         }
         let newest_bytes = self.entries.get(newest).map_or(0, |entry| entry.bytes);
@@ -235,8 +244,15 @@ impl Index {
         places.into_iter().map(|place| (place.id, place.created_unix_ns / 1_000_000_000)).collect()
     }
 
+    /// Whether something stored is based on it.
+    pub(super) fn is_base(&self, id: &ChangeId) -> bool {
+        self.bases.contains_key(id)
+    }
+
     fn is_there(&self, entry: &Entry, now_unix_s: u64) -> bool {
-        entry.posted.pinned || !self.is_past_age(entry.modified_unix_ns, now_unix_s)
+        entry.posted.pinned
+            || self.is_base(&entry.id)
+            || !self.is_past_age(entry.modified_unix_ns, now_unix_s)
     }
 }
 
@@ -254,6 +270,7 @@ fn as_listed(entry: &Entry) -> Option<Listed> {
 mod tests {
     use super::super::posting::{Account, Posting};
     use super::*;
+    use std::time::Duration;
 
     fn entry(number: u64, address: &str) -> Entry {
         let account = Account::Address(address.parse().unwrap());
@@ -286,6 +303,32 @@ mod tests {
         }
         let left = others.iter().filter(|entry| index.get(&entry.id).is_some()).count();
         assert_eq!((left, index.entries.len()), (4_900, 5_000));
+    }
+
+    /// What a pinned document is based on stays with it, however old, and goes when it goes.
+    #[test]
+    fn bases_stay_with_what_is_pinned() {
+        let mut index = Index::new(ChangeLimits { age: Duration::from_secs(10), ..ChangeLimits::default() });
+        let base = entry(1, "192.0.2.1");
+        let mut pinned = Entry { base: Some(base.id.clone()), ..entry(2, "192.0.2.2") };
+        pinned.posted.pinned = true;
+        let newest = entry(100_000_000_000, "192.0.2.3");
+        [&base, &pinned, &newest].into_iter().for_each(|entry| index.put(entry.clone()));
+        assert_eq!(index.next_to_go(&newest.id, 100), None);
+        index.take(&pinned.id);
+        assert_eq!(index.next_to_go(&newest.id, 100), Some(base.id));
+    }
+
+    /// Documents of nobody known are not one heavy client.
+    #[test]
+    fn documents_of_nobody_count_for_themselves() {
+        let mut index = Index::new(ChangeLimits { count: 100, ..ChangeLimits::default() });
+        let of_nobody = |number| Entry { posted: Posted::default(), ..entry(number, "192.0.2.1") };
+        (0..90).for_each(|number| index.put(of_nobody(number)));
+        (100..111).for_each(|number| index.put(entry(number, "192.0.2.1")));
+        let newest = entry(111, "192.0.2.9");
+        index.put(newest.clone());
+        assert_eq!(index.next_to_go(&newest.id, 1), Some(entry(100, "192.0.2.1").id));
     }
 
     /// Who has pixels of many megabytes loses them before those who have little.

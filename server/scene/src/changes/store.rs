@@ -86,7 +86,7 @@ impl ChangeStore {
     /// Whether a document of that id is on disk and not past its age.
     pub fn is_stored(&self, id: &ChangeId) -> bool {
         let metadata = std::fs::metadata(self.catalogue.path(id, "json"));
-        let is_past_age = |modified| self.is_past_age(modified) && !self.is_pinned(id);
+        let is_past_age = |modified| self.is_past_age(modified) && !self.is_pinned(id) && !self.is_base(id);
         metadata.and_then(|metadata| metadata.modified()).is_ok_and(|modified| !is_past_age(modified))
     }
 
@@ -96,6 +96,11 @@ impl ChangeStore {
 
     fn is_pinned(&self, id: &ChangeId) -> bool {
         self.head(id).is_ok_and(|head| head.posted.pinned)
+    }
+
+    /// Whether something stored is based on it: it stays with that.
+    fn is_base(&self, id: &ChangeId) -> bool {
+        self.in_index(|index| index.is_base(id)).ok().flatten().unwrap_or(false)
     }
 
     pub(super) fn head(&self, id: &ChangeId) -> Result<Head, ChangeStoreError> {
@@ -231,7 +236,7 @@ impl ChangeStore {
         // A document based on it may have renewed it since.
         let modified =
             std::fs::metadata(&path).and_then(|metadata| metadata.modified()).map_err(io(&path))?;
-        if self.is_past_age(modified) && !head.posted.pinned {
+        if self.is_past_age(modified) && !head.posted.pinned && !self.is_base(id) {
             return Err(ChangeStoreError::Unknown { id: id.clone() });
         }
         Ok((content, head))

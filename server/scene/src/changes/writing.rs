@@ -104,13 +104,18 @@ impl ChangeStore {
         let text = document::bytes_of(&path, &head, content)?;
         let bytes = (text.len() + pixels.map_or(0, <[u8]>::len)) as u64;
         let is_pin = head.posted.pinned && (is_new || is_pinned_now);
-        if is_pin && !self.in_index(|index| index.may_pin(id.kind(), bytes))?.unwrap_or(true) {
-            return Err(ChangeStoreError::PinsFull);
-        }
         // Files are written before anybody is kept waiting, pixels and all.
         let pixels = pixels.map(|pixels| document::write_beside(self.catalogue.path(id, "bin"), pixels));
         let (pixels, text_file) = (pixels.transpose()?, document::write_beside(path.clone(), &text)?);
         let writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        // Somebody else may have stored the same meanwhile: it is theirs.
+        if is_new && self.read_document::<T>(id).is_ok() {
+            self.renew(Some(id));
+            return Ok(false);
+        }
+        if is_pin && !self.in_index(|index| index.may_pin(id.kind(), bytes))?.unwrap_or(true) {
+            return Err(ChangeStoreError::PinsFull);
+        }
         pixels.map_or(Ok(()), document::Unfinished::put)?;
         text_file.put()?;
         let modified = std::fs::metadata(&path).and_then(|metadata| metadata.modified()).unwrap_or(now);
@@ -136,7 +141,10 @@ impl ChangeStore {
     }
 
     /// Does something with the index, but for programs beside a server, which applies its limits itself, and while it is read.
-    fn in_index<T>(&self, work: impl FnOnce(&mut Index) -> T) -> Result<Option<T>, ChangeStoreError> {
+    pub(super) fn in_index<T>(
+        &self,
+        work: impl FnOnce(&mut Index) -> T,
+    ) -> Result<Option<T>, ChangeStoreError> {
         if self.limits.is_none() {
             return Ok(None);
         }
