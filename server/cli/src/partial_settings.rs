@@ -298,7 +298,7 @@ mod tests {
                 compared += 1;
             }
         }
-        assert_eq!(compared, 20);
+        assert_eq!(compared, 23);
         assert_eq!(Settings::default().change_limits(), ChangeLimits::default());
     }
 }
