@@ -17,7 +17,7 @@ const UNIT_BYTES: usize = 1024;
 pub(crate) struct Budget {
     units: u32,
     free: Arc<Semaphore>,
-    /// What one party may hold; the networks around it twice and four times that.
+    /// What one party may hold; the networks around it twice and four times that, but no more than half of all.
     share_units: u32,
     held_by: Mutex<HashMap<Tier, u32>>,
     /// Bytes held, for all to see.
@@ -95,7 +95,8 @@ impl Budget {
         let mut held_by = self.held_by.lock().unwrap_or_else(PoisonError::into_inner);
         let tiers = party.tiers();
         let has_room = |tier: &Tier| {
-            let most = u64::from(self.share_units) << tier.0;
+            let share = u64::from(self.share_units);
+            let most = (share << tier.0).min(share.max(u64::from(self.units / 2)));
             u64::from(held_by.get(tier).copied().unwrap_or(0)) + u64::from(wanted) <= most
         };
         if !tiers.iter().all(has_room) {

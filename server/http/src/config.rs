@@ -1,8 +1,8 @@
 //! What the interface can be told.
 
-use crate::memory::limit_bytes;
 use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
+use skyglow_scene::memory_limit_bytes;
 use std::{net::IpAddr, time::Duration};
 
 /// How much of a client's address the log has.
@@ -119,6 +119,8 @@ impl Default for HttpConfig {
 
 /// Part of the memory that there is for what is under way.
 const PART_OF_MEMORY: u64 = 4;
+/// Taken for the memory that there is where nobody says.
+const MEMORY_IF_UNKNOWN_BYTES: u64 = 4 << 30;
 /// Part of that for bodies of requests.
 const PART_FOR_BODIES: u64 = 16;
 /// The least and the most that is taken for it unasked.
@@ -128,7 +130,7 @@ impl HttpConfig {
     /// Bytes for what is under way.
     pub fn memory_budget(&self) -> u64 {
         match self.memory_budget_bytes {
-            0 => (limit_bytes() / PART_OF_MEMORY)
+            0 => (memory_limit_bytes().unwrap_or(MEMORY_IF_UNKNOWN_BYTES) / PART_OF_MEMORY)
                 .clamp(*MEMORY_BUDGET_BYTES.start(), *MEMORY_BUDGET_BYTES.end()),
             bytes => bytes,
         }

@@ -1,7 +1,10 @@
 //! A queue before long work that is fair by time: whoever had least of it lately is next, so that nobody waits for all that another
 //! has asked for.
 
-use crate::{party::Party, work_shares::WorkShares};
+use crate::{
+    party::{Party, Tier},
+    work_shares::WorkShares,
+};
 use std::{
     cmp::Ordering,
     collections::HashMap,
@@ -108,11 +111,23 @@ impl FairQueue {
 }
 
 impl Inner {
-    /// Sends the last away of whoever has most waiting, if that is not the one who comes.
+    /// Sends the last away of whoever has most waiting, networks first, if that is not the one who comes.
     fn make_room(&mut self, party: Party) -> Result<(), Crowded> {
-        let count = |of: Party| self.waiting.iter().filter(|waiting| waiting.party == of).count();
-        let most = (0..self.waiting.len()).max_by_key(|&at| (count(self.waiting[at].party), at));
-        let most = most.filter(|&at| count(self.waiting[at].party) > count(party) + 1).ok_or(Crowded)?;
+        let count = |tier: Tier| {
+            let of_tier = |waiting: &&Waiting| waiting.party.tiers()[usize::from(tier.0)] == tier;
+            self.waiting.iter().filter(of_tier).count()
+        };
+        let counts = |of: Party| {
+            let [own, household, site] = of.tiers().map(count);
+            (site, household, own)
+        };
+        let most = (0..self.waiting.len()).max_by_key(|&at| (counts(self.waiting[at].party), at));
+        let has_more = |other: Party| {
+            // Of the widest network that they do not share.
+            let apart = other.tiers().into_iter().zip(party.tiers()).rev().find(|(a, b)| a != b);
+            apart.is_some_and(|(other, own)| count(other) > count(own) + 1)
+        };
+        let most = most.filter(|&at| has_more(self.waiting[at].party)).ok_or(Crowded)?;
         self.waiting.remove(most);
         Ok(())
     }
@@ -179,6 +194,26 @@ mod tests {
 
     fn queue(places: usize, most_waiting: usize) -> Arc<FairQueue> {
         FairQueue::new(places, most_waiting, Arc::new(WorkShares::new(0.0, 0.0)))
+    }
+
+    /// Many networks of one household, each with one waiting, leave room for somebody else.
+    #[tokio::test]
+    async fn a_household_that_fills_the_queue_makes_room() {
+        let queue = queue(1, 8);
+        let first = queue.turn(Party::V4(1)).await.unwrap();
+        let turns = Arc::default();
+        let household: Vec<_> = (0..8).map(|of| wait(&queue, Party::V6(0x7700 + of), &turns)).collect();
+        tokio::task::yield_now().await;
+        assert_eq!(queue.turn(Party::V6(0x7709)).await.err(), Some(Crowded), "one of them");
+        let other = wait(&queue, Party::V4(2), &turns);
+        tokio::task::yield_now().await;
+        drop(first);
+        assert!(other.await.unwrap());
+        let mut waited = 0;
+        for network in household {
+            waited += usize::from(network.await.unwrap());
+        }
+        assert_eq!(waited, 7);
     }
 
     /// Has somebody wait, and says whose turn came when.

@@ -1,11 +1,15 @@
 //! Work that a client asks about later (`Prefer: respond-async`, RFC 7240): how far it is, and what came of it for some minutes.
 
-use crate::{asker::Work, party::Party};
+use crate::{
+    asker::Work,
+    party::{Party, Tier},
+};
 use axum::{
     body::Bytes,
     http::{HeaderMap, StatusCode},
 };
 use std::{
+    cmp::Reverse,
     collections::HashMap,
     hash::{BuildHasher, RandomState},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -13,12 +17,15 @@ use std::{
 };
 use tokio::task::AbortHandle;
 
-/// Jobs at a time, those that are done included; and of one household.
-const MOST: usize = 64;
-const MOST_OF_A_PARTY: usize = 8;
+/// Jobs at a time, those that are done included; of one household, and of one site.
+const MAX_JOBS: usize = 64;
+const MAX_OF_A_HOUSEHOLD: usize = 8;
+const MAX_OF_A_SITE: usize = 16;
 /// How long what came of a job is there to be had; and where that is long.
 const KEPT_FOR: Duration = Duration::from_secs(600);
 const LONG_KEPT_FOR: Duration = Duration::from_secs(60);
+/// How long it is there that nothing came of it.
+const FAILURE_KEPT_FOR: Duration = Duration::from_secs(30);
 /// What is longer is long, bytes.
 const LONG_BYTES: usize = 1 << 20;
 
@@ -61,25 +68,44 @@ impl Jobs {
     fn lock(&self) -> MutexGuard<'_, HashMap<String, Job>> {
         let mut jobs = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_kept = |(ended, outcome): &(Instant, Arc<Outcome>)| {
+            let is_failure = outcome.status.is_client_error() || outcome.status.is_server_error();
             let is_long = outcome.body.len() > LONG_BYTES;
-            ended.elapsed() < if is_long { LONG_KEPT_FOR } else { KEPT_FOR }
+            ended.elapsed()
+                < match (is_failure, is_long) {
+                    (true, _) => FAILURE_KEPT_FOR,
+                    (false, true) => LONG_KEPT_FOR,
+                    (false, false) => KEPT_FOR,
+                }
         };
         jobs.retain(|_, job| job.ended.as_ref().is_none_or(is_kept));
         jobs
     }
 
-    /// A new job's id, which nobody can guess. Where there are too many the party's oldest that ended goes.
+    /// A new job's id, which nobody can guess. Where its networks have too many, their oldest that ended goes; where there are too
+    /// many in all, the oldest that ended of whoever has most.
     ///
     /// # Errors
-    /// [`TooMany`] where none has ended.
+    /// [`TooMany`] where none of them has ended.
     pub(crate) fn begin(&self, party: Party, work: Arc<Work>) -> Result<String, TooMany> {
         let mut jobs = self.lock();
-        let [_, household, _] = party.tiers();
-        let of_party = |job: &Job| job.party.tiers()[1] == household;
-        if jobs.len() >= MOST || jobs.values().filter(|job| of_party(job)).count() >= MOST_OF_A_PARTY {
-            let ended = jobs.iter().filter(|(_, job)| of_party(job));
-            let ended = ended.filter_map(|(id, job)| Some((job.ended.as_ref()?.0, id.clone())));
-            let (_, oldest) = ended.min().ok_or(TooMany)?;
+        let count = |jobs: &HashMap<String, Job>, tier: Tier| {
+            jobs.values().filter(|job| job.party.tiers()[usize::from(tier.0)] == tier).count()
+        };
+        let [_, household, site] = party.tiers();
+        for (tier, most) in [(household, MAX_OF_A_HOUSEHOLD), (site, MAX_OF_A_SITE)] {
+            if count(&jobs, tier) >= most {
+                let of_tier = jobs.iter().filter(|(_, job)| job.party.tiers()[usize::from(tier.0)] == tier);
+                let ended = of_tier.filter_map(|(id, job)| Some((job.ended.as_ref()?.0, id.clone())));
+                let (_, oldest) = ended.min().ok_or(TooMany)?;
+                jobs.remove(&oldest);
+            }
+        }
+        if jobs.len() >= MAX_JOBS {
+            let ended = jobs.iter().filter_map(|(id, job)| {
+                let of_site = count(&jobs, job.party.tiers()[2]);
+                Some((Reverse(of_site), job.ended.as_ref()?.0, id.clone()))
+            });
+            let (_, _, oldest) = ended.min().ok_or(TooMany)?;
             jobs.remove(&oldest);
         }
         let random: Vec<u8> =
@@ -146,6 +172,18 @@ mod tests {
         assert!(jobs.cancel(&id) && !jobs.cancel(&id) && jobs.standing(&id).is_none());
     }
 
+    /// Ended jobs of many networks make room for whoever comes.
+    #[test]
+    fn ended_jobs_make_room_for_others() {
+        let jobs = Jobs::default();
+        for number in 0..MAX_JOBS as u64 {
+            let id = jobs.begin(Party::V6(number / 8 << 8 | number / 16 << 16), Arc::default()).unwrap();
+            jobs.end(&id, Outcome { status: StatusCode::BAD_REQUEST, ..Outcome::default() });
+        }
+        assert!(jobs.begin(Party::V4(7), Arc::default()).is_ok());
+        assert!(jobs.begin(Party::V4(8), Arc::default()).is_ok());
+    }
+
     /// A party's new job takes the place of its oldest that ended, and no other's.
     #[test]
     fn a_party_has_so_many_jobs() {
@@ -153,7 +191,8 @@ mod tests {
         let begin = |party| jobs.begin(party, Arc::default());
         let other = begin(Party::V4(2)).unwrap();
         jobs.end(&other, Outcome::default());
-        let ids: Vec<String> = (0..MOST_OF_A_PARTY as u64).map(|of| begin(Party::V6(of)).unwrap()).collect();
+        let ids: Vec<String> =
+            (0..MAX_OF_A_HOUSEHOLD as u64).map(|of| begin(Party::V6(of)).unwrap()).collect();
         assert_eq!(begin(Party::V6(99)), Err(TooMany), "one household");
         jobs.end(&ids[3], Outcome::default());
         assert!(begin(Party::V6(99)).is_ok());

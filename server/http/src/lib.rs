@@ -15,7 +15,6 @@ pub mod etag;
 mod fair;
 mod jobs;
 pub mod listener;
-mod memory;
 pub mod metrics;
 pub mod middleware;
 pub mod party;

@@ -29,7 +29,7 @@ pub struct Ends {
 }
 
 /// A connection. What goes out is passed on as it is, but for refusals without a body; a client that takes nothing of it for long
-/// loses the connection.
+/// loses the connection, and so does one that takes less than [`MIN_BYTES_PER_S`] on average: what it is sent lies in memory.
 #[derive(Debug)]
 pub(crate) struct Connection<S> {
     stream: S,
@@ -39,22 +39,35 @@ pub(crate) struct Connection<S> {
     patience: Duration,
     /// Ends when that is over; None while it takes what it is sent.
     stalled: Option<Pin<Box<Sleep>>>,
+    /// Bytes that it took since.
+    taken_bytes: f64,
 }
+
+/// What a client takes at least, on average over its patience: a quarter of what a slow telephone does.
+const MIN_BYTES_PER_S: f64 = 2048.0;
 
 impl<S> Connection<S> {
     pub(crate) fn new(stream: S, patience: Duration) -> Self {
-        Self { stream, pending: Vec::new(), patience, stalled: None }
+        Self { stream, pending: Vec::new(), patience, stalled: None, taken_bytes: 0.0 }
+    }
+
+    /// Has patience begin anew: for another answer, or for a client that took enough.
+    fn begin_patience(&mut self) {
+        (self.stalled, self.taken_bytes) = (None, 0.0);
     }
 
     /// What a write gave, or the end of patience with it.
-    fn within_patience<T>(
+    fn within_patience(
         &mut self,
-        written: Poll<io::Result<T>>,
+        written: Poll<io::Result<usize>>,
         context: &mut Context<'_>,
-    ) -> Poll<io::Result<T>> {
-        if written.is_ready() {
-            self.stalled = None;
-            return written;
+    ) -> Poll<io::Result<usize>> {
+        if let Poll::Ready(written) = written {
+            self.taken_bytes += written.as_ref().map_or(0.0, |bytes| *bytes as f64);
+            if self.taken_bytes >= MIN_BYTES_PER_S * self.patience.as_secs_f64() {
+                self.begin_patience();
+            }
+            return Poll::Ready(written);
         }
         let patience = self.patience;
         let stalled = self.stalled.get_or_insert_with(|| Box::pin(tokio::time::sleep(patience)));
@@ -114,7 +127,12 @@ impl<S: AsyncRead + Unpin> AsyncRead for Connection<S> {
         context: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_read(context, buffer)
+        let read = Pin::new(&mut self.stream).poll_read(context, buffer);
+        // Another request, for whose answer it has time again.
+        if matches!(read, Poll::Ready(Ok(()))) {
+            self.begin_patience();
+        }
+        read
     }
 }
 
@@ -218,24 +236,31 @@ mod tests {
         assert!(got.ends_with('}'), "{got}");
     }
 
-    /// A client that takes nothing loses the connection and a slow one does not.
-    #[tokio::test(start_paused = true)]
-    async fn only_a_stalled_client_loses_its_connection() {
+    /// Writes an answer to a client that takes so many bytes every eight seconds; patience is ten.
+    async fn send_to(bytes_each_time: usize) -> io::Result<()> {
         use tokio::io::{AsyncReadExt, AsyncWriteExt};
-        let (near, mut far) = tokio::io::duplex(7);
+        let (near, mut far) = tokio::io::duplex(1024);
         let mut connection = Connection::new(near, Duration::from_secs(10));
         let reading = tokio::spawn(async move {
-            let mut some = [0; 7];
-            for _ in 0..4 {
+            let mut some = vec![0; bytes_each_time];
+            loop {
                 tokio::time::sleep(Duration::from_secs(8)).await;
-                far.read_exact(&mut some).await.unwrap();
+                if far.read_exact(&mut some).await.is_err() {
+                    return;
+                }
             }
-            far
         });
-        connection.write_all(&[1; 28]).await.unwrap();
-        let far = reading.await.unwrap();
-        let error = connection.write_all(&[1; 28]).await.unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::TimedOut);
-        drop(far);
+        let sent = connection.write_all(&[1; 100_000]).await;
+        reading.abort();
+        sent
+    }
+
+    /// A client that takes nothing, or next to nothing, loses the connection and a slow one does not.
+    #[tokio::test(start_paused = true)]
+    async fn only_a_stalled_client_loses_its_connection() {
+        assert!(send_to(24_000).await.is_ok());
+        for next_to_nothing in [0, 7, 8_000] {
+            assert_eq!(send_to(next_to_nothing).await.unwrap_err().kind(), io::ErrorKind::TimedOut);
+        }
     }
 }

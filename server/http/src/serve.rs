@@ -3,6 +3,7 @@
 use crate::{
     config::HttpConfig,
     listener::{Connection, Ends},
+    party::{Party, Tier},
     routes::viewer::compress_viewer,
     trust::is_trusted,
 };
@@ -31,7 +32,7 @@ const MAX_BUFFER_BYTES: usize = 128 * 1024;
 /// What the system may hold of an answer unsent, bytes: a connection is writable again when half of it went out, so that a slow
 /// client is seen to take some of it long before it is taken for a stalled one.
 const MAX_UNSENT_BYTES: u32 = 32 * 1024;
-/// Part of all connections that one address may hold.
+/// Part of all connections that one client may hold: an address of IPv4, a /64 of IPv6.
 const SHARE_OF_A_CLIENT: usize = 4;
 
 /// Serves until `ending` is ready; then takes no more connections, lets the answers under way finish, and ends
@@ -113,18 +114,18 @@ pub async fn serve(
     Ok(())
 }
 
-/// How many connections each address holds.
+/// How many connections each client holds, and the networks around it: twice and three times as many.
 #[derive(Debug)]
 struct Share {
     most: usize,
-    held: Mutex<HashMap<IpAddr, usize>>,
+    held: Mutex<HashMap<Tier, usize>>,
 }
 
-/// A connection that an address holds until this is dropped.
+/// A connection that a client holds until this is dropped.
 #[derive(Debug)]
 struct Held {
     share: Arc<Share>,
-    client: IpAddr,
+    party: Party,
 }
 
 impl Share {
@@ -133,23 +134,28 @@ impl Share {
     }
 
     fn hold(share: &Arc<Self>, client: IpAddr) -> Option<Held> {
+        let party = Party::of_address(Some(client));
         let mut held = share.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let count = held.entry(client).or_default();
-        if *count >= share.most {
+        let has_room = |tier: &Tier| {
+            held.get(tier).copied().unwrap_or(0) < share.most.saturating_mul(usize::from(tier.0) + 1)
+        };
+        if !party.tiers().iter().all(has_room) {
             return None;
         }
-        *count += 1;
-        Some(Held { share: Arc::clone(share), client })
+        party.tiers().into_iter().for_each(|tier| *held.entry(tier).or_default() += 1);
+        Some(Held { share: Arc::clone(share), party })
     }
 }
 
 impl Drop for Held {
     fn drop(&mut self) {
         let mut held = self.share.held.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(count) = held.get_mut(&self.client) {
-            *count -= 1;
-            if *count == 0 {
-                held.remove(&self.client);
+        for tier in self.party.tiers() {
+            if let Some(count) = held.get_mut(&tier) {
+                *count -= 1;
+                if *count == 0 {
+                    held.remove(&tier);
+                }
             }
         }
     }

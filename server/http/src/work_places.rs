@@ -20,7 +20,7 @@ use tracing::Instrument;
 /// What a place counts in the budget of them.
 const PLACE_BYTES: usize = 1024;
 /// Part of the places that one party may have.
-const PART_OF_PLACES: u64 = 2;
+const PART_OF_PLACES: u64 = 4;
 /// Part of all memory that answers in the cache may take.
 pub(crate) const PART_FOR_CACHED_ANSWERS: u64 = 4;
 /// Pictures that take more memory than this do not share that of others.
@@ -67,6 +67,8 @@ pub(crate) struct WorkPlaces {
     metrics: Arc<Metrics>,
     places: Arc<Budget>,
     memory: [Arc<Budget>; 5],
+    /// Bytes that there are for all work.
+    most_bytes: u64,
     cores: Arc<Semaphore>,
     influences: Arc<FairQueue>,
     plans: Arc<FairQueue>,
@@ -94,6 +96,7 @@ impl WorkPlaces {
             metrics,
             places,
             memory,
+            most_bytes: config.memory_budget(),
             cores: Arc::new(Semaphore::new(2 * cores)),
             influences: queue(AT_ONCE, waiting),
             plans: queue(AT_ONCE, waiting),
@@ -117,8 +120,17 @@ impl WorkPlaces {
         AppError::Busy { retry_after_s }
     }
 
-    /// Memory for work, in the order of asking.
+    /// Memory for work, in the order of asking. What takes more than there is for all work is refused.
     async fn memory(&self, room: Room, bytes: usize) -> Result<Held, ApiError> {
+        if bytes as u64 > self.most_bytes {
+            let [needed, most] = [bytes as u64, self.most_bytes].map(|bytes| bytes.div_ceil(1 << 20));
+            return Err(ApiError::App(AppError::SceneTooLarge {
+                reason: format!(
+                    "this takes about {needed} MiB for the lights of its scene, and {most} MiB are there for all requests \
+                     (memory_budget_bytes)"
+                ),
+            }));
+        }
         let held =
             self.memory[room as usize].hold(bytes).instrument(tracing::info_span!("wait for memory")).await;
         held.ok_or_else(|| ApiError::internal("the budget of memory is closed"))

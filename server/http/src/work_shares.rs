@@ -1,6 +1,6 @@
 //! Time for long work (plans, influences, rasters of layers) that each client may take: a bucket of seconds that fills as time goes by.
 
-use crate::party::Party;
+use crate::party::{Party, Tier};
 use std::{
     collections::HashMap,
     sync::{Mutex, PoisonError},
@@ -10,13 +10,13 @@ use std::{
 /// Buckets that are stored before full ones are thrown away.
 const MAX_BUCKETS: usize = 10_000;
 
-/// The buckets of all clients.
+/// The buckets of all clients, and of the networks around them: twice and four times as large.
 #[derive(Debug)]
 pub(crate) struct WorkShares {
     /// Seconds of work a second.
     rate: f64,
     burst_s: f64,
-    buckets: Mutex<HashMap<Party, (f64, Instant)>>,
+    buckets: Mutex<HashMap<Tier, (f64, Instant)>>,
 }
 
 /// What is left of a client's share of something, for the `RateLimit` headers.
@@ -41,14 +41,22 @@ impl WorkShares {
         self.rate > 0.0 && party != Party::Operator
     }
 
-    /// What is left for a client, seconds; below 0 where it took more.
+    /// What is left for a client and the networks around it, seconds, whichever is least; below 0 where they took more.
     fn tokens(&self, party: Party, now: Instant) -> f64 {
         let buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
-        buckets.get(&party).map_or(self.burst_s, |&bucket| self.filled(bucket, now))
+        let of_tier = |tier: Tier| {
+            buckets.get(&tier).map_or(self.burst_of(tier), |&bucket| self.filled(tier, bucket, now))
+        };
+        party.tiers().map(of_tier).into_iter().fold(self.burst_s, f64::min)
     }
 
-    fn filled(&self, (tokens, since): (f64, Instant), now: Instant) -> f64 {
-        (tokens + self.rate * now.saturating_duration_since(since).as_secs_f64()).min(self.burst_s)
+    fn burst_of(&self, tier: Tier) -> f64 {
+        self.burst_s * f64::from(1 << tier.0)
+    }
+
+    fn filled(&self, tier: Tier, (tokens, since): (f64, Instant), now: Instant) -> f64 {
+        let rate = self.rate * f64::from(1 << tier.0);
+        (tokens + rate * now.saturating_duration_since(since).as_secs_f64()).min(self.burst_of(tier))
     }
 
     /// Whether a client may begin something.
@@ -67,10 +75,12 @@ impl WorkShares {
         }
         let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
         if buckets.len() >= MAX_BUCKETS {
-            buckets.retain(|_, bucket| self.filled(*bucket, now) < self.burst_s);
+            buckets.retain(|tier, bucket| self.filled(*tier, *bucket, now) < self.burst_of(*tier));
         }
-        let bucket = buckets.entry(party).or_insert((self.burst_s, now));
-        *bucket = (self.filled(*bucket, now) - seconds, now);
+        for tier in party.tiers() {
+            let bucket = buckets.entry(tier).or_insert((self.burst_of(tier), now));
+            *bucket = (self.filled(tier, *bucket, now) - seconds, now);
+        }
     }
 
     /// What is left for a client; None where there is no limit.
@@ -120,6 +130,16 @@ mod tests {
         let none = WorkShares::new(0.0, 1.0);
         none.charge(a, 1e6, start);
         assert_eq!((none.check(a, start), none.left(a, start)), (Ok(()), None));
+    }
+
+    /// Networks of a household together have twice what one has.
+    #[test]
+    fn households_share_time() {
+        let shares = WorkShares::new(30.0, 100.0);
+        let start = Instant::now();
+        (0..20).for_each(|network| shares.charge(Party::V6(0x7700 + network), 15.0, start));
+        assert!(shares.check(Party::V6(0x7742), start).is_err());
+        assert_eq!(shares.check(Party::V6(0x7842), start), Ok(()), "a neighbour");
     }
 
     #[test]

@@ -56,19 +56,20 @@ impl Observatory {
             return Err(ObservatoryError::BadPlan { reason: "its sites are in different scenes".to_owned() });
         }
         let part = |site: usize| PART_OF_INFLUENCES * site as f64 / asked.len() as f64;
-        let of_site = |(number, site)| self.influence_in(view, site, &|_| watch(part(number)));
-        let maps: Vec<InfluenceMap> =
-            asked.iter().copied().enumerate().map(of_site).collect::<Result<_, _>>()?;
-        let scene = Arc::clone(view.scene());
-        // Pixels that several sites see count for each here: the true number may be less.
-        let influences = maps.len() * maps.iter().map(|map| map.pixels().len()).sum::<usize>();
-        if maps.len() > 1 && influences > MAX_INFLUENCES {
-            let reason = format!(
-                "{} sites with {influences} influences of pixels together are more than {MAX_INFLUENCES}: take fewer sites",
-                maps.len()
-            );
-            return Err(ObservatoryError::BadPlan { reason });
+        let mut maps: Vec<InfluenceMap> = Vec::with_capacity(asked.len());
+        for (number, site) in asked.iter().copied().enumerate() {
+            maps.push(self.influence_in(view, site, &|_| watch(part(number)))?);
+            // Pixels that several sites see count for each here: the true number may be less.
+            let influences = asked.len() * maps.iter().map(|map| map.pixels().len()).sum::<usize>();
+            if asked.len() > 1 && influences > MAX_INFLUENCES {
+                let reason = format!(
+                    "{} sites with {influences} influences of pixels and more are above {MAX_INFLUENCES}: take fewer sites",
+                    asked.len()
+                );
+                return Err(ObservatoryError::BadPlan { reason });
+            }
         }
+        let scene = Arc::clone(view.scene());
         let before = self.states_in(&scene, &asked, &|| watch(PART_OF_INFLUENCES))?;
         let reach = Reach::of(&maps);
         drop(maps);

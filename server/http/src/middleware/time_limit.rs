@@ -14,7 +14,7 @@ pub async fn limit_time(State(state): State<AppState>, request: Request, next: N
     if request.extensions().get::<Unhurried>().is_some() {
         return next.run(request).await;
     }
-    let is_kept = *request.method() == Method::POST;
+    let is_kept = *request.method() == Method::POST && request.uri().path().ends_with("/plans");
     let work = asker::current().work();
     match tokio::time::timeout(state.config.request_timeout(), next.run(request)).await {
         Ok(response) => response,
