@@ -25,6 +25,7 @@ mod refusals;
 pub mod respond;
 pub mod routes;
 pub mod serve;
+mod shared;
 pub mod state;
 pub mod trust;
 mod work_places;

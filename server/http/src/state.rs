@@ -10,6 +10,7 @@ use crate::{
     jobs::Jobs,
     metrics::Metrics,
     progress::Progress,
+    shared::{is_of_asker, shared},
     work_places::{Lane, PART_FOR_CACHED_ANSWERS, WorkPlaces},
 };
 use axum::body::Bytes;
@@ -219,12 +220,13 @@ impl AppState {
         view: SceneView,
     ) -> Result<Arc<RenderedSky>, AppError> {
         let (source, work) = (self.source.clone(), self.work.clone());
-        let entry = self.skies.entry_by_ref(key);
         let render = async move {
             work.place()?;
             source.sky(request, view).await.map(Arc::new)
         };
-        let found = entry.or_try_insert_with(render.instrument(tracing::info_span!("sky"))).await;
+        let render = render.instrument(tracing::info_span!("sky"));
+        let is_of_asker = |error: &AppError| matches!(error, AppError::Busy { .. });
+        let found = shared(&self.skies, key, render, is_of_asker).await;
         self.metrics.count_cache("sky", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
         found.map(moka::Entry::into_value).map_err(|error| AppError::clone(&error))
     }
@@ -239,7 +241,7 @@ impl AppState {
         make: impl Future<Output = Result<EncodedAnswer, ApiError>>,
     ) -> Result<Arc<EncodedAnswer>, ApiError> {
         let make = async move { make.await.map(Arc::new) };
-        let found = self.answers.entry(etag.header()).or_try_insert_with(make).await;
+        let found = shared(&self.answers, &etag.header(), make, is_of_asker).await;
         self.metrics.count_cache("answer", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
         found.map(moka::Entry::into_value).map_err(|error| ApiError::clone(&error))
     }
@@ -283,7 +285,7 @@ impl AppState {
                 });
                 map.await.map(|(map, _)| map)
             };
-            state.brightnesses.try_get_with(key, find).await
+            shared(&state.brightnesses, &key, find, is_of_asker).await.map(moka::Entry::into_value)
         };
         // It goes on when its client has gone.
         let detached = Asker::new(asker::party(), Arc::default());
@@ -323,7 +325,7 @@ impl AppState {
             });
             found.await.map(|(map, _)| map)
         };
-        let found = self.influences.entry_by_ref(key).or_try_insert_with(find).await;
+        let found = shared(&self.influences, key, find, is_of_asker).await;
         self.metrics.count_cache("influence", found.as_ref().is_ok_and(|entry| !entry.is_fresh()));
         found.map(moka::Entry::into_value).map_err(|error| ApiError::clone(&error))
     }
