@@ -1,6 +1,6 @@
 //! Who asks, known to whatever is done for a request; and whether somebody still waits for it.
 
-use crate::{budget::Held, party::Party};
+use crate::{fair::Turn, party::Party};
 use std::{
     future::Future,
     sync::{
@@ -19,7 +19,7 @@ pub(crate) struct Asker {
     party: Party,
     work: Arc<Work>,
     /// Its place among the requests that are worked on, once it has one.
-    place: Mutex<Option<Held>>,
+    place: Mutex<Option<Turn>>,
 }
 
 /// Work for a request, as those see it who do it and those who wait for it.
@@ -59,13 +59,14 @@ impl Asker {
         Arc::new(Self { party, work, place: Mutex::default() })
     }
 
-    /// Takes a place for the request, unless it has one.
-    pub(crate) fn take_place<E>(&self, take: impl FnOnce(Party) -> Result<Held, E>) -> Result<(), E> {
-        let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
-        if place.is_none() {
-            *place = Some(take(self.party)?);
-        }
-        Ok(())
+    /// Whether the request has a place.
+    pub(crate) fn has_place(&self) -> bool {
+        self.place.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    /// Has a place for as long as the request takes.
+    pub(crate) fn take_place(&self, place: Turn) {
+        *self.place.lock().unwrap_or_else(PoisonError::into_inner) = Some(place);
     }
 
     /// Work that is done for it.

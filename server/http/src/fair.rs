@@ -82,7 +82,8 @@ impl FairQueue {
         let (sender, receiver) = channel();
         let number = {
             let mut inner = self.lock();
-            if inner.waiting.len() >= self.most_waiting {
+            let is_full = inner.running.len() >= self.places || !inner.waiting.is_empty();
+            if is_full && inner.waiting.len() >= self.most_waiting {
                 inner.make_room(party)?;
             }
             inner.count += 1;

@@ -221,7 +221,7 @@ impl AppState {
     ) -> Result<Arc<RenderedSky>, AppError> {
         let (source, work) = (self.source.clone(), self.work.clone());
         let render = async move {
-            work.place()?;
+            work.place().await?;
             source.sky(request, view).await.map(Arc::new)
         };
         let render = render.instrument(tracing::info_span!("sky"));

@@ -3,7 +3,7 @@
 
 use crate::{
     asker::{self, Work},
-    budget::{Budget, Full, Held},
+    budget::{Budget, Held},
     config::HttpConfig,
     error::ApiError,
     fair::{Crowded, FairQueue},
@@ -11,16 +11,13 @@ use crate::{
     work_shares::WorkShares,
 };
 use axum::body::Bytes;
-use prometheus_client::metrics::gauge::Gauge;
 use skyglow_app::{error::AppError, source::SkySource};
 use std::{sync::Arc, time::Instant};
 use tokio::sync::Semaphore;
 use tracing::Instrument;
 
-/// What a place counts in the budget of them.
-const PLACE_BYTES: usize = 1024;
-/// Part of the places that one party may have.
-const PART_OF_PLACES: u64 = 4;
+/// Part of the requests at a time that are worked on; the others wait for their turn.
+const PART_WORKED_ON: usize = 4;
 /// Part of all memory that answers in the cache may take.
 pub(crate) const PART_FOR_CACHED_ANSWERS: u64 = 4;
 /// Pictures that take more memory than this do not share that of others.
@@ -65,7 +62,7 @@ const EIGHTHS: [u64; 5] = [2, 2, 1, 1, 2];
 pub(crate) struct WorkPlaces {
     source: Arc<dyn SkySource>,
     metrics: Arc<Metrics>,
-    places: Arc<Budget>,
+    places: Arc<FairQueue>,
     memory: [Arc<Budget>; 5],
     /// Bytes that there are for all work.
     most_bytes: u64,
@@ -80,9 +77,6 @@ pub(crate) struct WorkPlaces {
 
 impl WorkPlaces {
     pub(crate) fn new(source: Arc<dyn SkySource>, metrics: Arc<Metrics>, config: &HttpConfig) -> Self {
-        let count = config.concurrent_requests as u64;
-        let share = (count / PART_OF_PLACES).max(2);
-        let places = Budget::new(count * PLACE_BYTES as u64, share * PLACE_BYTES as u64, Gauge::default());
         let memory = EIGHTHS.map(|eighths| {
             let bytes = config.memory_budget() / 8 * eighths;
             Budget::new(bytes, bytes, metrics.work_bytes.clone())
@@ -91,10 +85,13 @@ impl WorkPlaces {
         let shares = Arc::new(WorkShares::new(config.work_per_minute_s, config.work_burst_s));
         let waiting = (config.concurrent_requests / PART_THAT_WAITS).max(1);
         let queue = |places, waiting| FairQueue::new(places, waiting, Arc::clone(&shares));
+        let worked_on = (config.concurrent_requests / PART_WORKED_ON).max(1);
+        // Short work counts in nobody's time for long work.
+        let unlimited = Arc::new(WorkShares::new(0.0, 0.0));
         Self {
             source,
             metrics,
-            places,
+            places: FairQueue::new(worked_on, config.concurrent_requests - worked_on, unlimited),
             memory,
             most_bytes: config.memory_budget(),
             cores: Arc::new(Semaphore::new(2 * cores)),
@@ -106,13 +103,18 @@ impl WorkPlaces {
         }
     }
 
-    /// A place for the request that this is done for, unless it has one.
+    /// A place for the request that this is done for, in its turn, unless it has one.
     ///
     /// # Errors
-    /// [`AppError::Busy`] at once where there is none.
-    pub(crate) fn place(&self) -> Result<(), AppError> {
-        let taken = asker::current().take_place(|party| self.places.try_hold(party, PLACE_BYTES));
-        taken.map_err(|_: Full| self.busy(1))
+    /// [`AppError::Busy`] where too many wait.
+    pub(crate) async fn place(&self) -> Result<(), AppError> {
+        let asker = asker::current();
+        if !asker.has_place() {
+            let waiting =
+                self.places.turn(asker::party()).instrument(tracing::info_span!("wait for a place"));
+            asker.take_place(waiting.await.map_err(|_: Crowded| self.busy(1))?);
+        }
+        Ok(())
     }
 
     fn busy(&self, retry_after_s: u64) -> AppError {
@@ -179,7 +181,7 @@ impl WorkPlaces {
         bytes: usize,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<(T, Held), ApiError> {
-        self.place()?;
+        self.place().await?;
         let room = if bytes > LARGE_BYTES { Room::Large } else { Room::Small };
         let held = self.memory(room, bytes).await?;
         let waiting = self.cores.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
