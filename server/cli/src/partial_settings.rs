@@ -36,7 +36,7 @@ pub(crate) struct PartialSettings {
     #[arg(long, env = "SKYGLOW_NO_DEMO", value_parser = BoolishValueParser::new(), value_name = "BOOL",
           num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub(crate) no_demo: Option<bool>,
-    /// Requests worked on at a time; more are answered 503 [default: 128]
+    /// Requests that make something, those that wait for their turn included; more are answered 503 [default: 128]
     #[arg(long, env = "SKYGLOW_CONCURRENT_REQUESTS", value_name = "N", help_heading = "Limits")]
     pub(crate) concurrent_requests: Option<usize>,
     /// Longest time for one answer, seconds; then 503 [default: 30]

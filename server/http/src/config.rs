@@ -35,7 +35,8 @@ impl LoggedAddress {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct HttpConfig {
-    /// Requests to the API that are worked on at a time; more are answered 503.
+    /// Requests to the API that make something, a quarter of them worked on and the others waiting for their turn; more are answered
+    /// 503.
     pub concurrent_requests: usize,
     /// Longest time for one answer, seconds; then 503.
     pub request_timeout_s: f64,
