@@ -177,7 +177,9 @@ mod tests {
     fn ended_jobs_make_room_for_others() {
         let jobs = Jobs::default();
         for number in 0..MAX_JOBS as u64 {
-            let id = jobs.begin(Party::V6(number / 8 << 8 | number / 16 << 16), Arc::default()).unwrap();
+            let id = jobs
+                .begin(Party::V6((number / 8) * 0x100 + (number / 16) * 0x1_0000), Arc::default())
+                .unwrap();
             jobs.end(&id, Outcome { status: StatusCode::BAD_REQUEST, ..Outcome::default() });
         }
         assert!(jobs.begin(Party::V4(7), Arc::default()).is_ok());

@@ -36,7 +36,7 @@ async fn said(server: &Server, request: &str) -> String {
     stream.write_all(request.as_bytes()).await.unwrap();
     let mut answer = String::new();
     let read = stream.read_to_string(&mut answer);
-    tokio::time::timeout(Duration::from_secs(10), read).await.expect("the connection must end").unwrap();
+    tokio::time::timeout(Duration::from_secs(10), read).await.unwrap().unwrap();
     answer
 }
 
