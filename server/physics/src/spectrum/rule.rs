@@ -119,10 +119,11 @@ mod tests {
     use proptest::prelude::*;
 
     /// Every lamp as every response sees it, behind skies whose optical depth and scattering follow the laws of clean air and
-    /// haze: within 0.2 % of the 5 nm integral of the sky itself, which no cubic knows; within 1.2 % for responses to light beyond
-    /// the last node.
+    /// haze: within 0.5 % of the 5 nm integral of the sky itself, which no cubic knows; within 1.2 % for responses to light beyond
+    /// the first and the last node.
     #[test]
     fn rules_are_near_the_full_integral() {
+        let mut missed = Vec::new();
         for lamp in LampSpectrum::ALL {
             let light = lamp.spectrum();
             for response in Response::ALL {
@@ -141,12 +142,18 @@ mod tests {
                     let exact = light.product(&curve).integral_with(&Spectrum::from_fn(sky));
                     let found = rule.value(crate::spectrum::NODES_NM.map(sky));
                     let error = found / exact - 1.0;
-                    let reaches_far = matches!(response, Response::JohnsonR | Response::Sqm | Response::Dnb);
-                    let limit = if reaches_far { 1.2e-2 } else { 2e-3 };
-                    assert!(error.abs() < limit, "{} {}: {error:.5}", lamp.name(), response.name());
+                    let reaches_far = !matches!(
+                        response,
+                        Response::Photopic | Response::Scotopic | Response::JohnsonV | Response::Melanopic
+                    );
+                    let limit = if reaches_far { 1.2e-2 } else { 5e-3 };
+                    if error.abs() > limit {
+                        missed.push(format!("{} {}: {error:.5}", lamp.name(), response.name()));
+                    }
                 }
             }
         }
+        assert_eq!(missed, Vec::<String>::new());
     }
 
     proptest! {
