@@ -6,9 +6,9 @@ use skyglow_physics::spectrum::{Colour, LampSpectrum, Response, SpectralRule};
 /// A table of the lamps whose spectra are known: temperature, scotopic ratio, lumens per DNB watt, and the points of the Gauss rule of
 /// each response.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub(crate) struct Arguments {}
 
-pub fn run(_: &Arguments) -> Outcome {
+pub(crate) fn run(_: &Arguments) -> Outcome {
     let names: Vec<&str> = Response::ALL.iter().map(|response| response.name()).collect();
     println!("| lamp | K | scotopic/photopic | lm per DNB watt | points of {} |", names.join(", "));
     println!("|---|---|---|---|---|");
