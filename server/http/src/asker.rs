@@ -69,6 +69,12 @@ impl Asker {
         *self.place.lock().unwrap_or_else(PoisonError::into_inner) = Some(place);
     }
 
+    /// Gives its place to others.
+    pub(crate) fn leave_place(&self) {
+        let place = self.place.lock().unwrap_or_else(PoisonError::into_inner).take();
+        drop(place);
+    }
+
     /// Work that is done for it.
     pub(crate) fn work(&self) -> Arc<Work> {
         Arc::clone(&self.work)

@@ -67,6 +67,7 @@ pub(crate) struct WorkPlaces {
     /// Bytes that there are for all work.
     most_bytes: u64,
     cores: Arc<Semaphore>,
+    large: Arc<FairQueue>,
     influences: Arc<FairQueue>,
     plans: Arc<FairQueue>,
     maps: Arc<FairQueue>,
@@ -91,7 +92,8 @@ impl WorkPlaces {
         Self {
             source,
             metrics,
-            places: FairQueue::new(worked_on, config.concurrent_requests - worked_on, unlimited),
+            places: FairQueue::new(worked_on, config.concurrent_requests - worked_on, Arc::clone(&unlimited)),
+            large: FairQueue::new(cores.max(AT_ONCE), waiting, unlimited),
             memory,
             most_bytes: config.memory_budget(),
             cores: Arc::new(Semaphore::new(2 * cores)),
@@ -181,14 +183,22 @@ impl WorkPlaces {
         bytes: usize,
         work: impl FnOnce(&dyn SkySource) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<(T, Held), ApiError> {
-        self.place().await?;
-        let room = if bytes > LARGE_BYTES { Room::Large } else { Room::Small };
+        // What is large waits for memory: the place is for others meanwhile.
+        let (room, turn) = if bytes > LARGE_BYTES {
+            asker::current().leave_place();
+            let waiting =
+                self.large.turn(asker::party()).instrument(tracing::info_span!("wait for its turn"));
+            (Room::Large, Some(waiting.await.map_err(|_: Crowded| self.busy(5))?))
+        } else {
+            self.place().await?;
+            (Room::Small, None)
+        };
         let held = self.memory(room, bytes).await?;
         let waiting = self.cores.clone().acquire_owned().instrument(tracing::info_span!("wait for a core"));
         let core = waiting.await.map_err(ApiError::internal)?;
         self.blocking(move |source| {
             let result = work(source);
-            drop(core);
+            drop((core, turn));
             result.map(|made| (made, held))
         })
         .await
