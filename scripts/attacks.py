@@ -436,8 +436,8 @@ class Part:
         if not is_fine:
             self.wrong.append(what)
 
-    def under(self, *attacks, seconds=None, judged=("sky", "tile", "304", "influence")):
-        """Another user, quiet and then under attacks; `judged` are the kinds of requests that must be answered, in good time."""
+    def under(self, *attacks, seconds=None):
+        """Another user, quiet and then under attacks: whatever they ask for must be answered, in good time."""
         seconds = seconds or OPTIONS.seconds
         port = self.server.port
         if "quiet" not in self.report:
@@ -452,8 +452,7 @@ class Part:
             attack.join(seconds + 120)
             if attack.is_alive():
                 attack.kill()
-        for kind in judged:
-            answers = self.report["attacked"][kind]
+        for kind, answers in self.report["attacked"].items():
             slow = [f"{name} {answers[name]} s" for name, most in (("median_s", OPTIONS.median), ("worst_s", OPTIONS.worst))
                     if answers[name] is None or answers[name] > most]
             self.check(not slow, f"{kind} of another user: {', '.join(slow)}")
@@ -612,7 +611,7 @@ def flip(path):
 def f9(part):
     part.start()
     # More than there are places ask for new pictures: some of what is new is refused, with Retry-After; what is cached is not.
-    part.under(crowd, judged=("tile", "304"))
+    part.under(crowd)
 
 
 def f10(part):
@@ -658,7 +657,7 @@ def everything(part):
     filling = multiprocessing.Process(target=fill_store, args=(port, OPTIONS.fill_seconds))
     filling.start()
     filling.join()
-    part.under(held_bodies, lists, long_plans, large_rasters, lit_upload, crowd, judged=("tile", "304"))
+    part.under(held_bodies, lists, long_plans, large_rasters, lit_upload, crowd)
 
 
 PARTS = {"F1": f1, "F2": f2, "F3": f3, "F4": f4, "F5": f5, "F6": f6, "F7": f7, "F8": f8, "F9": f9, "F10": f10, "ALL": everything}

@@ -288,7 +288,7 @@ impl IntoResponse for ApiError {
         match &self {
             ApiError::App(AppError::Internal { reason }) => tracing::error!(%reason, "internal error"),
             ApiError::App(AppError::SceneTooLarge { reason }) => {
-                tracing::error!(%reason, "a scene is not opened")
+                tracing::error!(%reason, "a scene is too large")
             }
             ApiError::App(AppError::Storage { reason }) => tracing::error!(%reason, "nothing can be kept"),
             _ => {}

@@ -23,15 +23,27 @@ use skyglow_physics::Panorama;
 use skyglow_scene::{ChangeId, SceneId};
 use std::{
     future::Future,
+    ops::Deref,
     sync::{Arc, OnceLock},
     time::Duration,
 };
 use tokio::sync::Semaphore;
 use tracing::Instrument;
 
-/// The shared state.
+/// The shared state: a handle, for every middleware and handler of every request has its own.
 #[derive(Clone)]
-pub struct AppState {
+pub struct AppState(Arc<SharedState>);
+
+impl Deref for AppState {
+    type Target = SharedState;
+
+    fn deref(&self) -> &SharedState {
+        &self.0
+    }
+}
+
+/// What all handles share.
+pub struct SharedState {
     /// The program behind.
     pub source: Arc<dyn SkySource>,
     /// Who may do more than read.
@@ -94,7 +106,7 @@ const ANSWER_TIME_TO_LIVE: Duration = Duration::from_secs(600);
 const PART_WAITED_FOR: f64 = 0.8;
 /// Bytes that finding a map of the zenith's brightness takes, about.
 const BRIGHTNESS_BYTES: usize = 32 << 20;
-/// Bytes that finding influences takes for each lit pixel of a scene, about.
+/// Bytes that finding influences takes for each lit pixel within reach, about.
 const BYTES_PER_INFLUENCE: usize = 64;
 /// Part of the memory for work that answers may take while they are sent which were not counted when they were made.
 const SHARE_OF_SENDING: u64 = 4;
@@ -103,9 +115,9 @@ const SHARE_OF_A_PARTY: u64 = 8;
 /// Bytes that a cached sky takes, about.
 const SKY_BYTES: u64 = 4 * Panorama::LEN as u64 + 2048;
 
-/// Bytes that finding the influences of all lights of a scene takes, about.
-pub(crate) fn influence_bytes(view: &SceneView) -> usize {
-    usize::try_from(view.metadata().lit_pixels).unwrap_or(usize::MAX).saturating_mul(BYTES_PER_INFLUENCE)
+/// Bytes that finding so many influences takes, about.
+pub(crate) fn influence_bytes(count: u64) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX).saturating_mul(BYTES_PER_INFLUENCE)
 }
 
 impl AppState {
@@ -144,7 +156,7 @@ impl AppState {
         let sending = [u64::MAX, config.memory_budget() / SHARE_OF_SENDING]
             .map(|bytes| Budget::new(bytes, share, metrics.sending_bytes.clone()));
         let work = Arc::new(WorkPlaces::new(source.clone(), metrics.clone(), &config));
-        Self {
+        Self(Arc::new(SharedState {
             source,
             access: Arc::new(access),
             upload_permits: Arc::new(Semaphore::new(1)),
@@ -160,7 +172,7 @@ impl AppState {
             brightnesses,
             brightness_progress: Progress::default(),
             openapi: Arc::default(),
-        }
+        }))
     }
 
     /// Runs something that may read files or compute for long, off the async threads.
@@ -318,7 +330,7 @@ impl AppState {
     ) -> Result<Arc<InfluenceMap>, ApiError> {
         let find = async move {
             let metrics = self.metrics.clone();
-            let bytes = influence_bytes(&view);
+            let bytes = influence_bytes(view.max_lit_pixels_around(request.sky.place));
             let found = self.work.long(Lane::Influence, bytes, move |source, work| {
                 metrics.count_influences();
                 Ok(Arc::new(source.influence(&request, &view, &|done| work.note(done))?))

@@ -124,17 +124,8 @@ impl WorkPlaces {
         AppError::Busy { retry_after_s }
     }
 
-    /// Memory for work, in the order of asking. What takes more than there is for all work is refused.
+    /// Memory for work, in the order of asking.
     async fn memory(&self, room: Room, bytes: usize) -> Result<Held, ApiError> {
-        if bytes as u64 > self.most_bytes {
-            let [needed, most] = [bytes as u64, self.most_bytes].map(|bytes| bytes.div_ceil(1 << 20));
-            return Err(ApiError::App(AppError::SceneTooLarge {
-                reason: format!(
-                    "this takes about {needed} MiB for the lights of its scene, and {most} MiB are there for all requests \
-                     (memory_budget_bytes)"
-                ),
-            }));
-        }
         let held =
             self.memory[room as usize].hold(bytes).instrument(tracing::info_span!("wait for memory")).await;
         held.ok_or_else(|| ApiError::internal("the budget of memory is closed"))
@@ -236,7 +227,7 @@ impl WorkPlaces {
     /// Runs what takes long, within so many bytes of memory, in its turn; it is given up when nobody waits for it any more.
     ///
     /// # Errors
-    /// As [`Self::blocking`], [`AppError::Busy`] where too many wait, and [`ApiError::TooManyRequests`] for a client that had more
+    /// As [`Self::blocking`], [`AppError::SceneTooLarge`] for more than there is for all, [`AppError::Busy`] where too many wait, and [`ApiError::TooManyRequests`] for a client that had more
     /// than its time.
     pub(crate) async fn long<T: Send + 'static>(
         &self,
@@ -244,6 +235,14 @@ impl WorkPlaces {
         bytes: usize,
         work: impl FnOnce(&dyn SkySource, &Work) -> Result<T, ApiError> + Send + 'static,
     ) -> Result<(T, Held), ApiError> {
+        if bytes as u64 > self.most_bytes {
+            let [needed, most] = [bytes as u64, self.most_bytes].map(|bytes| bytes.div_ceil(1 << 20));
+            let reason = format!(
+                "this takes about {needed} MiB for the pixels of its scene, and {most} MiB are there for all requests \
+                 (memory_budget_bytes)"
+            );
+            return Err(AppError::SceneTooLarge { reason }.into());
+        }
         let party = asker::party();
         self.shares.check(party, Instant::now()).map_err(|wait_s| {
             self.metrics.count_refused("work");

@@ -27,6 +27,20 @@ const MAX_LOOKS: usize = 5;
 const PART_OF_INFLUENCES: f64 = 0.4;
 const PART_BEFORE_LOOKS: f64 = 0.5;
 
+impl PlanRequest {
+    /// Influences of pixels that are found for it at a time, at most: a plan of several sites with more is refused.
+    pub fn max_influences(&self, view: &SceneView) -> u64 {
+        let sites = self.sites();
+        let around = sites.iter().map(|site| view.max_lit_pixels_around(site.sky.place));
+        let (sum, most) =
+            around.fold((0_u64, 0), |(sum, most), one| (sum.saturating_add(one), one.max(most)));
+        match sites.len() {
+            0 | 1 => sum,
+            count => sum.min(((MAX_INFLUENCES / count) as u64).saturating_add(most)),
+        }
+    }
+}
+
 impl Observatory {
     /// [`Self::plan_in`] of the scene of the first site as it is now.
     ///
