@@ -531,12 +531,18 @@ def f3(part):
     part.check(status == 200, f"what another user stored is answered with {status}")
 
 
-def f4(part):
+def start_full(part):
+    """A server with a second scene and a full store."""
     port = part.start()
     upload(port, "small", "small.tif", geotiff(64, 5.0))
     filling = multiprocessing.Process(target=fill_store, args=(port, OPTIONS.fill_seconds))
     filling.start()
     filling.join()
+    return port
+
+
+def f4(part):
+    port = start_full(part)
     stored = [f for f in (part.folder / "data").rglob("*") if f.is_file() and "scenes" not in f.relative_to(part.folder / "data").parts[:1]]
     kept_mb = sum(f.stat().st_size for f in stored) / 1e6
     begun = time.monotonic()
@@ -652,11 +658,7 @@ def f10(part):
 
 
 def everything(part):
-    port = part.start()
-    upload(port, "small", "small.tif", geotiff(64, 5.0))
-    filling = multiprocessing.Process(target=fill_store, args=(port, OPTIONS.fill_seconds))
-    filling.start()
-    filling.join()
+    start_full(part)
     part.under(held_bodies, lists, long_plans, large_rasters, lit_upload, crowd)
 
 

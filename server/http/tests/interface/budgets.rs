@@ -301,3 +301,18 @@ async fn long_work_can_be_a_job() {
     until("it is given up", async || long_work(&server) == 0).await;
     assert_eq!((cancel().await.as_u16(), server.answer(&job).await.status().as_u16()), (404, 404));
 }
+
+/// What takes more memory than there is for all requests is refused before it begins, and says so.
+#[tokio::test]
+async fn more_than_all_memory_is_refused() {
+    let server = Server::with(HttpConfig { memory_budget_bytes: 32, ..HttpConfig::default() }).await;
+    let answer = server.answer(&format!("{INFLUENCE}?{PLACE}")).await;
+    assert_eq!(answer.status(), 503);
+    let problem: serde_json::Value = answer.json().await.unwrap();
+    assert_eq!(problem["type"], "/problems/scene-too-large");
+    assert_eq!(server.fake.long_work.load(Ordering::SeqCst), 0);
+    // With the memory of this machine it begins.
+    let answer = Server::start().await.answer(&format!("{INFLUENCE}?{PLACE}")).await;
+    let problem: serde_json::Value = answer.json().await.unwrap();
+    assert_ne!(problem["type"], "/problems/scene-too-large");
+}
