@@ -1,5 +1,5 @@
 #!/bin/sh
-# A client generated from the server's OpenAPI document by openapi-python-client (from PyPI, into the build folder) calls every
+# A client generated from the server's OpenAPI document by openapi-python-client (installed into the build folder) calls every
 # operation of a running server: what generators make of the document must work.
 set -eu
 cd "$(dirname "$0")/.."

@@ -6,15 +6,16 @@ use crate::{
     document::{self, Document},
     error::ApiError,
     middleware::{
-        RateLimiter, StorageQuota, answer_ranges, catch_panic, find_public_address, limit_rate,
-        limit_sending, limit_storage, limit_time, observe, problems_only, read_body, refuse_stray_bodies,
-        require_host, respond_async, share_across_origins, tag_encodings,
+        StorageQuota, answer_ranges, catch_panic, find_public_address, limit_rate, limit_sending,
+        limit_storage, limit_time, observe, problems_only, read_body, refuse_stray_bodies, require_host,
+        respond_async, share_across_origins, tag_encodings,
     },
     routes::{
         atmospheres, docs, health, influence, jobs, layers, panorama, plans, problems, scenarios, scenes,
         site, sky, tilejson, tiles, uploads, viewer,
     },
     state::AppState,
+    token_buckets::TokenBuckets,
 };
 use axum::{
     Router,
@@ -106,7 +107,8 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         // The cell is new, so this sets it.
         let _ = state.openapi.set(text);
     }
-    let limiter = Arc::new(RateLimiter::new(config.requests_per_second, config.request_burst));
+    let limiter =
+        Arc::new(TokenBuckets::new("requests", config.requests_per_second, f64::from(config.request_burst)));
     let quota = Arc::new(StorageQuota::new(config.kept_per_day));
     let (api, _) = api().split_for_parts();
     let api = api

@@ -3,7 +3,7 @@
 
 use crate::{
     party::{Party, Tier},
-    work_shares::WorkShares,
+    token_buckets::TokenBuckets,
 };
 use std::{
     cmp::Ordering,
@@ -21,7 +21,7 @@ const HALF_LIFE_S: f64 = 60.0;
 pub(crate) struct FairQueue {
     places: usize,
     most_waiting: usize,
-    shares: Arc<WorkShares>,
+    shares: Arc<TokenBuckets>,
     inner: Mutex<Inner>,
 }
 
@@ -66,7 +66,7 @@ impl Drop for Place<'_> {
 
 impl FairQueue {
     /// So many places, and so many who may wait for one.
-    pub(crate) fn new(places: usize, most_waiting: usize, shares: Arc<WorkShares>) -> Arc<Self> {
+    pub(crate) fn new(places: usize, most_waiting: usize, shares: Arc<TokenBuckets>) -> Arc<Self> {
         Arc::new(Self { places, most_waiting, shares, inner: Mutex::default() })
     }
 
@@ -194,7 +194,7 @@ mod tests {
     use std::time::Duration;
 
     fn queue(places: usize, most_waiting: usize) -> Arc<FairQueue> {
-        FairQueue::new(places, most_waiting, Arc::new(WorkShares::new(0.0, 0.0)))
+        FairQueue::new(places, most_waiting, Arc::new(TokenBuckets::new("work", 0.0, 0.0)))
     }
 
     /// Many networks of one household, each with one waiting, leave room for somebody else.

@@ -27,9 +27,9 @@ pub mod routes;
 pub mod serve;
 mod shared;
 pub mod state;
+mod token_buckets;
 pub mod trust;
 mod work_places;
-mod work_shares;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_with_access};

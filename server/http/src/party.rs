@@ -1,5 +1,6 @@
 //! Who asks, for fair shares: an address and the networks around it, a known client, the operator.
 
+use skyglow_scene::NETWORK_TIERS;
 use std::net::IpAddr;
 
 /// Whom a share belongs to.
@@ -40,9 +41,10 @@ impl Party {
     /// The party and the networks around it, from the inside out: of IPv6 /64, /56 (a household) and /48 (a site).
     pub(crate) fn tiers(self) -> [Tier; 3] {
         match self {
-            Self::V6(network) => {
-                [(0, self), (1, Self::V6(network >> 8 << 8)), (2, Self::V6(network >> 16 << 16))]
-            }
+            Self::V6(network) => [0_u8, 1, 2].map(|tier| {
+                let bits = 64 - NETWORK_TIERS[2 - usize::from(tier)];
+                (tier, Self::V6(network >> bits << bits))
+            }),
             other => [0, 1, 2].map(|tier| (tier, other)),
         }
     }

@@ -8,7 +8,7 @@ use crate::{
     error::ApiError,
     fair::{Crowded, FairQueue},
     metrics::Metrics,
-    work_shares::WorkShares,
+    token_buckets::TokenBuckets,
 };
 use axum::body::Bytes;
 use skyglow_app::{error::AppError, source::SkySource};
@@ -73,7 +73,7 @@ pub(crate) struct WorkPlaces {
     maps: Arc<FairQueue>,
     paintings: Arc<FairQueue>,
     /// Time for long work by client.
-    pub(crate) shares: Arc<WorkShares>,
+    pub(crate) shares: Arc<TokenBuckets>,
 }
 
 impl WorkPlaces {
@@ -83,12 +83,13 @@ impl WorkPlaces {
             Budget::new(bytes, bytes, metrics.work_bytes.clone())
         });
         let cores = std::thread::available_parallelism().map_or(2, |cores| cores.get());
-        let shares = Arc::new(WorkShares::new(config.work_per_minute_s, config.work_burst_s));
+        let shares =
+            Arc::new(TokenBuckets::new("work-seconds", config.work_per_minute_s / 60.0, config.work_burst_s));
         let waiting = (config.concurrent_requests / PART_THAT_WAITS).max(1);
         let queue = |places, waiting| FairQueue::new(places, waiting, Arc::clone(&shares));
         let worked_on = (config.concurrent_requests / PART_WORKED_ON).max(1);
         // Short work counts in nobody's time for long work.
-        let unlimited = Arc::new(WorkShares::new(0.0, 0.0));
+        let unlimited = Arc::new(TokenBuckets::new("work", 0.0, 0.0));
         Self {
             source,
             metrics,

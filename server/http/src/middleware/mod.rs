@@ -21,7 +21,7 @@ pub use host::require_host;
 pub use observe::observe;
 pub use public_address::find_public_address;
 pub use ranges::answer_ranges;
-pub use rate_limit::{KnownClient, RateLimiter, limit_rate};
+pub use rate_limit::{KnownClient, limit_rate};
 pub use refusals::{catch_panic, problems_only, tag_encodings};
 pub use respond_async::respond_async;
 pub use sending::limit_sending;

@@ -1,10 +1,12 @@
 //! A storage quota for each client address and the networks around it: what one client stores pushes out what others stored.
 
-use super::{body::BodyLength, cors::is_listed, rate_limit::RateLimiter};
+use super::{body::BodyLength, cors::is_listed};
 use crate::{
     access::Client,
     error::{ApiError, TookTooLong},
+    party::Party,
     state::AppState,
+    token_buckets::TokenBuckets,
     trust::{PublicAddress, client_address},
 };
 use axum::{
@@ -14,9 +16,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use moka::sync::Cache;
-use skyglow_scene::{NETWORK_TIERS, network_of};
 use std::{
-    net::IpAddr,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -25,8 +25,6 @@ use std::{
 const SCENARIO_BYTES: f64 = 16_384.0;
 /// What a plan is charged before it is known: who goes away before the answer has had it stored all the same.
 const PLAN_DEPOSIT: f64 = 8.0;
-/// Shares that the networks of [`NETWORK_TIERS`] have together.
-const TIER_FACTORS: [u32; NETWORK_TIERS.len()] = [4, 2, 1];
 const DAY: Duration = Duration::from_secs(86_400);
 /// Scenarios and plans of a day that are remembered as counted.
 const MAX_COUNTED: u64 = 100_000;
@@ -37,8 +35,7 @@ pub struct StoredLength(pub usize);
 
 /// The shares of all clients, and what was counted today.
 pub struct StorageQuota {
-    /// By the networks of [`NETWORK_TIERS`].
-    tiers: [RateLimiter; NETWORK_TIERS.len()],
+    shares: TokenBuckets,
     counted: Cache<HeaderValue, ()>,
 }
 
@@ -46,42 +43,9 @@ impl StorageQuota {
     /// Shares of so many scenarios a day; 0 for no limit.
     pub fn new(per_day: u32) -> Self {
         // Half of it at once, and half over the day, is all of it in any day.
-        let half = per_day.div_ceil(2);
-        let tier = |factor: u32| {
-            RateLimiter::new(
-                f64::from(half) * f64::from(factor) / DAY.as_secs_f64(),
-                half.saturating_mul(factor),
-            )
-        };
+        let half = f64::from(per_day.div_ceil(2));
         let counted = Cache::builder().max_capacity(MAX_COUNTED).time_to_live(DAY).build();
-        Self { tiers: TIER_FACTORS.map(tier), counted }
-    }
-
-    /// Takes a share of an address and of the networks around it, if all have it.
-    ///
-    /// # Errors
-    /// Seconds until they have.
-    fn take(&self, address: IpAddr, count: f64, now: Instant) -> Result<(), f64> {
-        for (tier, limiter) in self.tiers.iter().enumerate() {
-            if let Err(wait_s) = limiter.take_some(network_of(address, tier), count, now) {
-                let taken = self.tiers.iter().enumerate().take(tier);
-                taken.for_each(|(tier, limiter)| limiter.give_back(network_of(address, tier), count));
-                return Err(wait_s);
-            }
-        }
-        Ok(())
-    }
-
-    /// Charges what turned out to be more or less than was taken.
-    fn settle(&self, address: IpAddr, taken: f64, count: f64) {
-        for (tier, limiter) in self.tiers.iter().enumerate() {
-            let network = network_of(address, tier);
-            if count > taken {
-                limiter.charge(network, count - taken);
-            } else {
-                limiter.give_back(network, taken - count);
-            }
-        }
+        Self { shares: TokenBuckets::new("stored", half / DAY.as_secs_f64(), half), counted }
     }
 
     /// What an answer counts: nothing where it is a refusal or what it names was counted today, else its length; `deposit` where
@@ -128,17 +92,20 @@ pub async fn limit_storage(
     }
     let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));
     let address = client_address(&request, &state.config.trusted_proxies).filter(|_| is_anyone);
-    let Some(address) = address else { return next.run(request).await };
+    let Some(party) = address.map(|address| Party::of_address(Some(address))) else {
+        return next.run(request).await;
+    };
     let length = request.extensions().get::<BodyLength>().map_or(0, |length| length.0);
     let of_body = (length as f64 / SCENARIO_BYTES).ceil().max(1.0);
     let deposit = of_body.max(least);
-    if let Err(wait_s) = quota.take(address, deposit, Instant::now()) {
+    if let Err(wait_s) = quota.shares.take(party, deposit, Instant::now()) {
         state.metrics.count_refused("keeping");
         return ApiError::StorageQuotaUsed { retry_after_s: wait_s.ceil() as u64 }.into_response();
     }
     let response = next.run(request).await;
     let count = quota.count(&response, of_body, deposit);
-    quota.settle(address, deposit, count);
+    // What turned out to be more or less than was taken.
+    quota.shares.charge(party, count - deposit, Instant::now());
     response
 }
 
@@ -193,13 +160,13 @@ mod tests {
     #[test]
     fn what_was_kept_beyond_the_share_is_waited_for() {
         let quota = StorageQuota::new(20);
-        let client = "10.0.0.1".parse().unwrap();
+        let client = Party::V4(1);
         let now = Instant::now();
-        quota.take(client, 1.0, now).unwrap();
-        quota.settle(client, 0.0, 12.0);
-        let wait_s = quota.take(client, 1.0, now).unwrap_err();
+        quota.shares.take(client, 1.0, now).unwrap();
+        quota.shares.charge(client, 12.0, now);
+        let wait_s = quota.shares.take(client, 1.0, now).unwrap_err();
         assert!((wait_s - 4.0 * 8640.0).abs() < 1.0, "{wait_s}");
-        assert!(quota.take(client, 1.0, now + Duration::from_secs(5 * 8640)).is_ok());
+        assert!(quota.shares.take(client, 1.0, now + Duration::from_secs(5 * 8640)).is_ok());
     }
 
     /// Twenty /64 of one household have twice one's share together, and its /48 four times; others have theirs.
@@ -208,9 +175,8 @@ mod tests {
         let quota = StorageQuota::new(20);
         let now = Instant::now();
         let had = |address: &dyn Fn(u32) -> String| {
-            let had =
-                (0..400).filter(|number| quota.take(address(*number).parse().unwrap(), 1.0, now).is_ok());
-            had.count()
+            let party = |number| Party::of_address(Some(address(number).parse().unwrap()));
+            (0..400).filter(|number| quota.shares.take(party(*number), 1.0, now).is_ok()).count()
         };
         assert_eq!(had(&|number| format!("2001:db8:7:ff{:02x}::1", 0x40 + number % 20)), 20);
         assert_eq!(

@@ -28,6 +28,6 @@ pub use edits::{Change, ChangeStep, Edit, MAX_EDITS, PixelFactors};
 pub use listing::{Cursor, Listed, Outline, Page, Viewer};
 pub(crate) use overlay::Base;
 pub use overlay::ChangeSummary;
-pub use posting::{Account, NETWORK_TIERS, Owner, Posting, network_of};
+pub use posting::{Account, NETWORK_TIERS, Owner, Posting};
 pub use store::ChangeStore;
 pub use stored::{ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};

@@ -20,7 +20,7 @@ pub enum Account {
 }
 
 /// The network of an address that a tier of [`NETWORK_TIERS`] counts by. An address of IPv4 is its own network.
-pub fn network_of(address: IpAddr, tier: usize) -> IpAddr {
+fn network_of(address: IpAddr, tier: usize) -> IpAddr {
     match (address.to_canonical(), NETWORK_TIERS.get(tier)) {
         (IpAddr::V6(address), Some(prefix)) => {
             IpAddr::V6(Ipv6Addr::from(u128::from(address) & u128::MAX << (128 - prefix)))
