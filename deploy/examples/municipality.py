@@ -69,7 +69,7 @@ def main():
 
     # What if all were amber and shielded, with the plan upon it?
     square = [[8.5, 46.0], [9.2, 46.0], [9.2, 46.4], [8.5, 46.4], [8.5, 46.0]]
-    edit = {"polygon": {"type": "Polygon", "coordinates": [square]}, "lamp": "pc_amber", "emission": "shielded"}
+    edit = {"polygon": {"type": "Polygon", "coordinates": [square]}, "lamp": "pc_amber", "emission": "full_cutoff"}
     amber = ask("POST", f"{SCENE}/scenarios", json={"title": "amber", "base": plan["id"], "edits": [edit]}).json()
     place = {"lat": 46.30, "lon": 8.79}
     for name, scenario in {"today": None, "plan": plan["id"], "plan and amber": amber["id"]}.items():

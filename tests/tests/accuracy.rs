@@ -146,7 +146,7 @@ fn each_zenith_is_that_of_its_panorama() {
             turbidity,
             scattering: Scattering::Multiple,
             lamp: LampPreset::Mixed.lamp(),
-            emission: EmissionMix::garstang(),
+            emission: EmissionMix::garstang().into(),
             terrain_hides: true,
             max_places,
         };

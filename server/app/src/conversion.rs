@@ -3,11 +3,11 @@
 use crate::{
     error::AppError,
     format::rounded,
-    parameters::{ALTITUDE, BASIS, CLOUDS, HEIGHT, REGION, SCATTERING, SCENARIO, TURBIDITY},
+    parameters::{ALTITUDE, BASIS, CLOUDS, EMISSION_KEEP, HEIGHT, REGION, SCATTERING, SCENARIO, TURBIDITY},
     validation::{FieldError, ValidationCode, echo},
 };
 use skyglow_observatory::{ObservatoryError, ObserverHeight, SkyRequest};
-use skyglow_physics::GeoPoint;
+use skyglow_physics::{EmissionKeep, GeoPoint};
 use skyglow_render::{PackKind, RenderError};
 use skyglow_scene::{ChangeError, ChangeStoreError, Ground, SceneError};
 
@@ -137,6 +137,13 @@ impl From<ObservatoryError> for AppError {
     fn from(error: ObservatoryError) -> Self {
         match error {
             ObservatoryError::Render(error) => of_render(error),
+            ObservatoryError::Emission(error) => Self::parameter(
+                EMISSION_KEEP.name,
+                EmissionKeep::NadirRadiance.name().to_owned(),
+                "flux, or a scenario whose lights all have 0.01 or more of lambert".to_owned(),
+                error.to_string(),
+                ValidationCode::Conflict,
+            ),
             ObservatoryError::OutsideScene { .. } => Self::internal("a place was checked without a place"),
             ObservatoryError::EmptyRegion => Self::parameter(
                 REGION.name,

@@ -148,11 +148,17 @@ parameters! {
         allowed: "neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0",
         pattern: "^(neutral|hps|lps|pc_amber|led_3000k|led_4000k|metal_halide|mercury|mixed|[0-9.]+(,[0-9.]+){2})$",
     }, "mixed", false;
-    /// How lamps spread their light over the zenith angle.
+    /// How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`.
     EMISSION = "emission", Kind::Text {
-        allowed: "garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0",
-        pattern: "^(garstang|shielded|lambert|[0-9.]+(,[0-9.]+){2})$",
-    }, "garstang", false;
+        allowed: "modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0",
+        pattern: "^(modern_city|garstang_1986|full_cutoff|lambert|garstang|shielded|[0-9.]+(,[0-9.]+){2})$",
+    }, "modern_city", false;
+    /// Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon.
+    DIRECT_UPLIGHT = "direct_uplight", Kind::Number { minimum: 0.0, maximum: 1.0, unit: "" }, "", false;
+    /// Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission.
+    GROUND_REFLECTANCE = "ground_reflectance", Kind::Number { minimum: 0.0, maximum: 1.0, unit: "" }, "", false;
+    /// What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux.
+    EMISSION_KEEP = "emission_keep", Kind::Choice(&["flux", "nadir_radiance"]), "flux", false;
     /// Number of basis functions; the default is all that are resident, and no more can be had.
     BASIS = "basis", Kind::Integer { minimum: 1, maximum: MAX_BASIS_FUNCTIONS }, "", false;
     /// Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for.
@@ -264,11 +270,11 @@ parameter_sets! {
     PlaceParameters = [LAT, LON, SCENARIO];
     /// Those of a plan beside its body: what all its sites have in common, and how much of the answer is listed.
     PlanParameters = [
-        TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,
+        TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,
     ];
     /// The same, and how it is kept.
     PlanPostParameters = [
-        TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT, KEEP,
+        TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT, KEEP,
         LISTED, PINNED,
     ];
     /// Those of a scenario beside its body: how it is kept.
@@ -279,38 +285,38 @@ parameter_sets! {
     PlanListParameters = [LIMIT];
     /// Those of a sky.
     SkyParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO,
     ];
     /// Those of a sky that is summed over every light: it has no basis.
     ReferenceParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, CLOUDS, TERRAIN, SKY, SCENARIO,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, CLOUDS, TERRAIN, SKY, SCENARIO,
     ];
     /// Those of influences as a list.
     InfluenceParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SCENARIO, MEASURE, REGION, LIMIT,
     ];
     /// Those of influences as a raster or map tile: all pixels are shown.
     InfluenceRasterParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SCENARIO, MEASURE, REGION,
     ];
     /// Those of the zenith's brightness at every place.
-    BrightnessParameters = [TURBIDITY, SCATTERING, LAMP, EMISSION, TERRAIN, SCENARIO];
+    BrightnessParameters = [TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO];
     /// Those of a panorama's raw grid.
     GridParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO,
     ];
     /// Those of a panorama as a raster of radiance: what chooses colours means nothing there.
     RasterParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, WIDTH, HEIGHT_PX,
     ];
     /// Those of a panorama as a picture.
     PanoramaParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, WIDTH,
         HEIGHT_PX, LEGEND,
     ];

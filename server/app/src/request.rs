@@ -2,6 +2,7 @@
 
 mod area;
 mod brightness;
+mod emission;
 pub mod geojson;
 mod influence;
 mod keeping;
@@ -16,6 +17,7 @@ mod view;
 
 pub use area::{BoundedArea, other_format, without_byte_order_mark};
 pub use brightness::brightness;
+pub use emission::{EmissionBody, GarstangLawBody};
 pub use influence::{InfluenceBody, InfluenceListRequest, influence};
 pub use keeping::{Keeping, ListRequest, list_request};
 pub use plan::{PlanStoreRequest, plan, plan_limit};

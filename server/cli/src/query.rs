@@ -199,7 +199,7 @@ mod tests {
         let (sky, view) =
             skyglow_app::request::panorama(Some(&text), scene, &widest_facts(), Format::Png).unwrap();
         assert!((sky.place.latitude_deg() + 1.3).abs() < 1e-12);
-        assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
+        assert_eq!(sky.emission.mix().weights(), [0.25, 0.25, 0.5]);
         assert_eq!(view.options.sky, skyglow_display::Sky::Total);
     }
 

@@ -37,7 +37,7 @@ pub fn observatory(data: &Path, packs: &Path) -> Result<Observatory, JudgeError>
     Ok(Observatory::new(engine_of(tables, DeviceChoice::Cpu)?, manifests, data, 1))
 }
 
-/// All orders, two metres above the ground, terrain off.
+/// All orders, Garstang's lobes of 1986, two metres above the ground, terrain off.
 pub fn open_sky(scene: SceneId, place: GeoPoint, turbidity: Turbidity) -> SkyRequest {
     SkyRequest {
         scene,
@@ -48,7 +48,7 @@ pub fn open_sky(scene: SceneId, place: GeoPoint, turbidity: Turbidity) -> SkyReq
         scattering: Scattering::Multiple,
         cloud_base_m: None,
         lamp: LampPreset::Mixed.lamp(),
-        emission: EmissionMix::garstang(),
+        emission: EmissionMix::garstang().into(),
         basis: None,
         tolerance: None,
         terrain_hides: false,

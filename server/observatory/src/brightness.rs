@@ -7,7 +7,7 @@ use crate::{
     scene_view::SceneView,
 };
 use serde::Serialize;
-use skyglow_physics::{EmissionMix, GeoPoint, Lamp, Turbidity};
+use skyglow_physics::{Emission, GeoPoint, Lamp, Turbidity};
 use skyglow_render::RenderError;
 use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
@@ -37,8 +37,8 @@ pub struct BrightnessRequest {
     pub scattering: Scattering,
     /// The lamp.
     pub lamp: Lamp,
-    /// Where lamps send their light.
-    pub emission: EmissionMix,
+    /// Where lamps send their light, and what of them the satellite's radiance says.
+    pub emission: Emission,
     /// Whether terrain hides the low light of lamps behind it.
     pub terrain_hides: bool,
     /// Places at most; beyond, pixels share one by blocks.
@@ -147,7 +147,7 @@ impl Observatory {
             turbidity,
             scattering: request.scattering,
             cloud_base_m: None,
-            emission: request.emission,
+            emission: request.emission.mix(),
             flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
             basis: None,
         };
@@ -177,11 +177,11 @@ impl Observatory {
             let at_pack =
                 to_render(Turbidity::new(set.tables()[pack].turbidity).unwrap_or(request.turbidity));
             let kernel = |fixture: &skyglow_physics::Fixture| {
-                let of_fixture = RenderRequest {
-                    emission: fixture.emission(request.emission),
-                    flux_per_dnb_flux: fixture.flux_per_dnb_flux(&request.lamp),
-                    ..at_pack.clone()
-                };
+                let (emission, flux_per_dnb_flux) = request
+                    .emission
+                    .of_fixture(fixture, &request.lamp)
+                    .map_err(ObservatoryError::Emission)?;
+                let of_fixture = RenderRequest { emission, flux_per_dnb_flux, ..at_pack.clone() };
                 zenith_kernel(solver, &of_fixture, &range, hides)
             };
             let kernels: Vec<PlaceKernel> =

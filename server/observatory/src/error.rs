@@ -1,5 +1,6 @@
 //! What can go wrong between a question about a place and its answer.
 
+use skyglow_physics::PhysicsError;
 use skyglow_render::RenderError;
 use skyglow_scene::{ChangeError, ChangeStoreError, SceneError};
 use thiserror::Error;
@@ -10,6 +11,9 @@ pub enum ObservatoryError {
     /// The sky could not be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// Lights whose emission does not say their flux, where the radiance at the nadir is kept.
+    #[error(transparent)]
+    Emission(PhysicsError),
     /// A curve on the sky that holds no direction of the panorama grid, or hidden ones alone.
     #[error("the curve holds no visible direction of the sky; directions are 1.4 degrees apart")]
     EmptyRegion,

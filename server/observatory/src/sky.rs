@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use skyglow_physics::{
-    BAND_COUNT, EmissionMix, GeoPoint, Horizon, Lamp, LampPreset, Panorama, SkyQuantities, Turbidity,
+    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, Panorama, SkyQuantities, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
@@ -46,8 +46,8 @@ pub struct SkyRequest {
     pub cloud_base_m: Option<u32>,
     /// The lamp.
     pub lamp: Lamp,
-    /// Where lamps send their light.
-    pub emission: EmissionMix,
+    /// Where lamps send their light, and what of them the satellite's radiance says.
+    pub emission: Emission,
     /// Basis functions; None for all, or for as many as the tolerance needs.
     pub basis: Option<usize>,
     /// Relative difference that fewer functions may make where `basis` names no number; None for all functions.

@@ -5,7 +5,9 @@ use crate::{
     scene_view::SceneView,
     sky::{RenderContext, RenderedSky, SkyRequest},
 };
-use skyglow_physics::{Atmosphere, Fixture, Horizon, Lamp, LampPreset, SkyCover, SkyQuantities};
+use skyglow_physics::{
+    Atmosphere, Fixture, Horizon, Lamp, LampPreset, PhysicsError, SkyCover, SkyQuantities,
+};
 use skyglow_render::{
     PassTime,
     request::{RenderRequest, Rendered},
@@ -95,17 +97,21 @@ impl Surroundings {
         request: &SkyRequest,
         basis: &BasisChooser,
     ) -> Result<(Vec<RenderRequest>, Option<f64>), ObservatoryError> {
-        let part = |(fixture, polar): &FixtureLight| RenderRequest {
-            polar: Arc::clone(polar),
-            observer_altitude_m: self.altitude_m,
-            turbidity: request.turbidity,
-            scattering: request.scattering,
-            cloud_base_m: request.cloud_base_m,
-            emission: fixture.emission(request.emission),
-            flux_per_dnb_flux: fixture.flux_per_dnb_flux(&request.lamp),
-            basis: request.basis,
+        let part = |(fixture, polar): &FixtureLight| {
+            let (emission, flux_per_dnb_flux) = request.emission.of_fixture(fixture, &request.lamp)?;
+            Ok(RenderRequest {
+                polar: Arc::clone(polar),
+                observer_altitude_m: self.altitude_m,
+                turbidity: request.turbidity,
+                scattering: request.scattering,
+                cloud_base_m: request.cloud_base_m,
+                emission,
+                flux_per_dnb_flux,
+                basis: request.basis,
+            })
         };
-        let mut parts: Vec<RenderRequest> = self.lights.iter().map(part).collect();
+        let parts: Result<Vec<RenderRequest>, PhysicsError> = self.lights.iter().map(part).collect();
+        let mut parts = parts.map_err(ObservatoryError::Emission)?;
         let (None, Some(tolerance)) = (request.basis, request.tolerance) else {
             return Ok((parts, None));
         };

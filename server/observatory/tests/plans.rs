@@ -85,7 +85,7 @@ fn changed_lights_shine_as_in_a_sky_asked_so() {
     };
     let ratio = lumens(&request.lamp) / lumens(&lamp.to);
     let amber = Lamp { flux_per_dnb_flux: lamp.to.flux_per_dnb_flux.map(|flux| ratio * flux), ..lamp.to };
-    let of_west = SkyRequest { lamp: amber, emission: shade, ..in_scenario(&request, &only_west) };
+    let of_west = SkyRequest { lamp: amber, emission: shade.into(), ..in_scenario(&request, &only_west) };
     let wanted =
         sum(&panorama(&observatory, &of_west), &panorama(&observatory, &in_scenario(&request, &only_east)));
     let got = panorama(&observatory, &in_scenario(&request, &fitted));

@@ -2,7 +2,7 @@
 //!
 //! Each lobe integrates to 1 over the upper hemisphere and is zero at and below the horizon.
 
-use crate::error::PhysicsError;
+use crate::{emission_law::GarstangLaw, error::PhysicsError};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
 
@@ -110,17 +110,21 @@ impl EmissionMix {
                 ),
             });
         }
-        Ok(Self { weights: weights.map(|w| w / sum) })
+        Ok(Self::normalized(weights))
     }
 
-    /// Garstang's F = 0.15, G = 0.15: the default.
+    /// From weights of which it is known that [`Self::new`] takes them.
+    pub(crate) fn normalized(weights: [f64; LOBE_COUNT]) -> Self {
+        let sum: f64 = weights.iter().sum();
+        Self { weights: weights.map(|w| w / sum) }
+    }
+
+    /// Garstang's F = 0.15, G = 0.15 of 1986.
     pub fn garstang() -> Self {
-        let (f, g) = (0.15, 0.15);
-        let sum = g * (1.0 - f) + f;
-        Self { weights: [g * (1.0 - f) / sum, f / sum, 0.0] }
+        GarstangLaw::GARSTANG_1986.mix()
     }
 
-    /// `lambert` alone (also the preset `shielded`).
+    /// `lambert` alone.
     pub fn lambert() -> Self {
         Self { weights: [1.0, 0.0, 0.0] }
     }
@@ -130,15 +134,6 @@ impl EmissionMix {
         let mut weights = [0.0; LOBE_COUNT];
         weights[lobe.index()] = 1.0;
         Self { weights }
-    }
-
-    /// The preset of that name: `garstang`, `shielded` or `lambert`.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "garstang" => Some(Self::garstang()),
-            "shielded" | "lambert" => Some(Self::lambert()),
-            _ => None,
-        }
     }
 
     /// Weights in lobe order, summing to 1.
@@ -161,12 +156,6 @@ impl TryFrom<[f64; LOBE_COUNT]> for EmissionMix {
         // What was normalised once stays as it is, to the last bit.
         let is_normal = (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12;
         Ok(if is_normal { Self { weights } } else { mix })
-    }
-}
-
-impl Default for EmissionMix {
-    fn default() -> Self {
-        Self::garstang()
     }
 }
 
@@ -227,14 +216,6 @@ mod tests {
         }
         assert_eq!(Lobe::Oblique.intensity_per_sr(61f64.to_radians().cos()), 0.0);
         assert!(Lobe::Oblique.intensity_per_sr(30f64.to_radians().cos()) > 0.0);
-    }
-
-    #[test]
-    fn garstang_weights_follow_from_f_and_g() {
-        let weights = EmissionMix::garstang().weights();
-        assert!((weights[0] - 0.1275 / 0.2775).abs() < 1e-15);
-        assert!((weights[1] - 0.15 / 0.2775).abs() < 1e-15);
-        assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use serde::Serialize;
 use skyglow_observatory::{
     InfluenceMap, InfluenceRequest, Measure, ObserverHeight, RenderContext, SkyRequest,
 };
-use skyglow_physics::{EmissionMix, Lamp, LampPreset, Lobe};
+use skyglow_physics::{Emission, EmissionKeep, GarstangLaw, Lamp, LampPreset, Lobe};
 use skyglow_scene::{ChangeId, Ground, SceneMetadata};
 use utoipa::ToSchema;
 
@@ -46,24 +46,42 @@ impl From<Lamp> for LampAnswer {
     }
 }
 
-/// Weights of the emission lobes; they sum to 1.
+/// Where lights send their light that have no emission of their own. Weights of the lobes sum to 1.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct EmissionAnswer {
+    /// The preset's name, or null.
+    pub preset: Option<String>,
+    /// F of Garstang's law, the share of the lamps' light that goes above the horizon directly; null where weights were
+    /// given themselves.
+    pub direct_uplight: Option<f64>,
+    /// G of the law, the share of the rest that the ground sends back; null as `direct_uplight`.
+    pub ground_reflectance: Option<f64>,
     /// cos ψ / π.
     pub lambert: f64,
     /// Garstang's low-angle term.
     pub horizon: f64,
     /// Falchi's third function.
     pub oblique: f64,
+    /// What the satellite's radiance L says of every light: `flux` (π·L) or `nadir_radiance`.
+    #[schema(value_type = String)]
+    pub keep: EmissionKeep,
+    /// Flux per π·L: 1 with `flux`, 1/`lambert` with `nadir_radiance`.
+    pub flux_factor: f64,
 }
 
-impl From<EmissionMix> for EmissionAnswer {
-    fn from(mix: EmissionMix) -> Self {
+impl From<Emission> for EmissionAnswer {
+    fn from(emission: Emission) -> Self {
+        let (mix, law) = (emission.mix(), emission.law());
         let weights = mix.weights();
         Self {
+            preset: emission.name().map(str::to_owned),
+            direct_uplight: law.map(GarstangLaw::direct_uplight),
+            ground_reflectance: law.map(GarstangLaw::ground_reflectance),
             lambert: weights[Lobe::Lambert.index()],
             horizon: weights[Lobe::Horizon.index()],
             oblique: weights[Lobe::Oblique.index()],
+            keep: emission.keep(),
+            flux_factor: emission.flux_factor(),
         }
     }
 }

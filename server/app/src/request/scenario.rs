@@ -1,11 +1,12 @@
 //! Bodies of scenarios: where a scene is painted, and with what.
 
 use super::{
+    emission::EmissionBody,
     geojson::{BoundaryBody, polygons},
     influence::body_of,
     keeping::{Keeping, read_keeping},
     points::points_schema,
-    sky::{emission_of, lamp_of},
+    sky::lamp_of,
 };
 use crate::{
     error::AppError,
@@ -84,8 +85,9 @@ pub struct EditBody {
     /// Their new lamps: a preset's name or three fluxes, for all of them, or which are replaced by which; of added light what it
     /// is.
     pub lamp: Option<LampBody>,
-    /// Where they send their light from then on: a preset's name, or weights of lambert, horizon and oblique.
-    pub emission: Option<FixtureBody>,
+    /// Where they send their light from then on: a preset's name, weights of lambert, horizon and oblique, or shares of
+    /// Garstang's law. Their flux stays, or with `emission_keep=nadir_radiance` what the satellite sees.
+    pub emission: Option<EmissionBody>,
     /// Radiance added to every pixel, lit or dark, nW cm⁻² sr⁻¹: instead of `factor`.
     pub add_radiance_nw_cm2_sr: Option<f64>,
 }
@@ -108,7 +110,7 @@ pub struct BrushBody {
 pub enum FixtureBody {
     /// A preset.
     Name(String),
-    /// Of a lamp fluxes in R, G, B per flux that the satellite sees; of an emission weights of lambert, horizon and oblique.
+    /// Fluxes in R, G, B per flux that the satellite sees.
     Numbers([f64; 3]),
 }
 
@@ -182,9 +184,9 @@ fn read_edit(reader: &mut Reader, number: usize, body: &EditBody) -> Option<Edit
     let name = |part: &str| format!("edits[{number}].{part}");
     let area = read_area(reader, number, body);
     let emission = body.emission.as_ref().and_then(|body| {
-        let emission = emission_of(&body.text());
+        let emission = body.mix();
         if emission.is_none() {
-            reader.fail_body(&name("emission"), &"is no emission", &p::EMISSION.allowed());
+            reader.fail_body(&name("emission"), &"is no emission", &EmissionBody::allowed());
         }
         emission
     });
@@ -321,6 +323,7 @@ fn read_lamp(reader: &mut Reader, name: &str, body: &FixtureBody) -> Option<Lamp
 #[cfg(test)]
 mod tests {
     use super::*;
+    use skyglow_physics::GarstangLaw;
 
     fn read(body: &str) -> Result<Scenario, AppError> {
         scenario(None, body.as_bytes(), SceneId::parse("demo").unwrap()).map(|(scenario, _)| scenario)
@@ -343,12 +346,13 @@ mod tests {
                 {{{BRUSH}, "lamp": "led_3000k", "emission": "shielded"}},
                 {{{BRUSH}, "lamp": {{"from": "hps", "to": "led_4000k"}}}},
                 {{{BRUSH}, "lamp": {{"to": [1, 2, 3], "keep": "dnb_flux"}}, "emission": [1, 1, 0]}},
+                {{{BRUSH}, "emission": {{"direct_uplight": 0.05, "ground_reflectance": 0.6}}}},
                 {{{BRUSH}, "add_radiance_nw_cm2_sr": 20, "lamp": [0.4, 0.6, 0.2]}},
                 {{"polygon": {{"type": "Polygon", "coordinates": [[[7, 46], [8, 46], [8, 47], [7, 46]]]}}, "factor": 0}}
             ]}}"#
         );
         let scenario = read(&body).unwrap();
-        assert_eq!((scenario.edits.len(), scenario.title.as_deref()), (6, Some("LEDs")));
+        assert_eq!((scenario.edits.len(), scenario.title.as_deref()), (7, Some("LEDs")));
         let lamps: Vec<_> = scenario.edits.iter().map(|edit| edit.change.clone()).collect();
         let change = LampChange {
             from: Some(LampPreset::Hps),
@@ -356,8 +360,10 @@ mod tests {
             preserved: PreservedFlux::LuminousFlux,
         };
         assert_eq!(lamps[2], Change::Alter { factor: 1.0, lamp: Some(change), emission: None });
-        assert!(matches!(lamps[4], Change::Add { radiance_nw_cm2_sr: 20.0, lamp: Some(_), emission: None }));
-        assert!(matches!(scenario.edits[5].area, Area::Polygons(_)));
+        let law = GarstangLaw::new(0.05, 0.6).unwrap();
+        assert_eq!(lamps[4], Change::Alter { factor: 1.0, lamp: None, emission: Some(law.mix()) });
+        assert!(matches!(lamps[5], Change::Add { radiance_nw_cm2_sr: 20.0, lamp: Some(_), emission: None }));
+        assert!(matches!(scenario.edits[6].area, Area::Polygons(_)));
     }
 
     /// What cannot be meant is refused by the name of its part.
@@ -382,6 +388,9 @@ mod tests {
             (format!(r#"{{{BRUSH}, "lamp": {{"to": "hps", "keep": "calm"}}}}"#), "edits[0].lamp.keep"),
             (format!(r#"{{{BRUSH}, "lamp": {{"from": "hps", "to": "lps"}}, "add_radiance_nw_cm2_sr": 5}}"#), "edits[0].lamp"),
             (format!(r#"{{{BRUSH}, "emission": [-1, 0, 0]}}"#), "edits[0].emission"),
+            (format!(r#"{{{BRUSH}, "emission": {{"direct_uplight": 2}}}}"#), "edits[0].emission"),
+            (format!(r#"{{{BRUSH}, "emission": {{"direct_uplight": 0, "ground_reflectance": 0}}}}"#), "edits[0].emission"),
+            (format!(r#"{{{BRUSH}, "emission": {{"uplight": 0}}}}"#), "body"),
             (format!(r#"{{{BRUSH}, "factor": NaN}}"#), "body"),
             (format!(r#"{{{BRUSH}, "colour": "red"}}"#), "body"),
         ] {

@@ -1,5 +1,6 @@
 //! The parameters of a sky: where, in what air, under which lamps.
 
+use super::emission::read_emission;
 use crate::{
     facts::{KindFacts, SourceFacts},
     parameters as p,
@@ -8,7 +9,7 @@ use crate::{
 };
 use skyglow_display::Sky;
 use skyglow_observatory::{BrightnessRequest, ObserverHeight, SkyRequest};
-use skyglow_physics::{EmissionMix, GeoPoint, Lamp, LampPreset, Turbidity};
+use skyglow_physics::{Emission, GeoPoint, Lamp, LampPreset, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
 
@@ -32,7 +33,7 @@ pub(super) struct Conditions {
     scattering: Scattering,
     cloud_base_m: Option<u32>,
     lamp: Lamp,
-    emission: EmissionMix,
+    emission: Emission,
     basis: Option<usize>,
     tolerance: Option<f64>,
     terrain_hides: bool,
@@ -253,19 +254,4 @@ fn read_lamp(reader: &mut Reader) -> Lamp {
 pub(super) fn lamp_of(text: &str) -> Option<Lamp> {
     let preset = LampPreset::from_name(text).map(LampPreset::lamp);
     preset.or_else(|| Reader::three_numbers(text).and_then(|fluxes| Lamp::custom(fluxes).ok()))
-}
-
-/// An emission by its preset's name, or by three weights `lambert,horizon,oblique`.
-pub(super) fn emission_of(text: &str) -> Option<EmissionMix> {
-    let preset = EmissionMix::from_name(text);
-    preset.or_else(|| Reader::three_numbers(text).and_then(|weights| EmissionMix::new(weights).ok()))
-}
-
-fn read_emission(reader: &mut Reader) -> EmissionMix {
-    let Some(text) = reader.text(&p::EMISSION) else { return EmissionMix::default() };
-    let mix = emission_of(text);
-    if mix.is_none() {
-        reader.fail(&p::EMISSION, ValidationCode::NotAllowed, None, None);
-    }
-    mix.unwrap_or_default()
 }

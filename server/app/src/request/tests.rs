@@ -7,7 +7,7 @@ use crate::{
 };
 use skyglow_display::{PictureOptions, Projection};
 use skyglow_observatory::ObserverHeight;
-use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
+use skyglow_physics::{Emission, GarstangLaw, LampPreset, Turbidity};
 use skyglow_tables::{Clouds, Scattering};
 
 pub(super) fn facts() -> SourceFacts {
@@ -55,7 +55,7 @@ fn the_defaults_are_those_of_the_interface() {
     assert_eq!(sky.observer_height, ObserverHeight::AboveGround(2.0));
     assert_eq!(sky.turbidity, Turbidity::default());
     assert_eq!(sky.lamp, LampPreset::Mixed.lamp());
-    assert_eq!(sky.emission, EmissionMix::garstang());
+    assert_eq!(sky.emission, Emission::from(GarstangLaw::MODERN_CITY));
     assert_eq!((sky.scattering, sky.basis), (Scattering::Single, None));
     assert!(sky.terrain_hides && !read("lat=-1&lon=36&terrain=off").unwrap().0.terrain_hides);
     assert_eq!(view.options, PictureOptions::new(Projection::Equirectangular));
@@ -284,7 +284,7 @@ fn height_and_altitude_exclude_each_other() {
 fn lamps_and_emissions_may_be_given_as_numbers() {
     let (sky, _) = read("lat=-1&lon=36&lamp=0.1,0.2,0.3&emission=1,1,2").unwrap();
     assert_eq!(sky.lamp.flux_per_dnb_flux, [0.1, 0.2, 0.3]);
-    assert_eq!(sky.emission.weights(), [0.25, 0.25, 0.5]);
+    assert_eq!(sky.emission.mix().weights(), [0.25, 0.25, 0.5]);
     for bad in ["lamp=0,0,0", "lamp=1,2", "lamp=-1,1,1", "emission=0,0,0", "emission=a", "emission=1,2,-1"] {
         assert_eq!(refused(&format!("lat=-1&lon=36&{bad}")).0, Refusal::BadParameters, "{bad}");
     }

@@ -128,9 +128,13 @@ impl Reference {
         let visible: Vec<GridSample> = self.directions.0.iter().copied().filter(is_sky).collect();
         let mut radiance = vec![[0.0; BAND_COUNT]; visible.len()];
         for (fixture, sources) in &kinds {
+            let (mix, flux_per_dnb_flux) = request
+                .emission
+                .of_fixture(fixture, &request.lamp)
+                .map_err(|error| Failure::Usage(error.to_string()))?;
             let light = SkyRequest {
-                emission: fixture.emission(request.emission),
-                lamp: Lamp { flux_per_dnb_flux: fixture.flux_per_dnb_flux(&request.lamp), ..request.lamp },
+                emission: mix.into(),
+                lamp: Lamp { flux_per_dnb_flux, ..request.lamp },
                 ..request.clone()
             };
             add(&mut radiance, sum(atmosphere, &light, altitude_m, sources, &visible));
@@ -222,7 +226,7 @@ impl Reference {
             atmosphere,
             ground_albedo: self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO),
             observer_altitude_m: altitude_m,
-            emission: request.emission,
+            emission: request.emission.mix(),
             resolution: Resolution::table(),
             density: SumDensity::default(),
         };
@@ -271,7 +275,7 @@ fn sum(
         &[atmosphere],
         sources,
         altitude_m,
-        request.emission,
+        request.emission.mix(),
         request.lamp.flux_per_dnb_flux,
         &directions,
         &|| stages.advance(1),

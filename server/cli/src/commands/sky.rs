@@ -10,11 +10,11 @@ use crate::{
 };
 use clap::Args;
 use skyglow_app::{
-    answers::{Assumptions, SkyAnswer},
+    answers::{Assumptions, EmissionAnswer, SkyAnswer},
     parameters::SkyParameters,
     request,
 };
-use skyglow_physics::SkyQuantities;
+use skyglow_physics::{EmissionKeep, SkyQuantities};
 use skyglow_scene::SceneId;
 
 /// Compute the numbers of the sky at a place
@@ -56,7 +56,6 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
     let or_clouds = |value: Option<String>| value.unwrap_or_else(|| "behind clouds".to_owned());
     let observer = &assumptions.observer;
     let depth = assumptions.local_optical_depth;
-    let emission = &assumptions.emission;
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let bound = assumptions
         .basis_error_bound
@@ -84,13 +83,7 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         row("scattering", scattering(assumptions)),
         row("clouds", clouds(assumptions)),
         row("lamp", assumptions.lamp.preset.clone().unwrap_or_else(|| "custom".to_owned())),
-        row(
-            "emission",
-            format!(
-                "lambert {:.3}, horizon {:.3}, oblique {:.3}",
-                emission.lambert, emission.horizon, emission.oblique
-            ),
-        ),
+        row("emission", emission(&assumptions.emission)),
         row("terrain", terrain(assumptions).to_owned()),
         row("calibration", assumptions.calibration.to_string()),
         row("coverage", format!("{:.1} % of the 300 km around", 100.0 * assumptions.coverage)),
@@ -106,6 +99,22 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         rows.push(row("note", "an illustrative scene: made-up light, not a measurement".to_owned()));
     }
     rows
+}
+
+fn emission(emission: &EmissionAnswer) -> String {
+    let name = emission.preset.as_deref().unwrap_or("custom");
+    let shares = match (emission.direct_uplight, emission.ground_reflectance) {
+        (Some(f), Some(g)) => format!(" (direct uplight {f}, ground reflectance {g})"),
+        _ => String::new(),
+    };
+    let kept = match emission.keep {
+        EmissionKeep::Flux => String::new(),
+        EmissionKeep::NadirRadiance => {
+            format!("; flux times {:.3}, as the radiance at the nadir is kept", emission.flux_factor)
+        }
+    };
+    let EmissionAnswer { lambert, horizon, oblique, .. } = emission;
+    format!("{name}{shares}: lambert {lambert:.3}, horizon {horizon:.3}, oblique {oblique:.3}{kept}")
 }
 
 fn terrain(assumptions: &Assumptions) -> &'static str {

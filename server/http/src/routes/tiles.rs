@@ -77,7 +77,7 @@ struct Address {
 /// A map tile, 256 pixels a side, or 512 where `y` ends in `@2x`: `radiance` on a logarithmic scale, dark is transparent; `elevation`
 /// with hypsometric tints and shading; `brightness`, the artificial luminance at the zenith of every place, from a hundredth of the
 /// natural sky to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
-/// pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission`, `terrain`,
+/// pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission` and the shares beside it, `terrain`,
 /// `influence` all parameters below, and needs the place.
 #[utoipa::path(
     get,

@@ -124,7 +124,11 @@ async fn every_number_comes_with_what_it_depends_on() {
         server.json(&format!("/api/v1/scenes/demo/sky?{PLACE}&lamp=hps&emission=shielded")).await;
     assert_eq!(status, 200);
     assert_eq!(sky["lamp"]["preset"], "hps");
-    assert_eq!(sky["emission"], serde_json::json!({"lambert": 1.0, "horizon": 0.0, "oblique": 0.0}));
+    let emission = serde_json::json!({
+        "preset": "full_cutoff", "direct_uplight": 0.0, "ground_reflectance": 0.15,
+        "lambert": 1.0, "horizon": 0.0, "oblique": 0.0, "keep": "flux", "flux_factor": 1.0,
+    });
+    assert_eq!(sky["emission"], emission);
     assert_eq!(sky["turbidity"], 2.5);
     assert_eq!(sky["calibration"], 1.0);
     assert_eq!(sky["terrain_occlusion"], true);

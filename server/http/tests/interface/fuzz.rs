@@ -52,6 +52,7 @@ fn name() -> impl Strategy<Value = String> {
     prop_oneof![
         4 => prop::sample::select(vec![
             "lat", "lon", "height", "altitude", "turbidity", "scattering", "lamp", "emission", "basis", "clouds",
+            "direct_uplight", "ground_reflectance", "emission_keep",
             "terrain", "tolerance", "sky", "scenario", "projection", "azimuth", "elevation", "fov", "style",
             "colormap", "scale", "min", "max", "exposure", "width", "height_px", "legend", "measure", "limit", "region",
         ]).prop_map(str::to_owned),
@@ -87,7 +88,8 @@ fn value() -> impl Strategy<Value = String> {
             "%FF",
             "%00",
             "%",
-            "garstang",
+            "garstang_1986",
+            "nadir_radiance",
             "norm",
             "region",
             "1,2;3,4;5,60",

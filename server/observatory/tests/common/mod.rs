@@ -31,7 +31,7 @@ pub(crate) fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyR
         scattering: Scattering::Single,
         cloud_base_m: None,
         lamp: LampPreset::Mixed.lamp(),
-        emission: EmissionMix::garstang(),
+        emission: EmissionMix::garstang().into(),
         basis: None,
         tolerance: None,
         terrain_hides: true,

@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         turbidity,
         scattering: Scattering::Multiple,
         lamp: LampPreset::Mixed.lamp(),
-        emission: EmissionMix::garstang(),
+        emission: EmissionMix::garstang().into(),
         terrain_hides: arguments.terrain == "on",
         max_places: arguments.max_places,
     };
