@@ -5,7 +5,7 @@ import { assertNoFaults, getJson, numbersShown, openPage, PHONE, shot, skyShown 
 import { skyPath } from "./support/sky.mjs";
 import { browser, here, inLink } from "./support/stage.mjs";
 
-const LAMPS = "&lamp=mixed&emission=garstang";
+const LAMPS = "&lamp=mixed&emission=modern_city";
 /** The place beside the largest town, with the map's middle on the town. */
 const fragment = (more = "") => {
   const { beside, town, scene } = here;

@@ -181,10 +181,20 @@ test("lamps and air change the numbers", async () => {
   const hazy = await getJson(skyPath(here.scene, "sky", here.beside, "&lamp=led_4000k&turbidity=4.2"));
   await numbersShown(page, hazy.sky);
   assert.notEqual(hazy.sky.zenith_brightness_mag_arcsec2, led.sky.zenith_brightness_mag_arcsec2);
-  await page.selectOption("#emission", "shielded");
-  const shielded = await getJson(skyPath(here.scene, "sky", here.beside, "&lamp=led_4000k&turbidity=4.2&emission=shielded"));
+  await page.selectOption("#emission", "full_cutoff");
+  const shielded = await getJson(skyPath(here.scene, "sky", here.beside, "&lamp=led_4000k&turbidity=4.2&emission=full_cutoff"));
   await numbersShown(page, shielded.sky);
-  assert.match(page.url(), /turbidity=4\.2&lamp=led_4000k&emission=shielded/);
+  assert.match(page.url(), /turbidity=4\.2&lamp=led_4000k&emission=full_cutoff/);
+  // Shares of one's own, and the other convention, in place of a usual kind's.
+  await page.click("#emission-shares summary");
+  await page.selectOption("#emission", "garstang_1986");
+  assert.equal(await page.inputValue("#direct-uplight"), "15");
+  await page.locator("#direct-uplight").fill("5");
+  await page.selectOption("#emission-keep", "nadir_radiance");
+  const own = "&emission=garstang_1986&direct_uplight=0.05&emission_keep=nadir_radiance";
+  const shares = await getJson(skyPath(here.scene, "sky", here.beside, `&lamp=led_4000k&turbidity=4.2${own}`));
+  await numbersShown(page, shares.sky);
+  assert.match(page.url(), /emission=garstang_1986&uplight=0\.05&keep=nadir_radiance/);
   assertNoFaults(opened);
   await context.close();
 });

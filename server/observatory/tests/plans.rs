@@ -6,10 +6,12 @@ mod common;
 use common::{engine, sky, store_scene, town};
 use skyglow_observatory::ObservatoryError;
 use skyglow_observatory::{
-    InfluenceRequest, Level, Limit, Measure, Observatory, PlanMethod, PlanOutcome, PlanRequest, SkyRequest,
-    TargetSite,
+    BrightnessRequest, InfluenceRequest, Level, Limit, Measure, Observatory, PlanMethod, PlanOutcome,
+    PlanRequest, SkyRequest, TargetSite,
 };
-use skyglow_physics::{EmissionMix, Lamp, LampChange, LampPreset, Panorama, PreservedFlux};
+use skyglow_physics::{
+    Emission, EmissionKeep, EmissionMix, Lamp, LampChange, LampPreset, Lobe, Panorama, PreservedFlux,
+};
 use skyglow_render::DeviceChoice;
 use skyglow_scene::{Area, Boundary, Change, ChangeId, ChangeStore, Edit, Scenario, Scene, StoredPlan};
 use std::path::Path;
@@ -98,6 +100,58 @@ fn changed_lights_shine_as_in_a_sky_asked_so() {
     // Nothing is left of the scene's own sky where the id is of no scenario, or one of another scene.
     let unknown = in_scenario(&request, &ChangeStore::plan_id(b"none"));
     assert!(matches!(observatory.sky_blocking(&unknown), Err(ObservatoryError::ChangeStore(_))));
+}
+
+/// With the radiance at the nadir kept, every light has the flux of its own emission, and one that is dark there is refused.
+#[test]
+fn kept_nadir_radiance_is_of_each_fixture() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let flux_kept = sky(2.5, -1.43, 36.93);
+    let emission = flux_kept.emission.keeping(EmissionKeep::NadirRadiance).unwrap();
+    let request = SkyRequest { emission, ..flux_kept.clone() };
+    let times = |panorama: Panorama, factor: f64| {
+        let samples = panorama.samples().iter().map(|sample| sample * factor as f32);
+        Panorama::from_samples(samples.collect()).unwrap()
+    };
+    let whole = times(panorama(&observatory, &flux_kept), 0.2775 / 0.1275);
+    assert!(difference(&panorama(&observatory, &request), &whole) < 1e-6);
+    // Of shielded lights the satellite's radiance is all there is.
+    let shade = EmissionMix::lambert();
+    let shaded = painted(&observatory, None, vec![alter(west(), 1.0, None, Some(shade))]);
+    let [only_west, only_east] =
+        [east(), west()].map(|dark| painted(&observatory, None, vec![alter(dark, 0.0, None, None)]));
+    let of_west = SkyRequest { emission: shade.into(), ..in_scenario(&flux_kept, &only_west) };
+    let of_east = times(panorama(&observatory, &in_scenario(&flux_kept, &only_east)), 0.2775 / 0.1275);
+    let got = panorama(&observatory, &in_scenario(&request, &shaded));
+    assert!(difference(&got, &sum(&panorama(&observatory, &of_west), &of_east)) < 1e-4);
+    // Influences and maps have it too.
+    let zenith = |request: &SkyRequest| {
+        let ask = InfluenceRequest { sky: in_scenario(request, &shaded), measure: Measure::Zenith };
+        observatory.influence(&ask).unwrap().total().influence
+    };
+    let luminance = observatory.sky_blocking(&in_scenario(&request, &shaded)).unwrap().quantities;
+    assert!((zenith(&request) / luminance.zenith_luminance_cd_m2 - 1.0).abs() < 1e-4);
+    let map = |emission: Emission| {
+        let ask = BrightnessRequest {
+            scene: request.scene.clone(),
+            scenario: None,
+            turbidity: request.turbidity,
+            scattering: request.scattering,
+            lamp: request.lamp,
+            emission,
+            terrain_hides: false,
+            max_places: 100,
+        };
+        let map = observatory.brightness(&ask, &|_: f64| true).unwrap();
+        map.places().values().iter().map(|value| f64::from(*value)).sum::<f64>()
+    };
+    assert!((map(emission) / map(flux_kept.emission) / (0.2775 / 0.1275) - 1.0).abs() < 1e-5);
+    let low = EmissionMix::only(Lobe::Horizon);
+    let low = painted(&observatory, None, vec![alter(west(), 1.0, None, Some(low))]);
+    assert!(observatory.sky_blocking(&in_scenario(&flux_kept, &low)).is_ok());
+    let refused = observatory.sky_blocking(&in_scenario(&request, &low));
+    assert!(matches!(refused, Err(ObservatoryError::Emission(_))));
 }
 
 /// Influences of a changed scene add up to its sky.

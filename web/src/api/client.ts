@@ -25,7 +25,18 @@ type Query<P extends Path<"get">> = Parameters<Operation<"get", P>, "query">;
 /** What the sky depends on besides the scene. */
 export type SkyParameters = Pick<
   Query<"/api/v1/scenes/{scene}/sky">,
-  "lat" | "lon" | "turbidity" | "scattering" | "clouds" | "lamp" | "emission" | "terrain" | "scenario"
+  | "lat"
+  | "lon"
+  | "turbidity"
+  | "scattering"
+  | "clouds"
+  | "lamp"
+  | "emission"
+  | "direct_uplight"
+  | "ground_reflectance"
+  | "emission_keep"
+  | "terrain"
+  | "scenario"
 >;
 /** What the tiles of a layer depend on besides the scene. */
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
@@ -34,6 +45,7 @@ export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 /** What a plan depends on besides its sites. */
 export type PlanQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/plans">, "query">;
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
+export type EmissionKeepName = NonNullable<SkyParameters["emission_keep"]>;
 
 /** Retries of a busy server (429, 503). */
 const RETRIES = 3;

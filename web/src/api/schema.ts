@@ -545,7 +545,7 @@ export interface paths {
          * A map tile, 256 pixels a side, or 512 where `y` ends in `@2x`: `radiance` on a logarithmic scale, dark is transparent; `elevation`
          *     with hypsometric tints and shading; `brightness`, the artificial luminance at the zenith of every place, from a hundredth of the
          *     natural sky to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
-         *     pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission`, `terrain`,
+         *     pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission` and the shares beside it, `terrain`,
          *     `influence` all parameters below, and needs the place.
          */
         get: operations["get_tile"];
@@ -860,7 +860,7 @@ export interface components {
              */
             add_radiance_nw_cm2_sr?: number | null;
             brush?: components["schemas"]["BrushBody"] | null;
-            emission?: components["schemas"]["FixtureBody"] | null;
+            emission?: components["schemas"]["EmissionBody"] | null;
             /**
              * Format: double
              * @description Factor on the radiance of the lights that are there, 0 to 1000.
@@ -873,13 +873,31 @@ export interface components {
              */
             polygon?: Record<string, unknown> | null;
         };
-        /** @description Weights of the emission lobes; they sum to 1. */
+        /** @description Where lights send their light that have no emission of their own. Weights of the lobes sum to 1. */
         EmissionAnswer: {
+            /**
+             * Format: double
+             * @description F of Garstang's law, the share of the lamps' light that goes above the horizon directly; null where weights were
+             *     given themselves.
+             */
+            direct_uplight?: number | null;
+            /**
+             * Format: double
+             * @description Flux per π·L: 1 with `flux`, 1/`lambert` with `nadir_radiance`.
+             */
+            flux_factor: number;
+            /**
+             * Format: double
+             * @description G of the law, the share of the rest that the ground sends back; null as `direct_uplight`.
+             */
+            ground_reflectance?: number | null;
             /**
              * Format: double
              * @description Garstang's low-angle term.
              */
             horizon: number;
+            /** @description What the satellite's radiance L says of every light: `flux` (π·L) or `nadir_radiance`. */
+            keep: string;
             /**
              * Format: double
              * @description cos ψ / π.
@@ -890,7 +908,11 @@ export interface components {
              * @description Falchi's third function.
              */
             oblique: number;
+            /** @description The preset's name, or null. */
+            preset?: string | null;
         };
+        /** @description A preset's name, three weights, or the shares of Garstang's law. */
+        EmissionBody: string | number[] | components["schemas"]["GarstangLawBody"];
         /** @description One bad parameter. */
         FieldError: {
             /** @description What is allowed. */
@@ -906,6 +928,19 @@ export interface components {
         };
         /** @description A preset's name, or three numbers. */
         FixtureBody: string | number[];
+        /** @description Shares of the lamps' light by Garstang's law. */
+        GarstangLawBody: {
+            /**
+             * Format: double
+             * @description Share that goes above the horizon directly, 0 to 1.
+             */
+            direct_uplight: number;
+            /**
+             * Format: double
+             * @description Share of the rest that the ground sends back, 0 to 1; 0.15 without.
+             */
+            ground_reflectance?: number | null;
+        };
         /** @description A raster's grid. */
         GridAnswer: {
             /** @description The CRS as WKT. */
@@ -1900,8 +1935,10 @@ export type DimmedPixelAnswer = components['schemas']['DimmedPixelAnswer'];
 export type EditAnswer = components['schemas']['EditAnswer'];
 export type EditBody = components['schemas']['EditBody'];
 export type EmissionAnswer = components['schemas']['EmissionAnswer'];
+export type EmissionBody = components['schemas']['EmissionBody'];
 export type FieldError = components['schemas']['FieldError'];
 export type FixtureBody = components['schemas']['FixtureBody'];
+export type GarstangLawBody = components['schemas']['GarstangLawBody'];
 export type GridAnswer = components['schemas']['GridAnswer'];
 export type HealthAnswer = components['schemas']['HealthAnswer'];
 export type InfluenceAnswer = components['schemas']['InfluenceAnswer'];
@@ -2918,8 +2955,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. Default: flux. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
@@ -3081,8 +3124,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. Default: flux. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
@@ -3238,8 +3287,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -3368,8 +3423,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -3513,8 +3574,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -3643,8 +3710,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -3788,8 +3861,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -3918,8 +3997,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -4063,8 +4148,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -4209,8 +4300,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -4344,8 +4441,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
@@ -4701,8 +4804,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. Default: flux. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
@@ -4886,8 +4995,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -5024,8 +5139,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -5150,8 +5271,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -5302,8 +5429,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -5458,8 +5591,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -5753,8 +5892,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -6186,8 +6331,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
@@ -6312,8 +6463,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. Default: flux. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
@@ -6440,8 +6597,14 @@ export interface operations {
                 scattering?: "single" | "multiple";
                 /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
                 lamp?: string;
-                /** @description How lamps spread their light over the zenith angle. Allowed: garstang, shielded, lambert, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: garstang. */
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. Default: flux. */
+                emission_keep?: "flux" | "nadir_radiance";
                 /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */

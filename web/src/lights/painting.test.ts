@@ -19,7 +19,7 @@ const CHANGE: PaintChange = {
   factor: 0.5,
   lamp: "pc_amber",
   lampFrom: null,
-  emission: "shielded",
+  emission: "full_cutoff",
   addRadianceNwCm2Sr: 20,
 };
 const BRUSH = {
@@ -51,7 +51,7 @@ test("a stroke becomes an edit", () => {
   assert.deepEqual(editFrom(BRUSH, CHANGE), { brush, factor: 0.5 });
   assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "lamp" }), { brush, lamp: { to: "pc_amber" } });
   assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "lamp", lampFrom: "hps" }), { brush, lamp: { to: "pc_amber", from: "hps" } });
-  assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "emission" }), { brush, emission: "shielded" });
+  assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "emission" }), { brush, emission: "full_cutoff" });
   assert.deepEqual(editFrom(BRUSH, { ...CHANGE, kind: "add" }), { brush, add_radiance_nw_cm2_sr: 20 });
   const ring = [
     [9, 46],

@@ -17,9 +17,11 @@ const DEFAULT = initialState({ ...DEFAULT_STATE });
 
 /** A request names what differs from the server's own assumptions, and the lights that are shown. */
 test("conditions name what differs from the defaults", () => {
-  assert.deepEqual(conditionsOf(DEFAULT), { lamp: "mixed", emission: "garstang" });
-  const state = { ...DEFAULT, turbidity: 4, clouds: 800, terrain: "off", scenario: PLAN } as const;
-  const today = { lamp: "mixed", emission: "garstang", terrain: "off", turbidity: 4, clouds: "800" };
+  assert.deepEqual(conditionsOf(DEFAULT), { lamp: "mixed", emission: "modern_city" });
+  const own = { directUplight: 0.05, groundReflectance: 0.6, emissionKeep: "nadir_radiance" } as const;
+  const shares = { direct_uplight: 0.05, ground_reflectance: 0.6, emission_keep: "nadir_radiance" };
+  const state = { ...DEFAULT, ...own, turbidity: 4, clouds: 800, terrain: "off", scenario: PLAN } as const;
+  const today = { lamp: "mixed", emission: "modern_city", ...shares, terrain: "off", turbidity: 4, clouds: "800" };
   assert.deepEqual(conditionsOf(state), { ...today, scenario: PLAN });
   assert.deepEqual(conditionsOf({ ...state, lights: "today" }), today);
   assert.deepEqual(todaysConditions(state), today);

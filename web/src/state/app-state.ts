@@ -97,12 +97,29 @@ export function isCompared({ scenario, lights }: State): boolean {
 }
 
 /** Fields that `conditionsOf` depends on. */
-export const CONDITIONS = ["turbidity", "scattering", "clouds", "lamp", "emission", "terrain", "scenario", "lights"] as const;
+export const CONDITIONS = [
+  "turbidity",
+  "scattering",
+  "clouds",
+  "lamp",
+  "emission",
+  "directUplight",
+  "groundReflectance",
+  "emissionKeep",
+  "terrain",
+  "scenario",
+  "lights",
+] as const;
 
-export function conditionsOf({ turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights }: State): Conditions {
+export function conditionsOf(state: State): Conditions {
+  const { turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights } = state;
+  const { directUplight, groundReflectance, emissionKeep } = state;
   return {
     lamp,
     emission,
+    ...(directUplight === null ? {} : { direct_uplight: directUplight }),
+    ...(groundReflectance === null ? {} : { ground_reflectance: groundReflectance }),
+    ...(emissionKeep === "flux" ? {} : { emission_keep: emissionKeep }),
     ...(terrain === "on" ? {} : { terrain }),
     ...(turbidity === null ? {} : { turbidity }),
     ...(scattering === null ? {} : { scattering }),

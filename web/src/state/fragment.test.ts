@@ -14,7 +14,10 @@ const EVERYTHING: ViewState = {
   scattering: "single",
   clouds: 1500,
   lamp: "led_4000k",
-  emission: "shielded",
+  emission: "garstang_1986",
+  directUplight: 0.05,
+  groundReflectance: 0.6,
+  emissionKeep: "nadir_radiance",
   terrain: "off",
   projection: "perspective",
   gaze: { azimuthDeg: 210.5, elevationDeg: 20, fieldDeg: 55 },
@@ -48,10 +51,17 @@ test("a place at 0°, 0° is a place", () => {
   assert.deepEqual(stateFromFragment(fragmentFromState({ ...DEFAULT_STATE, place })).place, place);
 });
 
+/** Links of earlier viewers name emissions otherwise. */
+test("former names of emissions are read", () => {
+  assert.equal(stateFromFragment("#emission=garstang").emission, "garstang_1986");
+  assert.equal(stateFromFragment("#emission=shielded").emission, "full_cutoff");
+  assert.equal(stateFromFragment("#emission=0.2,0.8,0").emission, "0.2,0.8,0");
+});
+
 /** What makes no sense in a fragment takes its default. */
 test("invalid values take their default", () => {
   const state = stateFromFragment(
-    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20",
+    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20",
   );
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });

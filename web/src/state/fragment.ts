@@ -4,7 +4,7 @@ import { STYLES } from "../sky/colour-maps.ts";
 import { type Gaze, PROJECTIONS } from "../sky/projection.ts";
 import { regionFromText, textFromRegion } from "../sky/region.ts";
 import { UNITS } from "../sky/units.ts";
-import { DEFAULT_STATE, LAYERS, LIGHTS, MEASURES, SCATTERINGS, type ViewState } from "./view-state.ts";
+import { DEFAULT_STATE, EMISSION_KEEPS, LAYERS, LIGHTS, MEASURES, SCATTERINGS, type ViewState } from "./view-state.ts";
 
 function numberIn(text: string | null, min: number, max: number): number | null {
   if (text === null || text.trim() === "") return null;
@@ -18,6 +18,18 @@ function oneOf<T extends string>(text: string | null, allowed: readonly T[], oth
 
 function matching(text: string | null, pattern: RegExp): string | null {
   return text !== null && pattern.test(text) ? text : null;
+}
+
+/** Names that links of earlier viewers have. */
+const FORMER_EMISSIONS: Readonly<Record<string, string>> = {
+  garstang: "garstang_1986",
+  shielded: "full_cutoff",
+  lambert: "full_cutoff",
+};
+
+function emissionFromText(text: string | null): string {
+  const name = matching(text, /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission;
+  return FORMER_EMISSIONS[name] ?? name;
 }
 
 /** `azimuth/elevation/field`, degrees. */
@@ -58,7 +70,10 @@ export function stateFromFragment(fragment: string): ViewState {
     scattering: SCATTERINGS.find((name) => name === query.get("scattering")) ?? null,
     clouds: numberIn(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
-    emission: matching(query.get("emission"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.emission,
+    emission: emissionFromText(query.get("emission")),
+    directUplight: numberIn(query.get("uplight"), 0, 1),
+    groundReflectance: numberIn(query.get("ground"), 0, 1),
+    emissionKeep: oneOf(query.get("keep"), EMISSION_KEEPS, DEFAULT_STATE.emissionKeep),
     terrain: oneOf(query.get("terrain"), ["on", "off"], DEFAULT_STATE.terrain),
     projection: oneOf(query.get("projection"), PROJECTIONS, DEFAULT_STATE.projection),
     gaze: gazeFromText(query.get("look")),
@@ -95,6 +110,9 @@ export function fragmentFromState(state: ViewState): string {
   add("clouds", state.clouds, null);
   add("lamp", state.lamp, DEFAULT_STATE.lamp);
   add("emission", state.emission, DEFAULT_STATE.emission);
+  add("uplight", state.directUplight, null);
+  add("ground", state.groundReflectance, null);
+  add("keep", state.emissionKeep, DEFAULT_STATE.emissionKeep);
   add("terrain", state.terrain, DEFAULT_STATE.terrain);
   add("projection", state.projection, DEFAULT_STATE.projection);
   add(

@@ -1,6 +1,6 @@
 // What the viewer shows, as far as a link holds it.
 
-import type { ScatteringName } from "../api/client.ts";
+import type { EmissionKeepName, ScatteringName } from "../api/client.ts";
 import type { NamedPlace } from "../api/types.ts";
 import type { PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
@@ -28,6 +28,9 @@ export type MeasureName = (typeof MEASURES)[number];
 
 export type TerrainKind = "on" | "off";
 
+/** What of a light the satellite's radiance says; the default first. */
+export const EMISSION_KEEPS: readonly EmissionKeepName[] = ["flux", "nadir_radiance"];
+
 /** The scene's lights as they are, as the scenario has them, or one beside the other. */
 export const LIGHTS = ["today", "both", "changed"] as const;
 export type LightsKind = (typeof LIGHTS)[number];
@@ -52,6 +55,11 @@ export interface ViewState {
   clouds: number | null;
   lamp: string;
   emission: string;
+  /** Share of the lamps' light that goes above the horizon directly, 0..1; null: that of the emission. */
+  directUplight: number | null;
+  /** Share of the rest that the ground sends back, 0..1; null: that of the emission. */
+  groundReflectance: number | null;
+  emissionKeep: EmissionKeepName;
   /** Whether terrain hides the sky below the horizon. */
   terrain: TerrainKind;
   projection: ProjectionName;
@@ -81,7 +89,10 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   scattering: null,
   clouds: null,
   lamp: "mixed",
-  emission: "garstang",
+  emission: "modern_city",
+  directUplight: null,
+  groundReflectance: null,
+  emissionKeep: "flux",
   terrain: "on",
   projection: "equirectangular",
   gaze: null,

@@ -1,21 +1,18 @@
-// The assumptions about the ground: its lamps, how they shine, and whether terrain hides sky and lights.
+// The assumptions about the ground: its lamps, and whether terrain hides sky and lights.
 
 import { sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { TerrainKind } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
-import { emissions, lamps } from "./lamps.ts";
+import { lamps } from "./lamps.ts";
 import { fillSelect } from "./select.ts";
 
 export function mountGroundControls(store: AppStore): void {
   const lamp = byId("lamp", HTMLSelectElement);
-  const emission = byId("emission", HTMLSelectElement);
   const terrain = byId("terrain", HTMLSelectElement);
   lamp.addEventListener("change", () => store.set({ lamp: lamp.value }));
-  emission.addEventListener("change", () => store.set({ emission: emission.value }));
   terrain.addEventListener("change", () => store.set({ terrain: terrain.value as TerrainKind }));
   store.watch(["lamp"], (state) => fillSelect(lamp, lamps(), state.lamp));
-  store.watch(["emission"], (state) => fillSelect(emission, emissions(), state.emission));
   store.watch(["terrain", sceneOf], (state) => {
     terrain.value = state.terrain;
     terrain.disabled = sceneOf(state)?.terrain === false;

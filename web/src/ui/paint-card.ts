@@ -46,7 +46,7 @@ export class PaintCard {
       select.replaceChildren(...options.map(([name, title]) => new Option(title, name)));
     }
     this.lamp.value = "pc_amber";
-    this.emission.value = "shielded";
+    this.emission.value = "full_cutoff";
     const press = wireGroup<Brush["shape"]>("paint-shape", (shape) => {
       this.shape = shape;
       this.update();
