@@ -2,7 +2,7 @@
 //!
 //! Each lobe integrates to 1 over the upper hemisphere and is zero at and below the horizon.
 
-use crate::{emission_law::GarstangLaw, error::PhysicsError};
+use crate::error::PhysicsError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
 
@@ -117,11 +117,6 @@ impl EmissionMix {
     pub(crate) fn normalized(weights: [f64; LOBE_COUNT]) -> Self {
         let sum: f64 = weights.iter().sum();
         Self { weights: weights.map(|w| w / sum) }
-    }
-
-    /// Garstang's F = 0.15, G = 0.15 of 1986.
-    pub fn garstang() -> Self {
-        GarstangLaw::GARSTANG_1986.mix()
     }
 
     /// `lambert` alone.

@@ -67,6 +67,13 @@ impl GarstangLaw {
     }
 }
 
+impl EmissionMix {
+    /// That of [`GarstangLaw::GARSTANG_1986`], which reference solutions are made with.
+    pub fn garstang() -> Self {
+        GarstangLaw::GARSTANG_1986.mix()
+    }
+}
+
 /// What of a light the satellite's radiance L says, whatever the emission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
