@@ -1,4 +1,4 @@
-// Layout of lists and tables in textures. Derivations: server/render/src/twin/indexing.rs
+// Requires types. Layout of lists and tables in textures. Derivations: server/render/src/twin/indexing.rs
 
 const CELLS_PER_ROW: u32 = 1024u;
 
@@ -7,13 +7,13 @@ fn list_texel(item: u32) -> vec2<u32> {
 }
 
 fn cell_texel(cell: u32, band: u32) -> vec2<u32> {
-  return vec2<u32>((cell % CELLS_PER_ROW) * 3u + band, cell / CELLS_PER_ROW);
+  return vec2<u32>((cell % CELLS_PER_ROW) * BAND_COUNT + band, cell / CELLS_PER_ROW);
 }
 
 const NODE_ROWS: u32 = 8192u;
 
 fn mixed_texel(node: u32, band: u32, quad: u32, quad_count: u32) -> vec2<u32> {
-  return vec2<u32>((node / NODE_ROWS * 3u + band) * quad_count + quad, node % NODE_ROWS);
+  return vec2<u32>((node / NODE_ROWS * BAND_COUNT + band) * quad_count + quad, node % NODE_ROWS);
 }
 
 const BLOCKED_ANGLE_COUNT: u32 = 7u;
@@ -30,5 +30,5 @@ fn shape_texel(
   octet: u32,
   octet_count: u32,
 ) -> vec2<u32> {
-  return vec2<u32>(((observer_altitude * 3u + lobe) * 3u + band) * octet_count + octet, row);
+  return vec2<u32>(((observer_altitude * LOBE_COUNT + lobe) * BAND_COUNT + band) * octet_count + octet, row);
 }

@@ -1,6 +1,8 @@
 // Types shared with the host. A test compares their layout with server/render/src/twin/types.rs.
 
 const BAND_COUNT: u32 = 3u;
+// Bands that the channels of one texel hold; those beyond the last band are 0.
+const MAX_BAND_COUNT: u32 = 4u;
 const LOBE_COUNT: u32 = 3u;
 const AZIMUTH_COUNT: u32 = 256u;
 const ELEVATION_COUNT: u32 = 64u;
@@ -39,10 +41,11 @@ struct Request {
   linear_weight: vec4<f32>,
   emission: vec3<f32>,
   altitude_count: u32,
-  flux_per_dnb_flux: vec3<f32>,
-  blocked_altitude_count: u32,
+  // A channel a band.
+  flux_per_dnb_flux: vec4<f32>,
   blocked_altitude_index: vec4<u32>,
   blocked_altitude_weight: vec4<f32>,
+  blocked_altitude_count: u32,
 }
 
 // A (blocking angle, ring, offset) to mix for a request.

@@ -51,9 +51,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let pair_count = frame.quad_count * 2u;
   let first_row = request * BAND_COUNT * pair_count;
   let dark = vec4<f32>(0.0);
-  var red = Sums(dark, dark, dark, dark);
-  var green = red;
-  var blue = red;
+  // Written out: software keeps an array of them in memory.
+  var sums_0 = Sums(dark, dark, dark, dark);
+  var sums_1 = sums_0;
+  var sums_2 = sums_0;
+  var sums_3 = sums_0;
   // Lanes beyond the last frequency read 0 or what lies there, and store nothing.
   for (var pair = 0u; pair < pair_count; pair++) {
     let row = pair * 32u + 2u * octet;
@@ -63,13 +65,19 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
       textureLoad(basis, vec2<u32>(f, row + 16u)),
       textureLoad(basis, vec2<u32>(f, row + 17u)),
     );
-    red = add_pair(red, rows, textureLoad(spectra, vec2<u32>(f, first_row + pair)));
-    green = add_pair(green, rows, textureLoad(spectra, vec2<u32>(f, first_row + pair_count + pair)));
-    blue = add_pair(blue, rows, textureLoad(spectra, vec2<u32>(f, first_row + 2u * pair_count + pair)));
+    sums_0 = add_pair(sums_0, rows, textureLoad(spectra, vec2<u32>(f, first_row + pair)));
+    sums_1 = add_pair(sums_1, rows, textureLoad(spectra, vec2<u32>(f, first_row + pair_count + pair)));
+    sums_2 = add_pair(sums_2, rows, textureLoad(spectra, vec2<u32>(f, first_row + 2u * pair_count + pair)));
+    if BAND_COUNT > 3u {
+      sums_3 = add_pair(sums_3, rows, textureLoad(spectra, vec2<u32>(f, first_row + 3u * pair_count + pair)));
+    }
   }
   if f < FREQUENCY_COUNT {
-    store(request, 0u, octet, f, red);
-    store(request, 1u, octet, f, green);
-    store(request, 2u, octet, f, blue);
+    store(request, 0u, octet, f, sums_0);
+    store(request, 1u, octet, f, sums_1);
+    store(request, 2u, octet, f, sums_2);
+    if BAND_COUNT > 3u {
+      store(request, 3u, octet, f, sums_3);
+    }
   }
 }

@@ -4,7 +4,7 @@
 @group(0) @binding(1) var<uniform> requests: array<Request, MAX_BATCH>;
 // Flux in DNB watts, lower node, weight of the upper node, request.
 @group(0) @binding(2) var cells: texture_storage_2d<rgba32float, read>;
-// Two texels a node: ln of its scale and the curvature of that, both in R, G, B.
+// Two texels a node: ln of its scale and the curvature of that, a channel a band.
 @group(0) @binding(3) var log_scales: texture_storage_2d<rgba32float, read>;
 @group(0) @binding(4) var weights: texture_storage_2d<rgba32float, write>;
 
@@ -24,12 +24,16 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
   let flux_w = cell.x * requests[u32(cell.w)].flux_per_dnb_flux;
   // Node numbers stay below 2^24, so that f32 holds them exactly.
   let nodes = vec2<f32>(f32(lower_node), f32(upper_node));
-  let red = cell_weights(flux_w.x, vec2<f32>(lower.x, upper.x), vec2<f32>(lower_curvature.x, upper_curvature.x), upper_weight);
-  let green = cell_weights(flux_w.y, vec2<f32>(lower.y, upper.y), vec2<f32>(lower_curvature.y, upper_curvature.y), upper_weight);
-  let blue = cell_weights(flux_w.z, vec2<f32>(lower.z, upper.z), vec2<f32>(lower_curvature.z, upper_curvature.z), upper_weight);
+  let weights_0 = cell_weights(flux_w.x, vec2<f32>(lower.x, upper.x), vec2<f32>(lower_curvature.x, upper_curvature.x), upper_weight);
+  let weights_1 = cell_weights(flux_w.y, vec2<f32>(lower.y, upper.y), vec2<f32>(lower_curvature.y, upper_curvature.y), upper_weight);
+  let weights_2 = cell_weights(flux_w.z, vec2<f32>(lower.z, upper.z), vec2<f32>(lower_curvature.z, upper_curvature.z), upper_weight);
+  let weights_3 = cell_weights(flux_w.w, vec2<f32>(lower.w, upper.w), vec2<f32>(lower_curvature.w, upper_curvature.w), upper_weight);
   if cell_index < frame.cell_count {
-    textureStore(weights, cell_texel(cell_index, 0u), vec4<f32>(nodes, red));
-    textureStore(weights, cell_texel(cell_index, 1u), vec4<f32>(nodes, green));
-    textureStore(weights, cell_texel(cell_index, 2u), vec4<f32>(nodes, blue));
+    textureStore(weights, cell_texel(cell_index, 0u), vec4<f32>(nodes, weights_0));
+    textureStore(weights, cell_texel(cell_index, 1u), vec4<f32>(nodes, weights_1));
+    textureStore(weights, cell_texel(cell_index, 2u), vec4<f32>(nodes, weights_2));
+    if BAND_COUNT > 3u {
+      textureStore(weights, cell_texel(cell_index, 3u), vec4<f32>(nodes, weights_3));
+    }
   }
 }

@@ -9,7 +9,7 @@
 @group(0) @binding(4) var<storage, read> blocked_log_scale: array<f32>;
 // The list of (node, band): shares and logarithm.
 @group(0) @binding(5) var scales: texture_storage_2d<rgba32float, write>;
-// Two texels a node: the logarithms alone and their curvatures, both in R, G, B.
+// Two texels a node: the logarithms alone and their curvatures, a channel a band.
 @group(0) @binding(6) var log_scales: texture_storage_2d<rgba32float, write>;
 
 // The middle one of the three nodes that give the curvature at a node: derivation in server/tables/src/curvature.rs.

@@ -2,7 +2,7 @@
 //! resident images.
 //!
 //! The obvious fast way without a basis. For each node (ring × source altitude) that a cell touches there is an image of
-//! 256 × 64 directions in three bands for this observer and these lobes. A cell's image is a line between those of its two
+//! 256 × 64 directions in every band for this observer and these lobes. A cell's image is a line between those of its two
 //! nodes, turned to the cell's column and added. The same nodes and weights as the engine's, so that both skies differ by
 //! rounding alone. Where these images come from is timed apart ([`crate::image_mixing`]).
 
@@ -181,7 +181,7 @@ mod tests {
             scattering: Scattering::Single,
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: [1.0, 0.5, 0.2],
+            flux_per_dnb_flux: synthetic::flux_per_dnb_flux(),
             basis: None,
         };
         let prepared = Prepared::new(&request, &set).unwrap();

@@ -134,11 +134,13 @@ mod tests {
     use crate::{reference, scenes::LitScene};
     use skyglow_physics::direct_sum::stratified_samples;
 
+    const BAND_LEN: usize = Panorama::LEN / BAND_COUNT;
+
     /// A uniform sky gives its luminance at the zenith and pi times it on the ground.
     #[test]
     fn a_uniform_sky_gives_pi_times_its_luminance() {
         let samples = stratified_samples(16_384);
-        let radiance = vec![[1e-6, 2e-6, 3e-6]; samples.len()];
+        let radiance = vec![std::array::from_fn(|band| 1e-6 * (band + 1) as f64); samples.len()];
         let luminance = luminance_cd_m2(radiance[0]);
         let [zenith, horizontal] = zenith_and_horizontal(&samples, &radiance);
         assert!((zenith / luminance - 1.0).abs() < 1e-9);
@@ -153,7 +155,7 @@ mod tests {
         let sky = reference::of_scene(&setting, &scene, 30).unwrap();
         let error = |factor: f64| {
             let sample = |position: usize| {
-                let (band, rest) = (position / (Panorama::LEN / 3), position % (Panorama::LEN / 3));
+                let (band, rest) = (position / BAND_LEN, position % BAND_LEN);
                 let at = (rest / AZIMUTH_COUNT, rest % AZIMUTH_COUNT);
                 let known = sky.samples.iter().position(|&sample| sample == at).unwrap();
                 factor * sky.radiance_w_m2_sr[known][band]

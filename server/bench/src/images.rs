@@ -14,7 +14,7 @@ pub(crate) const TASKS_PER_BAND: usize = ELEVATION_COUNT / ROWS_PER_TASK;
 /// Tasks of a sky.
 pub(crate) const TASK_COUNT: usize = BAND_COUNT * TASKS_PER_BAND;
 
-/// Images of 256 × 64 directions in three bands, in f32. Column 0 looks at the source.
+/// Images of 256 × 64 directions in every band, in f32. Column 0 looks at the source.
 #[derive(Clone, Debug)]
 pub(crate) struct ImageTable {
     image_count: usize,

@@ -7,7 +7,7 @@ use crate::{
     scenes::LitScene,
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, PointSource,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, PointSource,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
 };
 use std::hint::black_box;
@@ -31,7 +31,7 @@ pub(crate) fn time(scene: &LitScene, setting: &Setting, extent: &Extent) -> Base
     let stride = scene.sources.len().div_ceil(most).max(1);
     let sources: Vec<PointSource> = scene.sources.iter().step_by(stride).copied().collect();
     let timed_s = best_time_s(extent.time_for_tries, || {
-        black_box(direct_sum::<3>(
+        black_box(direct_sum::<BAND_COUNT>(
             &[Atmosphere::new(setting.turbidity)],
             &sources,
             scene.observer_altitude_m,

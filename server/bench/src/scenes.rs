@@ -265,7 +265,7 @@ impl LitScene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_physics::{EmissionMix, Turbidity};
+    use skyglow_physics::{BAND_COUNT, EmissionMix, Turbidity};
     use skyglow_render::{RenderRequest, prepare::Prepared, synthetic};
     use skyglow_tables::Scattering;
 
@@ -300,7 +300,7 @@ mod tests {
                 scattering: Scattering::Single,
                 cloud_base_m: None,
                 emission: EmissionMix::garstang(),
-                flux_per_dnb_flux: [1.0; 3],
+                flux_per_dnb_flux: [1.0; BAND_COUNT],
                 basis: None,
             };
             Prepared::new(&request, &set).unwrap().work()

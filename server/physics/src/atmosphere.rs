@@ -120,16 +120,23 @@ mod tests {
     #[test]
     fn turbidity_is_a_ratio_of_optical_depths() {
         for t in [1.0, 1.5, 2.5, 6.0] {
-            let depth = Atmosphere::new(Turbidity::new(t).unwrap()).vertical_optical_depth(0.0)[1];
-            let clean = Atmosphere::new(Turbidity::new(1.0).unwrap()).vertical_optical_depth(0.0)[1];
-            assert!((depth / clean - t).abs() < 1e-12);
+            let depth = Atmosphere::new(Turbidity::new(t).unwrap()).vertical_optical_depth(0.0);
+            let clean = Atmosphere::new(Turbidity::new(1.0).unwrap()).vertical_optical_depth(0.0);
+            for band in Band::ALL {
+                let haze = (550.0 / band.wavelength_nm()).powf(1.3 - 4.0) * (t - 1.0);
+                assert!((depth[band.index()] / clean[band.index()] - (1.0 + haze)).abs() < 1e-12);
+            }
         }
     }
 
     /// A clear night costs 0.29 magnitudes at the zenith.
     #[test]
     fn clear_zenith_extinction_is_0_29_mag() {
-        let depth = Atmosphere::new(Turbidity::default()).vertical_optical_depth(0.0)[1];
+        let air = Atmosphere::new(Turbidity::default());
+        let [molecules, aerosol] =
+            [(air.molecule_extinction_per_m, 4.0), (air.aerosol_extinction_per_m, 1.3)]
+                .map(|(per_m, power)| per_m[1] * (Band::ALL[1].wavelength_nm() / 550.0).powf(power));
+        let depth = molecules * MOLECULE_SCALE_HEIGHT_M + aerosol * AEROSOL_SCALE_HEIGHT_M;
         assert!((depth * 1.0857 - 0.29).abs() < 0.006, "{}", depth * 1.0857);
     }
 

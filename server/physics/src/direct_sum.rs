@@ -171,14 +171,14 @@ pub fn panorama_between(samples: &[GridSample], radiance_w_m2_sr: &[[f64; BAND_C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Turbidity, lamp::LampPreset, single_source::radiance_per_watt_of};
+    use crate::{LOBE_COUNT, Turbidity, lamp::LampPreset, single_source::radiance_per_watt_of};
     use proptest::prelude::*;
 
     fn source(azimuth_rad: f64, distance_m: f64, flux_dnb_w: f64) -> PointSource {
         PointSource { azimuth_rad, distance_m, altitude_m: 120.0, flux_dnb_w }
     }
 
-    fn sum(sources: &[PointSource], directions: &[Direction]) -> Vec<[f64; 3]> {
+    fn sum(sources: &[PointSource], directions: &[Direction]) -> Vec<[f64; BAND_COUNT]> {
         direct_sum(
             &[Atmosphere::new(Turbidity::default())],
             sources,
@@ -197,7 +197,7 @@ mod tests {
     fn higher_skylines_leave_less() {
         let sources = [source(0.2, 9_000.0, 5e6), source(2.0, 60_000.0, 4e7)];
         let directions = [VIEW, Direction { azimuth_rad: 3.0, elevation_rad: 0.05 }];
-        let behind = |skylines_deg: [f64; 2]| -> Vec<[f64; 3]> {
+        let behind = |skylines_deg: [f64; 2]| -> Vec<[f64; BAND_COUNT]> {
             let blocked = sources
                 .iter()
                 .zip(skylines_deg)
@@ -238,8 +238,8 @@ mod tests {
             1e-9,
         );
         let weights = EmissionMix::garstang().weights();
-        for band in 0..3 {
-            let mixed: f64 = (0..3).map(|lobe| weights[lobe] * per_watt[band][lobe]).sum();
+        for band in 0..BAND_COUNT {
+            let mixed: f64 = (0..LOBE_COUNT).map(|lobe| weights[lobe] * per_watt[band][lobe]).sum();
             let expected = 5e6 * LampPreset::Hps.lamp().flux_per_dnb_flux[band] * mixed;
             assert!((got[band] / expected - 1.0).abs() < 1e-6, "{band}");
         }
@@ -249,10 +249,11 @@ mod tests {
     fn lobes_apart_add_up_to_their_mix() {
         let sources = [source(0.2, 9_000.0, 5e6), source(2.0, 60_000.0, 4e7)];
         let atmosphere = Atmosphere::new(Turbidity::default());
-        let by_lobe: Vec<[f64; 9]> = direct_sum_by_lobe(&[atmosphere], &sources, 300.0, &[VIEW], 1e-7);
+        let by_lobe: Vec<[f64; BAND_COUNT * LOBE_COUNT]> =
+            direct_sum_by_lobe(&[atmosphere], &sources, 300.0, &[VIEW], 1e-7);
         let (mixed, lamp) = (sum(&sources, &[VIEW])[0], LampPreset::Hps.lamp().flux_per_dnb_flux);
-        for band in 0..3 {
-            let lobes = &by_lobe[0][band * 3..][..3];
+        for band in 0..BAND_COUNT {
+            let lobes = &by_lobe[0][band * LOBE_COUNT..][..LOBE_COUNT];
             let weights = EmissionMix::garstang().weights();
             let added: f64 = lobes.iter().zip(weights).map(|(value, weight)| value * weight).sum();
             assert!((lamp[band] * added / mixed[band] - 1.0).abs() < 2e-6, "{band}");
@@ -275,7 +276,7 @@ mod tests {
                 &[source(a1 + turn, r1, 1e6), source(a2 + turn, r2, 3e7)],
                 &[Direction { azimuth_rad: VIEW.azimuth_rad + turn, ..VIEW }],
             )[0];
-            for band in 0..3 {
+            for band in 0..BAND_COUNT {
                 prop_assert!((both[band] - first[band] - second[band]).abs() <= 1e-12 * both[band]);
                 prop_assert!((both[band] - turned[band]).abs() <= 1e-9 * both[band]);
             }
@@ -288,7 +289,7 @@ mod tests {
         let glow = |sample: GridSample| {
             let direction = grid_direction(sample);
             let value = 1e-6 * (-2.0 * direction.elevation_rad).exp() * (1.5 + direction.azimuth_rad.cos());
-            [value, 2.0 * value, 3.0 * value]
+            std::array::from_fn::<_, BAND_COUNT, _>(|band| (band + 1) as f64 * value)
         };
         let samples = stratified_samples(500);
         let radiance: Vec<_> = samples.iter().copied().map(glow).collect();

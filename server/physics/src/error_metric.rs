@@ -8,7 +8,7 @@ pub const LUMINANCE_FLOOR_CD_M2: f64 = 1.7e-6;
 /// Floor L₀ of the error in a band, W m⁻² sr⁻¹.
 pub const BAND_FLOOR_W_M2_SR: f64 = 3e-9;
 
-/// |L − L_ref| / max(L_ref, L₀), the worst of the luminance and the three bands; radiances W m⁻² sr⁻¹.
+/// |L − L_ref| / max(L_ref, L₀), the worst of the luminance and the bands; radiances W m⁻² sr⁻¹.
 pub fn relative_error(radiance: [f64; BAND_COUNT], reference: [f64; BAND_COUNT]) -> f64 {
     let error = |value: f64, reference: f64, floor: f64| (value - reference).abs() / reference.max(floor);
     let mut worst = error(luminance_cd_m2(radiance), luminance_cd_m2(reference), LUMINANCE_FLOOR_CD_M2);
@@ -50,12 +50,16 @@ impl ErrorStatistics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bands::Band;
 
     /// The worst band counts, and errors below the floor of visibility do not.
     #[test]
     fn worst_band_counts_above_the_floor() {
-        assert!((relative_error([1e-6, 1e-6, 1.3e-6], [1e-6; 3]) - 0.3).abs() < 1e-12);
-        assert!((relative_error([3e-10, 0.0, 0.0], [0.0; 3]) - 0.1).abs() < 1e-12);
+        let shortest = Band::SHORTEST.index();
+        let (dark, mut brighter, mut faint) = ([0.0; BAND_COUNT], [1e-6; BAND_COUNT], [0.0; BAND_COUNT]);
+        (brighter[shortest], faint[shortest]) = (1.3e-6, 3e-10);
+        assert!((relative_error(brighter, [1e-6; BAND_COUNT]) - 0.3).abs() < 1e-12);
+        assert!((relative_error(faint, dark) - 0.1).abs() < 1e-12);
     }
 
     #[test]

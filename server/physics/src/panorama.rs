@@ -52,7 +52,7 @@ pub fn projected_sr(row: usize) -> f64 {
 
 /// Spectral-band radiance of the whole upper hemisphere, W m⁻² sr⁻¹ in each band.
 ///
-/// Shape `[band][row][column]`, band R, G, B; row 0 lowest; column 0 north.
+/// Shape `[band][row][column]`, bands as in [`crate::Band::ALL`]; row 0 lowest; column 0 north.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panorama {
     radiance_w_m2_sr: Vec<f32>,

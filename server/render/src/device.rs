@@ -10,7 +10,7 @@ use crate::{
     synthetic,
     table_set::TableSet,
 };
-use skyglow_physics::{EmissionMix, Turbidity, simd::instruction_set};
+use skyglow_physics::{BAND_COUNT, EmissionMix, Turbidity, simd::instruction_set};
 use std::sync::Arc;
 
 /// What was opened.
@@ -95,7 +95,7 @@ pub(crate) fn warm_up_requests(set: &TableSet) -> Vec<Prepared> {
                 scattering: packs.kind.scattering,
                 cloud_base_m: packs.kind.cloud_base_m,
                 emission: EmissionMix::garstang(),
-                flux_per_dnb_flux: [1.0; 3],
+                flux_per_dnb_flux: [1.0; BAND_COUNT],
                 basis: None,
             };
             Prepared::new(&request, set).ok()

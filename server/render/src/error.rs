@@ -71,7 +71,7 @@ pub enum RenderError {
     },
     /// A lamp that no spectrum gives: its samples would be NaN, and come out black.
     #[error(
-        "the lamp sends {flux_per_dnb_flux:?} per flux seen in R, G, B; each must be a number from 0 to {maximum}"
+        "the lamp sends {flux_per_dnb_flux:?} per flux seen in the bands; each must be a number from 0 to {maximum}"
     )]
     BadLamp {
         /// Flux in each band per flux weighted by the DNB response.

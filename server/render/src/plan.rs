@@ -217,7 +217,7 @@ mod tests {
             scattering: Scattering::Single,
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: [1.0; 3],
+            flux_per_dnb_flux: [1.0; BAND_COUNT],
             basis: Some(10),
         };
         Prepared::new(&request, set).unwrap()
@@ -227,16 +227,18 @@ mod tests {
     fn the_plan_of_one_pack_prints_as_expected() {
         let set = TableSet::new(synthetic::table_set(&[2.0, 3.0], 12)).unwrap();
         let request = prepared(2.0, &[(0, 5, 1.0, 0.0), (9, 5, 1.0, 10.0), (9, 6, 1.0, 10.0)], &set);
-        let expected = "\
+        let expected = format!(
+            "\
 2 requests, 8 nodes, 6 cells, 4 columns
 mix_scale     1 x 1 x 1  T = 2, 10 functions
 mix_shape     1 x 1 x 1  T = 2, 10 functions
 cell_weights  1 x 1 x 1  T = 2, 10 functions
-coefficients  8 x 3 x 1  T = 2, 10 functions
-azimuth_fft   4 x 3 x 2  T = 2, 10 functions
+coefficients  8 x {BAND_COUNT} x 1  T = 2, 10 functions
+azimuth_fft   4 x {BAND_COUNT} x 2  T = 2, 10 functions
 basis_sum     17 x 8 x 2  T = 2, 10 functions
-inverse_fft   16 x 3 x 2  T = 2, 10 functions
-";
+inverse_fft   16 x {BAND_COUNT} x 2  T = 2, 10 functions
+"
+        );
         assert_eq!(RenderPlan::of(&[&request, &request], &set).to_string(), expected);
     }
 
@@ -250,7 +252,7 @@ inverse_fft   16 x 3 x 2  T = 2, 10 functions
         assert_eq!(plan.passes.len(), 3 * 7 + 1);
         assert_eq!(
             plan.passes.last().map(|last| (last.pass, last.workgroups)),
-            Some((Pass::Blend, [768, 1, 1]))
+            Some((Pass::Blend, [256 * BAND_COUNT as u32, 1, 1]))
         );
     }
 }

@@ -22,7 +22,7 @@ pub struct RenderRequest {
     pub cloud_base_m: Option<u32>,
     /// Where the lamps send their light.
     pub emission: EmissionMix,
-    /// s_b: the lamps' flux in bands R, G, B per DNB flux.
+    /// s_b: the lamps' flux in each band per DNB flux.
     pub flux_per_dnb_flux: [f64; BAND_COUNT],
     /// Number of basis functions; None for all resident with that scattering.
     pub basis: Option<usize>,

@@ -247,6 +247,11 @@ fn basis_spectrum(turbidity: f64, basis_count: usize) -> Vec<f32> {
     spectrum
 }
 
+/// The made-up lamps' flux in each band per DNB flux: 0.4, 0.6, 0.2 and so on again.
+pub fn flux_per_dnb_flux() -> [f64; BAND_COUNT] {
+    std::array::from_fn(|band| [0.4, 0.6, 0.2][band % 3])
+}
+
 /// A request for the sky of a grid: first order, clear, the eye between the tables' altitudes.
 pub fn request(polar: PolarGrid, turbidity: Turbidity) -> RenderRequest {
     RenderRequest {
@@ -256,7 +261,7 @@ pub fn request(polar: PolarGrid, turbidity: Turbidity) -> RenderRequest {
         scattering: Scattering::Single,
         cloud_base_m: None,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: [0.4, 0.6, 0.2],
+        flux_per_dnb_flux: flux_per_dnb_flux(),
         basis: None,
     }
 }

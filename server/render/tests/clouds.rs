@@ -1,7 +1,7 @@
 //! Packs under clouds beside those of a clear sky.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
-use skyglow_physics::{EmissionMix, Turbidity};
+use skyglow_physics::{BAND_COUNT, EmissionMix, Turbidity};
 use skyglow_render::{PackKind, RenderError, RenderRequest, TableSet, prepare::Prepared, synthetic};
 use skyglow_tables::{Clouds, Scattering};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ fn asked(altitudes_m: &[f32], cloud_base_m: Option<u32>) -> RenderRequest {
         scattering: Scattering::Single,
         cloud_base_m,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: [1.0; 3],
+        flux_per_dnb_flux: [1.0; BAND_COUNT],
         basis: None,
     }
 }

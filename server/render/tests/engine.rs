@@ -4,12 +4,13 @@
 mod common;
 
 use common::{engine, largest_error, request, vulkan};
-use skyglow_physics::Turbidity;
+use skyglow_physics::{BAND_COUNT, Turbidity};
 use skyglow_render::{
     DeviceChoice, Engine, EngineConfig, ExecutorKind, RenderError, RenderRequest, TableSet, WorkCount,
     prepare::Prepared, reference::render_f64, synthetic,
 };
 use std::{
+    array::from_fn,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -220,19 +221,25 @@ fn dark_bands_are_left_out() {
     for device in [vulkan(), DeviceChoice::Cpu] {
         let engine = engine(device, &[2.0], 40);
         let all = request(synthetic::polar_grid(5, 2000), 2.0);
-        let red_dark = RenderRequest { flux_per_dnb_flux: [0.0, 0.642, 0.186], ..all.clone() };
-        let green_alone = RenderRequest { flux_per_dnb_flux: [0.0, 0.642, 0.0], ..all.clone() };
-        let render = |request: &RenderRequest| engine.render_blocking(request.clone()).unwrap();
-        let (all, red_dark, green_alone) = (render(&all), render(&red_dark), render(&green_alone));
-        assert_eq!([&all, &red_dark, &green_alone].map(|sky| sky.work.lit_bands), [3, 2, 1]);
-        let per_band = all.panorama.samples().len() / 3;
+        let lit = |is_lit: &dyn Fn(usize) -> bool| {
+            let flux = synthetic::flux_per_dnb_flux();
+            let flux_per_dnb_flux = from_fn(|band| if is_lit(band) { flux[band] } else { 0.0 });
+            engine.render_blocking(RenderRequest { flux_per_dnb_flux, ..all.clone() }).unwrap()
+        };
+        let (first_dark, second_alone, all) =
+            (lit(&|band| band != 0), lit(&|band| band == 1), lit(&|_| true));
+        let counts = [&all, &first_dark, &second_alone].map(|sky| sky.work.lit_bands);
+        assert_eq!(counts, [BAND_COUNT, BAND_COUNT - 1, 1]);
+        let per_band = all.panorama.samples().len() / BAND_COUNT;
         let band = |sky: &skyglow_render::Rendered, band: usize| {
             sky.panorama.samples()[band * per_band..][..per_band].to_vec()
         };
         let black = vec![0.0; per_band];
-        assert_eq!([0, 1, 2].map(|b| band(&red_dark, b)), [black.clone(), band(&all, 1), band(&all, 2)]);
-        assert_eq!([0, 1, 2].map(|b| band(&green_alone, b)), [black.clone(), band(&all, 1), black.clone()]);
-        assert!([0, 1, 2].iter().all(|&b| band(&all, b) != black));
+        for b in 0..BAND_COUNT {
+            assert!(band(&all, b) != black);
+            assert!(band(&first_dark, b) == if b == 0 { black.clone() } else { band(&all, b) });
+            assert!(band(&second_alone, b) == if b == 1 { band(&all, b) } else { black.clone() });
+        }
     }
 }
 
@@ -244,7 +251,7 @@ fn dark_parts_are_not_in_the_work_count() {
     let grid = synthetic::polar_grid(5, 4000);
     let all = request(grid.clone(), 2.3);
     let full = work(&all);
-    assert_eq!((full.lit_columns, full.lit_bands, full.packs), (256, 3, 3));
+    assert_eq!((full.lit_columns, full.lit_bands, full.packs), (256, BAND_COUNT, 3));
     let darkened = |keep: &dyn Fn(usize, u32) -> bool| {
         let mut dark = grid.clone();
         for azimuth in 0..256 {

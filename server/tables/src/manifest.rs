@@ -107,7 +107,7 @@ pub struct Manifest {
     /// The layer of cloud that closes the sky; not there under a clear one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clouds: Option<Clouds>,
-    /// Wavelengths of R, G, B, nanometres.
+    /// Wavelengths of the bands in array order, nanometres.
     pub bands_nm: Vec<f64>,
     /// Lobes in array order.
     pub lobes: Vec<String>,

@@ -23,7 +23,7 @@ use crate::{
 };
 use half::f16;
 use rayon::prelude::*;
-use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Turbidity};
+use skyglow_physics::{Atmosphere, BAND_COUNT, Band, LOBE_COUNT, Turbidity};
 use std::path::{Path, PathBuf};
 
 /// Makes a pack in `out` and returns its path; resumes from what an earlier, killed run left there.
@@ -262,10 +262,11 @@ fn make_part(
         for ((part, images), projector) in parts.iter_mut().zip(&images).zip(projectors) {
             for lobe in 0..LOBE_COUNT {
                 let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
-                // The green image's weights serve all three bands: a third of the normal equations, and the
-                // mean error rises by a tenth of itself.
+                // The middle image's weights serve all bands: a third of the normal equations, and the mean error
+                // rises by a tenth of itself.
                 let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
-                let rows = projector.project(&sample_weights(shapes[1], floor_factor), &shapes)?;
+                let rows = projector
+                    .project(&sample_weights(shapes[Band::MIDDLE.index()], floor_factor), &shapes)?;
                 for (band, row) in rows.into_iter().enumerate() {
                     check_half_precision(&row)?;
                     part.push(images.log_scale[image_index(lobe, band)] as f32);

@@ -11,7 +11,7 @@ use crate::{
     options::PrecomputeOptions,
 };
 use rayon::prelude::*;
-use skyglow_physics::{Atmosphere, BAND_COUNT, LOBE_COUNT, Lobe, single_source::SourceGeometry};
+use skyglow_physics::{Atmosphere, BAND_COUNT, Band, LOBE_COUNT, Lobe, single_source::SourceGeometry};
 
 /// Geometries of the training set, in turn uniform over the axes, at low altitudes, and elevated. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
@@ -112,7 +112,7 @@ pub(crate) fn training_images(
         .collect()
 }
 
-/// The training set of one turbidity: red and blue images, which have green between them.
+/// The training set of one turbidity: images at the longest and the shortest wavelength, which have the others between them.
 pub(crate) fn training_set(
     options: &PrecomputeOptions,
     geometries: &[SourceGeometry],
@@ -127,8 +127,9 @@ pub(crate) fn training_set(
             Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
         {
             let importance = if lobe == Lobe::Oblique { OBLIQUE_IMPORTANCE } else { 1.0 };
-            set.extend(shapes.chunks_exact(PIXEL_COUNT).step_by(2).map(|shape| TrainingImage {
-                shape: shape.to_vec(),
+            let of_band = |band: Band| shapes[band.index() * PIXEL_COUNT..][..PIXEL_COUNT].to_vec();
+            set.extend([Band::LONGEST, Band::SHORTEST].map(|band| TrainingImage {
+                shape: of_band(band),
                 floor_factor,
                 importance,
             }));

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot set itself up must stop")]
 
-use skyglow_physics::{Atmosphere, Turbidity};
+use skyglow_physics::{Atmosphere, Band, LOBE_COUNT, Turbidity};
 use skyglow_tables::{
     BasisCount, Clouds, MultipleAxes, NoProgress, Pack, PrecomputeOptions, Progress, Scattering, TablesError,
     images::images_of, layout::image_index, packs_in, precompute, precompute_together,
@@ -70,8 +70,8 @@ fn a_pack_reads_back_and_says_what_it_is() {
     assert_eq!(packs_in(folder.path()).unwrap(), vec![path.clone()]);
     let pack = Pack::open(&path).unwrap();
     assert_eq!(pack.manifest().turbidity, 2.0);
-    assert_eq!(pack.manifest().bands_nm, vec![680.0, 550.0, 440.0]);
-    assert_eq!(pack.manifest().measured_error.lobes.len(), 3);
+    assert_eq!(pack.manifest().bands_nm, Band::ALL.map(Band::wavelength_nm));
+    assert_eq!(pack.manifest().measured_error.lobes.len(), LOBE_COUNT);
     assert!(pack.manifest().measured_error.lobes[0].samples > 100);
     let rings = [250.0, 1_000.0, 77_000.0, 300_000.0];
     let tables = pack.resident(&rings);

@@ -1,19 +1,19 @@
-//! Nine outputs side by side: three bands by three lobes, padded to twelve floats for the vector unit.
+//! Outputs side by side: bands by lobes, padded to whole vectors.
 //!
 //! f32 holds them: relative rounding of 1e-7 a step against errors of 1e-3 and more of everything around it;
 //! amplitudes are stored as logarithms, so nothing under- or overflows.
 
 use crate::{bands::BAND_COUNT, emission::LOBE_COUNT, single_source::RadiancePerWatt};
 
-/// Outputs, and the padding.
-pub(super) const LANES: usize = 12;
+/// Outputs, and the padding: vectors of four.
+pub(super) const LANES: usize = (BAND_COUNT * LOBE_COUNT).next_multiple_of(4);
 /// One value for each output, at `band · LOBE_COUNT + lobe`.
 pub(super) type Lanes = [f32; LANES];
 
 /// Lanes in the first of two vectors.
 const FIRST: usize = 8;
 
-/// sum += a·x + b·y. Eight and four lanes by themselves: the compiler does not vectorise one loop over twelve well.
+/// sum += a·x + b·y. Eight lanes and the others by themselves: the compiler does not vectorise one loop over twelve well.
 #[inline(always)]
 pub(super) fn add_two(sum: &mut Lanes, (a, x): (f32, &Lanes), (b, y): (f32, &Lanes)) {
     for lane in 0..FIRST {
@@ -34,7 +34,7 @@ pub(super) fn outputs_from_lanes(lanes: &[f64; LANES]) -> RadiancePerWatt {
     std::array::from_fn(|band| std::array::from_fn(|lobe| lanes[band * LOBE_COUNT + lobe]))
 }
 
-/// eˣ to 2e-7 for −87 < x < 88, 0 below; without branches, so that twelve at once are vector code.
+/// eˣ to 2e-7 for −87 < x < 88, 0 below; without branches, so that all at once are vector code.
 #[inline(always)]
 pub(super) fn exp_lanes(x: &Lanes) -> Lanes {
     // 2^t with t = n + r: adding 1.5·2²³ rounds t to the integer n and leaves it in the low bits.

@@ -7,7 +7,7 @@ use super::{
     *,
 };
 use crate::{
-    Atmosphere, CloudBase, EmissionMix, PointSource, Turbidity,
+    Atmosphere, BAND_COUNT, CloudBase, EmissionMix, LOBE_COUNT, PointSource, Turbidity,
     panorama::Direction,
     quadrature::integrate_adaptive,
     single_source::{SourceGeometry, cut_radiance_per_watt_of, radiance_per_watt_of},
@@ -34,7 +34,7 @@ static FIELD: LazyLock<SourceField> =
 fn energy_balances_below_a_cloud() {
     check_balance(&FIELD);
     let powers = FIELD.powers();
-    assert!(powers.iter().all(|power| power.escaped_w() == [[0.0; 3]; 3]));
+    assert!(powers.iter().all(|power| power.escaped_w() == [[0.0; LOBE_COUNT]; BAND_COUNT]));
     // Most of the direct light arrives at the base: without it the first balance fails, and the later ones too.
     assert!(powers[0].at_base_w()[1][0] > 0.8);
     assert!(powers[1..].iter().all(|power| power.at_base_w()[1][0] > 0.05 * power.sent_w()[1][0]));
@@ -73,7 +73,7 @@ fn first_order_agrees_below_a_cloud() {
                 });
                 // The oblique lobe lights a disc of the base with a sharp edge.
                 for (lobe, tolerance) in [0.02, 0.02, 0.06].into_iter().enumerate() {
-                    let error = place.down_flux[3 + lobe] / flux[lobe] - 1.0;
+                    let error = place.down_flux[LOBE_COUNT + lobe] / flux[lobe] - 1.0;
                     assert!(error.abs() < tolerance, "{distance_m} {observer_altitude_m} {lobe}: {error}");
                 }
             }
@@ -140,9 +140,9 @@ fn more_albedo_is_brighter_everywhere() {
 fn nothing_is_seen_from_above_the_base() {
     for observer_altitude_m in [BASE_M, 1_700.0] {
         let row = ViewRow::new(&FIELD, observer_altitude_m, 0.4).unwrap();
-        assert_eq!(row.radiance_per_watt(3e3, 0.2), [[0.0; 3]; 3]);
+        assert_eq!(row.radiance_per_watt(3e3, 0.2), [[0.0; LOBE_COUNT]; BAND_COUNT]);
         let geometry = SourceGeometry { observer_altitude_m, ..at(3e3) };
-        assert_eq!(FIELD.radiance_per_watt(&geometry, 0.2, 0.4).unwrap(), [[0.0; 3]; 3]);
+        assert_eq!(FIELD.radiance_per_watt(&geometry, 0.2, 0.4).unwrap(), [[0.0; LOBE_COUNT]; BAND_COUNT]);
     }
     let below = SourceGeometry { observer_altitude_m: BASE_M - 1.0, ..at(3e3) };
     assert!(FIELD.radiance_per_watt(&below, 0.2, 0.4).unwrap()[1][0] > 0.0);
@@ -169,13 +169,13 @@ fn a_sum_leaves_out_what_is_above_the_base() {
             resolution: Resolution::coarse(),
             density: SumDensity { distances: 24, azimuths: 21, ..SumDensity::default() },
         };
-        sum.radiance(sources, [1.0; 3], &directions).unwrap()[0]
+        sum.radiance(sources, [1.0; BAND_COUNT], &directions).unwrap()[0]
     };
     let low = sky(100.0, &[source(200.0)]);
     assert!(low[1] > 0.0);
     assert_eq!(sky(100.0, &[source(200.0), source(BASE_M), source(1_800.0)]), low);
-    assert_eq!(sky(100.0, &[source(BASE_M), source(1_800.0)]), [0.0; 3]);
-    assert_eq!(sky(BASE_M, &[source(200.0)]), [0.0; 3]);
+    assert_eq!(sky(100.0, &[source(BASE_M), source(1_800.0)]), [0.0; BAND_COUNT]);
+    assert_eq!(sky(BASE_M, &[source(200.0)]), [0.0; BAND_COUNT]);
     // Just below the base is not left out.
     assert!(sky(100.0, &[source(BASE_M - 1.0)])[1] > 0.0);
 }

@@ -10,7 +10,10 @@ use super::{
     optics::{SlantPath, optical_depths},
     setting::SourceSetting,
 };
-use crate::{bands::BAND_COUNT, geometry::EARTH_RADIUS_M};
+use crate::{
+    bands::{BAND_COUNT, Band},
+    geometry::EARTH_RADIUS_M,
+};
 
 /// Rays end where less than this is let through in every band.
 const MIN_TRANSMISSION: f64 = 1e-4;
@@ -110,7 +113,7 @@ impl SteppedPath {
         let end_m = ground_m.or(base_m).unwrap_or_else(|| path.path_up_to_m(TOP_ALTITUDE_M));
         let sine = (1.0 - cos_zenith * cos_zenith).max(0.0).sqrt();
         let arc_m = |u: f64| EARTH_RADIUS_M * (u * sine).atan2(EARTH_RADIUS_M + altitude_m + u * cos_zenith);
-        let thickest = BAND_COUNT - 1;
+        let thickest = Band::SHORTEST.index();
         let beta = [
             setting.atmosphere.molecule_extinction_per_m()[thickest],
             setting.atmosphere.aerosol_extinction_per_m()[thickest],

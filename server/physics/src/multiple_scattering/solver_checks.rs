@@ -5,9 +5,12 @@ use super::{
     monte_carlo::{Detector, Estimate, ForwardTracer, Tracer},
 };
 use crate::{
-    Band,
+    BAND_COUNT, Band, LOBE_COUNT,
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
+
+/// The band that light is traced in: the second of every list.
+pub(super) const TRACED: Band = Band::ALL[1];
 
 /// Observer and source at sea level.
 pub(super) fn at(distance_m: f64) -> SourceGeometry {
@@ -36,8 +39,8 @@ pub(super) fn check_rows(field: &SourceField, places: [(f64, f64); 3]) {
             let left = row.radiance_per_watt(distance_m, azimuth);
             let right = row.radiance_per_watt(distance_m, -azimuth);
             let exact = field.radiance_per_watt(&at(distance_m), azimuth, elevation).unwrap();
-            for band in 0..3 {
-                for lobe in 0..3 {
+            for band in 0..BAND_COUNT {
+                for lobe in 0..LOBE_COUNT {
                     assert!(left[band][lobe] > 0.0 && left[band][lobe].is_finite());
                     assert!((left[band][lobe] / right[band][lobe] - 1.0).abs() < 1e-5);
                     let error = left[band][lobe] / exact[band][lobe] - 1.0;
@@ -60,7 +63,7 @@ pub(super) fn detectors(distances_m: &[f64], directions: &[(f64, f64)]) -> Vec<D
     distances_m.iter().flat_map(|&distance_m| of(distance_m)).collect()
 }
 
-/// All orders of the `lambert` lobe in green are what light traced forward gives, within `tolerance` and four times the
+/// All orders of the `lambert` lobe in one band are what light traced forward gives, within `tolerance` and four times the
 /// tracer's own standard error, which is `max_noise` at most; the first order alone would not be.
 pub(super) fn check_against_traced_light(
     field: &SourceField,
@@ -69,7 +72,7 @@ pub(super) fn check_against_traced_light(
     tolerance: f64,
     max_noise: f64,
 ) {
-    let traced = ForwardTracer::new(*field.setting(), Band::G).estimate(detectors, paths, 7);
+    let traced = ForwardTracer::new(*field.setting(), TRACED).estimate(detectors, paths, 7);
     for (detector, traced) in detectors.iter().zip(&traced) {
         let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
         let more = field.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
@@ -98,10 +101,10 @@ pub(super) fn check_both_tracers(
     max_noise: f64,
 ) -> [Estimate; 2] {
     let detector = Detector { geometry, relative_azimuth_rad, elevation_rad };
-    let tracer = Tracer::new(setting, Band::G, &geometry);
+    let tracer = Tracer::new(setting, TRACED, &geometry);
     let b = tracer.estimate(relative_azimuth_rad, elevation_rad, backward_paths, 3);
-    let f = ForwardTracer::new(setting, Band::G).estimate(&[detector], 60_000, 3)[0];
-    for lobe in 0..3 {
+    let f = ForwardTracer::new(setting, TRACED).estimate(&[detector], 60_000, 3)[0];
+    for lobe in 0..LOBE_COUNT {
         let difference = b.radiance_per_m2_sr[lobe] - f.radiance_per_m2_sr[lobe];
         let noise = b.standard_error_per_m2_sr[lobe].hypot(f.standard_error_per_m2_sr[lobe]);
         assert!(difference.abs() < 4.0 * noise, "lobe {lobe}: {b:?} {f:?}");

@@ -1,12 +1,12 @@
 use super::{
     monte_carlo::ForwardTracer,
     solver_checks::{
-        at, check_against_traced_light, check_balance, check_both_tracers, check_rows, detectors,
+        TRACED, at, check_against_traced_light, check_balance, check_both_tracers, check_rows, detectors,
     },
     *,
 };
 use crate::{
-    Atmosphere, Band, Lobe, Turbidity,
+    Atmosphere, LOBE_COUNT, Lobe, Turbidity,
     quadrature::integrate_adaptive,
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
@@ -73,7 +73,7 @@ fn first_order_agrees_with_single_source() {
             })
         });
         for (lobe, flux) in flux.iter().enumerate() {
-            let error = place.down_flux[3 + lobe] / flux - 1.0;
+            let error = place.down_flux[LOBE_COUNT + lobe] / flux - 1.0;
             assert!(error.abs() < 0.02, "{distance_m} m, lobe {lobe}: {error}");
         }
     }
@@ -132,7 +132,7 @@ fn a_disc_of_light_is_the_mean_of_its_points() {
     let (distance_m, radius_m, direction) = (20e3, 12e3, (0.0, 1.4));
     let detector = detectors(&[distance_m], &[direction]);
     let traced = |radius_m: f64| {
-        let tracer = ForwardTracer::new(setting, Band::G).with_lamp_radius_m(radius_m);
+        let tracer = ForwardTracer::new(setting, TRACED).with_lamp_radius_m(radius_m);
         tracer.estimate(&detector, 60_000, 5)[0].by_order_per_m2_sr[0][0]
     };
     let point = |from_centre_m: f64, turn_rad: f64| {
@@ -202,7 +202,7 @@ fn energy_balances_behind_a_skyline() {
 fn solver_agrees_with_tracer_behind_a_skyline() {
     let mut rays = detectors(&[2e3], &[(0.0, 1.57), (1.6, 0.5)]);
     rays.extend(detectors(&[10e3], &[(0.0, 0.5), (3.1, 0.08)]));
-    let traced = ForwardTracer::new(*CUT_FIELD.setting(), Band::G).estimate(&rays, 60_000, 7);
+    let traced = ForwardTracer::new(*CUT_FIELD.setting(), TRACED).estimate(&rays, 60_000, 7);
     let mut far_off = 0;
     for (detector, traced) in rays.iter().zip(&traced) {
         let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);

@@ -3,6 +3,8 @@
 use super::{scattering::Integrand, *};
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
+    bands::BAND_COUNT,
+    emission::LOBE_COUNT,
     quadrature::gauss_legendre,
 };
 use proptest::prelude::*;
@@ -58,8 +60,8 @@ fn away_below_the_skyline_all_is_dark() {
         )
     };
     // The curve of the Earth lifts a ray by less than a quarter of a degree before it has left the haze.
-    assert_eq!(cut(9.0, std::f64::consts::PI), [[0.0; 3]; 3]);
-    assert_eq!(cut(2.0, 2.0), [[0.0; 3]; 3]);
+    assert_eq!(cut(9.0, std::f64::consts::PI), [[0.0; LOBE_COUNT]; BAND_COUNT]);
+    assert_eq!(cut(2.0, 2.0), [[0.0; LOBE_COUNT]; BAND_COUNT]);
     assert!(cut(14.0, std::f64::consts::PI)[1][0] > 0.0);
     // Towards the source a ray passes above it.
     assert!(cut(2.0, 0.0)[1][0] > 0.0);
@@ -82,7 +84,7 @@ fn a_skyline_at_the_zenith_leaves_nothing() {
     assert!(zenith(80.0)[0] < 0.1 * open[0] && zenith(80.0)[0] > 0.0);
     // The Lambertian lobe loses all but cos² of the angle; what is left falls to nothing.
     assert!(zenith(89.5).iter().zip(open).all(|(cut, open)| *cut < 1e-2 * open));
-    assert_eq!(zenith(90.0), [0.0; 3]);
+    assert_eq!(zenith(90.0), [0.0; LOBE_COUNT]);
 }
 
 /// The cut integral by plain steps that know nothing of cones: the integrand of the open sky where the elevation is
@@ -179,8 +181,8 @@ proptest! {
             cut_radiance_per_watt_of(&atmosphere(turbidity), &geometry, blocking, azimuth, elevation, 1e-6)
         };
         let (low, high) = (sky(a.min(b)), sky(a.max(b)));
-        for band in 0..3 {
-            for lobe in 0..3 {
+        for band in 0..BAND_COUNT {
+            for lobe in 0..LOBE_COUNT {
                 prop_assert!(high[band][lobe] >= 0.0 && high[band][lobe] <= low[band][lobe] * (1.0 + 1e-5));
             }
         }

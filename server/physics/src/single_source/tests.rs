@@ -1,6 +1,8 @@
 use super::*;
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
+    bands::BAND_COUNT,
+    emission::LOBE_COUNT,
     geometry::EARTH_RADIUS_M,
     phase::{henyey_greenstein_per_sr, rayleigh_per_sr},
 };
@@ -71,7 +73,7 @@ fn walkers_law_near_20_km() {
 #[test]
 fn the_earths_shadow_is_exactly_dark() {
     let dark = radiance_per_watt_of(&atmosphere(2.0), &at(300_000.0), std::f64::consts::PI, 0.012, 1e-6);
-    assert_eq!(dark, [[0.0; 3]; 3]);
+    assert_eq!(dark, [[0.0; LOBE_COUNT]; BAND_COUNT]);
     let lit = radiance_per_watt_of(&atmosphere(2.0), &at(300_000.0), std::f64::consts::PI, 0.3, 1e-6);
     assert!(lit[1][0] > 0.0);
 }
@@ -94,8 +96,8 @@ fn the_integral_has_converged() {
                         let (az, el) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
                         let working = radiance_per_watt_of(&atmosphere, &geometry, az, el, 1e-6);
                         let tight = radiance_per_watt_of(&atmosphere, &geometry, az, el, 1e-10);
-                        for band in 0..3 {
-                            for lobe in 0..3 {
+                        for band in 0..BAND_COUNT {
+                            for lobe in 0..LOBE_COUNT {
                                 let (w, t) = (working[band][lobe], tight[band][lobe]);
                                 assert!(t >= 0.0 && t.is_finite());
                                 if t > 1e-40 {
@@ -188,8 +190,8 @@ proptest! {
         let atmosphere = atmosphere(turbidity);
         let left = radiance_per_watt_of(&atmosphere, &geometry, azimuth, elevation, 1e-6);
         let right = radiance_per_watt_of(&atmosphere, &geometry, -azimuth, elevation, 1e-6);
-        for band in 0..3 {
-            for lobe in 0..3 {
+        for band in 0..BAND_COUNT {
+            for lobe in 0..LOBE_COUNT {
                 prop_assert!(left[band][lobe] >= 0.0 && left[band][lobe].is_finite());
                 let scale = left[band][lobe].max(1e-60);
                 prop_assert!((left[band][lobe] - right[band][lobe]).abs() <= 1e-6 * scale);

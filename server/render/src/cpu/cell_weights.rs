@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     prepare::{Prepared, PreparedCell},
-    twin::{log_scale_between, natural_exp},
+    twin::{MAX_BAND_COUNT, band_channels, log_scale_between, natural_exp},
 };
 use skyglow_physics::{BAND_COUNT, simd_dispatch};
 
@@ -22,7 +22,7 @@ pub fn cell_weights(
     side_by_side: bool,
     weights: &mut Vec<CellWeights>,
 ) {
-    weights.resize(request.cells.len(), [[0.0; 4]; 2]);
+    weights.resize(request.cells.len(), [[0.0; MAX_BAND_COUNT]; 2]);
     for_each_part(side_by_side, weights, CELLS_PER_TASK, |task, weights| {
         let cells = &request.cells[task * CELLS_PER_TASK..][..weights.len()];
         weigh(cells, scales, request.flux_per_dnb_flux, weights);
@@ -46,10 +46,9 @@ fn weigh_body(
     flux_per_dnb_flux: [f32; BAND_COUNT],
     weights: &mut [CellWeights],
 ) {
-    let [red, green, blue] = flux_per_dnb_flux;
-    let flux_per_dnb_flux = [red, green, blue, 0.0];
+    let flux_per_dnb_flux = band_channels(flux_per_dnb_flux);
     for (cells, weights) in cells.chunks(LANES).zip(weights.chunks_mut(LANES)) {
-        let mut scale = [[0f32; 4]; LANES];
+        let mut scale = [[0f32; MAX_BAND_COUNT]; LANES];
         for (cell, scale) in cells.iter().zip(&mut scale) {
             let [lower, upper] = [cell.lower_node, cell.upper_node()].map(|node| &scales[node as usize]);
             for (band, scale) in scale.iter_mut().enumerate() {
@@ -65,8 +64,8 @@ fn weigh_body(
             *scale = natural_exp(*scale);
         }
         for ((cell, scale), weights) in cells.iter().zip(&scale).zip(weights) {
-            let mut weighed = [[0f32; 4]; 2];
-            for band in 0..4 {
+            let mut weighed = [[0f32; MAX_BAND_COUNT]; 2];
+            for band in 0..MAX_BAND_COUNT {
                 let scale = cell.flux_dnb_w * flux_per_dnb_flux[band] * scale[band];
                 weighed[0][band] = scale * (1.0 - cell.upper_weight);
                 weighed[1][band] = scale * cell.upper_weight;

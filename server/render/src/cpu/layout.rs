@@ -1,6 +1,7 @@
 //! What the passes hand to each other, laid out so that vectors read straight on.
 
 use super::lanes::{Aligned, LANES};
+use crate::twin::MAX_BAND_COUNT;
 use skyglow_physics::{BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT};
 use skyglow_tables::resident::FREQUENCY_COUNT;
 
@@ -17,10 +18,10 @@ pub const ROW_GROUPS: usize = ELEVATION_COUNT / ROWS_PER_GROUP;
 /// [`lobe_shares`](crate::twin::lobe_shares), [`mixed_curvature`](crate::twin::mixed_curvature).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NodeScales {
-    /// ln of the mixed scale in every band, and a 0 that makes it a vector.
-    pub log_scale: [f32; 4],
+    /// ln of the mixed scale in every band, 0 beyond the last: a vector.
+    pub log_scale: [f32; MAX_BAND_COUNT],
     /// Its second difference over the offset, as long: [`skyglow_tables::curvature`].
-    pub curvature: [f32; 4],
+    pub curvature: [f32; MAX_BAND_COUNT],
     /// `[band][lobe]`, summing to 1.
     pub shares: [[f32; LOBE_COUNT]; BAND_COUNT],
 }
@@ -28,8 +29,8 @@ pub struct NodeScales {
 /// Shape coefficients of one node in one block of functions: `[band][function]`; functions beyond those in use are 0.
 pub type MixedNode = Aligned<[[f32; BLOCK]; BAND_COUNT]>;
 
-/// Weights of a cell's lower and upper node in every band, and a 0 that makes each a vector.
-pub type CellWeights = [[f32; 4]; 2];
+/// Weights of a cell's lower and upper node in every band, 0 beyond the last: vectors.
+pub type CellWeights = [[f32; MAX_BAND_COUNT]; 2];
 
 /// H of one azimuth in one block of functions: `[band][function]`.
 pub type ColumnBlock = Aligned<[[f32; BLOCK]; BAND_COUNT]>;

@@ -40,7 +40,7 @@ fn prepared(seed: u64, observer_altitude_m: f64, turbidity: f64, set: &TableSet)
         scattering: Scattering::Single,
         cloud_base_m: None,
         emission: EmissionMix::new([0.5, 0.3, 0.2]).unwrap(),
-        flux_per_dnb_flux: [0.4, 0.6, 0.2],
+        flux_per_dnb_flux: synthetic::flux_per_dnb_flux(),
         basis: None,
     };
     Prepared::new(&request, set).unwrap()
@@ -168,16 +168,15 @@ impl Rig {
     fn weights(&self, request: usize) -> Vec<CellWeights> {
         let total = self.plan().cell_count;
         let height = total.div_ceil(twin::indexing::CELLS_PER_ROW as usize);
-        let texels = self.texture(&self.executor.workspace.weights, 3 * 1024, height);
+        let texels = self.texture(&self.executor.workspace.weights, BAND_COUNT * 1024, height);
         let (first, count) = (self.first(request).1, self.batch[request].cells.len());
         let weights = |cell: usize| {
-            let [to_lower, to_upper] = [2, 3].map(|part| {
-                [0, 1, 2].map(|band| {
-                    let [x, y] = twin::cell_texel(cell as u32, band);
+            [2, 3].map(|part| {
+                twin::band_channels(std::array::from_fn(|band| {
+                    let [x, y] = twin::cell_texel(cell as u32, band as u32);
                     texels[y as usize][x as usize][part]
-                })
-            });
-            [to_lower, to_upper].map(|[red, green, blue]| [red, green, blue, 0.0])
+                }))
+            })
         };
         (first..first + count).map(weights).collect()
     }

@@ -196,9 +196,9 @@ fn structures_lie_alike_on_both_sides() {
             emission,
             altitude_count,
             flux_per_dnb_flux,
-            blocked_altitude_count,
             blocked_altitude_index,
-            blocked_altitude_weight
+            blocked_altitude_weight,
+            blocked_altitude_count
         ]
     );
     assert_layout!(&module, "Node", Node, [request, ring, offset, blocking]);
@@ -214,6 +214,7 @@ fn constants_are_the_same_on_both_sides() {
     };
     for (name, value) in [
         ("BAND_COUNT", skyglow_physics::BAND_COUNT),
+        ("MAX_BAND_COUNT", twin::MAX_BAND_COUNT),
         ("LOBE_COUNT", skyglow_physics::LOBE_COUNT),
         ("AZIMUTH_COUNT", skyglow_physics::AZIMUTH_COUNT),
         ("ELEVATION_COUNT", skyglow_physics::ELEVATION_COUNT),

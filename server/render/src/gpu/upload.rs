@@ -6,7 +6,7 @@ use crate::{
     table_set::TableSet,
     twin::{
         indexing::CELLS_PER_ROW,
-        types::{Column, Frame, Node, Request},
+        types::{Column, Frame, Node, Request, band_channels},
     },
 };
 use skyglow_physics::{
@@ -52,10 +52,11 @@ impl BatchArrays {
             linear_weight: prepared.turbidity_stencil.linear_weights_f32(),
             emission: prepared.emission,
             altitude_count: prepared.altitude_stencil.nodes().len() as u32,
-            flux_per_dnb_flux: prepared.flux_per_dnb_flux,
-            blocked_altitude_count: prepared.blocked_altitude_stencil.nodes().len() as u32,
+            flux_per_dnb_flux: band_channels(prepared.flux_per_dnb_flux),
             blocked_altitude_index: node_numbers(&prepared.blocked_altitude_stencil),
             blocked_altitude_weight: prepared.blocked_altitude_stencil.weights_f32(),
+            blocked_altitude_count: prepared.blocked_altitude_stencil.nodes().len() as u32,
+            padding: [0; 3],
         });
         let nodes = prepared.nodes.iter();
         self.nodes.extend(nodes.map(|node| Node {

@@ -1,6 +1,9 @@
 //! Layout of lists and tables in textures.
 
+use skyglow_physics::{BAND_COUNT, LOBE_COUNT};
 use skyglow_tables::resident::ResidentBlocked;
+
+const BANDS: u32 = BAND_COUNT as u32;
 
 /// Cells in one row of the cell-weight texture, and items in one of a list.
 pub const CELLS_PER_ROW: u32 = 1024;
@@ -14,7 +17,7 @@ pub fn list_texel(item: u32) -> [u32; 2] {
 /// Texel (x, y) of a cell's weights in one band.
 #[inline(always)]
 pub fn cell_texel(cell: u32, band: u32) -> [u32; 2] {
-    [(cell % CELLS_PER_ROW) * 3 + band, cell / CELLS_PER_ROW]
+    [(cell % CELLS_PER_ROW) * BANDS + band, cell / CELLS_PER_ROW]
 }
 
 /// Nodes in one column of the mixed texture; more stand beside them, for no texture need be higher.
@@ -23,7 +26,7 @@ pub const NODE_ROWS: u32 = 8192;
 /// Texel (x, y) of four consecutive mixed shape coefficients, the `quad`th of `quad_count` in one band of a node.
 #[inline(always)]
 pub fn mixed_texel(node: u32, band: u32, quad: u32, quad_count: u32) -> [u32; 2] {
-    [(node / NODE_ROWS * 3 + band) * quad_count + quad, node % NODE_ROWS]
+    [(node / NODE_ROWS * BANDS + band) * quad_count + quad, node % NODE_ROWS]
 }
 
 /// Layer of an observer altitude and an angle in the tables of sources behind skylines.
@@ -42,5 +45,5 @@ pub fn shape_texel(
     octet: u32,
     octet_count: u32,
 ) -> [u32; 2] {
-    [((observer_altitude * 3 + lobe) * 3 + band) * octet_count + octet, row]
+    [((observer_altitude * LOBE_COUNT as u32 + lobe) * BANDS + band) * octet_count + octet, row]
 }

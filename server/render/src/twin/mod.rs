@@ -20,4 +20,5 @@ pub use fft::{
 };
 pub use indexing::{blocked_layer, cell_texel, list_texel, mixed_texel, shape_texel};
 pub use mixing::{cell_weights, lobe_shares, log_scale_between, mixed_curvature};
+pub use types::{MAX_BAND_COUNT, band_channels};
 pub use workgroup_fft::{Points, Twiddles, transform_256, twiddles};

@@ -19,7 +19,7 @@ use crate::{
 use half::f16;
 use rayon::prelude::*;
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, interpolation::Stencil,
+    Atmosphere, BAND_COUNT, Band, ELEVATION_COUNT, LOBE_COUNT, interpolation::Stencil,
     single_source::SourceGeometry,
 };
 
@@ -178,8 +178,9 @@ fn push_differences(
     for lobe in 0..LOBE_COUNT {
         let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
         let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
-        // As in the open tables, the green image's weights serve all three bands.
-        let rows = open.projector.project(&sample_weights(shapes[1], floor_factor), &shapes)?;
+        // As in the open tables, the middle image's weights serve all bands.
+        let rows =
+            open.projector.project(&sample_weights(shapes[Band::MIDDLE.index()], floor_factor), &shapes)?;
         for (band, row) in rows.into_iter().enumerate() {
             let image = image_index(lobe, band);
             let open_log = open_sample(&open.tables, observers, image, distance, offset_m, &mut open_shape);

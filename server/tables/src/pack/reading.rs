@@ -10,7 +10,7 @@ use crate::{
     packing::{from_distance_differences, from_steps, unshuffle},
     resident::FREQUENCY_COUNT,
 };
-use skyglow_physics::ELEVATION_COUNT;
+use skyglow_physics::{Band, ELEVATION_COUNT};
 use std::path::Path;
 
 /// Points of an axis at most.
@@ -145,6 +145,13 @@ fn read_manifest(json: &[u8]) -> Result<Manifest, String> {
         ));
     }
     let manifest: Manifest = serde_json::from_slice(json).map_err(unreadable)?;
+    let bands_nm = Band::ALL.map(Band::wavelength_nm);
+    if manifest.bands_nm != bands_nm {
+        return Err(format!(
+            "its bands are at {:?} nm, those of this program at {bands_nm:?}; make it again with `skyglow precompute`",
+            manifest.bands_nm
+        ));
+    }
     let axes = &manifest.axes;
     let blocked = manifest.blocked.as_ref();
     let counts = [axes.offset_count, manifest.basis_count]

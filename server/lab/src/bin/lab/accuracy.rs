@@ -4,7 +4,7 @@ use crate::arguments::{Outcome, device};
 use skyglow_bench::accuracy::zenith_and_horizontal;
 use skyglow_lab::setup::{clear_sky, engine_of};
 use skyglow_physics::{
-    GeoPoint, Turbidity,
+    BAND_COUNT, GeoPoint, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
 };
 use skyglow_render::{DeviceChoice, resident_tables};
@@ -98,7 +98,7 @@ pub(crate) fn run(Arguments { data, packs, device, files }: &Arguments) -> Outco
             let (mut fast, mut exact) = (Vec::new(), Vec::new());
             for (&(row, column), radiance) in reference.samples.iter().zip(&reference.radiance) {
                 let value = std::array::from_fn(|b| rendered.panorama.radiance_w_m2_sr(b, row, column));
-                let reference = std::array::from_fn(|b| radiance[index * 3 + b]);
+                let reference = std::array::from_fn(|b| radiance[index * BAND_COUNT + b]);
                 errors.push(relative_error(value, reference));
                 fast.push(value);
                 exact.push(reference);

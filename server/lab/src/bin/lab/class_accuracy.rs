@@ -96,8 +96,11 @@ fn print_directions(
     let mut directions: Vec<_> = reference.samples.iter().zip(errors).collect();
     let most = |errors: &[f64; BAND_COUNT]| errors.iter().fold(0f64, |most, error| most.max(error.abs()));
     directions.sort_by(|a, b| most(&b.1).total_cmp(&most(&a.1)));
-    for (&(row, column), [red, green, blue]) in directions.into_iter().take(options.worst) {
-        println!("    row {row:2}, column {column:3}: {red:+.2}, {green:+.2}, {blue:+.2}");
+    for (&(row, column), errors) in directions.into_iter().take(options.worst) {
+        println!(
+            "    row {row:2}, column {column:3}: {}",
+            errors.map(|error| format!("{error:+.2}")).join(", ")
+        );
     }
     Ok(())
 }

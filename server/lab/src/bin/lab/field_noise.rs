@@ -2,13 +2,13 @@
 
 use crate::arguments::{Outcome, turbidity};
 use skyglow_physics::{
-    Atmosphere, Turbidity,
+    Atmosphere, Band, Turbidity,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, Resolution, SourceField, SourceSetting, ViewRow},
 };
 use std::{error::Error, f64::consts::FRAC_PI_2};
 
 const EYE_M: f64 = 2.0;
-const GREEN: usize = 1;
+const MIDDLE: usize = Band::MIDDLE.index();
 const LAMBERT: usize = 0;
 const HORIZON: usize = 1;
 const LOOKS_DEG: [f64; 4] = [90.0, 30.0, 8.0, 0.7];
@@ -16,7 +16,7 @@ const BESIDE_RAD: f64 = 0.3;
 const DISTANCES: u32 = 36;
 
 /// What the solver's resolution makes of a sky: over the distance, against a finer one, and over the altitude of the
-/// source. Later orders in green, observer 2 m above a ground at 0. First `lambert` of a source on the ground over three
+/// source. Later orders in the middle band, observer 2 m above a ground at 0. First `lambert` of a source on the ground over three
 /// times as many zenith angles, higher degrees and rings half as far apart, in %, at the zenith and at three elevations 17°
 /// beside the source; then, of `horizon` at the zenith, the largest second difference of the logarithm over the source's
 /// altitude in steps of 28 m, in %. Two minutes.
@@ -55,7 +55,7 @@ pub(crate) fn run(Arguments { turbidity }: &Arguments) -> Outcome {
     for k in 0..DISTANCES {
         let distance_m = 8_000.0 * (300.0f64 / 8.0).powf(f64::from(k) / f64::from(DISTANCES - 1));
         let over = rows.iter().map(|rows| {
-            let seen = |row: &ViewRow<'_>| row.radiance_per_watt(distance_m, BESIDE_RAD)[GREEN][LAMBERT];
+            let seen = |row: &ViewRow<'_>| row.radiance_per_watt(distance_m, BESIDE_RAD)[MIDDLE][LAMBERT];
             100.0 * (seen(&rows[0]) / seen(&rows[1]) - 1.0)
         });
         let over: Vec<f64> = over.collect();
@@ -70,7 +70,7 @@ pub(crate) fn run(Arguments { turbidity }: &Arguments) -> Outcome {
     println!("     km  largest second difference over the source's altitude, %");
     for distance_m in [40e3, 70e3, 110e3, 160e3, 220e3] {
         let log: Vec<f64> =
-            raised.iter().map(|row| row.radiance_per_watt(distance_m, 0.0)[GREEN][HORIZON].ln()).collect();
+            raised.iter().map(|row| row.radiance_per_watt(distance_m, 0.0)[MIDDLE][HORIZON].ln()).collect();
         let curvature = log.windows(3).map(|l| (l[2] - 2.0 * l[1] + l[0]).abs()).fold(0.0, f64::max);
         println!("{:7.1}  {:.2}", distance_m / 1e3, 100.0 * curvature);
     }

@@ -4,8 +4,8 @@ use crate::arguments::{Outcome, PlaceArguments};
 use skyglow_lab::setup::{later_orders, observatory, open_sky};
 use skyglow_observatory::{InfluenceRequest, Measure};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Band, Direction, ELEVATION_COUNT, Horizon, LampPreset, LinearMeasure, PointSource,
-    SkyCurve,
+    AZIMUTH_COUNT, BAND_COUNT, Band, Direction, ELEVATION_COUNT, Horizon, LampPreset, LinearMeasure,
+    PointSource, SkyCurve,
     direct_sum::{direct_sum, grid_direction},
     panorama::solid_angle_sr,
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
@@ -73,7 +73,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
     let mut luminance = Vec::new();
     let mut first_source = 0;
     for points in &points {
-        let first = direct_sum::<3>(
+        let first = direct_sum::<BAND_COUNT>(
             &[sum.atmosphere],
             points,
             sum.observer_altitude_m,
@@ -84,7 +84,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
         );
         let of_pixel: Vec<f64> = (0..directions.len())
             .map(|direction| {
-                let later: [f64; 3] = std::array::from_fn(|band| {
+                let later: [f64; BAND_COUNT] = std::array::from_fn(|band| {
                     later[first_source..][..points.len()].iter().map(|one| one[direction][band]).sum()
                 });
                 let of_band = |band: Band| {

@@ -29,9 +29,9 @@ pub(crate) struct Arguments {
     /// Distances of the source, km.
     #[arg(long, default_value = "1,2,5,10,20,50")]
     distance_km: List<f64>,
-    /// Bands of R, G and B.
-    #[arg(long, default_value = "R,G,B")]
-    band: List<String>,
+    /// Bands by their wavelengths, nm; all where none is named.
+    #[arg(long)]
+    band: Option<List<String>>,
     /// Lobes of lambert, horizon and oblique.
     #[arg(long, default_value = "lambert")]
     lobe: List<String>,
@@ -154,6 +154,11 @@ fn disc_points(radius_m: f64, distance_m: f64) -> Vec<(f64, f64)> {
 }
 
 /// The items of those names.
+/// Its wavelength, nm.
+fn name_of(band: Band) -> String {
+    band.wavelength_nm().to_string()
+}
+
 fn named<T: Copy>(names: &List<String>, all: &[T], name_of: impl Fn(T) -> String) -> Result<Vec<T>, String> {
     let find = |name: &String| all.iter().copied().find(|item| name_of(*item) == *name);
     names.0.iter().map(|name| find(name).ok_or_else(|| format!("{name} is unknown"))).collect()
@@ -255,7 +260,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             setting,
             field,
             finest,
-            bands: named(&arguments.band, &Band::ALL, |band| format!("{band:?}"))?,
+            bands: arguments
+                .band
+                .as_ref()
+                .map_or(Ok(Band::ALL.to_vec()), |bands| named(bands, &Band::ALL, name_of))?,
             lobes: named(&arguments.lobe, &Lobe::ALL, |lobe| lobe.name().to_owned())?,
             directions: match arguments.directions {
                 Directions::Ten => &TEN,
@@ -366,8 +374,9 @@ impl Setup<'_> {
                         let (total, solved) = (first[b][f] + true_later, first[b][f] + later[b][f]);
                         let (error, noise) = (solved / total - 1.0, true_error / total);
                         println!(
-                            "{:3} {distance_km:5} {band:?} {:8} {azimuth_deg:4} {elevation_deg:3}  {:.4e}  {solved:.4e}  {total:.4e}  {:8.3}  {:+7.2}  {:6.2}",
+                            "{:3} {distance_km:5} {} {:8} {azimuth_deg:4} {elevation_deg:3}  {:.4e}  {solved:.4e}  {total:.4e}  {:8.3}  {:+7.2}  {:6.2}",
                             self.turbidity,
+                            name_of(*band),
                             lobe.name(),
                             first[b][f],
                             total / first[b][f],
@@ -385,7 +394,11 @@ impl Setup<'_> {
                             error,
                             noise,
                         );
-                        told.by_band.add(format!("T {turbidity}, {name}, {band:?}, {reach}"), error, noise);
+                        told.by_band.add(
+                            format!("T {turbidity}, {name}, {} nm, {reach}", name_of(*band)),
+                            error,
+                            noise,
+                        );
                         told.by_lobe.add(format!("T {turbidity}, {name}, {reach}"), error, noise);
                     }
                 }

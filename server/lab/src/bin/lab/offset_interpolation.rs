@@ -3,7 +3,7 @@
 use crate::arguments::{Outcome, turbidity};
 use rayon::prelude::*;
 use skyglow_lab::field_cache::stored_table;
-use skyglow_physics::{Atmosphere, Turbidity, single_source::SourceGeometry};
+use skyglow_physics::{Atmosphere, Band, Turbidity, single_source::SourceGeometry};
 use skyglow_tables::{
     MultipleTable, OffsetAxis, TableAxes,
     curvature::log_scale_at,
@@ -18,10 +18,10 @@ const PLACES: &str = "100:600,100:2400,300:2400,300:8000,0:40000,300:40000,300:1
 const AROUND_LEVEL_M: [f64; 9] = [-300.0, -150.0, -60.0, -30.0, -10.0, 0.0, 30.0, 100.0, 300.0];
 /// Sources tried between two nodes.
 const BETWEEN: usize = 4;
-const GREEN: usize = 1;
+const MIDDLE: usize = Band::MIDDLE.index();
 
 /// What interpolation over the offset axis costs: single sources between nodes, from images at the nodes of the very
-/// observer and distance, against images of the sources themselves. Errors in green in %, for lobes `lambert` and `horizon`:
+/// observer and distance, against images of the sources themselves. Errors in the middle band in %, for lobes `lambert` and `horizon`:
 /// of ln of the scale, of the radiance at the zenith, and of the lowest row within 12° of the source's azimuth, for sources
 /// not above the observer's plane; shapes are lines between nodes. The mean of the absolute, and the worst with its offset.
 /// First, of sources about level with the observer, where the first order or the later ones have a kink, the mean over the
@@ -52,7 +52,7 @@ pub(crate) fn run(Arguments { turbidity, cache, places }: &Arguments) -> Outcome
 /// Columns of the lowest row that count: within 12° of the source's azimuth.
 const NEAR_COLUMNS: usize = 9;
 
-/// Of one lobe's green image: ln of the scale, and the shape at the zenith and near the source.
+/// Of one lobe's middle image: ln of the scale, and the shape at the zenith and near the source.
 #[derive(Clone, Copy)]
 struct Looked {
     log_scale: f64,
@@ -78,7 +78,7 @@ impl Looked {
 fn looked_at(geometry: SourceGeometry, air: Atmosphere, multiple: &[MultipleTable]) -> [Looked; 2] {
     let images = images_of(&[air], multiple, &geometry).swap_remove(0);
     [0, 1].map(|lobe| {
-        let image = image_index(lobe, GREEN);
+        let image = image_index(lobe, MIDDLE);
         let shape = &images.shape[image * PIXEL_COUNT..(image + 1) * PIXEL_COUNT];
         Looked {
             log_scale: images.log_scale[image],

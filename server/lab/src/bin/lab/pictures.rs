@@ -6,7 +6,7 @@ use skyglow_display::{
     encode_webp, picture, raster,
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, Lamp, LampPreset, Panorama, panorama,
+    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Horizon, Lamp, LampPreset, Panorama, panorama,
 };
 use std::{path::PathBuf, time::Instant};
 
@@ -21,7 +21,7 @@ fn invented_sky() -> Panorama {
                 azimuth_rad: panorama::azimuth_rad(column),
                 elevation_rad: panorama::elevation_rad(row),
             };
-            for band in 0..3 {
+            for band in 0..BAND_COUNT {
                 let mut radiance = 1.5e-8;
                 for (azimuth_deg, strength, width_deg, lamp) in towns {
                     let town = Direction { azimuth_rad: f64::to_radians(azimuth_deg), elevation_rad: 0.0 };

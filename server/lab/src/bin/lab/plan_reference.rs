@@ -4,7 +4,8 @@ use crate::arguments::{Outcome, PlaceArguments};
 use skyglow_lab::setup::{later_orders, observatory, open_sky};
 use skyglow_observatory::{InfluenceRequest, Limit, Measure, PlanMethod, PlanRequest, TargetSite};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Band, Direction, ELEVATION_COUNT, GeoPoint, Lamp, LampPreset, Panorama, PointSource,
+    AZIMUTH_COUNT, BAND_COUNT, Band, Direction, ELEVATION_COUNT, GeoPoint, Lamp, LampPreset, Panorama,
+    PointSource,
     direct_sum::{direct_sum, grid_direction},
     multiple_scattering::MultipleSum,
     panorama::{elevation_rad, solid_angle_sr},
@@ -34,7 +35,7 @@ fn zenith(panorama: &Panorama) -> f64 {
 fn reference(sum: &MultipleSum, lamp: &Lamp, sources: &[PointSource]) -> Result<f64, Box<dyn Error>> {
     let directions: Vec<Direction> = samples().into_iter().map(grid_direction).collect();
     let flux = lamp.flux_per_dnb_flux;
-    let first = direct_sum::<3>(
+    let first = direct_sum::<BAND_COUNT>(
         &[sum.atmosphere],
         sources,
         sum.observer_altitude_m,

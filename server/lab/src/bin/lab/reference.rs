@@ -3,7 +3,7 @@
 use crate::arguments::{Outcome, SceneArguments, place};
 use skyglow_lab::{lobe_reference::seven_digits, places::places};
 use skyglow_physics::{
-    Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity,
+    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
@@ -42,9 +42,9 @@ enum Choice {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     match arguments.turbidities {
-        Choice::All => reference::<21>(&[1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0], arguments),
-        Choice::Few => reference::<9>(&[1.5, 4.0, 6.0], arguments),
-        Choice::Rest => reference::<12>(&[2.0, 2.5, 3.5, 4.75], arguments),
+        Choice::All => reference::<{ 7 * BAND_COUNT }>(&[1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0], arguments),
+        Choice::Few => reference::<{ 3 * BAND_COUNT }>(&[1.5, 4.0, 6.0], arguments),
+        Choice::Rest => reference::<{ 4 * BAND_COUNT }>(&[2.0, 2.5, 3.5, 4.75], arguments),
         Choice::Between => reference::<6>(&[1.75, 4.0], arguments),
     }
 }
@@ -57,7 +57,7 @@ fn wanted_places(scene: &Scene, wanted: &str) -> Result<Vec<GeoPoint>, Box<dyn E
     wanted.split(';').map(place).collect::<Result<_, _>>().map_err(|error| error as Box<dyn Error>)
 }
 
-/// `SLOTS` is three bands times the turbidities.
+/// `SLOTS` is the bands times the turbidities.
 fn reference<const SLOTS: usize>(turbidities: &[f64], arguments: &Arguments) -> Outcome {
     let Arguments { scene, places, directions, out, .. } = arguments;
     let (id, scene) = (scene.scene.as_str(), scene.open()?);

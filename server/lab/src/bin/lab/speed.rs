@@ -3,7 +3,7 @@
 use crate::arguments::{Outcome, PlaceArguments};
 use skyglow_lab::setup::{clear_sky, engine_of};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, EmissionMix, LampPreset,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, EmissionMix, LampPreset,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
@@ -61,7 +61,7 @@ pub(crate) fn run(Arguments { place: asked }: &Arguments) -> Outcome {
     let sources = point_sources(place, &scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M));
     let directions: Vec<_> = stratified_samples(DIRECTIONS).into_iter().map(grid_direction).collect();
     let start = Instant::now();
-    let sum: Vec<[f64; 3]> = direct_sum(
+    let sum: Vec<[f64; BAND_COUNT]> = direct_sum(
         &[Atmosphere::new(turbidity)],
         &sources,
         observer_altitude_m,

@@ -7,6 +7,7 @@ use crate::{
     synthetic::tested_device,
     twin,
 };
+use skyglow_physics::{BAND_COUNT, LOBE_COUNT};
 
 /// A function, and what it is compared with.
 pub(super) struct Case {
@@ -46,7 +47,8 @@ pub(super) fn cases() -> Vec<Case> {
     let mixing: &'static [LibraryFile] = &[shaders::ELEMENTARY, shaders::MIXING];
     let blending: &'static [LibraryFile] = &[shaders::ELEMENTARY, shaders::BLENDING];
     let fft: &'static [LibraryFile] = &[shaders::FFT];
-    let indexing: &'static [LibraryFile] = &[shaders::INDEXING];
+    let indexing: &'static [LibraryFile] = &[shaders::TYPES, shaders::INDEXING];
+    let (bands, lobes) = (Whole(BAND_COUNT as u32), Whole(LOBE_COUNT as u32));
     let case = |function, files, arguments: &[Argument], answer, twin, tolerance, scale| Case {
         function,
         files,
@@ -166,7 +168,7 @@ pub(super) fn cases() -> Vec<Case> {
         case(
             "cell_texel",
             indexing,
-            &[Whole(400_000), Whole(3)],
+            &[Whole(400_000), bands],
             Answer::WholeVector(2),
             |w| twin::cell_texel(w[0], w[1]).to_vec(),
             0.0,
@@ -184,7 +186,7 @@ pub(super) fn cases() -> Vec<Case> {
         case(
             "mixed_texel",
             indexing,
-            &[Whole(20_000), Whole(3), Whole(64), Whole(65)],
+            &[Whole(20_000), bands, Whole(64), Whole(65)],
             Answer::WholeVector(2),
             |w| twin::mixed_texel(w[0], w[1], w[2], w[3]).to_vec(),
             0.0,
@@ -202,7 +204,7 @@ pub(super) fn cases() -> Vec<Case> {
         case(
             "shape_texel",
             indexing,
-            &[Whole(6_144), Whole(8), Whole(3), Whole(3), Whole(32), Whole(33)],
+            &[Whole(6_144), Whole(8), lobes, bands, Whole(32), Whole(33)],
             Answer::WholeVector(2),
             |w| twin::shape_texel(w[0], w[1], w[2], w[3], w[4], w[5]).to_vec(),
             0.0,
