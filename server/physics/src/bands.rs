@@ -24,42 +24,25 @@ impl Band {
     };
 
     /// The band with the shortest wavelength, in which the air is thickest.
-    pub const SHORTEST: Band = Band::shorter_than(f64::NEG_INFINITY);
+    pub const SHORTEST: Band = Band::nearest(0.0);
 
     /// The band with the longest wavelength.
-    pub const LONGEST: Band = {
-        let mut longest = Band::SHORTEST;
-        let mut index = 0;
+    pub const LONGEST: Band = Band::nearest(1e6);
+
+    /// The band nearest to what the eye sees best by day, 555 nm.
+    pub const MIDDLE: Band = Band::nearest(555.0);
+
+    /// The band whose wavelength is nearest to one, nm.
+    const fn nearest(wavelength_nm: f64) -> Band {
+        let mut nearest = 0;
+        let mut index = 1;
         while index < BAND_COUNT {
-            if BANDS[index].0 > longest.wavelength_nm() {
-                longest = Band(index);
+            if (BANDS[index].0 - wavelength_nm).abs() < (BANDS[nearest].0 - wavelength_nm).abs() {
+                nearest = index;
             }
             index += 1;
         }
-        longest
-    };
-
-    /// A band in the middle of the spectrum, of which others differ least: the second by wavelength.
-    pub const MIDDLE: Band = Band::shorter_than(Band::SHORTEST.wavelength_nm());
-
-    /// The band with the shortest wavelength above a bound, nm.
-    const fn shorter_than(bound_nm: f64) -> Band {
-        let mut found: Option<usize> = None;
-        let mut index = 0;
-        while index < BAND_COUNT {
-            let is_first = match found {
-                Some(other) => BANDS[index].0 < BANDS[other].0,
-                None => true,
-            };
-            if BANDS[index].0 > bound_nm && is_first {
-                found = Some(index);
-            }
-            index += 1;
-        }
-        match found {
-            Some(index) => Band(index),
-            None => panic!("too few bands"),
-        }
+        Band(nearest)
     }
 
     /// Wavelength at which scattering is evaluated, nanometres.
@@ -75,5 +58,22 @@ impl Band {
     /// Luminous efficacy K_b of a watt in this band, lumens per watt.
     pub const fn luminous_efficacy_lm_w(self) -> f64 {
         BANDS[self.0].1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_are_found_by_their_wavelengths() {
+        for band in Band::ALL {
+            assert_eq!(Band::ALL[band.index()], band);
+            assert!(Band::SHORTEST.wavelength_nm() <= band.wavelength_nm());
+            assert!(band.wavelength_nm() <= Band::LONGEST.wavelength_nm());
+            let from_peak_nm = |band: Band| (band.wavelength_nm() - 555.0).abs();
+            assert!(from_peak_nm(Band::MIDDLE) <= from_peak_nm(band));
+        }
+        assert!(Band::SHORTEST != Band::MIDDLE && Band::MIDDLE != Band::LONGEST);
     }
 }

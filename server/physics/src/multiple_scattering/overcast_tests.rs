@@ -2,7 +2,7 @@
 
 use super::{
     solver_checks::{
-        at, check_against_traced_light, check_balance, check_both_tracers, check_rows, detectors,
+        TRACED, at, check_against_traced_light, check_balance, check_both_tracers, check_rows, detectors,
     },
     *,
 };
@@ -100,7 +100,8 @@ fn both_tracers_agree_below_a_cloud() {
     let geometry = SourceGeometry { distance_m: 2e3, source_altitude_m: 600.0, observer_altitude_m: 200.0 };
     let (azimuth, elevation) = (1.0, 0.7);
     // Both know the first order, most of which is the base's.
-    let first = radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, elevation, 1e-6)[1];
+    let first =
+        radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, elevation, 1e-6)[TRACED.index()];
     for traced in check_both_tracers(setting, geometry, (azimuth, elevation), 40_000, 0.1) {
         for (lobe, &first) in first.iter().enumerate() {
             let traced_first = traced.by_order_per_m2_sr[0][lobe];

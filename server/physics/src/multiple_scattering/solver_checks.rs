@@ -9,8 +9,8 @@ use crate::{
     single_source::{SourceGeometry, radiance_per_watt_of},
 };
 
-/// The band that light is traced in: the second of every list.
-pub(super) const TRACED: Band = Band::ALL[1];
+/// The band that light is traced in.
+pub(super) const TRACED: Band = Band::MIDDLE;
 
 /// Observer and source at sea level.
 pub(super) fn at(distance_m: f64) -> SourceGeometry {
@@ -75,9 +75,11 @@ pub(super) fn check_against_traced_light(
     let traced = ForwardTracer::new(*field.setting(), TRACED).estimate(detectors, paths, 7);
     for (detector, traced) in detectors.iter().zip(&traced) {
         let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
-        let more = field.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1][0];
+        let more =
+            field.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[TRACED.index()][0];
         let air = &field.setting().atmosphere;
-        let first = radiance_per_watt_of(air, &detector.geometry, azimuth, elevation, 1e-6)[1][0];
+        let first =
+            radiance_per_watt_of(air, &detector.geometry, azimuth, elevation, 1e-6)[TRACED.index()][0];
         let total = first + traced.radiance_per_m2_sr[0];
         let noise = traced.standard_error_per_m2_sr[0] / total;
         let error = (first + more) / total - 1.0;

@@ -92,7 +92,8 @@ fn zenith_brightening_is_unchanged() {
     for (distance_m, low, high) in [(2e3, 1.2, 1.45), (50e3, 1.9, 3.0)] {
         let first = radiance_per_watt_of(&FIELD.setting().atmosphere, &at(distance_m), 0.0, 0.5 * PI, 1e-6);
         let more = FIELD.radiance_per_watt(&at(distance_m), 0.0, 0.5 * PI).unwrap();
-        let ratio = 1.0 + more[1][0] / first[1][0];
+        let band = TRACED.index();
+        let ratio = 1.0 + more[band][0] / first[band][0];
         assert!(ratio > low && ratio < high, "{distance_m}: {ratio}");
     }
 }
@@ -140,7 +141,7 @@ fn a_disc_of_light_is_the_mean_of_its_points() {
             (distance_m - from_centre_m * turn_rad.cos(), from_centre_m * turn_rad.sin());
         let geometry = at(along_m.hypot(across_m));
         let azimuth = direction.0 + across_m.atan2(along_m);
-        radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, direction.1, 1e-6)[1][0]
+        radiance_per_watt_of(&setting.atmosphere, &geometry, azimuth, direction.1, 1e-6)[TRACED.index()][0]
     };
     let mean = (0..400)
         .map(|i| {
@@ -206,8 +207,9 @@ fn solver_agrees_with_tracer_behind_a_skyline() {
     let mut far_off = 0;
     for (detector, traced) in rays.iter().zip(&traced) {
         let (azimuth, elevation) = (detector.relative_azimuth_rad, detector.elevation_rad);
-        let more = CUT_FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1];
-        let open = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[1];
+        let more =
+            CUT_FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[TRACED.index()];
+        let open = FIELD.radiance_per_watt(&detector.geometry, azimuth, elevation).unwrap()[TRACED.index()];
         for lobe in [Lobe::Lambert.index(), Lobe::Horizon.index()] {
             let later = traced.radiance_per_m2_sr[lobe];
             let allowed = 0.12 + 4.0 * traced.standard_error_per_m2_sr[lobe] / later;

@@ -3,6 +3,7 @@
 use super::{scattering::Integrand, *};
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
+    bands::Band,
     cloud::CloudBase,
     emission::{EmissionMix, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
@@ -45,7 +46,7 @@ fn the_base_beside_a_source_is_lit_as_by_hand() {
     // the base reflects A/π.
     let geometry = SourceGeometry { distance_m: 150.0, source_altitude_m: 0.0, observer_altitude_m: 0.0 };
     let (base_m, albedo) = (200.0f64, 0.5);
-    let got = sky(under(1.0, base_m, albedo), &geometry, 0.0, FRAC_PI_2)[0][0];
+    let got = sky(under(1.0, base_m, albedo), &geometry, 0.0, FRAC_PI_2)[Band::LONGEST.index()][0];
     let distance2 = base_m.powi(2) + 150f64.powi(2);
     let cosine = base_m / distance2.sqrt();
     // Extinction of the red over 250 m up and 200 m down: half a part in 400; what this air scatters is as little.

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     atmosphere::{Atmosphere, Turbidity},
-    bands::BAND_COUNT,
+    bands::{BAND_COUNT, Band},
     emission::LOBE_COUNT,
     geometry::EARTH_RADIUS_M,
     phase::{henyey_greenstein_per_sr, rayleigh_per_sr},
@@ -18,8 +18,8 @@ fn at(distance_m: f64) -> SourceGeometry {
 }
 
 fn zenith(turbidity: f64, distance_m: f64) -> f64 {
-    radiance_per_watt_of(&atmosphere(turbidity), &at(distance_m), 0.0, std::f64::consts::FRAC_PI_2, 1e-8)[1]
-        [0]
+    radiance_per_watt_of(&atmosphere(turbidity), &at(distance_m), 0.0, std::f64::consts::FRAC_PI_2, 1e-8)
+        [Band::MIDDLE.index()][0]
 }
 
 /// Flat-Earth integrals agree with the closed form.

@@ -292,7 +292,9 @@ mod tests {
                 10.0 * (1.0 + 0.8 * east) / (1.0 + row as f32)
             })
             .collect();
-        let mut culling = Culling::new(&air, &near, [1.0, 0.5, 0.0], &sky);
+        let mut lamp = [0.0; BAND_COUNT];
+        (lamp[0], lamp[1]) = (1.0, 0.5);
+        let mut culling = Culling::new(&air, &near, lamp, &sky);
         let all = |culling: &Culling| culling.candidates(0, &near);
         let mut one_by_one = Vec::new();
         cull(&culling, 0, &near, &mut one_by_one);

@@ -18,8 +18,7 @@ pub(crate) fn vulkan() -> DeviceChoice {
 
 /// A request for that light and turbidity, with an observer between the tables' altitudes.
 pub(crate) fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
-    let request = synthetic::request(polar, Turbidity::new(turbidity).unwrap());
-    RenderRequest { flux_per_dnb_flux: [0.408, 0.642, 0.186], ..request }
+    synthetic::request(polar, Turbidity::new(turbidity).unwrap())
 }
 
 /// Largest |got − exact| / max(|exact|, floor) over the samples; the floor is a thousandth of the mean.
