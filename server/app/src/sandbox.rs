@@ -9,6 +9,7 @@ use landlock::{
 use rustix::process::{Resource, Rlimit, getpid, setrlimit};
 use seccompiler::{
     BpfProgram, SeccompAction, SeccompCmpArgLen, SeccompCmpOp, SeccompCondition, SeccompFilter, SeccompRule,
+    sock_filter,
 };
 use std::path::{Path, PathBuf};
 
@@ -209,6 +210,7 @@ fn wall_of_calls() -> Result<(), Box<dyn std::error::Error>> {
     let threads = libc::CLONE_THREAD as u64;
     let process = SeccompCondition::new(0, SeccompCmpArgLen::Qword, SeccompCmpOp::MaskedEq(threads), 0)?;
     rules.insert(libc::SYS_clone, vec![SeccompRule::new(vec![process])?]);
+    seccompiler::apply_filter(&no_other_numbers())?;
     // Its flags lie in memory, where no filter sees them. Without it the C library takes the call before.
     let hidden = [(libc::SYS_clone3, Vec::new())].into();
     for (rules, action) in [(hidden, SeccompAction::Errno(libc::ENOSYS as u32)), (rules, refused)] {
@@ -217,6 +219,24 @@ fn wall_of_calls() -> Result<(), Box<dyn std::error::Error>> {
         seccompiler::apply_filter(&BpfProgram::try_from(filter)?)?;
     }
     Ok(())
+}
+
+/// The first number of calls of x32, the other interface of x86-64, where each call has a second number that lists do not name. No
+/// architecture has a call of its own from here on.
+const FIRST_OTHER_NUMBER: u32 = 0x4000_0000;
+
+/// Refuses calls of those numbers.
+fn no_other_numbers() -> BpfProgram {
+    let step = |code: u32, k: u32, jf: u8| sock_filter { code: code as u16, jt: 0, jf, k };
+    let answer = |action: SeccompAction| step(libc::BPF_RET | libc::BPF_K, action.into(), 0);
+    vec![
+        // The number is the first of what a filter is given.
+        step(libc::BPF_LD | libc::BPF_W | libc::BPF_ABS, 0, 0),
+        // Below it the next step is left out.
+        step(libc::BPF_JMP | libc::BPF_JGE | libc::BPF_K, FIRST_OTHER_NUMBER, 1),
+        answer(SeccompAction::Errno(libc::EACCES as u32)),
+        answer(SeccompAction::Allow),
+    ]
 }
 
 /// Lets this process take so many bytes more than it has, and leave no image of its memory.
@@ -274,12 +294,14 @@ mod tests {
             ]
         };
         assert_eq!(tries(own.path(), "before"), [None; 12]);
+        assert_ne!(call_of_other_number(), Some(PermissionDenied), "the control");
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 if let Err(lacking) = raise(own.path()) {
                     panic!("{lacking}; {WITHOUT}=1 leaves this test out");
                 }
                 assert_eq!(tries(own.path(), "after"), [Some(PermissionDenied); 12]);
+                assert_eq!(call_of_other_number(), Some(PermissionDenied));
                 assert_eq!(std::fs::read(own.path().join("in")).unwrap(), b"own");
                 std::fs::create_dir(own.path().join("made")).unwrap();
                 std::fs::write(own.path().join("made/out"), "x").unwrap();
@@ -293,6 +315,15 @@ mod tests {
         });
         // Around nobody else.
         assert_eq!(tries(own.path(), "beside"), [None; 12]);
+    }
+
+    /// Asks for the parent's number as x32 does, which kernels without x32 do not know.
+    fn call_of_other_number() -> Option<std::io::ErrorKind> {
+        let number = libc::SYS_getppid | libc::c_long::from(FIRST_OTHER_NUMBER);
+        #[expect(unsafe_code, reason = "no crate makes such a call, which takes no arguments")]
+        // SAFETY: the call reads and writes no memory of this process.
+        let result = unsafe { libc::syscall(number) };
+        (result < 0).then(|| std::io::Error::last_os_error().kind())
     }
 
     /// Sets a limit of the process that started this one to what it is.
