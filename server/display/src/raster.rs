@@ -5,65 +5,71 @@ use crate::{
     ground::without_ground,
     options::{Projection, Sky, check_size},
     projection::View,
-    sampler::Sampler,
+    sampler::{Sampler, taps},
 };
 use skyglow_physics::{BAND_COUNT, Horizon, Panorama};
+use std::borrow::Cow;
 
-/// Radiance in a projection, W m⁻² sr⁻¹, zenith at the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FloatRaster {
+/// Radiance in a projection, zenith at the top. A pixel is found when it is asked for: the largest raster takes no memory for its
+/// floats, and encoders ask for a strip at a time.
+#[derive(Clone, Debug)]
+pub struct FloatRaster<'a> {
     /// Width, pixels.
     pub width_px: u32,
     /// Height, pixels.
     pub height_px: u32,
-    /// `[y][x][band]`, bands R, G, B; 0 where terrain hides the sky and where the projection shows none.
-    pub radiance_w_m2_sr: Vec<[f32; BAND_COUNT]>,
-    /// `[y][x]`: whether the pixel shows a direction of the upper hemisphere, be it sky or ground that hides it.
-    pub has_sky: Vec<bool>,
+    panorama: Cow<'a, Panorama>,
+    horizon: &'a Horizon,
+    view: View,
+    added_radiance_w_m2_sr: f64,
 }
 
-impl FloatRaster {
-    /// Position of a pixel in both vectors.
-    pub fn index(&self, x: u32, y: u32) -> usize {
-        y as usize * self.width_px as usize + x as usize
+impl FloatRaster<'_> {
+    /// Radiance in R, G, B of a pixel, W m⁻² sr⁻¹, 0 where terrain hides the sky; None where the projection shows no direction of the
+    /// upper hemisphere.
+    pub fn radiance_w_m2_sr(&self, x: u32, y: u32) -> Option<[f32; BAND_COUNT]> {
+        let direction = self.view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5)?;
+        let radiance =
+            Sampler::new(&self.panorama, self.added_radiance_w_m2_sr).radiance_w_m2_sr(direction)?;
+        Some(if self.horizon.hides(direction) {
+            [0.0; BAND_COUNT]
+        } else {
+            radiance.map(|radiance| radiance as f32)
+        })
+    }
+
+    /// Whether every pixel shows a direction of the upper hemisphere.
+    pub fn is_all_sky(&self) -> bool {
+        let has_sky = |x: u32, y: u32| {
+            let direction = self.view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            direction.is_some_and(|direction| taps(direction).is_some())
+        };
+        (0..self.height_px).all(|y| (0..self.width_px).all(|x| has_sky(x, y)))
     }
 }
 
-/// Samples a panorama in a projection. Equirectangular 256 × 64 gives the grid's own values. Below `horizon` radiance
-/// is 0, the natural sky included.
+/// A panorama in a projection. Equirectangular 256 × 64 gives the grid's own values. Below `horizon` radiance is 0, the natural sky
+/// included.
 ///
 /// # Errors
 /// [`DisplayError`] naming the size or angle out of its range.
-pub fn raster(
-    panorama: &Panorama,
-    horizon: &Horizon,
+pub fn raster<'a>(
+    panorama: &'a Panorama,
+    horizon: &'a Horizon,
     projection: Projection,
     (width_px, height_px): (u32, u32),
     sky: Sky,
-) -> Result<FloatRaster, DisplayError> {
+) -> Result<FloatRaster<'a>, DisplayError> {
     check_size(width_px, height_px)?;
     projection.check()?;
-    let panorama = without_ground(panorama, horizon);
-    let sampler = Sampler::new(&panorama, sky.added_radiance_w_m2_sr());
-    let view = View::new(projection, width_px, height_px);
-    let length = width_px as usize * height_px as usize;
-    let mut raster = FloatRaster {
+    Ok(FloatRaster {
         width_px,
         height_px,
-        radiance_w_m2_sr: Vec::with_capacity(length),
-        has_sky: Vec::with_capacity(length),
-    };
-    for y in 0..height_px {
-        for x in 0..width_px {
-            let radiance = view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5).and_then(|direction| {
-                let radiance = sampler.radiance_w_m2_sr(direction)?;
-                Some(if horizon.hides(direction) { [0.0; BAND_COUNT] } else { radiance })
-            });
-            raster.has_sky.push(radiance.is_some());
-            raster.radiance_w_m2_sr.push(radiance.unwrap_or_default().map(|l| l as f32));
-        }
-    }
-    Ok(raster)
+        panorama: without_ground(panorama, horizon),
+        horizon,
+        view: View::new(projection, width_px, height_px),
+        added_radiance_w_m2_sr: sky.added_radiance_w_m2_sr(),
+    })
 }
 
 #[cfg(test)]
@@ -77,18 +83,18 @@ mod tests {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * (i as f32 + 1.0)).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
         let size = Projection::Equirectangular.default_raster_size_px();
-        let raster =
-            raster(&panorama, &Horizon::flat(), Projection::Equirectangular, size, Sky::Artificial).unwrap();
+        let flat = Horizon::flat();
+        let raster = raster(&panorama, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
         for row in 0..ELEVATION_COUNT {
             for column in 0..AZIMUTH_COUNT {
-                let pixel = raster.index(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
+                let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
                 for band in 0..BAND_COUNT {
                     let sample = panorama.samples()[Panorama::index(band, row, column)];
-                    assert_eq!(raster.radiance_w_m2_sr[pixel][band], sample, "{band} {row} {column}");
+                    assert_eq!(pixel.unwrap()[band], sample, "{band} {row} {column}");
                 }
             }
         }
-        assert!(raster.has_sky.iter().all(|&sky| sky));
+        assert!(raster.is_all_sky());
     }
 
     /// Ground is 0 in a raster of the total sky and the default raster has the grid's own mask.
@@ -103,10 +109,9 @@ mod tests {
             let raster = raster(&panorama, &horizon, Projection::Equirectangular, size, sky).unwrap();
             for row in 0..ELEVATION_COUNT {
                 for column in 0..AZIMUTH_COUNT {
-                    let pixel = raster.index(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
-                    let is_dark = raster.radiance_w_m2_sr[pixel] == [0.0; BAND_COUNT];
+                    let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
+                    let is_dark = pixel.unwrap() == [0.0; BAND_COUNT];
                     assert_eq!(is_dark, horizon.hides_sample(row, column), "{row} {column}");
-                    assert!(raster.has_sky[pixel]);
                 }
             }
         }

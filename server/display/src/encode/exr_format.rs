@@ -20,7 +20,7 @@ const ENCODING: Encoding = Encoding {
 ///
 /// # Errors
 /// [`DisplayError::Encoding`], only by a defect.
-pub fn encode_exr(raster: &FloatRaster, notes: &Notes) -> Result<Vec<u8>, DisplayError> {
+pub fn encode_exr(raster: &FloatRaster<'_>, notes: &Notes) -> Result<Vec<u8>, DisplayError> {
     let mut attributes = LayerAttributes::named("sky");
     attributes.software_name = Some(Text::from("Skyglow"));
     attributes.comments = Some(Text::from(notes.after(SAMPLES).as_str()));
@@ -33,25 +33,50 @@ pub fn encode_exr(raster: &FloatRaster, notes: &Notes) -> Result<Vec<u8>, Displa
         attributes.other.insert(Text::from(format!("channel{channel}").as_str()), AttributeValue::Text(text));
     }
     let size = (raster.width_px as usize, raster.height_px as usize);
-    let at = |position: Vec2<usize>| position.y() * size.0 + position.x();
+    let at = |position: Vec2<usize>| raster.radiance_w_m2_sr(position.x() as u32, position.y() as u32);
     let mut out = Cursor::new(Vec::new());
-    let written = if raster.has_sky.iter().all(|&sky| sky) {
+    let written = if raster.is_all_sky() {
         let channels = SpecificChannels::rgb(|position: Vec2<usize>| {
-            let [r, g, b] = raster.radiance_w_m2_sr[at(position)];
+            let [r, g, b] = at(position).unwrap_or_default();
             (r, g, b)
         });
         let image = Image::from_layer(Layer::new(size, attributes, ENCODING, channels));
         image.write().non_parallel().to_buffered(&mut out)
     } else {
         let channels = SpecificChannels::rgba(|position: Vec2<usize>| {
-            let [r, g, b] = raster.radiance_w_m2_sr[at(position)];
-            (r, g, b, if raster.has_sky[at(position)] { 1.0f32 } else { 0.0 })
+            let radiance = at(position);
+            let [r, g, b] = radiance.unwrap_or_default();
+            (r, g, b, if radiance.is_some() { 1.0f32 } else { 0.0 })
         });
         let image = Image::from_layer(Layer::new(size, attributes, ENCODING, channels));
         image.write().non_parallel().to_buffered(&mut out)
     };
     written.map_err(|error| DisplayError::encoding("OpenEXR", error))?;
-    Ok(out.into_inner())
+    let mut file = out.into_inner();
+    sort_attributes(&mut file).ok_or_else(|| DisplayError::encoding("OpenEXR", "its header is no list"))?;
+    Ok(file)
+}
+
+/// Bytes before the list of attributes: magic number and version.
+const LEADING_BYTES: usize = 8;
+
+/// Puts the attributes of a file's header in the order of their names: the library has them in that of a table of hashes, which is
+/// another each time. None where the header is not as it should be.
+fn sort_attributes(file: &mut [u8]) -> Option<()> {
+    let (mut attributes, mut at) = (Vec::new(), LEADING_BYTES);
+    // Each has a name, a type, a length and so many bytes; the list ends with an empty name.
+    while *file.get(at)? != 0 {
+        let begin = at;
+        for _ in 0..2 {
+            at += file.get(at..)?.iter().position(|byte| *byte == 0)? + 1;
+        }
+        let length = u32::from_le_bytes(file.get(at..at + 4)?.try_into().ok()?);
+        at += 4 + length as usize;
+        attributes.push(file.get(begin..at)?.to_vec());
+    }
+    attributes.sort_unstable();
+    file.get_mut(LEADING_BYTES..at)?.copy_from_slice(&attributes.concat());
+    Some(())
 }
 
 #[cfg(test)]
@@ -80,26 +105,21 @@ mod tests {
     fn an_exr_round_trips_in_channels_r_g_b() {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
+        let flat = Horizon::flat();
         let raster =
-            raster(&panorama, &Horizon::flat(), Projection::Equirectangular, (256, 64), Sky::Artificial)
-                .unwrap();
+            raster(&panorama, &flat, Projection::Equirectangular, (256, 64), Sky::Artificial).unwrap();
         let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());
         assert_eq!(channels.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["B", "G", "R"]);
-        for (pixel, radiance) in raster.radiance_w_m2_sr.iter().enumerate() {
-            assert_eq!([channels[2].1[pixel], channels[1].1[pixel], channels[0].1[pixel]], *radiance);
+        for pixel in 0..256 * 64 {
+            let radiance = raster.radiance_w_m2_sr(pixel as u32 % 256, pixel as u32 / 256).unwrap();
+            assert_eq!([channels[2].1[pixel], channels[1].1[pixel], channels[0].1[pixel]], radiance);
         }
     }
 
     #[test]
     fn the_channels_of_an_exr_say_their_unit() {
-        let raster = raster(
-            &Panorama::dark(),
-            &Horizon::flat(),
-            Projection::Equirectangular,
-            (64, 16),
-            Sky::Artificial,
-        )
-        .unwrap();
+        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
         let bytes = encode_exr(&raster, &Notes::default()).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
         for (name, band) in
@@ -114,14 +134,8 @@ mod tests {
     /// An EXR says what it shows and on what assumptions.
     #[test]
     fn an_exr_holds_description_and_assumptions() {
-        let raster = raster(
-            &Panorama::dark(),
-            &Horizon::flat(),
-            Projection::Equirectangular,
-            (64, 16),
-            Sky::Artificial,
-        )
-        .unwrap();
+        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
         let bytes = encode_exr(&raster, &Notes::new("a sky", r#"{"turbidity":2.5}"#)).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
         let comments = header.own_attributes.comments.as_ref().map(Text::to_string);
@@ -130,16 +144,27 @@ mod tests {
         assert_eq!(found, Some(&AttributeValue::Text(Text::from(r#"{"turbidity":2.5}"#))));
     }
 
+    /// The same raster gives the same bytes.
+    #[test]
+    fn an_exr_has_the_same_bytes_each_time() {
+        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40), Sky::Total).unwrap();
+        let encode = || encode_exr(&raster, &Notes::new("a sky", r#"{"turbidity":2.5}"#)).unwrap();
+        let first = encode();
+        assert!((0..20).all(|_| encode() == first));
+        assert_eq!(sort_attributes(&mut first[..100].to_vec()), None, "cut off");
+    }
+
     /// An EXR of a fisheye has an alpha that says where sky is.
     #[test]
     fn a_fisheye_exr_has_sky_as_alpha() {
-        let raster =
-            raster(&Panorama::dark(), &Horizon::flat(), Projection::Fisheye, (40, 40), Sky::Total).unwrap();
+        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40), Sky::Total).unwrap();
         let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());
         assert_eq!(channels[0].0, "A");
-        for (alpha, &sky) in channels[0].1.iter().zip(&raster.has_sky) {
-            assert_eq!(*alpha == 1.0, sky);
+        for (pixel, alpha) in (0..).zip(&channels[0].1) {
+            assert_eq!(*alpha == 1.0, raster.radiance_w_m2_sr(pixel % 40, pixel / 40).is_some());
         }
-        assert!(raster.has_sky.contains(&false));
+        assert!(!raster.is_all_sky());
     }
 }

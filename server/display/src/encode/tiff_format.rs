@@ -2,39 +2,73 @@
 
 use super::{BAND_NAMES, RADIANCE_UNIT, SAMPLES};
 use crate::{error::DisplayError, notes::Notes, raster::FloatRaster};
-use std::io::Cursor;
+use flate2::{Compression, write::ZlibEncoder};
+use skyglow_physics::BAND_COUNT;
+use std::io::{Cursor, Write};
 use tiff::{
-    encoder::{Compression, DeflateLevel, TiffEncoder, colortype::RGB32Float},
-    tags::Tag,
+    TiffResult,
+    encoder::{Rational, TiffEncoder},
+    tags::{CompressionMethod, PhotometricInterpretation, Predictor, ResolutionUnit, SampleFormat, Tag},
 };
 
 /// GDAL's own tag: names and units of the bands.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
+/// Bytes of a pixel's samples.
+const SAMPLE_BYTES: usize = BAND_COUNT * size_of::<f32>();
+/// A strip has as many rows as this takes, in bytes before compression.
+const STRIP_BYTES: usize = 1_000_000;
 
 /// Three float32 bands R, G, B in W m⁻² sr⁻¹, deflated, named with their unit as GDAL reads it; pixels that show nothing of
 /// the upper hemisphere are NaN, which the GDAL no-data tag says too; ground that hides the sky is 0. There is no georeference: columns are azimuths or projected directions, not places.
 ///
 /// # Errors
 /// [`DisplayError::Encoding`], only by a defect.
-pub fn encode_tiff(raster: &FloatRaster, notes: &Notes) -> Result<Vec<u8>, DisplayError> {
-    let samples: Vec<f32> = raster
-        .radiance_w_m2_sr
-        .iter()
-        .zip(&raster.has_sky)
-        .flat_map(|(radiance, &sky)| if sky { *radiance } else { [f32::NAN; 3] })
-        .collect();
+pub fn encode_tiff(raster: &FloatRaster<'_>, notes: &Notes) -> Result<Vec<u8>, DisplayError> {
     let mut out = Cursor::new(Vec::new());
-    let write = |out: &mut Cursor<Vec<u8>>| -> tiff::TiffResult<()> {
-        let mut encoder = TiffEncoder::new(out)?.with_compression(Compression::Deflate(DeflateLevel::Fast));
-        let mut image = encoder.new_image::<RGB32Float>(raster.width_px, raster.height_px)?;
-        image.encoder().write_tag(Tag::Software, "Skyglow")?;
-        image.encoder().write_tag(Tag::ImageDescription, notes.after(SAMPLES).as_str())?;
-        image.encoder().write_tag(GDAL_METADATA, gdal_metadata(notes).as_str())?;
-        image.encoder().write_tag(Tag::GdalNodata, "nan")?;
-        image.write_data(&samples)
-    };
-    write(&mut out).map_err(|error| DisplayError::encoding("TIFF", error))?;
+    write(raster, notes, &mut out).map_err(|error| DisplayError::encoding("TIFF", error))?;
     Ok(out.into_inner())
+}
+
+/// Writes strip after strip; the encoder of the library has all samples at once.
+fn write(raster: &FloatRaster<'_>, notes: &Notes, out: &mut Cursor<Vec<u8>>) -> TiffResult<()> {
+    let row_bytes = SAMPLE_BYTES * raster.width_px as usize;
+    let rows_per_strip = STRIP_BYTES.div_ceil(row_bytes);
+    let mut encoder = TiffEncoder::new(out)?;
+    let mut directory = encoder.image_directory()?;
+    directory.write_tag(Tag::ImageWidth, raster.width_px)?;
+    directory.write_tag(Tag::ImageLength, raster.height_px)?;
+    directory.write_tag(Tag::Compression, CompressionMethod::Deflate.to_u16())?;
+    directory.write_tag(Tag::Predictor, Predictor::None.to_u16())?;
+    directory.write_tag(Tag::PhotometricInterpretation, PhotometricInterpretation::RGB.to_u16())?;
+    directory.write_tag(Tag::RowsPerStrip, rows_per_strip as u32)?;
+    directory.write_tag(Tag::SamplesPerPixel, BAND_COUNT as u16)?;
+    directory.write_tag(Tag::XResolution, Rational { n: 1, d: 1 })?;
+    directory.write_tag(Tag::YResolution, Rational { n: 1, d: 1 })?;
+    directory.write_tag(Tag::ResolutionUnit, ResolutionUnit::None.to_u16())?;
+    directory.write_tag(Tag::Software, "Skyglow")?;
+    directory.write_tag(Tag::ImageDescription, notes.after(SAMPLES).as_str())?;
+    directory.write_tag(GDAL_METADATA, gdal_metadata(notes).as_str())?;
+    directory.write_tag(Tag::GdalNodata, "nan")?;
+    let (mut offsets, mut lengths) = (Vec::new(), Vec::new());
+    for first in (0..raster.height_px).step_by(rows_per_strip) {
+        let rows = first..raster.height_px.min(first + rows_per_strip as u32);
+        let mut strip = ZlibEncoder::new(Vec::new(), Compression::fast());
+        let mut samples = Vec::with_capacity(row_bytes * rows.len());
+        for (y, x) in rows.flat_map(|y| (0..raster.width_px).map(move |x| (y, x))) {
+            let radiance = raster.radiance_w_m2_sr(x, y).unwrap_or([f32::NAN; BAND_COUNT]);
+            // In the order of this machine, as all numbers of the file.
+            samples.extend(radiance.iter().flat_map(|sample| sample.to_ne_bytes()));
+        }
+        strip.write_all(&samples)?;
+        let strip = strip.finish()?;
+        offsets.push(u32::try_from(directory.write_data(&strip[..])?)?);
+        lengths.push(u32::try_from(strip.len())?);
+    }
+    directory.write_tag(Tag::BitsPerSample, &[8 * size_of::<f32>() as u16; BAND_COUNT][..])?;
+    directory.write_tag(Tag::SampleFormat, &[SampleFormat::IEEEFP.to_u16(); BAND_COUNT][..])?;
+    directory.write_tag(Tag::StripOffsets, &offsets[..])?;
+    directory.write_tag(Tag::StripByteCounts, &lengths[..])?;
+    directory.finish()
 }
 
 /// Description and unit of each band, and the assumptions, as GDAL writes them.
@@ -67,9 +101,8 @@ mod tests {
     #[test]
     fn the_bands_of_a_tiff_are_named_with_their_unit() {
         let size = Projection::Equirectangular.default_raster_size_px();
-        let raster =
-            raster(&Panorama::dark(), &Horizon::flat(), Projection::Equirectangular, size, Sky::Artificial)
-                .unwrap();
+        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let raster = raster(&dark, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
         let mut decoder =
             Decoder::new(Cursor::new(encode_tiff(&raster, &Notes::default()).unwrap())).unwrap();
         let metadata = decoder.get_tag_ascii_string(GDAL_METADATA).unwrap();
@@ -84,9 +117,8 @@ mod tests {
     #[test]
     fn a_tiff_holds_description_and_assumptions() {
         let size = Projection::Equirectangular.default_raster_size_px();
-        let raster =
-            raster(&Panorama::dark(), &Horizon::flat(), Projection::Equirectangular, size, Sky::Artificial)
-                .unwrap();
+        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let raster = raster(&dark, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
         let notes = Notes::new("a sky", r#"{"attribution":"A & B <c>"}"#);
         let mut decoder = Decoder::new(Cursor::new(encode_tiff(&raster, &notes).unwrap())).unwrap();
         let description = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap();
@@ -101,20 +133,25 @@ mod tests {
     fn a_tiff_round_trips_with_nan_outside_the_sky() {
         let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
         let panorama = Panorama::from_samples(samples).unwrap();
-        for (projection, size) in [(Projection::Equirectangular, (256, 64)), (Projection::Fisheye, (50, 50))]
-        {
-            let raster = raster(&panorama, &Horizon::flat(), projection, size, Sky::Artificial).unwrap();
+        let flat = Horizon::flat();
+        // The last has several strips.
+        for (projection, size) in [
+            (Projection::Equirectangular, (256, 64)),
+            (Projection::Fisheye, (50, 50)),
+            (Projection::Fisheye, (701, 299)),
+        ] {
+            let raster = raster(&panorama, &flat, projection, size, Sky::Artificial).unwrap();
             let bytes = encode_tiff(&raster, &Notes::default()).unwrap();
             let mut decoder = Decoder::new(Cursor::new(bytes)).unwrap();
             assert_eq!(decoder.dimensions().unwrap(), size);
             let DecodingResult::F32(values) = decoder.read_image().unwrap() else {
                 panic!("not float32");
             };
-            for (pixel, value) in values.chunks(3).enumerate() {
-                if raster.has_sky[pixel] {
-                    assert_eq!(value, raster.radiance_w_m2_sr[pixel]);
-                } else {
-                    assert!(value.iter().all(|v| v.is_nan()));
+            assert_eq!(values.len(), 3 * (size.0 * size.1) as usize);
+            for (pixel, value) in (0..).zip(values.chunks(3)) {
+                match raster.radiance_w_m2_sr(pixel % size.0, pixel / size.0) {
+                    Some(radiance) => assert_eq!(value, radiance),
+                    None => assert!(value.iter().all(|v| v.is_nan())),
                 }
             }
         }

@@ -97,17 +97,21 @@ formats! {
         "The raw grid with its numbers; it has no projection and no style.";
 }
 
-/// Bytes that drawing takes for each pixel, measured on the largest (40 for rasters), with their files; and of any.
-const BYTES_PER_PIXEL: usize = 40;
-const BASE_BYTES: usize = 4 << 20;
+/// Bytes that drawing takes for each pixel of a picture with its file, and of a raster, of which the file is all that there is; and
+/// of any.
+const BYTES_PER_PICTURE_PIXEL: usize = 40;
+const BYTES_PER_RASTER_PIXEL: usize = 13;
+const BASE_BYTES: usize = 8 << 20;
 
 fn drawing_bytes(picture: &PictureRequest, format: Format) -> usize {
-    let (width_px, height_px) = match format {
-        Format::Png | Format::WebP => (picture.options.width_px, picture.options.height_px),
-        Format::Exr | Format::Tiff => picture.raster_size_px,
-        Format::Json => (0, 0),
+    let ((width_px, height_px), bytes) = match format {
+        Format::Png | Format::WebP => {
+            ((picture.options.width_px, picture.options.height_px), BYTES_PER_PICTURE_PIXEL)
+        }
+        Format::Exr | Format::Tiff => (picture.raster_size_px, BYTES_PER_RASTER_PIXEL),
+        Format::Json => ((0, 0), 0),
     };
-    BASE_BYTES + BYTES_PER_PIXEL * width_px as usize * height_px as usize
+    BASE_BYTES + bytes * width_px as usize * height_px as usize
 }
 
 async fn answer(
