@@ -9,7 +9,7 @@ use crate::{
         DimmedPixel, Level, PlanMethod, PlanOutcome, PlanRequest, SiteOutcome, SkyState, factors,
     },
     plan_target::{Reach, Target},
-    reduction::{LeastCut, least_cut, percentile, threshold_cuts},
+    reduction::{LeastCut, least_cut, percentile, programme_bytes, threshold_cuts},
     scene_view::SceneView,
     surroundings::Surroundings,
     watch::{Watch, note},
@@ -37,6 +37,14 @@ impl PlanRequest {
         match sites.len() {
             0 | 1 => sum,
             count => sum.min(((MAX_INFLUENCES / count) as u64).saturating_add(most)),
+        }
+    }
+
+    /// Bytes that choosing among their pixels takes at most, about, beside the influences.
+    pub fn programme_bytes(&self, view: &SceneView) -> usize {
+        match self.sites().len() {
+            0 | 1 => 0,
+            count => programme_bytes(usize::try_from(self.max_influences(view)).unwrap_or(usize::MAX), count),
         }
     }
 }

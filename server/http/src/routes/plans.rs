@@ -84,6 +84,7 @@ pub async fn post_plan(
     let (posting, secret) = poster.posting(request.keeping)?;
     let is_private = !posting.listed;
     let bytes = influence_bytes(request.request.max_influences(&view));
+    let bytes = bytes.saturating_add(request.request.programme_bytes(&view));
     let make = move |source: &dyn SkySource, work: &Work| {
         let (plan, is_new) = make_plan(source, &request, &view, &posting, &|done| work.note(done))?;
         let stored_bytes = if is_new { plan.stored_bytes() } else { 0 };

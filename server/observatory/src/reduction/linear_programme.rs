@@ -2,8 +2,8 @@
 //!
 //! Most lights are clearly worth their cut or clearly not, whatever the exact prices. So a few thousand near the edge are solved
 //! for, the others are held where the prices put them, and whoever the new prices prove wrong joins the few: in the end no light
-//! contradicts the prices, and the cut is that of the whole programme. Where time runs out before, cuts are filled up greedily: they
-//! meet the needs, and the bound says how far from the least they may be.
+//! contradicts the prices, and the cut is that of the whole programme. Where time or room runs out before, cuts are filled up greedily:
+//! they meet the needs, and the bound says how far from the least they may be.
 
 use super::problem::Reduction;
 use clarabel::algebra::CscMatrix;
@@ -18,18 +18,32 @@ const WRONG: f64 = 1e-7;
 const MAX_ROUNDS: usize = 40;
 /// Time that all rounds may take together; after it, cuts are filled up greedily.
 const LONGEST: Duration = Duration::from_secs(10);
+/// Entries that are solved for at most: each of the few has one for each site, and so many beside.
+const MAX_ENTRIES: usize = 1_000_000;
+const ENTRIES_PER_LIGHT: usize = 12;
+/// Bytes that the solver takes for each (measured: 105).
+const BYTES_PER_ENTRY: usize = 128;
 /// A cut this near its end is there.
 const AT_END: f64 = 1e-6;
 /// What a need may miss by rounding, of itself.
 const ROUNDING: f64 = 1e-12;
 
-/// Cuts and prices. Every need must be in reach.
-pub(super) fn solve(problem: &Reduction) -> (Vec<f64>, Vec<f64>) {
-    solve_within(problem, LONGEST)
+/// Bytes that solving takes at most, about, beside what lights do.
+pub(crate) fn programme_bytes(lights: usize, sites: usize) -> usize {
+    BYTES_PER_ENTRY * lights.saturating_mul(ENTRIES_PER_LIGHT + sites).min(MAX_ENTRIES)
 }
 
-/// The same within a time.
-pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>, Vec<f64>) {
+/// Cuts and prices. Every need must be in reach.
+pub(super) fn solve(problem: &Reduction) -> (Vec<f64>, Vec<f64>) {
+    solve_within(problem, LONGEST, MAX_ENTRIES)
+}
+
+/// The same within a time and room.
+pub(super) fn solve_within(
+    problem: &Reduction,
+    longest: Duration,
+    most_entries: usize,
+) -> (Vec<f64>, Vec<f64>) {
     let deadline = Instant::now() + longest;
     let lights = problem.flux.len();
     let can_help =
@@ -48,6 +62,9 @@ pub(super) fn solve_within(problem: &Reduction, longest: Duration) -> (Vec<f64>,
             break;
         }
         let (free, held): (Vec<usize>, Vec<usize>) = useful.iter().partition(|light| is_free[**light]);
+        if free.len() * (ENTRIES_PER_LIGHT + problem.need.len()) > most_entries {
+            break;
+        }
         for &light in &held {
             let is_worth_it = problem.worth(light, &prices) > problem.flux[light];
             cut[light] = if is_worth_it { problem.most_cut[light] } else { 0.0 };

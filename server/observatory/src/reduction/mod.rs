@@ -9,6 +9,7 @@ mod problem;
 mod target;
 mod threshold;
 
+pub(crate) use linear_programme::programme_bytes;
 pub use problem::{LeastCut, Reduction};
 pub use target::least_cut;
 pub use threshold::{percentile, threshold_cuts};

@@ -178,10 +178,23 @@ fn a_plan_of_many_lights_is_the_least() {
     assert!(least_cut(&half).flux < 0.6 * found.flux);
 }
 
+/// Where there is no room to solve for as many as it takes, cuts are filled up and the prices that are known prove how good they are.
+#[test]
+fn out_of_room_every_need_is_met_all_the_same() {
+    let problem = large(60_000, 4);
+    let (cut, prices) = linear_programme::solve_within(&problem, Duration::from_secs(60), 0);
+    for site in 0..4 {
+        let fall = problem.fall(site, &cut);
+        assert!(fall >= problem.need[site] * (1.0 - 1e-9), "{site}: {fall} {}", problem.need[site]);
+    }
+    let flux: f64 = cut.iter().zip(&problem.flux).map(|(cut, flux)| cut * flux).sum();
+    assert!((1e-9..=flux).contains(&problem.bound(&prices)), "{flux} {prices:?}");
+}
+
 #[test]
 fn out_of_time_every_need_is_met_all_the_same() {
     let problem = large(60_000, 4);
-    let (cut, prices) = linear_programme::solve_within(&problem, Duration::ZERO);
+    let (cut, prices) = linear_programme::solve_within(&problem, Duration::ZERO, usize::MAX);
     assert_eq!(prices, [0.0; 4]);
     for site in 0..4 {
         let fall = problem.fall(site, &cut);
