@@ -15,8 +15,8 @@ use skyglow_observatory::{
 };
 use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind};
 use skyglow_scene::{
-    ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario, SceneError,
-    SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer, available_bytes,
+    Account, ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario,
+    SceneError, SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer, available_bytes,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
@@ -254,8 +254,8 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.changes().remove(id, owner).map_err(ObservatoryError::from)?)
     }
 
-    fn hold_plan(&self, id: &ChangeId, plan: StoredPlan) {
-        self.observatory.changes().hold_plan(id, plan);
+    fn hold_plan(&self, id: &ChangeId, plan: StoredPlan, account: &Account) {
+        self.observatory.changes().hold_plan(id, plan, account);
     }
 
     fn check_base(&self, base: &ChangeId) -> Result<(), AppError> {

@@ -90,7 +90,7 @@ pub fn make_plan(
             if request.store {
                 source.store_plan(&id, &plan, posting)?
             } else {
-                source.hold_plan(&id, plan);
+                source.hold_plan(&id, plan, &posting.account);
                 false
             }
         }

@@ -14,8 +14,8 @@ use skyglow_observatory::{
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;
 use skyglow_scene::{
-    ChangeId, IngestOptions, NamedPlace, Owner, Page, PatchStore, Posting, RasterTile, Scenario, SceneId,
-    SceneMetadata, StoredPlan, TileLayer, UploadFolder, Viewer,
+    Account, ChangeId, IngestOptions, NamedPlace, Owner, Page, PatchStore, Posting, RasterTile, Scenario,
+    SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder, Viewer,
 };
 use std::{future::Future, pin::Pin, sync::Arc};
 
@@ -154,7 +154,9 @@ pub trait SkySource: Send + Sync + 'static {
     /// [`AppError::Storage`], [`AppError::PinsFull`].
     fn store_plan(&self, id: &ChangeId, plan: &StoredPlan, posting: &Posting) -> Result<bool, AppError>;
     /// Holds a plan for some minutes, and stores nothing.
-    fn hold_plan(&self, id: &ChangeId, plan: StoredPlan);
+    ///
+    /// * `account`: whom it counts for.
+    fn hold_plan(&self, id: &ChangeId, plan: StoredPlan, account: &Account);
     /// Whether what is stored may go on from this.
     ///
     /// # Errors

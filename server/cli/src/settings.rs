@@ -3,7 +3,7 @@
 use crate::{device::Device, failure::Failure, folders};
 use serde::{Deserialize, Serialize};
 use skyglow_http::{Access, ApiKey, HttpConfig, access::AccessError};
-use skyglow_scene::ChangeLimits;
+use skyglow_scene::{ChangeLimits, MAX_DRAFT_BYTES};
 use std::{
     net::{Ipv4Addr, SocketAddr},
     path::{Path, PathBuf},
@@ -106,12 +106,12 @@ impl Settings {
         require(http.concurrent_requests > 0, "concurrent_requests", "1 or more");
         require(http.body_limit_bytes >= 1024, "body_limit_bytes", "1024 or more");
         let budget = http.memory_budget_bytes;
-        let allowed = "0, which is a fourth of what there is, or 67108864 or more";
+        let allowed = "0, which is a part of what there is, or 67108864 or more";
         require(budget == 0 || budget >= 64 << 20, "memory_budget_bytes", allowed);
         require(http.upload_pixels > 0, "upload_pixels", "1 or more");
         require(self.brightness_places > 0, "brightness_places", "1 or more");
         require(self.kept_plans > 0, "kept_plans", "1 or more");
-        let map_bytes = 6 * self.brightness_places as u64;
+        let map_bytes = self.brightness_map_bytes();
         let allowed = "6 times brightness_places or more: no map would be kept";
         require(http.brightness_cache_bytes >= map_bytes, "brightness_cache_bytes", allowed);
         let is_url = |url: &String| {
@@ -129,6 +129,11 @@ impl Settings {
         let is_plain = |url: &String| url.starts_with("http://") && is_url(url);
         require(collector.is_none_or(is_plain), "otlp_endpoint", "an address such as http://collector:4318");
         if wrong.is_empty() { Ok(self) } else { Err(Failure::Work(wrong.join("; "))) }
+    }
+
+    /// Bytes of a map of the zenith's brightness.
+    pub(crate) fn brightness_map_bytes(&self) -> u64 {
+        6 * self.brightness_places as u64
     }
 
     /// Who may do more than read: reads the files of secrets.
@@ -166,6 +171,7 @@ impl Settings {
             count: self.kept_plans.max(1),
             bytes: self.kept_plans_bytes,
             age: Duration::from_secs(86_400 * u64::from(self.kept_plans_days)),
+            draft_bytes: MAX_DRAFT_BYTES,
         }
     }
 }

@@ -57,8 +57,8 @@ pub use boundary::{Boundary, BoundaryError, MAX_BOUNDARY_CORNERS, Position};
 pub use changes::{
     Account, Area, AreaError, Change, ChangeError, ChangeId, ChangeKind, ChangeLimits, ChangeStep,
     ChangeStore, ChangeStoreError, ChangeSummary, Cursor, Edit, Listed, MAX_BRUSH_POINTS, MAX_CHANGE_DEPTH,
-    MAX_EDITS, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN, NETWORK_TIERS, Outline, Owner, Page,
-    PixelFactors, Posting, Scenario, StoredPlan, Viewer,
+    MAX_DRAFT_BYTES, MAX_EDITS, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN, NETWORK_TIERS, Outline, Owner,
+    Page, PixelFactors, Posting, Scenario, StoredPlan, Viewer,
 };
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use dual_tree::{PatchStore, PlaceLattice, PlaceValues};

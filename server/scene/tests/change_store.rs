@@ -4,8 +4,8 @@
 
 use skyglow_physics::{EmissionMix, LampChange, LampPreset, PreservedFlux};
 use skyglow_scene::{
-    Area, Change, ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, Edit,
-    PixelFactors, Scenario, SceneId, StoredPlan,
+    Account, Area, Change, ChangeId, ChangeKind, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError,
+    Edit, PixelFactors, Scenario, SceneId, StoredPlan,
 };
 use std::time::Duration;
 use tempfile::TempDir;
@@ -47,7 +47,7 @@ fn store(limits: ChangeLimits) -> (TempDir, ChangeStore) {
 fn drafts_stay_in_memory_and_are_no_base() {
     let (folder, store) = store(ChangeLimits::default());
     let draft = ChangeStore::plan_id(b"a slider on its way");
-    store.hold_plan(&draft, plan(None));
+    store.hold_plan(&draft, plan(None), &Account::Nobody);
     assert_eq!(store.plan(&draft).unwrap().0, plan(None));
     assert!(store.is_there(&draft) && !store.is_stored(&draft));
     assert_eq!(store.steps(&draft, &scene(), "v1").unwrap(), [ChangeStep::Dimmed(plan(None).factors)]);

@@ -18,8 +18,8 @@ use skyglow_physics::{
 };
 use skyglow_render::{EngineStats, PassTime};
 use skyglow_scene::{
-    ChangeId, ChangeStore, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, Owner, Page,
-    PatchStore, Posting, RasterTile, Scenario, Scene, SceneId, SceneMetadata, SceneStore, StoredPlan,
+    Account, ChangeId, ChangeStore, GridMetadata, Ground, IngestOptions, IngestReport, NamedPlace, Owner,
+    Page, PatchStore, Posting, RasterTile, Scenario, Scene, SceneId, SceneMetadata, SceneStore, StoredPlan,
     TileLayer, UploadFolder, Viewer, ingest,
 };
 use skyglow_tables::{Clouds, Scattering};
@@ -415,7 +415,7 @@ impl SkySource for Fake {
         Err(AppError::Storage { reason: "a made-up program keeps nothing".into() })
     }
 
-    fn hold_plan(&self, _: &ChangeId, _: StoredPlan) {}
+    fn hold_plan(&self, _: &ChangeId, _: StoredPlan, _: &Account) {}
 
     fn check_base(&self, _: &ChangeId) -> Result<(), AppError> {
         Ok(())

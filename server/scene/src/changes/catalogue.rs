@@ -52,6 +52,15 @@ struct Names {
     unfinished: Vec<PathBuf>,
 }
 
+/// Says that the index is not read any more, also where reading it panics: the next who needs it reads it then.
+struct Reading<'a>(&'a AtomicBool);
+
+impl Drop for Reading<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
+}
+
 impl Catalogue {
     pub(super) fn new(data_dir: &Path, limits: ChangeLimits) -> Self {
         Self {
@@ -94,12 +103,13 @@ impl Catalogue {
     /// Reads the index while others go on; the number of documents.
     pub(super) fn read_beside(&self) -> Result<usize, ChangeStoreError> {
         self.is_reading.store(true, Ordering::Release);
+        let reading = Reading(&self.is_reading);
         let read = self.read().map(|read| {
             let count = KINDS.map(|kind| read.ids(kind).count()).iter().sum();
             *self.index.lock().unwrap_or_else(PoisonError::into_inner) = Some(read);
             count
         });
-        self.is_reading.store(false, Ordering::Release);
+        drop(reading);
         // What was stored meanwhile.
         read.and_then(|count| KINDS.iter().try_for_each(|kind| self.look(*kind)).map(|()| count))
     }
@@ -292,5 +302,24 @@ fn clear(unfinished: &[PathBuf]) {
         if modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > STALE_AFTER)) {
             let _may_be_gone_already = std::fs::remove_file(path);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where reading the index panics, the next who needs it reads it.
+    #[test]
+    fn an_index_that_is_given_up_is_read_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let catalogue = Catalogue::new(folder.path(), ChangeLimits::default());
+        catalogue.is_reading.store(true, Ordering::Release);
+        assert!(matches!(catalogue.with(|_| ()), Err(ChangeStoreError::Reading)));
+        let broken = std::panic::catch_unwind(|| {
+            let _reading = Reading(&catalogue.is_reading);
+            panic!("planted");
+        });
+        assert!(broken.is_err() && catalogue.with(|_| ()).is_ok());
     }
 }

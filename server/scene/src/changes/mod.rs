@@ -30,4 +30,4 @@ pub(crate) use overlay::Base;
 pub use overlay::ChangeSummary;
 pub use posting::{Account, NETWORK_TIERS, Owner, Posting};
 pub use store::ChangeStore;
-pub use stored::{ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
+pub use stored::{ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, MAX_DRAFT_BYTES, Scenario, StoredPlan};

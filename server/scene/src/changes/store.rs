@@ -12,6 +12,7 @@ use super::drafts::Drafts;
 use super::edits::ChangeStep;
 use super::listing::{Cursor, Listed, Page, Viewer};
 use super::pixels;
+use super::posting::Account;
 use super::store_key::StoreKey;
 use super::stored::{ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
 use crate::scene_id::SceneId;
@@ -49,7 +50,7 @@ impl ChangeStore {
         let (key, catalogue) = (StoreKey::new(data_dir), Catalogue::new(data_dir, limits));
         Self {
             limits,
-            drafts: Drafts::default(),
+            drafts: Drafts::new(limits.draft_bytes),
             key: Arc::new(key),
             catalogue: Arc::new(catalogue),
             writing: Arc::default(),
@@ -121,8 +122,8 @@ impl ChangeStore {
     }
 
     /// Holds a draft plan in memory for some minutes under an id of [`Self::plan_id`].
-    pub fn hold_plan(&self, id: &ChangeId, plan: StoredPlan) {
-        self.drafts.hold(id, plan, unix_s(SystemTime::now()));
+    pub fn hold_plan(&self, id: &ChangeId, plan: StoredPlan, account: &Account) {
+        self.drafts.hold(id, plan, account, unix_s(SystemTime::now()));
     }
 
     /// A plan, stored or draft, and since when, seconds since 1970.

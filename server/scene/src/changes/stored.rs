@@ -50,11 +50,21 @@ pub struct ChangeLimits {
     pub bytes: u64,
     /// Older ones go.
     pub age: Duration,
+    /// Bytes of memory of draft plans together, the newest excepted.
+    pub draft_bytes: u64,
 }
+
+/// Bytes of memory that draft plans have unless told otherwise.
+pub const MAX_DRAFT_BYTES: u64 = 128 << 20;
 
 impl Default for ChangeLimits {
     fn default() -> Self {
-        Self { count: 5_000, bytes: 1 << 30, age: Duration::from_secs(90 * 86_400) }
+        Self {
+            count: 5_000,
+            bytes: 1 << 30,
+            age: Duration::from_secs(90 * 86_400),
+            draft_bytes: MAX_DRAFT_BYTES,
+        }
     }
 }
 
@@ -66,7 +76,7 @@ impl ChangeLimits {
 
     /// No limits: for command-line programs beside a server, which applies its own.
     pub fn none() -> Self {
-        Self { count: usize::MAX, bytes: u64::MAX, age: Duration::MAX }
+        Self { count: usize::MAX, bytes: u64::MAX, age: Duration::MAX, draft_bytes: u64::MAX }
     }
 }
 
