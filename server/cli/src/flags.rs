@@ -3,7 +3,7 @@
 use crate::{device::Device, failure::Failure, folders, program, query};
 use clap::{Args, builder::BoolishValueParser};
 use skyglow_app::{SkySource, facts::SourceFacts};
-use skyglow_observatory::MAX_PLACES;
+use skyglow_observatory::{CacheSizes, MAX_PLACES};
 use skyglow_scene::ChangeLimits;
 use std::{path::PathBuf, sync::Arc};
 
@@ -72,6 +72,8 @@ impl ProgramFlags {
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
         let device = self.device.unwrap_or_default();
         let (data, packs) = (self.data.folder(), self.packs.folder());
-        program::open(&data, &packs, device, false, ChangeLimits::none(), MAX_PLACES, false)
+        let loaded = program::start_engine(&packs, device, None)?;
+        let (limits, sizes) = (ChangeLimits::none(), CacheSizes::of_machine());
+        Ok(program::open(loaded, &data, limits, &sizes, MAX_PLACES, false))
     }
 }

@@ -73,20 +73,20 @@ pub(crate) struct PartialSettings {
     /// Longest time for the answers under way when the server is told to end, seconds [default: 10]
     #[arg(long, env = "SKYGLOW_DRAIN_TIMEOUT_S", value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) drain_timeout_s: Option<f64>,
-    /// Bytes of computed skies that are kept for the next request [default: 67108864]
+    /// Most bytes of computed skies that are kept for the next request [default: 67108864]
     #[arg(long, env = "SKYGLOW_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) cache_bytes: Option<u64>,
-    /// Bytes of pictures, rasters and map tiles that are kept as they were sent [default: 268435456]
+    /// Most bytes of pictures, rasters and map tiles that are kept as they were sent [default: 268435456]
     #[arg(long, env = "SKYGLOW_ANSWER_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) answer_cache_bytes: Option<u64>,
-    /// Bytes of maps of influences that are kept for the next request and for map tiles [default: 268435456]
+    /// Most bytes of maps of influences that are kept for the next request and for map tiles [default: 268435456]
     #[arg(long, env = "SKYGLOW_INFLUENCE_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) influence_cache_bytes: Option<u64>,
-    /// Bytes of maps of the zenith's brightness that are kept for map tiles [default: 67108864]
+    /// Most bytes of maps of the zenith's brightness that are kept for map tiles [default: 67108864]
     #[arg(long, env = "SKYGLOW_BRIGHTNESS_CACHE_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) brightness_cache_bytes: Option<u64>,
     /// Bytes of memory for what is under way: pictures, answers until they are sent, plans, bodies of requests; 0 for a fourth of
-    /// what the control group or the machine has [default: 0]
+    /// what the control group or the machine has beside packs [default: 0]
     #[arg(long, env = "SKYGLOW_MEMORY_BUDGET_BYTES", value_name = "BYTES", help_heading = "Limits")]
     pub(crate) memory_budget_bytes: Option<u64>,
     /// Places in a map of the zenith's brightness at most; in larger scenes pixels share one by blocks [default: 1200000]

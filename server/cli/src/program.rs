@@ -6,10 +6,10 @@ use crate::{
     progress::{self, Stages},
 };
 use skyglow_app::{SkySource, UploadReader, sandbox, upload_reader::UploadTask};
-use skyglow_observatory::{OPEN_SCENE_COUNT, Observatory};
-use skyglow_render::{Engine, EngineConfig, UndamagedTables, resident_tables, undamaged_tables};
+use skyglow_observatory::{CacheSizes, OPEN_SCENE_COUNT, Observatory};
+use skyglow_render::{Engine, EngineConfig, LeftOutPack, UndamagedTables, resident_tables, undamaged_tables};
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
-use skyglow_tables::packs_in;
+use skyglow_tables::{Manifest, packs_in};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -17,24 +17,24 @@ use std::{
     time::Duration,
 };
 
-/// An engine over the packs of a folder, before the scenes of another.
+/// An engine with its packs.
+pub(crate) struct LoadedEngine {
+    pub(crate) engine: Engine,
+    manifests: Vec<Manifest>,
+    left_out: Vec<LeftOutPack>,
+}
+
+/// An engine over the packs of a folder.
 ///
-/// * `degrade`: whether to do without packs that are damaged, as a server does, or to refuse them.
-/// * `limits`: what is kept of scenarios and plans.
-/// * `max_places`: of a map of the zenith's brightness.
-/// * `sandbox_required`: whether no upload is read where the kernel lacks a part of the sandbox.
+/// * `within_bytes`: of memory that packs may take, for a server, which does without those that are damaged; None refuses them.
 ///
 /// # Errors
-/// [`Failure::Work`] where there are no packs, one is refused, or there is no such device.
-pub(crate) fn open(
-    data: &Path,
+/// [`Failure::Work`] where there are no packs, one is refused, they do not fit, or there is no such device.
+pub(crate) fn start_engine(
     packs: &Path,
     device: Device,
-    degrade: bool,
-    limits: ChangeLimits,
-    max_places: usize,
-    sandbox_required: bool,
-) -> Result<Arc<dyn SkySource>, Failure> {
+    within_bytes: Option<u64>,
+) -> Result<LoadedEngine, Failure> {
     let paths = packs_in(packs).map_err(Failure::work)?;
     if paths.is_empty() {
         return Err(Failure::Work(format!(
@@ -42,9 +42,9 @@ pub(crate) fn open(
             packs.display()
         )));
     }
-    let found = match degrade {
-        true => undamaged_tables(&paths),
-        false => resident_tables(&paths).map(|(tables, manifests)| UndamagedTables {
+    let found = match within_bytes {
+        Some(most_bytes) => undamaged_tables(&paths, most_bytes),
+        None => resident_tables(&paths).map(|(tables, manifests)| UndamagedTables {
             tables,
             manifests,
             left_out: Vec::new(),
@@ -56,7 +56,25 @@ pub(crate) fn open(
     }
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
-    let observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits);
+    Ok(LoadedEngine { engine, manifests, left_out })
+}
+
+/// An engine before the scenes of a folder.
+///
+/// * `limits`: what is kept of scenarios and plans.
+/// * `sizes`: what is kept in memory.
+/// * `max_places`: of a map of the zenith's brightness.
+/// * `sandbox_required`: whether no upload is read where the kernel lacks a part of the sandbox.
+pub(crate) fn open(
+    loaded: LoadedEngine,
+    data: &Path,
+    limits: ChangeLimits,
+    sizes: &CacheSizes,
+    max_places: usize,
+    sandbox_required: bool,
+) -> Arc<dyn SkySource> {
+    let LoadedEngine { engine, manifests, left_out } = loaded;
+    let observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits, sizes);
     if !limits.is_none() {
         let changes = observatory.changes().clone();
         std::thread::spawn(move || skyglow_app::stored::read_index(&changes));
@@ -66,14 +84,14 @@ pub(crate) fn open(
     // The program that runs, also where its file was replaced meanwhile.
     let program = PathBuf::from("/proc/self/exe");
     if !program.exists() {
-        return Ok(Arc::new(source));
+        return Arc::new(source);
     }
     let mut arguments = vec![READ_UPLOAD.to_owned()];
     if sandbox_required {
         arguments.push(SANDBOX_REQUIRED.to_owned());
     }
     let reader = UploadReader { program, arguments, longest: MAX_UPLOAD_TIME };
-    Ok(Arc::new(source.with_upload_reader(reader)))
+    Arc::new(source.with_upload_reader(reader))
 }
 
 /// The argument that makes this program a reader of uploads. No command: nobody but the server calls it.

@@ -2,7 +2,6 @@
 
 use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
-use skyglow_scene::memory_limit_bytes;
 use std::{net::IpAddr, time::Duration};
 
 /// How much of a client's address the log has.
@@ -42,8 +41,8 @@ pub struct HttpConfig {
     pub request_timeout_s: f64,
     /// Longest request body, bytes; then 413.
     pub body_limit_bytes: usize,
-    /// Bytes of memory for what is under way: pictures and answers until they are sent, plans, and, of that, a sixteenth for bodies
-    /// of requests. 0 for a fourth of what the control group or the machine has.
+    /// Bytes of memory for what is under way: pictures and answers until they are sent, plans; a fourth more for answers that were
+    /// not counted before, and a sixteenth for bodies of requests. 0 for what [`MemoryShares`](crate::MemoryShares) has for it.
     pub memory_budget_bytes: u64,
     /// Longest upload of a scene's rasters together, bytes; then 413.
     pub upload_limit_bytes: usize,
@@ -64,13 +63,13 @@ pub struct HttpConfig {
     pub kept_per_day: u32,
     /// Longest time for the answers under way when the server is told to end, seconds.
     pub drain_timeout_s: f64,
-    /// Bytes of rendered skies that are kept for the next request.
+    /// Most bytes of rendered skies that are kept for the next request; fewer where memory is small, as of all caches.
     pub cache_bytes: u64,
-    /// Bytes of pictures, rasters and map tiles that are kept as they were sent.
+    /// Most bytes of pictures, rasters and map tiles that are kept as they were sent.
     pub answer_cache_bytes: u64,
-    /// Bytes of maps of influences that are kept for the next request and for map tiles; a map of a million lights takes 36 MB.
+    /// Most bytes of maps of influences that are kept for the next request and for map tiles; a map of a million lights takes 36 MB.
     pub influence_cache_bytes: u64,
-    /// Bytes of maps of the zenith's brightness that are kept for map tiles; a map takes 7 MB.
+    /// Most bytes of maps of the zenith's brightness that are kept for map tiles; a map takes 7 MB.
     pub brightness_cache_bytes: u64,
     /// Connections at a time; a fourth of them from one address.
     pub connections: usize,
@@ -118,21 +117,16 @@ impl Default for HttpConfig {
     }
 }
 
-/// Part of the memory that there is for what is under way.
-const PART_OF_MEMORY: u64 = 4;
-/// Taken for the memory that there is where nobody says.
-const MEMORY_IF_UNKNOWN_BYTES: u64 = 4 << 30;
+/// Bytes for what is under way where nobody says.
+const MEMORY_BUDGET_BYTES: u64 = 1 << 30;
 /// Part of that for bodies of requests.
-const PART_FOR_BODIES: u64 = 16;
-/// The least and the most that is taken for it unasked.
-const MEMORY_BUDGET_BYTES: std::ops::RangeInclusive<u64> = 128 << 20..=16 << 30;
+pub(crate) const PART_FOR_BODIES: u64 = 16;
 
 impl HttpConfig {
     /// Bytes for what is under way.
     pub fn memory_budget(&self) -> u64 {
         match self.memory_budget_bytes {
-            0 => (memory_limit_bytes().unwrap_or(MEMORY_IF_UNKNOWN_BYTES) / PART_OF_MEMORY)
-                .clamp(*MEMORY_BUDGET_BYTES.start(), *MEMORY_BUDGET_BYTES.end()),
+            0 => MEMORY_BUDGET_BYTES,
             bytes => bytes,
         }
     }

@@ -109,7 +109,7 @@ const BRIGHTNESS_BYTES: usize = 32 << 20;
 /// Bytes that finding influences takes for each lit pixel within reach, about.
 const BYTES_PER_INFLUENCE: usize = 64;
 /// Part of the memory for work that answers may take while they are sent which were not counted when they were made.
-const SHARE_OF_SENDING: u64 = 4;
+pub(crate) const SHARE_OF_SENDING: u64 = 4;
 /// Part of a budget of bytes that one party may hold.
 const SHARE_OF_A_PARTY: u64 = 8;
 /// Bytes that a cached sky takes, about.

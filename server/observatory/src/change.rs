@@ -1,7 +1,7 @@
 //! Scenarios and plans: stored and looked at.
 
 use crate::observatory::Observatory;
-use crate::{error::ObservatoryError, scene_cache::SceneCache};
+use crate::{cache_sizes::CacheSizes, error::ObservatoryError, scene_cache::SceneCache};
 use skyglow_scene::{
     ChangeId, ChangeLimits, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH,
     Posting, Scenario, SceneMetadata, SceneStore,
@@ -31,7 +31,7 @@ pub fn store_scenario(
     scenario: &Scenario,
 ) -> Result<(ChangeId, Arc<ChangeSummary>, SceneMetadata), ObservatoryError> {
     let changes = ChangeStore::new(data_dir, ChangeLimits::none());
-    let scenes = SceneCache::new(SceneStore::new(data_dir), changes, 1);
+    let scenes = SceneCache::new(SceneStore::new(data_dir), changes, 1, &CacheSizes::of_machine());
     let (id, summary, _) = store_in(&scenes, scenario, &Posting::default())?;
     Ok((id, summary, scenes.scene(&scenario.scene)?.metadata().clone()))
 }

@@ -1,6 +1,7 @@
 //! Light around an eye that is stored for the next map of influences from the same place.
 
 use crate::{
+    cache_sizes::CacheSizes,
     error::ObservatoryError,
     influence::InfluenceSolver,
     scene_view::SceneView,
@@ -15,8 +16,6 @@ use std::{
     time::Duration,
 };
 
-/// Bytes of light by cells and pixels that are stored for the next map from the same place.
-const MAX_LIGHT_BYTES: u64 = 256 << 20;
 /// How long light around an eye is stored that nobody asks for.
 const TIME_TO_IDLE: Duration = Duration::from_secs(600);
 /// Bytes that an entry takes where there is no light: nothing weighs nothing.
@@ -36,6 +35,7 @@ pub(crate) struct LightAround {
 /// What finding influences needs beside the engine.
 pub(crate) struct InfluenceCache {
     solver: OnceLock<InfluenceSolver>,
+    ready_bytes: u64,
     lights: Cache<LightKey, LightAround>,
 }
 
@@ -46,21 +46,24 @@ impl std::fmt::Debug for InfluenceCache {
 }
 
 impl InfluenceCache {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(sizes: &CacheSizes) -> Self {
         let weigh = |_: &LightKey, light: &LightAround| {
             let of_grids = light.surroundings.lights.iter().map(|(_, polar)| polar.byte_count());
             let of_shares = light.shares.iter().map(LightShares::byte_count);
             let bytes = MIN_ENTRY_BYTES + of_grids.chain(of_shares).sum::<usize>();
             u32::try_from(bytes).unwrap_or(u32::MAX)
         };
-        let lights =
-            Cache::builder().max_capacity(MAX_LIGHT_BYTES).weigher(weigh).time_to_idle(TIME_TO_IDLE).build();
-        Self { solver: OnceLock::new(), lights }
+        let lights = Cache::builder()
+            .max_capacity(sizes.light_bytes)
+            .weigher(weigh)
+            .time_to_idle(TIME_TO_IDLE)
+            .build();
+        Self { solver: OnceLock::new(), ready_bytes: sizes.ready_requests_bytes, lights }
     }
 
     /// Made when it is first asked for.
     pub(crate) fn solver(&self, engine: &Engine) -> &InfluenceSolver {
-        self.solver.get_or_init(|| InfluenceSolver::new(engine.table_set()))
+        self.solver.get_or_init(|| InfluenceSolver::keeping(engine.table_set(), self.ready_bytes))
     }
 
     /// The light around the eye of a request.

@@ -1,6 +1,7 @@
 //! From a place in a scene to its sky, to which lights cause it, and to what to dim. No device, no HTTP.
 
 pub mod brightness;
+mod cache_sizes;
 mod change;
 pub mod error;
 pub mod influence;
@@ -21,6 +22,7 @@ mod surroundings;
 mod watch;
 
 pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
+pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use error::ObservatoryError;
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};

@@ -1,6 +1,7 @@
 //! An engine before the scenes of a data folder: views of scenes, and skies in them.
 
 use crate::{
+    cache_sizes::CacheSizes,
     error::ObservatoryError,
     influence_cache::InfluenceCache,
     scene_cache::SceneCache,
@@ -30,20 +31,22 @@ pub struct Observatory {
 impl Observatory {
     /// Puts an engine before the scenes of a data folder; `manifests` are those of the engine's packs.
     pub fn new(engine: Engine, manifests: Vec<Manifest>, data_dir: &Path, open_scene_count: usize) -> Self {
-        Self::with_limits(engine, manifests, data_dir, open_scene_count, ChangeLimits::default())
+        let sizes = CacheSizes::of_machine();
+        Self::with_limits(engine, manifests, data_dir, open_scene_count, ChangeLimits::default(), &sizes)
     }
 
-    /// The same with other limits for the scenarios and plans that are stored.
+    /// The same with other limits for the scenarios and plans that are stored, and for what is kept in memory.
     pub fn with_limits(
         engine: Engine,
         manifests: Vec<Manifest>,
         data_dir: &Path,
         open_scene_count: usize,
         limits: ChangeLimits,
+        sizes: &CacheSizes,
     ) -> Self {
         let (scenes, changes) = (SceneStore::new(data_dir), ChangeStore::new(data_dir, limits));
-        let scenes = SceneCache::new(scenes, changes, open_scene_count);
-        Self { engine, scenes, manifests, influences: InfluenceCache::new() }
+        let scenes = SceneCache::new(scenes, changes, open_scene_count, sizes);
+        Self { engine, scenes, manifests, influences: InfluenceCache::new(sizes) }
     }
 
     /// The engine: readiness, counters, what it runs on.

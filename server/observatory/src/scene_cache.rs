@@ -1,6 +1,7 @@
 //! Open scenes, with and without changes, least recently used out first.
 
 use crate::{
+    cache_sizes::CacheSizes,
     error::ObservatoryError,
     scene_health::{SceneHealth, Stamp},
     scene_view::SceneView,
@@ -8,7 +9,7 @@ use crate::{
 use moka::{policy::EvictionPolicy, sync::Cache};
 use skyglow_scene::{
     ChangeError, ChangeId, ChangeStep, ChangeStore, ChangeStoreError, ChangeSummary, MAX_CHANGE_DEPTH, Scene,
-    SceneError, SceneId, SceneMetadata, SceneStore, memory_limit_bytes,
+    SceneError, SceneId, SceneMetadata, SceneStore,
 };
 use std::{
     sync::{
@@ -18,12 +19,6 @@ use std::{
     time::Duration,
 };
 
-/// Bytes of changed scenes that are stored, beside what they share with the scene itself.
-const MAX_CHANGED_BYTES: u64 = 512 << 20;
-/// Of the memory that there is, open scenes have a third.
-const PART_OF_MEMORY: u64 = 3;
-/// Bytes of open scenes where nobody says how much memory there is.
-const MAX_OPEN_BYTES: u64 = 8 << 30;
 /// Scenes of fewer bytes than this part of those of all are opened beside others; larger ones one after another.
 const SMALL_PART: u64 = 8;
 /// A cache weighs in this many bytes, for weights of 32 bits.
@@ -54,14 +49,9 @@ pub(crate) struct SceneCache {
 }
 
 impl SceneCache {
-    /// A cache of at most `capacity` scenes, at least one, in a part of the memory that there is.
-    pub(crate) fn new(store: SceneStore, changes: ChangeStore, capacity: usize) -> Self {
-        let most_bytes = memory_limit_bytes().map_or(MAX_OPEN_BYTES, |bytes| bytes / PART_OF_MEMORY);
-        Self::within(store, changes, capacity, most_bytes)
-    }
-
-    /// The same in so many bytes.
-    fn within(store: SceneStore, changes: ChangeStore, capacity: usize, most_bytes: u64) -> Self {
+    /// A cache of at most `capacity` scenes, at least one, that they and what is made of them take so many bytes in.
+    pub(crate) fn new(store: SceneStore, changes: ChangeStore, capacity: usize, sizes: &CacheSizes) -> Self {
+        let most_bytes = sizes.scenes_bytes;
         let most_weight = most_bytes / WEIGHT_BYTES;
         // So many of the lightest fill it.
         let least = most_weight.div_ceil(capacity.max(1) as u64);
@@ -75,7 +65,7 @@ impl SceneCache {
             store,
             changes,
             changed: Cache::builder()
-                .max_capacity(MAX_CHANGED_BYTES)
+                .max_capacity(sizes.changed_scenes_bytes)
                 .weigher(weigh)
                 .time_to_idle(TIME_TO_IDLE)
                 .build(),

@@ -9,7 +9,12 @@ use std::path::Path;
 fn a_damaged_scene_is_left_out_until_whole() {
     let data = tempfile::tempdir().unwrap();
     let (store, id) = store_lights(data.path());
-    let cache = SceneCache::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+    let cache = SceneCache::new(
+        store,
+        ChangeStore::new(data.path(), ChangeLimits::none()),
+        4,
+        &CacheSizes::most(1 << 30),
+    );
     cache.check_all().unwrap();
     assert_eq!(cache.damaged(), (vec![], 1));
     let light = cache.store().scenes_dir().join(id.as_str()).join("light.bin");
@@ -20,8 +25,12 @@ fn a_damaged_scene_is_left_out_until_whole() {
     // What was sound stays so until it is opened: another cache sees it at its first look.
     let error = cache.scene(&id).unwrap_err().to_string();
     assert!(error.contains("light.bin"), "{error}");
-    let later =
-        SceneCache::new(cache.store().clone(), ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+    let later = SceneCache::new(
+        cache.store().clone(),
+        ChangeStore::new(data.path(), ChangeLimits::none()),
+        4,
+        &CacheSizes::most(1 << 30),
+    );
     later.check_all().unwrap();
     for cache in [&cache, &later] {
         assert_eq!(cache.damaged(), (vec![id.clone()], 0));
@@ -51,12 +60,12 @@ fn scenes_are_let_go_and_bounded() {
     let data = tempfile::tempdir().unwrap();
     let (store, id) = store_lights(data.path());
     let changes = || ChangeStore::new(data.path(), ChangeLimits::none());
-    let cache = SceneCache::within(store.clone(), changes(), 4, 1 << 30);
+    let cache = SceneCache::new(store.clone(), changes(), 4, &CacheSizes::most(1 << 30));
     let scene = Arc::downgrade(&cache.scene(&id).unwrap());
     assert!(scene.upgrade().is_some() && cache.len() == 1);
     cache.forget(&id);
     assert!(scene.upgrade().is_none() && cache.len() == 0);
-    let small = SceneCache::within(store, changes(), 4, 64);
+    let small = SceneCache::new(store, changes(), 4, &CacheSizes::most(64));
     let error = small.scene(&id).unwrap_err();
     assert!(
         matches!(error, ObservatoryError::Scene(SceneError::TooLarge { limit_bytes: 64, .. })),
@@ -78,7 +87,7 @@ fn open_scenes_keep_to_their_memory() {
     }
     let open = |most_bytes: u64| {
         let changes = ChangeStore::new(data.path(), ChangeLimits::none());
-        let cache = SceneCache::within(store.clone(), changes, 4, most_bytes);
+        let cache = SceneCache::new(store.clone(), changes, 4, &CacheSizes::most(most_bytes));
         ids.iter().for_each(|id| drop(cache.scene(id).unwrap()));
         cache.len()
     };
@@ -90,7 +99,12 @@ fn open_scenes_keep_to_their_memory() {
 fn a_scene_asked_for_at_once_is_opened_once() {
     let data = tempfile::tempdir().unwrap();
     let (store, id) = store_lights(data.path());
-    let cache = SceneCache::new(store, ChangeStore::new(data.path(), ChangeLimits::none()), 4);
+    let cache = SceneCache::new(
+        store,
+        ChangeStore::new(data.path(), ChangeLimits::none()),
+        4,
+        &CacheSizes::most(1 << 30),
+    );
     let start = std::sync::Barrier::new(8);
     let scenes: Vec<Arc<Scene>> = std::thread::scope(|scope| {
         let ask = || {

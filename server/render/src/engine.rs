@@ -82,6 +82,22 @@ impl Engine {
         &self.info
     }
 
+    /// Bytes of main memory that packs take: as they are laid out, once more on a device that is none, and their bases as plain
+    /// Rust has them, for rendering and for influences.
+    pub fn main_memory_bytes(&self) -> u64 {
+        let sum = |bytes: fn(&ResidentTables) -> usize| -> u64 {
+            self.tables().iter().map(|tables| bytes(tables) as u64).sum()
+        };
+        let (tables, bases) =
+            (sum(ResidentTables::byte_count), sum(|tables| size_of_val(&tables.basis_spectrum[..])));
+        tables
+            + match self.info.executor {
+                ExecutorKind::Cpu => 2 * bases,
+                ExecutorKind::Lavapipe => bases + self.info.resident_bytes,
+                ExecutorKind::Gpu => bases,
+            }
+    }
+
     /// True once every pipeline has run, and until a device fails that cannot be made anew at once.
     pub fn is_ready(&self) -> bool {
         self.stats.ready.load(Ordering::Acquire)

@@ -108,6 +108,20 @@ pub enum RenderError {
         /// Bytes allowed.
         budget_bytes: u64,
     },
+    /// More packs than there is memory for.
+    #[error(
+        "{count} packs take about {} MiB of memory, and {} are there for them: give it more, or fewer packs",
+        needed_bytes.div_ceil(1 << 20),
+        most_bytes.div_ceil(1 << 20)
+    )]
+    TooManyPacks {
+        /// Number of packs.
+        count: usize,
+        /// Bytes that all take, about.
+        needed_bytes: u64,
+        /// Bytes that are there for them.
+        most_bytes: u64,
+    },
     /// A size beyond the adapter's limits.
     #[error("{what} needs {needed}; the adapter allows {allowed}")]
     BeyondLimit {

@@ -66,11 +66,15 @@ pub struct UndamagedTables {
 
 /// As [`resident_tables`], without the packs that are damaged, and what those are.
 ///
+/// * `most_bytes`: of memory for all of them. What does not fit is not even opened.
+///
 /// # Errors
-/// [`RenderError::Tables`] of the first where all are damaged; [`RenderError::IncompatibleTables`].
-pub fn undamaged_tables(packs: &[PathBuf]) -> Result<UndamagedTables, RenderError> {
+/// [`RenderError::Tables`] of the first where all are damaged; [`RenderError::IncompatibleTables`];
+/// [`RenderError::TooManyPacks`].
+pub fn undamaged_tables(packs: &[PathBuf], most_bytes: u64) -> Result<UndamagedTables, RenderError> {
     let (mut opened, mut left_out, mut first) = (Vec::new(), Vec::new(), None);
     for path in packs {
+        check_room(packs.len(), &opened, most_bytes)?;
         match Pack::open(path) {
             Ok(pack) => opened.push(laid_out(&pack)),
             Err(error) => {
@@ -84,6 +88,21 @@ pub fn undamaged_tables(packs: &[PathBuf]) -> Result<UndamagedTables, RenderErro
     }
     let (tables, manifests) = checked(opened)?;
     Ok(UndamagedTables { tables, manifests, left_out })
+}
+
+/// Refuses the next of so many packs where it does not fit beside those that are open, if it is as large as the last.
+fn check_room(
+    count: usize,
+    opened: &[(Arc<ResidentTables>, Manifest)],
+    most_bytes: u64,
+) -> Result<(), RenderError> {
+    let bytes = |(tables, _): &(Arc<ResidentTables>, _)| tables.byte_count() as u64;
+    let (taken, next) = (opened.iter().map(bytes).sum::<u64>(), opened.last().map_or(0, bytes));
+    if taken + next <= most_bytes {
+        return Ok(());
+    }
+    let needed_bytes = taken + (count - opened.len()) as u64 * next;
+    Err(RenderError::TooManyPacks { count, needed_bytes, most_bytes })
 }
 
 /// Opens packs and lays them out on the rings of the scenes' polar grids; the manifests come sorted by kind, then
@@ -190,6 +209,21 @@ mod tests {
         assert_eq!(unserved(&[1.5, 2.0, 6.0], &[Some(1.7)]), []);
         assert_eq!(unserved(&[1.5, 2.0, 6.0], &[None]), [(2.0, 6.0)]);
         assert_eq!(unserved(&[2.0, 6.0], &[]), []);
+    }
+
+    /// A pack that does not fit beside the open ones is refused before it is opened.
+    #[test]
+    fn packs_that_do_not_fit_are_not_opened() {
+        let tables = crate::synthetic::table_set(&[1.5], 8).swap_remove(0);
+        let bytes = tables.byte_count() as u64;
+        let opened = [(tables, manifest(1.5, Scattering::Multiple, None))];
+        check_room(3, &[], 0).unwrap();
+        check_room(3, &opened, 2 * bytes).unwrap();
+        let refused = check_room(3, &opened, 2 * bytes - 1).unwrap_err();
+        let RenderError::TooManyPacks { count: 3, needed_bytes, most_bytes } = refused else {
+            panic!("{refused}");
+        };
+        assert_eq!((needed_bytes, most_bytes), (3 * bytes, 2 * bytes - 1));
     }
 
     #[test]

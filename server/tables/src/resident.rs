@@ -84,6 +84,11 @@ impl ResidentBlocked {
         ((table * BAND_COUNT + band) * rings + ring) * self.offset_count + offset
     }
 
+    /// Bytes of its arrays.
+    pub fn byte_count(&self) -> usize {
+        size_of_val(&self.log_scale[..]) + size_of_val(&self.shape[..])
+    }
+
     /// Times [`Self::basis_count`] the start in [`Self::shape`].
     pub fn shape_index(
         &self,
@@ -101,6 +106,15 @@ impl ResidentBlocked {
 }
 
 impl ResidentTables {
+    /// Bytes of its arrays.
+    pub fn byte_count(&self) -> usize {
+        let blocked = self.blocked.as_ref().map_or(0, ResidentBlocked::byte_count);
+        size_of_val(&self.log_scale[..])
+            + size_of_val(&self.shape[..])
+            + size_of_val(&self.basis_spectrum[..])
+            + blocked
+    }
+
     /// Position in [`Self::log_scale`].
     pub fn scale_index(
         &self,

@@ -3,8 +3,8 @@
 use crate::{failure::Failure, logging, partial_settings::PartialSettings, program, settings::Settings};
 use clap::Args;
 use skyglow_app::SkySource;
-use skyglow_http::{router_with_access, serve};
-use skyglow_scene::SceneStore;
+use skyglow_http::{HttpConfig, MemoryShares, router_with_access, serve};
+use skyglow_scene::{ChangeLimits, SceneStore};
 use std::{future::Future, path::PathBuf, sync::Arc, time::Duration};
 use tokio::{
     net::TcpListener,
@@ -61,11 +61,10 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     let address = settings.listen;
     let listener =
         TcpListener::bind(address).await.map_err(|error| Failure::Work(format!("{address}: {error}")))?;
-    let http = settings.http.clone();
     let access = settings.access()?;
     let started = tokio::task::spawn_blocking(move || start(&settings));
-    let source = tokio::select! {
-        source = started => source.map_err(Failure::work)??,
+    let (source, http) = tokio::select! {
+        started = started => started.map_err(Failure::work)??,
         () = &mut shutdown => return Ok(()),
     };
     watch_scenes(&source);
@@ -109,7 +108,8 @@ fn watch_scenes(source: &Arc<dyn SkySource>) {
     });
 }
 
-fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
+/// The program behind the interface, and the interface's limits as the memory allows.
+fn start(settings: &Settings) -> Result<(Arc<dyn SkySource>, HttpConfig), Failure> {
     let cleared = SceneStore::new(&settings.data).clear_stale();
     if cleared > 0 {
         tracing::info!("{cleared} folder(s) of ingests that were killed are cleared");
@@ -120,10 +120,18 @@ fn start(settings: &Settings) -> Result<Arc<dyn SkySource>, Failure> {
     if settings.operator_token_file.is_some() {
         check_sandbox(settings.upload_sandbox_required)?;
     }
+    let most_bytes = MemoryShares::most_for_packs();
+    let loaded = program::start_engine(&settings.packs, settings.device, Some(most_bytes))?;
+    let packs_bytes = loaded.engine.main_memory_bytes();
+    let shares = MemoryShares::of_machine(packs_bytes, settings.brightness_map_bytes(), &settings.http);
+    let shares = shares.map_err(Failure::work)?;
+    tracing::info!("{shares}");
+    let limits = ChangeLimits { draft_bytes: shares.drafts_bytes, ..settings.change_limits() };
     let max_places = settings.brightness_places.max(1);
-    let limits = settings.change_limits();
     let required = settings.upload_sandbox_required;
-    program::open(&settings.data, &settings.packs, settings.device, true, limits, max_places, required)
+    let sizes = &shares.observatory;
+    let source = program::open(loaded, &settings.data, limits, sizes, max_places, required);
+    Ok((source, shares.put_into(settings.http.clone())))
 }
 
 /// Says once whether uploads are read behind walls.

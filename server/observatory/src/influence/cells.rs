@@ -9,7 +9,7 @@ use super::{
     scales::{Slope, scales_of},
     sensitivity::sensitivities,
 };
-use crate::error::ObservatoryError;
+use crate::{cache_sizes::CacheSizes, error::ObservatoryError};
 use rayon::prelude::*;
 use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr};
 use skyglow_render::{
@@ -72,8 +72,18 @@ impl std::fmt::Debug for InfluenceSolver {
 impl InfluenceSolver {
     /// For the packs of a set.
     pub fn new(set: Arc<TableSet>) -> Self {
+        Self::keeping(set, CacheSizes::most(0).ready_requests_bytes)
+    }
+
+    /// The same with so many bytes of requests made ready.
+    pub(crate) fn keeping(set: Arc<TableSet>, ready_bytes: u64) -> Self {
         let grams = set.tables().iter().map(|_| OnceLock::new()).collect();
-        Self { executor: CpuExecutor::new(set.as_ref().clone()), set, grams, ready: ReadyRequests::new() }
+        Self {
+            executor: CpuExecutor::new(set.as_ref().clone()),
+            set,
+            grams,
+            ready: ReadyRequests::new(ready_bytes),
+        }
     }
 
     /// Basis functions that a request takes.

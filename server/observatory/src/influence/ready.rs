@@ -19,8 +19,6 @@ use skyglow_render::{
 };
 use std::{sync::Arc, time::Duration};
 
-/// Bytes kept in all.
-const KEPT_BYTES: u64 = 128 << 20;
 /// How long what nobody asks for is kept.
 const KEPT_WHILE_IDLE: Duration = Duration::from_secs(600);
 
@@ -59,9 +57,10 @@ type RequestKey = (usize, PackKind, [u64; 2 + LOBE_COUNT + BAND_COUNT], Option<u
 pub(super) struct ReadyRequests(Cache<(RequestKey, Option<RequestKey>), Arc<ReadyRequest>>);
 
 impl ReadyRequests {
-    pub(super) fn new() -> Self {
+    /// * `most_bytes`: of all together.
+    pub(super) fn new(most_bytes: u64) -> Self {
         let weigh = |_: &_, ready: &Arc<ReadyRequest>| u32::try_from(ready.bytes).unwrap_or(u32::MAX);
-        Self(Cache::builder().max_capacity(KEPT_BYTES).weigher(weigh).time_to_idle(KEPT_WHILE_IDLE).build())
+        Self(Cache::builder().max_capacity(most_bytes).weigher(weigh).time_to_idle(KEPT_WHILE_IDLE).build())
     }
 
     /// A request, and the sky that it is seen in if one is asked for: made ready, or as it was before.
@@ -157,7 +156,7 @@ mod tests {
     #[test]
     fn a_request_is_made_ready_once() {
         let set = TableSet::new(synthetic::table_set(&[1.5, 2.5, 3.5], 8)).unwrap();
-        let (executor, kept) = (CpuExecutor::new(set.clone()), ReadyRequests::new());
+        let (executor, kept) = (CpuExecutor::new(set.clone()), ReadyRequests::new(1 << 30));
         let get = |request: &RenderRequest, sky: Option<&RenderRequest>| {
             kept.get(request, sky, &set, &executor).unwrap()
         };

@@ -149,17 +149,7 @@ impl Executor for CpuExecutor {
     }
 
     fn resident_bytes(&self) -> u64 {
-        let tables: usize = self
-            .set
-            .tables()
-            .iter()
-            .map(|pack| {
-                let blocked = pack.blocked.as_ref();
-                4 * (pack.log_scale.len() + blocked.map_or(0, |blocked| blocked.log_scale.len()))
-                    + 2 * (pack.shape.len() + blocked.map_or(0, |blocked| blocked.shape.len()))
-                    + 4 * pack.basis_spectrum.len()
-            })
-            .sum();
+        let tables: usize = self.set.tables().iter().map(|pack| pack.byte_count()).sum();
         tables as u64 + self.basis.iter().map(BlockedBasis::bytes).sum::<u64>()
     }
 
