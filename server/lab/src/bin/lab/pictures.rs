@@ -72,9 +72,9 @@ pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
         }
         let name = projection.name();
         let size = projection.default_raster_size_px();
-        let floats = timed(&format!("{name} raster"), || {
-            raster(&sky, &Horizon::flat(), projection, size, Sky::Artificial)
-        })?;
+        // Pixels are found as they are encoded.
+        let flat = Horizon::flat();
+        let floats = raster(&sky, &flat, projection, size, Sky::Artificial)?;
         std::fs::write(
             folder.join(format!("{name}.exr")),
             timed(&format!("{name} EXR"), || encode_exr(&floats, &Notes::default()))?,
