@@ -137,11 +137,12 @@ impl From<ObservatoryError> for AppError {
     fn from(error: ObservatoryError) -> Self {
         match error {
             ObservatoryError::Render(error) => of_render(error),
-            ObservatoryError::Emission(error) => Self::parameter(
+            // What the request itself asks for was checked when it was read.
+            ObservatoryError::Emission(_) => Self::parameter(
                 EMISSION_KEEP.name,
                 EmissionKeep::NadirRadiance.name().to_owned(),
                 "flux, or a scenario whose lights all have 0.01 or more of lambert".to_owned(),
-                error.to_string(),
+                "lights of the scenario have too little light at the nadir to say their flux".to_owned(),
                 ValidationCode::Conflict,
             ),
             ObservatoryError::OutsideScene { .. } => Self::internal("a place was checked without a place"),

@@ -55,7 +55,7 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
         Sky::Total => "artificial light with the natural sky",
     };
     let mut words = format!(
-        "Sky at {:.5}, {:.5} from {:.0} m: {light}; scene {}, turbidity {}, scattering {}, lamp {}, coverage {:.2}",
+        "Sky at {:.5}, {:.5} from {:.0} m: {light}; scene {}, turbidity {}, scattering {}, lamp {}, emission {}, coverage {:.2}",
         observer.latitude_deg,
         observer.longitude_deg,
         observer.altitude_m,
@@ -63,6 +63,7 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
         assumptions.turbidity,
         assumptions.scattering,
         assumptions.lamp.preset.as_deref().unwrap_or("custom"),
+        assumptions.emission.preset.as_deref().unwrap_or("custom"),
         assumptions.coverage,
     );
     if assumptions.clouds != "none" {

@@ -243,7 +243,7 @@ export const english = {
     noClouds: "none, a clear sky",
     closedClouds: (baseM: number) => `closed, from ${baseM} m up`,
     lamps: "Lamps",
-    emission: "How they send it",
+    emission: "Light sent",
     emissionShares: "Shares of their light",
     directUplight: "Straight above the horizon",
     groundReflectance: "Of the rest, back from the ground",
@@ -268,9 +268,9 @@ export const english = {
     mercury: "mercury vapour",
   },
   emissions: {
-    modern_city: "lanterns of today: little near the horizon",
-    garstang_1986: "as in 1986: much near the horizon",
-    full_cutoff: "shielded: none near the horizon",
+    modern_city: "modern: little to the horizon",
+    garstang_1986: "of 1986: much to the horizon",
+    full_cutoff: "shielded: none to the horizon",
   },
   scatterings: {
     multiple: "all orders",

@@ -241,7 +241,7 @@ export const german: Words = {
     emission: "Abstrahlung",
     emissionShares: "Anteile ihres Lichts",
     directUplight: "Direkt über den Horizont",
-    groundReflectance: "Vom Rest zurück vom Boden",
+    groundReflectance: "Vom Rest wirft der Boden zurück",
     emissionKeep: "Der Satellit sagt von einem Licht",
     keepFlux: "seinen Lichtstrom",
     keepNadirRadiance: "was es senkrecht nach oben sendet",
@@ -262,8 +262,8 @@ export const german: Words = {
     mercury: "Quecksilberdampf",
   },
   emissions: {
-    modern_city: "Leuchten von heute: wenig zum Horizont",
-    garstang_1986: "wie 1986: viel zum Horizont",
+    modern_city: "modern: wenig zum Horizont",
+    garstang_1986: "von 1986: viel zum Horizont",
     full_cutoff: "abgeschirmt: keines zum Horizont",
   },
   scatterings: {

@@ -62,7 +62,7 @@ async fn every_file_carries_its_assumptions() {
             "\"coverage\":",
             "\"local_optical_depth\":[",
             "\"calibration\":1.0",
-            "artificial light alone; scene demo, turbidity 3.25, scattering single, lamp hps",
+            "artificial light alone; scene demo, turbidity 3.25, scattering single, lamp hps, emission full_cutoff",
         ] {
             assert!(says(&file, words), "{format}: {words}");
         }

@@ -125,3 +125,29 @@ async fn a_scenario_builds_on_another() {
     let ratio = number(&site["radiance_nw_cm2_sr"]) / number(&site_before["radiance_nw_cm2_sr"]);
     assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
 }
+
+/// With the radiance at the nadir kept, skies are brighter by 1/(weight of lambert), and lights that are dark there are refused.
+#[tokio::test]
+async fn lights_dark_at_the_nadir_are_refused() {
+    let server = EndToEnd::shared().await;
+    let town = server.town().await;
+    let zenith_of = |sky: &Value| number(&sky["sky"]["zenith_luminance_cd_m2"]);
+    let path = |more: &str| format!("/api/v1/scenes/demo/sky?{}{more}", town.query);
+    let kept = "&emission_keep=nadir_radiance";
+    let (flux, (_, nadir)) = (server.sky(&town.query).await, server.json(&path(kept)).await);
+    assert_eq!(
+        (&flux["emission"]["preset"], &flux["emission"]["keep"]),
+        (&json!("modern_city"), &json!("flux"))
+    );
+    assert!(
+        (zenith_of(&nadir) / zenith_of(&flux) / number(&nadir["emission"]["flux_factor"]) - 1.0).abs() < 1e-5
+    );
+    let (lat, lon) = (town.latitude_deg, town.longitude_deg);
+    let edit = json!({"brush": {"points": [[lon, lat]], "radius_m": 2000}, "emission": [0, 1, 0]});
+    let (_, painted) = server.post("scenarios", &json!({"edits": [edit]})).await;
+    let scenario = format!("&scenario={}", painted["id"].as_str().unwrap());
+    assert_eq!(server.json(&path(&scenario)).await.0, 200);
+    let (status, problem) = server.json(&path(&format!("{scenario}{kept}"))).await;
+    assert_eq!((status, &problem["errors"][0]["parameter"]), (400, &json!("emission_keep")), "{problem}");
+    assert_eq!(problem["errors"][0]["code"], "conflict");
+}
